@@ -112,26 +112,15 @@ impl Clone for Frame {
     }
 
     fn clone_from(&mut self, of: &Self) {
-        let Frame {
-            time_ns,
-            segment,
-            q,
-            theta,
-            dq,
-            tau_el,
-            tau_m,
-            tau_ext,
-            temperature_c,
-        } = of;
-        self.time_ns = *time_ns;
-        self.segment = *segment;
-        self.q.clone_from(q);
-        self.theta.clone_from(theta);
-        self.dq.clone_from(dq);
-        self.tau_el.clone_from(tau_el);
-        self.tau_m.clone_from(tau_m);
-        self.tau_ext.clone_from(tau_ext);
-        self.temperature_c = *temperature_c;
+        self.time_ns = of.time_ns;
+        self.segment = of.segment;
+        self.q.clone_from(&of.q);
+        self.theta.clone_from(&of.theta);
+        self.dq.clone_from(&of.dq);
+        self.tau_el.clone_from(&of.tau_el);
+        self.tau_m.clone_from(&of.tau_m);
+        self.tau_ext.clone_from(&of.tau_ext);
+        self.temperature_c = of.temperature_c;
     }
 }
 
@@ -208,22 +197,8 @@ impl Quantities {
         }
     }
 
-    /// Whether a quantity is in the set.
-    pub fn has(&self, quantity: Quantity) -> bool {
+    fn place(&mut self, quantity: Quantity) -> &mut bool {
         match quantity {
-            Quantity::Q => self.q,
-            Quantity::Theta => self.theta,
-            Quantity::Dq => self.dq,
-            Quantity::TauEl => self.tau_el,
-            Quantity::TauM => self.tau_m,
-            Quantity::TauExt => self.tau_ext,
-            Quantity::Temperature => self.temperature,
-        }
-    }
-
-    /// Puts a quantity into the set.
-    pub fn insert(&mut self, quantity: Quantity) {
-        let place = match quantity {
             Quantity::Q => &mut self.q,
             Quantity::Theta => &mut self.theta,
             Quantity::Dq => &mut self.dq,
@@ -231,8 +206,17 @@ impl Quantities {
             Quantity::TauM => &mut self.tau_m,
             Quantity::TauExt => &mut self.tau_ext,
             Quantity::Temperature => &mut self.temperature,
-        };
-        *place = true;
+        }
+    }
+
+    /// Whether a quantity is in the set.
+    pub fn has(mut self, quantity: Quantity) -> bool {
+        *self.place(quantity)
+    }
+
+    /// Puts a quantity into the set.
+    pub fn insert(&mut self, quantity: Quantity) {
+        *self.place(quantity) = true;
     }
 
     /// The quantities in the set, in storage order.

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use sinew_log::{
-    Arrays, CsvWriter, Format, Frame, FrameWriter, OpenOptions, Quantities, Quantity, Recording,
+    Arrays, Format, Frame, FrameWriter, OpenOptions, Quantities, Quantity, Recording, RowWriter,
     open,
 };
 use std::path::Path;
@@ -92,7 +92,7 @@ fn opened(held: Held) -> Result<Recording, sinew_log::LogError> {
 }
 
 fn csv(path: &Path, held: &Held) -> Recording {
-    let mut writer = CsvWriter::create(path, &held.joints, held.quantities).unwrap();
+    let mut writer = RowWriter::create(path, &held.joints, held.quantities).unwrap();
     for frame in held.frames.iter() {
         writer.write(frame).unwrap();
     }

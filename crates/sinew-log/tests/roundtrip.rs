@@ -4,8 +4,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sinew_log::{
-    Compression, CsvWriter, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities,
-    Quantity, open,
+    Compression, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities, Quantity,
+    RowWriter, open,
 };
 
 fn all_quantities() -> Quantities {
@@ -155,7 +155,7 @@ fn a_writer_dropped_before_the_end_leaves_nothing() {
     }
     drop(writer);
     let path = folder.path().join("a.csv");
-    drop(CsvWriter::create(&path, &names(1), Quantities::positions()).unwrap());
+    drop(RowWriter::create(&path, &names(1), Quantities::positions()).unwrap());
     assert_eq!(beside().count(), 0);
 }
 
@@ -163,7 +163,7 @@ fn a_writer_dropped_before_the_end_leaves_nothing() {
 fn a_frame_of_the_wrong_length_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
-    let mut writer = CsvWriter::create(&path, &names(2), Quantities::positions()).unwrap();
+    let mut writer = RowWriter::create(&path, &names(2), Quantities::positions()).unwrap();
     let error = writer.write(&Frame::new(3)).unwrap_err().to_string();
     assert!(error.contains("3 values of q for 2 joints"), "{error}");
 }
@@ -196,7 +196,7 @@ proptest! {
 
         let path = folder.path().join("a.csv");
         let mut writer: Box<dyn FrameWriter> =
-            Box::new(CsvWriter::create(&path, &names(n), all_quantities()).unwrap());
+            Box::new(RowWriter::create(&path, &names(n), all_quantities()).unwrap());
         for frame in &frames {
             writer.write(frame).unwrap();
         }

@@ -3,7 +3,7 @@
 use ::parquet::file::reader::{FileReader as _, SerializedFileReader};
 use ::parquet::record::Field;
 use sinew_log::{Cell, CellKind, Frame, FrameWriter as _, OpenOptions, Quantities, Table};
-use sinew_log::{ParquetWriter, TableWriter};
+use sinew_log::{RowWriter, TableWriter};
 use std::fs::File;
 
 /// Numbers that are hard to write: tiny, huge, no finite decimal.
@@ -108,7 +108,7 @@ fn a_recording_as_parquet_reads_back_as_written() {
             frame
         })
         .collect();
-    let mut writer = ParquetWriter::create(&path, &joints, quantities).unwrap();
+    let mut writer = RowWriter::create_parquet(&path, &joints, quantities).unwrap();
     for frame in &frames {
         writer.write(frame).unwrap();
     }

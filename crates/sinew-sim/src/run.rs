@@ -7,8 +7,8 @@ use super::simulation::Simulation;
 use super::truth::Truth;
 use sinew_files::AtomicFile;
 use sinew_log::{
-    Compression, CsvWriter, Format, Frame, FrameWriter, LogError, McapOptions, McapWriter,
-    ParquetWriter, Quantities,
+    Compression, Format, Frame, FrameWriter, LogError, McapOptions, McapWriter, Quantities,
+    RowWriter,
 };
 use sinew_model::robot::Robot;
 use std::fs::File;
@@ -191,10 +191,12 @@ fn writer(
                 ..McapOptions::default()
             },
         )?),
-        Some(Format::Csv) => Box::new(CsvWriter::create(&options.out, &joints, quantities)?),
-        Some(Format::Parquet) => {
-            Box::new(ParquetWriter::create(&options.out, &joints, quantities)?)
-        }
+        Some(Format::Csv) => Box::new(RowWriter::create(&options.out, &joints, quantities)?),
+        Some(Format::Parquet) => Box::new(RowWriter::create_parquet(
+            &options.out,
+            &joints,
+            quantities,
+        )?),
         _ => {
             return Err(SimulateError::Format {
                 file: options.out.display().to_string(),

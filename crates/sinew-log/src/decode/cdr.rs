@@ -11,38 +11,19 @@
 pub(crate) const ENCAPSULATION: usize = 4;
 
 /// Why a payload is not the message it should be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// Neither plain big- nor little-endian CDR.
+    #[error("CDR representation {0:#04x}, plain CDR (0 or 1) is read")]
     Representation(u8),
     /// The payload ends before the value does.
+    #[error("payload ends at byte {at}, where {wanted} bytes more are announced")]
     Short {
         /// Where it ends.
         at: usize,
         /// Bytes announced beyond.
         wanted: u64,
     },
-}
-
-impl std::error::Error for DecodeError {}
-
-impl std::fmt::Display for DecodeError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            DecodeError::Representation(kind) => {
-                write!(
-                    f,
-                    "CDR representation {kind:#04x}, plain CDR (0 or 1) is read"
-                )
-            }
-            DecodeError::Short { at, wanted } => {
-                write!(
-                    f,
-                    "payload ends at byte {at}, where {wanted} bytes more are announced"
-                )
-            }
-        }
-    }
 }
 
 /// A place in a payload. Alignment counts from the end of the encapsulation header.

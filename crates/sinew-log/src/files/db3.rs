@@ -1,9 +1,9 @@
 //! ROS 2 bags that are SQLite files: a table of topics, a table of messages.
 
+use std::collections::BTreeMap;
 use std::io::{Error, Result};
 use std::path::Path;
 
-use mcap::records::Channel;
 use rusqlite::{Connection, OpenFlags, params};
 
 use super::mcap::BagReader;
@@ -26,12 +26,9 @@ pub(super) struct Db3 {
     _kept: Box<dyn ReadSeek>,
     bytes: u64,
     limit: usize,
-    topics: Vec<Channel>,
-    schemas: Vec<String>,
+    topics: BTreeMap<u16, Topic>,
     first_ns: i64,
     last_ns: i64,
-    /// Definitions handed out: a schema and a channel each.
-    defined: usize,
     batch: Vec<Row>,
     at: usize,
     /// Time and number of the last message fetched.
@@ -64,20 +61,20 @@ impl Db3 {
     fn open(kept: Box<dyn ReadSeek>, path: &Path, limit: usize) -> rusqlite::Result<Self> {
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let bag = Connection::open_with_flags(path, flags)?;
-        let (mut topics, mut schemas) = (Vec::new(), Vec::new());
+        let mut topics = BTreeMap::new();
         let text = "SELECT id, name, type, serialization_format FROM topics ORDER BY id";
         let mut statement = bag.prepare(text)?;
         let mut rows = statement.query([])?;
         while let Some(row) = rows.next()? {
-            let id: u16 = row.get(0)?;
-            topics.push(Channel {
-                id,
-                schema_id: id,
-                topic: row.get(1)?,
-                message_encoding: row.get(3)?,
-                metadata: Default::default(),
-            });
-            schemas.push(row.get(2)?);
+            let topic = Topic {
+                name: row.get(1)?,
+                schema: row.get(2)?,
+                encoding: row.get(3)?,
+                // Not counted: that would read the whole file.
+                messages: u64::MAX,
+                joints: Vec::new(),
+            };
+            topics.insert(row.get(0)?, topic);
         }
         drop(rows);
         drop(statement);
@@ -91,10 +88,8 @@ impl Db3 {
             bytes: std::fs::metadata(path).map_or(0, |file| file.len()),
             limit,
             topics,
-            schemas,
             first_ns,
             last_ns,
-            defined: 0,
             batch: Vec::new(),
             at: 0,
             fetched: (i64::MIN, i64::MIN),
@@ -140,18 +135,6 @@ impl Messages for Db3 {
     const FORMAT: Format = Format::Db3;
 
     fn next(&mut self, health: &mut Health) -> Result<Item> {
-        if self.defined < 2 * self.topics.len() {
-            let topic = self.defined / 2;
-            self.defined += 1;
-            let channel = self.topics[topic].clone();
-            return Ok(match self.defined % 2 {
-                1 => Item::Schema {
-                    id: channel.schema_id,
-                    name: self.schemas[topic].clone(),
-                },
-                _ => Item::Channel(channel),
-            });
-        }
         // Before the first batch nothing has been met.
         self.at += usize::from(!self.batch.is_empty());
         if self.at >= self.batch.len() && !self.ended {
@@ -179,24 +162,15 @@ impl Messages for Db3 {
     }
 
     fn summary(&mut self) -> Result<Option<Summary>> {
-        let mut summary = Summary::default();
-        for (topic, schema) in self.topics.iter().zip(&self.schemas) {
-            let listed = Topic {
-                name: topic.topic.clone(),
-                schema: schema.clone(),
-                encoding: topic.message_encoding.clone(),
-                // Not counted: that would read the whole file.
-                messages: u64::MAX,
-                joints: Vec::new(),
-            };
-            summary.topics.insert(topic.id, listed);
-        }
-        Ok(Some(summary))
+        Ok(Some(Summary {
+            topics: self.topics.clone(),
+            chunks: Vec::new(),
+        }))
     }
 
     fn rewind(&mut self) -> Result<()> {
         self.batch.clear();
-        (self.defined, self.at, self.ended) = (0, 0, false);
+        (self.at, self.ended) = (0, false);
         self.fetched = (i64::MIN, i64::MIN);
         Ok(())
     }

@@ -37,22 +37,18 @@ pub(super) fn open_reader(
     path: Option<&Path>,
 ) -> Result<Box<dyn Reader>, LogError> {
     let io = |source| LogError::io(name, "read", source);
-    let mut magic = [0_u8; 8];
-    let mut got = 0;
-    while got < magic.len() {
-        match reader.read(&mut magic[got..]) {
-            Ok(0) => break,
-            Ok(read) => got += read,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(io(error)),
-        }
-    }
+    let mut magic = Vec::new();
+    reader
+        .by_ref()
+        .take(8)
+        .read_to_end(&mut magic)
+        .map_err(io)?;
     reader.seek(SeekFrom::Start(0)).map_err(io)?;
     let refuse = |reason: String| LogError::refused(name, reason);
-    if got == 0 {
+    if magic.is_empty() {
         return Err(refuse("the file is empty".to_owned()));
     }
-    let magic = &magic[..got];
+    let magic = &magic[..];
     if magic.starts_with(ZSTD_MAGIC) {
         let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
         let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));

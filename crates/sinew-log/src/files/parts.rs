@@ -27,16 +27,29 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
         return Ok(vec![path.to_path_buf()]);
     };
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
-    let found = named(parent.unwrap_or(Path::new(".")), |name| {
-        matches(&pattern, name)
-    })?;
+    let parent = parent.unwrap_or(Path::new("."));
+    let found = named(parent, |name| matches(&pattern, name))?;
+    some(found, || {
+        LogError::request(&path.display().to_string(), "no file has such a name")
+    })
+}
+
+/// What was found, unless that is nothing.
+fn some(found: Vec<PathBuf>, or: impl FnOnce() -> LogError) -> Result<Vec<PathBuf>, LogError> {
     match found.is_empty() {
-        true => Err(LogError::request(
-            &path.display().to_string(),
-            "no file has such a name",
-        )),
+        true => Err(or()),
         false => Ok(found),
     }
+}
+
+/// A folder in which nothing is a recording.
+fn no_recording(folder: &Path) -> LogError {
+    let reason = format!("no recording in this folder: no {}", ENDINGS.join(", "));
+    LogError::refused(&folder.display().to_string(), reason)
+}
+
+fn is_recording(name: &str) -> bool {
+    ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
 /// The recordings that `path` stands for where each is one of its own: those a pattern fits, or those of a folder that
@@ -54,27 +67,14 @@ pub fn recordings_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     if is_bag(path) {
         return Ok(vec![path.to_path_buf()]);
     }
-    let name = path.display().to_string();
-    let entries = std::fs::read_dir(path).map_err(|e| LogError::io(&name, "read", e))?;
-    let entries = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
-    let is_recording = |path: &PathBuf| {
-        let name = path.to_string_lossy();
-        is_bag(path) || path.is_file() && ENDINGS.iter().any(|end| name.ends_with(end))
-    };
-    let mut found: Vec<PathBuf> = entries.filter(is_recording).collect();
-    found.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));
-    match found.is_empty() {
-        true => Err(LogError::refused(
-            &name,
-            format!("no recording in this folder: no {}", ENDINGS.join(", ")),
-        )),
-        false => Ok(found),
-    }
+    let found = entries(path, |path, name| {
+        is_bag(path) || path.is_file() && is_recording(name)
+    })?;
+    some(found, || no_recording(path))
 }
 
 /// The recordings of a folder: those its `metadata.yaml` names (a ROS 2 bag), else all.
 fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
-    let name = path.display().to_string();
     if path.join(INFO).is_file() {
         return data_set(path);
     }
@@ -84,38 +84,24 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
             return Ok(listed.iter().map(|file| path.join(file)).collect());
         }
     }
-    let found = named(path, |name| {
-        ENDINGS.iter().any(|ending| name.ends_with(ending))
-    })?;
-    match found.is_empty() {
-        true => Err(LogError::refused(
-            &name,
-            format!("no recording in this folder: no {}", ENDINGS.join(", ")),
-        )),
-        false => Ok(found),
-    }
+    some(named(path, is_recording)?, || no_recording(path))
 }
 
 /// The episodes of a LeRobot data set: `data/*/*.parquet`.
 fn data_set(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     let data = path.join("data");
-    let mut chunks: Vec<PathBuf> = std::fs::read_dir(&data)
-        .map_err(|source| LogError::io(&data.display().to_string(), "read", source))?
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|path| path.is_dir())
-        .collect();
+    let mut chunks = entries(&data, |path, _| path.is_dir())?;
     chunks.sort();
     let mut found = Vec::new();
     for chunk in &chunks {
         found.extend(named(chunk, |name| name.ends_with(".parquet"))?);
     }
-    match found.is_empty() {
-        true => Err(LogError::refused(
+    some(found, || {
+        LogError::refused(
             &data.display().to_string(),
             "a LeRobot data set without an episode: no .parquet",
-        )),
-        false => Ok(found),
-    }
+        )
+    })
 }
 
 /// `relative_file_paths` of a bag's metadata.
@@ -131,13 +117,18 @@ fn bag_files(metadata: &str) -> Vec<String> {
 
 /// Files of a folder by their names, numbers in order.
 fn named(folder: &Path, is: impl Fn(&str) -> bool) -> Result<Vec<PathBuf>, LogError> {
+    entries(folder, |path, name| path.is_file() && is(name))
+}
+
+/// What of a folder is meant, by path and name; numbers in order.
+fn entries(folder: &Path, is: impl Fn(&Path, &str) -> bool) -> Result<Vec<PathBuf>, LogError> {
     let entries = std::fs::read_dir(folder)
         .map_err(|source| LogError::io(&folder.display().to_string(), "read", source))?;
     let mut found: Vec<PathBuf> = entries
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
         .filter(|path| {
             let name = path.file_name().map(|name| name.to_string_lossy());
-            path.is_file() && name.is_some_and(|name| is(&name))
+            name.is_some_and(|name| is(path, &name))
         })
         .collect();
     found.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));

@@ -1,11 +1,11 @@
 //! What there is to watch: topics, joints, and which of them look like a robot.
 
+use super::TopicId;
 use super::choose::{Wishes, choose_so_far};
 use super::joints::joints_of;
 use super::names::Names;
-use super::seen::{Seen, topics_of};
+use super::seen::{Announced, topics_of};
 use super::survey::{Survey, Topic, description, is_description_topic};
-use super::{TOPICS_MOST, TopicId};
 use crate::decode::MessageKind;
 use crate::error::Ambiguity;
 use crate::frame::Quantity;
@@ -18,8 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Topics of a network as they are met, for somebody who doesn't know yet what to watch.
 #[derive(Debug, Default)]
 pub struct Census {
-    survey: Survey,
-    seen: Vec<Seen>,
+    announced: Announced,
     /// Namespace and text.
     descriptions: BTreeMap<String, String>,
 }
@@ -55,21 +54,7 @@ pub struct JointInfo {
 impl Census {
     /// Announces a topic of any type; `None`: there are too many already.
     pub fn topic(&mut self, name: &str, schema: &str) -> Option<TopicId> {
-        let is_same = |topic: &Topic| topic.name == name && topic.schema == schema;
-        let known = self.survey.topics.iter().find(|(_, topic)| is_same(topic));
-        if let Some((id, _)) = known {
-            return Some(TopicId(*id));
-        }
-        let id = self.survey.topics.len();
-        if id >= TOPICS_MOST {
-            return None;
-        }
-        let topic = Topic::live(name, schema);
-        let mut seen = Seen::default();
-        seen.describe(&topic);
-        self.seen.push(seen);
-        self.survey.topics.insert(id as u16, topic);
-        Some(TopicId(id as u16))
+        self.announced.topic(name, schema).map(|(id, _)| id)
     }
 
     /// Whether a look into messages of this type tells more: joints, interfaces, a robot's description.
@@ -79,26 +64,18 @@ impl Census {
 
     /// A message and when it was received, ns.
     pub fn push(&mut self, topic: TopicId, cdr: &[u8], received_ns: i64) {
-        let Some(seen) = self.seen.get_mut(usize::from(topic.0)) else {
-            return;
-        };
-        seen.message(u64::try_from(received_ns).unwrap_or(0));
-        if seen.is_description() {
-            if let Some(text) = description(cdr) {
-                let namespace = namespace_of(&seen.topic).to_owned();
-                self.descriptions.insert(namespace, text);
-            }
-            return;
-        }
-        self.survey.message(topic.0, cdr);
-        if let Some(topic) = self.survey.topics.get(&topic.0) {
-            seen.describe(topic);
+        let seen = self.announced.message(topic, cdr, received_ns);
+        if let Some(seen) = seen.filter(|seen| seen.is_description())
+            && let Some(text) = description(cdr)
+        {
+            let namespace = namespace_of(&seen.topic).to_owned();
+            self.descriptions.insert(namespace, text);
         }
     }
 
     /// Every topic with its type, its rate, and what it would be taken for in its namespace.
     pub fn topics(&self) -> Vec<TopicInfo> {
-        let mut topics = topics_of(&self.seen, &Names::default());
+        let mut topics = topics_of(&self.announced.seen, &Names::default());
         for robot in self.robots() {
             for topic in &mut topics {
                 let is = |side: &Option<String>| side.as_ref() == Some(&topic.name);
@@ -114,7 +91,7 @@ impl Census {
 
     /// Namespaces that hold joint states.
     pub fn robots(&self) -> Vec<RobotFound> {
-        let states = self.survey.topics.values();
+        let states = self.announced.survey.topics.values();
         let states = states.filter(|topic| MessageKind::of_schema(&topic.schema).is_some());
         let namespaces: BTreeSet<&str> = states.map(|topic| namespace_of(&topic.name)).collect();
         let all = namespaces.into_iter();
@@ -123,7 +100,7 @@ impl Census {
 
     fn robot(&self, namespace: &str) -> RobotFound {
         let here = |topic: &&Topic| namespace_of(&topic.name) == namespace;
-        let topics = self.survey.topics.values().filter(here).cloned();
+        let topics = self.announced.survey.topics.values().filter(here).cloned();
         let survey = Survey {
             topics: (0..).zip(topics).collect(),
             ..Survey::default()

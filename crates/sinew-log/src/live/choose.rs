@@ -4,7 +4,7 @@ use super::names::Names;
 use super::survey::{Survey, Topic};
 use crate::decode::MessageKind;
 use crate::error::{Ambiguity, LogError};
-use crate::mapping::{JointEffort, Mapping};
+use crate::mapping::{JointEffort, Mapping, McapMap};
 use crate::options::OpenOptions;
 use crate::sources::TopicUse;
 use sinew_files::names::{hint, list};
@@ -62,35 +62,31 @@ impl Wishes {
             false => format!("{namespace}/{name}"),
         };
         let defaults = OpenOptions::default();
-        let mapped = options.mapping.as_ref().map(|mapping| &mapping.mcap);
-        let name = |given: &String, default: &String, mapped: Option<&String>| {
-            if given == default {
-                mapped.unwrap_or(given).clone()
-            } else {
-                given.clone()
-            }
+        let none = McapMap::default();
+        let mapped = options
+            .mapping
+            .as_ref()
+            .map_or(&none, |mapping| &mapping.mcap);
+        let name = |given: &String, default: &String, mapped: &Option<String>| {
+            let mapped = mapped.as_ref().filter(|_| given == default);
+            mapped.unwrap_or(given).clone()
+        };
+        let topic = |given: &Option<String>, mapped: &Option<String>| {
+            given.as_ref().or(mapped.as_ref()).cloned().map(full)
         };
         let external = name(
             &options.external_torque_topic,
             &defaults.external_torque_topic,
-            mapped.and_then(|m| m.external_torque_topic.as_ref()),
+            &mapped.external_torque_topic,
         );
         let motor_interface = name(
             &options.motor_interface,
             &defaults.motor_interface,
-            mapped.and_then(|m| m.motor_interface.as_ref()),
+            &mapped.motor_interface,
         );
         Wishes {
-            joint: options
-                .joint_state_topic
-                .clone()
-                .or_else(|| mapped.and_then(|m| m.joint_state_topic.clone()))
-                .map(full),
-            motor: options
-                .motor_topic
-                .clone()
-                .or_else(|| mapped.and_then(|m| m.motor_topic.clone()))
-                .map(full),
+            joint: topic(&options.joint_state_topic, &mapped.joint_state_topic),
+            motor: topic(&options.motor_topic, &mapped.motor_topic),
             external: match external == defaults.external_torque_topic {
                 true => format!("{namespace}{external}"),
                 false => full(external),
@@ -101,14 +97,14 @@ impl Wishes {
             motor_effort_interface: name(
                 &options.motor_effort_interface,
                 &defaults.motor_effort_interface,
-                mapped.and_then(|m| m.motor_effort_interface.as_ref()),
+                &mapped.motor_effort_interface,
             ),
             temperature_interface: name(
                 &options.temperature_interface,
                 &defaults.temperature_interface,
-                mapped.and_then(|m| m.temperature_interface.as_ref()),
+                &mapped.temperature_interface,
             ),
-            joint_effort: match mapped.and_then(|m| m.joint_effort) {
+            joint_effort: match mapped.joint_effort {
                 Some(effort) if options.joint_effort == JointEffort::default() => effort,
                 _ => options.joint_effort,
             },

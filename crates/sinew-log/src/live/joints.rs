@@ -1,11 +1,12 @@
 //! Which joints a recording holds, and what is recorded of each.
 
-use super::names::{Names, Role};
+use super::names::Names;
 use super::survey::{Fields, Survey};
 use crate::decode::Field;
 use crate::error::LogError;
 use crate::frame::{Channels, Quantities, Quantity};
 use crate::mapping::{JointMap, Mapping};
+use crate::sources::TopicUse;
 use sinew_files::names::{hint, list};
 
 pub(crate) type Joints = (Vec<String>, Channels, Vec<Vec<u8>>);
@@ -17,15 +18,10 @@ pub(crate) fn joints_of(
     mapping: &Mapping,
     file: &str,
 ) -> Result<Joints, LogError> {
-    let roles = [
-        (Role::Joint, names.joint_topic.as_ref()),
-        (Role::Motor, names.motor_topic.as_ref()),
-        (Role::External, names.external_topic.as_ref()),
-    ];
     // Recorded name on its side, and what it has there.
-    let mut found: Vec<(Role, String, Quantities)> = Vec::new();
+    let mut found: Vec<(TopicUse, String, Quantities)> = Vec::new();
     let mut known = Vec::new();
-    for (role, topic_name) in roles {
+    for (role, topic_name) in names.sides() {
         let topics = survey
             .topics
             .values()
@@ -69,7 +65,7 @@ pub(crate) fn joints_of(
         let motor = mapped.map_or(joint.as_str(), JointMap::motor_recorded_name);
         let mut all = Quantities::default();
         for (role, name, quantities) in &found {
-            let wanted = if *role == Role::Motor {
+            let wanted = if *role == TopicUse::MotorSide {
                 motor
             } else {
                 recorded
@@ -86,7 +82,7 @@ pub(crate) fn joints_of(
     Ok((joints, channels, known))
 }
 
-fn quantities_of(role: Role, fields: &Fields, names: &Names) -> Quantities {
+fn quantities_of(role: TopicUse, fields: &Fields, names: &Names) -> Quantities {
     let mut quantities = Quantities::default();
     let plain = [
         (fields.position, Field::Position),

@@ -88,11 +88,10 @@ use crate::mapping::Mapping;
 use crate::options::{OpenOptions, check_options};
 use crate::sources::{SignalSource, TopicInfo, TopicUse};
 use choose::{check_mapping, choose_so_far};
-use names::Names;
 use samples::Samples;
-use seen::{Seen, topics_of};
+use seen::{Announced, Seen, topics_of};
 use sinew_files::names::{hint, list};
-use survey::{NAMED_MESSAGES, Survey, Topic, description};
+use survey::{Survey, description};
 
 /// Most topics that are looked at: whoever may announce topics may announce many.
 pub const TOPICS_MOST: usize = 1024;
@@ -159,9 +158,7 @@ pub const OVERLOOKED_MOST: usize = 16;
 pub struct Live {
     filter: TopicFilter,
     joints: Vec<String>,
-    survey: Survey,
-    /// At the topics' numbers.
-    seen: Vec<Seen>,
+    announced: Announced,
     samples: Samples,
     joiner: Joiner,
     health: Health,
@@ -216,8 +213,7 @@ impl Live {
         Ok(Live {
             filter,
             joints: joints.clone(),
-            survey: Survey::default(),
-            seen: Vec::new(),
+            announced: Announced::default(),
             samples,
             joiner,
             health: Health::default(),
@@ -240,46 +236,29 @@ impl Live {
             }
             return None;
         }
-        let is_same = |topic: &Topic| topic.name == name && topic.schema == schema;
-        let known = self.survey.topics.iter().find(|(_, topic)| is_same(topic));
-        if let Some((id, _)) = known {
-            return Some(TopicId(*id));
-        }
-        let id = self.survey.topics.len();
-        if id >= TOPICS_MOST {
+        let Some((id, is_new)) = self.announced.topic(name, schema) else {
             self.topics_refused += 1;
             return None;
+        };
+        if is_new {
+            self.choose();
         }
-        let topic = Topic::live(name, schema);
-        let mut seen = Seen::default();
-        seen.describe(&topic);
-        self.seen.push(seen);
-        self.survey.topics.insert(id as u16, topic);
-        self.choose();
-        Some(TopicId(id as u16))
+        Some(id)
     }
 
     /// Chooses anew among the topics there are.
     fn choose(&mut self) {
-        let (names, ambiguous) = choose_so_far(&self.survey, self.filter.wishes());
+        let (names, ambiguous) = choose_so_far(&self.announced.survey, self.filter.wishes());
         self.ambiguous = ambiguous;
-        let sides = |names: &Names| {
-            [
-                &names.joint_topic,
-                &names.motor_topic,
-                &names.external_topic,
-            ]
-            .map(Option::clone)
-        };
         let before = self.samples.names();
-        if sides(before) == sides(&names) {
+        if before.sides() == names.sides() {
             return;
         }
         if before.joint_topic != names.joint_topic {
             self.joiner.release();
         }
         self.samples.rename(names, &mut self.joiner);
-        for (id, topic) in &self.survey.topics {
+        for (id, topic) in &self.announced.survey.topics {
             if let Some(kind) = MessageKind::of_schema(&topic.schema) {
                 self.samples.stream(*id, &topic.name, kind);
             }
@@ -291,18 +270,11 @@ impl Live {
     /// The time of receipt stands for stamps that are zero, so it should be of a clock that doesn't step.
     /// Take the frames there are ([`Self::frame`]) after every message.
     pub fn push(&mut self, topic: TopicId, cdr: &[u8], received_ns: i64) {
-        let Some(seen) = self.seen.get_mut(usize::from(topic.0)) else {
+        let Some(seen) = self.announced.message(topic, cdr, received_ns) else {
             return;
         };
-        seen.message(u64::try_from(received_ns).unwrap_or(0));
         if seen.is_description() {
             return self.describe(topic, cdr);
-        }
-        if seen.messages() <= NAMED_MESSAGES {
-            self.survey.message(topic.0, cdr);
-            if let Some(topic) = self.survey.topics.get(&topic.0) {
-                seen.describe(topic);
-            }
         }
         if self.samples.reads(topic.0) {
             let (joiner, health) = (&mut self.joiner, &mut self.health);
@@ -314,8 +286,8 @@ impl Live {
     fn describe(&mut self, topic: TopicId, cdr: &[u8]) {
         let own = format!("{}/robot_description", self.filter.namespace());
         let is_own = |seen: &Seen| seen.topic == own && seen.messages() > 0;
-        let is_other = self.seen[usize::from(topic.0)].topic != own;
-        if is_other && self.seen.iter().any(is_own) {
+        let is_other = self.announced.seen[usize::from(topic.0)].topic != own;
+        if is_other && self.announced.seen.iter().any(is_own) {
             return;
         }
         let text = description(cdr);
@@ -380,7 +352,7 @@ impl Live {
             ),
         ];
         let others = || {
-            let announced = self.survey.topics.values();
+            let announced = self.announced.survey.topics.values();
             let states = announced.filter(|t| MessageKind::of_schema(&t.schema).is_some());
             let names = states.map(|topic| topic.name.clone());
             let free = names.filter(|name| {
@@ -403,7 +375,7 @@ impl Live {
 
     /// The topics announced, with what each brought and is taken for.
     pub fn topics(&self) -> Vec<TopicInfo> {
-        topics_of(&self.seen, self.samples.names())
+        topics_of(&self.announced.seen, self.samples.names())
     }
 
     /// Topics that were refused, since there are [`TOPICS_MOST`] already.

@@ -6,14 +6,6 @@ use crate::mapping::JointEffort;
 use crate::sources::{SignalSource, TopicUse};
 use sinew_files::names::list;
 
-/// What a topic is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Role {
-    Joint,
-    Motor,
-    External,
-}
-
 /// Topic and interface names after options and mapping were merged.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Names {
@@ -31,30 +23,22 @@ pub(crate) struct Names {
 impl Names {
     /// What a topic is taken for.
     pub(crate) fn taken_for(&self, topic: &str) -> Option<TopicUse> {
-        self.role(topic).map(|role| match role {
-            Role::Joint => TopicUse::JointSide,
-            Role::Motor => TopicUse::MotorSide,
-            Role::External => TopicUse::ExternalTorque,
-        })
+        let is = |(_, name): &(TopicUse, Option<&String>)| name.is_some_and(|name| name == topic);
+        self.sides().into_iter().find(is).map(|(side, _)| side)
     }
 
-    /// What a topic is for.
-    pub(crate) fn role(&self, topic: &str) -> Option<Role> {
-        if Some(topic) == self.joint_topic.as_deref() {
-            Some(Role::Joint)
-        } else if Some(topic) == self.motor_topic.as_deref() {
-            Some(Role::Motor)
-        } else if Some(topic) == self.external_topic.as_deref() {
-            Some(Role::External)
-        } else {
-            None
-        }
+    /// The sides, and the topic that each is read from.
+    pub(crate) fn sides(&self) -> [(TopicUse, Option<&String>); 3] {
+        [
+            (TopicUse::JointSide, self.joint_topic.as_ref()),
+            (TopicUse::MotorSide, self.motor_topic.as_ref()),
+            (TopicUse::ExternalTorque, self.external_topic.as_ref()),
+        ]
     }
 
     /// The topics read, as words.
     pub(crate) fn layout(&self) -> String {
-        let topics = [&self.joint_topic, &self.motor_topic, &self.external_topic];
-        let topics = topics.into_iter().flatten();
+        let topics = self.sides().into_iter().filter_map(|(_, topic)| topic);
         format!("topics {}", list(&Vec::from_iter(topics)))
     }
 
@@ -98,29 +82,25 @@ impl Names {
             .collect()
     }
 
-    pub(crate) fn quantity(&self, role: Role, field: Field<'_>) -> Option<Quantity> {
-        match (role, field) {
-            (Role::Joint, Field::Position) => Some(Quantity::Q),
-            (Role::Joint, Field::Velocity) => Some(Quantity::Dq),
-            (Role::Joint, Field::Effort) => match self.joint_effort {
+    pub(crate) fn quantity(&self, side: TopicUse, field: Field<'_>) -> Option<Quantity> {
+        match (side, field) {
+            (TopicUse::JointSide, Field::Position) => Some(Quantity::Q),
+            (TopicUse::JointSide, Field::Velocity) => Some(Quantity::Dq),
+            (TopicUse::JointSide, Field::Effort) => match self.joint_effort {
                 JointEffort::TauEl => Some(Quantity::TauEl),
                 JointEffort::TauM => Some(Quantity::TauM),
                 JointEffort::Ignore => None,
             },
-            (Role::Motor, Field::Position) => Some(Quantity::Theta),
-            (Role::Motor, Field::Effort) => Some(Quantity::TauM),
-            (Role::Motor, Field::Interface(name)) => {
-                if name == self.motor_interface.as_bytes() {
-                    Some(Quantity::Theta)
-                } else if name == self.motor_effort_interface.as_bytes() {
-                    Some(Quantity::TauM)
-                } else if name == self.temperature_interface.as_bytes() {
-                    Some(Quantity::Temperature)
-                } else {
-                    None
-                }
-            }
-            (Role::External, Field::Effort) => Some(Quantity::TauExt),
+            (TopicUse::MotorSide, Field::Position) => Some(Quantity::Theta),
+            (TopicUse::MotorSide, Field::Effort) => Some(Quantity::TauM),
+            (TopicUse::MotorSide, Field::Interface(name)) => [
+                (&self.motor_interface, Quantity::Theta),
+                (&self.motor_effort_interface, Quantity::TauM),
+                (&self.temperature_interface, Quantity::Temperature),
+            ]
+            .into_iter()
+            .find_map(|(own, quantity)| (name == own.as_bytes()).then_some(quantity)),
+            (TopicUse::ExternalTorque, Field::Effort) => Some(Quantity::TauExt),
             _ => None,
         }
     }

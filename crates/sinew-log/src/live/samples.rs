@@ -1,12 +1,13 @@
 //! From messages to samples in the joiner: one decoder for files and for what comes live.
 
-use super::names::{Names, Role};
+use super::names::Names;
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
 use crate::frame::{Channels, Quantity};
 use crate::health::{Health, UNKNOWN_LIMIT};
 use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
 use crate::options::{OpenOptions, to_ns};
+use crate::sources::TopicUse;
 use std::collections::HashMap;
 
 /// Layouts remembered per topic: publishers that take turns on one topic.
@@ -15,11 +16,20 @@ const LAYOUTS_KEPT: usize = 4;
 const MOTOR: usize = 0;
 const EXTERNAL: usize = 1;
 
+/// Place of a side among the joiner's side streams; `None`: it sets the instants.
+fn place(side: TopicUse) -> Option<usize> {
+    match side {
+        TopicUse::MotorSide => Some(MOTOR),
+        TopicUse::ExternalTorque => Some(EXTERNAL),
+        TopicUse::JointSide | TopicUse::RobotDescription => None,
+    }
+}
+
 /// One topic while its messages are read.
 #[derive(Debug)]
 struct Stream {
     topic: String,
-    role: Role,
+    side: TopicUse,
     kind: MessageKind,
     /// Most recently used first.
     layouts: Vec<Layout>,
@@ -134,7 +144,7 @@ impl Samples {
 
     /// From now on messages of the stream are read, if its topic has a role.
     pub(crate) fn stream(&mut self, id: u16, topic: &str, kind: MessageKind) {
-        let Some(role) = self.names.role(topic) else {
+        let Some(side) = self.names.taken_for(topic) else {
             return;
         };
         let id = usize::from(id);
@@ -145,7 +155,7 @@ impl Samples {
         if self.streams[id].is_none() {
             self.streams[id] = Some(Stream {
                 topic: topic.to_owned(),
-                role,
+                side,
                 kind,
                 layouts: Vec::new(),
             });
@@ -230,10 +240,9 @@ impl Samples {
             let stamp = stamp_ns(data).unwrap_or(0);
             let time_ns = if stamp == 0 { received_ns } else { stamp };
             let fill = |row: &mut [f64]| layout.copy(data, row);
-            match stream.role {
-                Role::Joint => joiner.primary.insert(time_ns, fill),
-                Role::Motor => joiner.sides[MOTOR].sorter.insert(time_ns, fill),
-                Role::External => joiner.sides[EXTERNAL].sorter.insert(time_ns, fill),
+            match place(stream.side) {
+                None => joiner.primary.insert(time_ns, fill),
+                Some(side) => joiner.sides[side].sorter.insert(time_ns, fill),
             }
         }
         if !layout.is_cacheable() {
@@ -254,16 +263,16 @@ impl Samples {
         let Some(Some(stream)) = self.streams.get_mut(usize::from(id)) else {
             return false;
         };
-        let (blocks, joints) = match stream.role {
-            Role::Joint => (self.joint_blocks.as_slice(), &self.selection.joint_side),
-            Role::Motor => (self.motor_blocks.as_slice(), &self.selection.motor_side),
-            Role::External => ([Quantity::TauExt].as_slice(), &self.selection.joint_side),
+        let (blocks, joints) = match place(stream.side) {
+            None => (self.joint_blocks.as_slice(), &self.selection.joint_side),
+            Some(MOTOR) => (self.motor_blocks.as_slice(), &self.selection.motor_side),
+            Some(_) => ([Quantity::TauExt].as_slice(), &self.selection.joint_side),
         };
         let n = self.selection.n;
-        let (names, role) = (&self.names, stream.role);
+        let (names, side) = (&self.names, stream.side);
         let column = |entry: &Entry<'_>| {
             let joint = *joints.get(entry.joint)?;
-            let quantity = names.quantity(role, entry.field)?;
+            let quantity = names.quantity(side, entry.field)?;
             let block = blocks.iter().position(|block| *block == quantity)?;
             Some(block * n + joint)
         };
@@ -284,12 +293,7 @@ impl Samples {
             self.came.joints[column % n].insert(quantity);
             self.came.temperature |= quantity == Quantity::Temperature;
         }
-        let side = match role {
-            Role::Joint => None,
-            Role::Motor => joiner.sides.get_mut(MOTOR),
-            Role::External => joiner.sides.get_mut(EXTERNAL),
-        };
-        if let Some(side) = side {
+        if let Some(side) = place(side).and_then(|place| joiner.sides.get_mut(place)) {
             layout.columns().for_each(|column| side.note_column(column));
         }
         stream.layouts.truncate(LAYOUTS_KEPT - 1);

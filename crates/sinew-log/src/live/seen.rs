@@ -1,7 +1,8 @@
 //! Topics as they were met: how many messages, how often.
 
 use super::names::Names;
-use super::survey::{Topic, is_description};
+use super::survey::{NAMED_MESSAGES, Survey, Topic, is_description};
+use super::{TOPICS_MOST, TopicId};
 use crate::sources::{TopicInfo, TopicUse};
 use std::collections::BTreeMap;
 
@@ -41,6 +42,53 @@ impl Seen {
         self.first_ns = self.first_ns.min(received_ns);
         self.last_ns = self.last_ns.max(received_ns);
         self.messages += 1;
+    }
+}
+
+/// Topics that were announced, and what they brought.
+#[derive(Debug, Default)]
+pub(crate) struct Announced {
+    pub(crate) survey: Survey,
+    /// At the topics' numbers.
+    pub(crate) seen: Vec<Seen>,
+}
+
+impl Announced {
+    /// The number of a topic, and whether it is new; `None`: there are too many already.
+    pub(crate) fn topic(&mut self, name: &str, schema: &str) -> Option<(TopicId, bool)> {
+        let is_same = |topic: &Topic| topic.name == name && topic.schema == schema;
+        let known = self.survey.topics.iter().find(|(_, topic)| is_same(topic));
+        if let Some((id, _)) = known {
+            return Some((TopicId(*id), false));
+        }
+        let id = self.seen.len();
+        if id >= TOPICS_MOST {
+            return None;
+        }
+        let topic = Topic::live(name, schema);
+        let mut seen = Seen::default();
+        seen.describe(&topic);
+        self.seen.push(seen);
+        self.survey.topics.insert(id as u16, topic);
+        Some((TopicId(id as u16), true))
+    }
+
+    /// A message; `None`: of no topic that was announced.
+    pub(crate) fn message(
+        &mut self,
+        TopicId(id): TopicId,
+        cdr: &[u8],
+        received_ns: i64,
+    ) -> Option<&Seen> {
+        let seen = self.seen.get_mut(usize::from(id))?;
+        seen.message(u64::try_from(received_ns).unwrap_or(0));
+        if !seen.is_description && seen.messages <= NAMED_MESSAGES {
+            self.survey.message(id, cdr);
+            if let Some(topic) = self.survey.topics.get(&id) {
+                seen.describe(topic);
+            }
+        }
+        Some(seen)
     }
 }
 

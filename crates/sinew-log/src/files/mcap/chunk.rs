@@ -31,10 +31,6 @@ impl Unpacker {
     ) -> Result<(), String> {
         let size = self.check_size(header, packed.len() as u64)?;
         match header.compression.as_str() {
-            "" => {
-                out.clear();
-                out.extend_from_slice(packed);
-            }
             "zstd" => {
                 out.clear();
                 out.reserve_exact(size);
@@ -70,25 +66,13 @@ impl Unpacker {
                 ));
             }
         }
-        if out.len() != size {
-            return Err(format!(
-                "chunk unpacks to {} bytes, its header says {size}",
-                out.len()
-            ));
-        }
-        check_sum(header, out)
+        check_records(header, out)
     }
 
     /// Checks a chunk that is not compressed and can be used where it lies.
     pub(super) fn check_plain(&self, header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
-        let size = self.check_size(header, records.len() as u64)?;
-        if records.len() != size {
-            return Err(format!(
-                "chunk holds {} bytes, its header says {size}",
-                records.len()
-            ));
-        }
-        check_sum(header, records)
+        self.check_size(header, records.len() as u64)?;
+        check_records(header, records)
     }
 
     /// Unpacks what a cut-off chunk still holds; no checksum can be checked.
@@ -133,8 +117,12 @@ impl Unpacker {
     }
 }
 
-/// Compares the checksum of the unpacked records with the header's.
-fn check_sum(header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
+/// Compares length and checksum of the unpacked records with the header's.
+fn check_records(header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
+    let (held, size) = (records.len(), header.uncompressed_size);
+    if held as u64 != size {
+        return Err(format!("chunk holds {held} bytes, its header says {size}"));
+    }
     let saved = header.uncompressed_crc;
     // Zero means "not calculated" in the format.
     if saved != 0 {

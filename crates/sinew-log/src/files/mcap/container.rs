@@ -179,15 +179,13 @@ impl Container {
             Place::Chunk => &self.chunk[start..start + length],
             Place::File => &self.source.unread()[start..start + length],
         };
-        let Some((header, _)) = bytes.split_first_chunk::<MESSAGE_HEADER>() else {
+        let Some(mut header) = bytes.get(..MESSAGE_HEADER) else {
             health.undecodable(0, || format!("message record of {length} bytes"));
             return None;
         };
-        let channel = u16::from_le_bytes([header[0], header[1]]);
-        let log_time_ns = u64::from_le_bytes([
-            header[6], header[7], header[8], header[9], header[10], header[11], header[12],
-            header[13],
-        ]);
+        let channel = u16::from_le_bytes(take(&mut header)?);
+        let _sequence: [u8; 4] = take(&mut header)?;
+        let log_time_ns = u64::from_le_bytes(take(&mut header)?);
         self.last_log_ns = Some(log_time_ns as i64);
         self.payload = (place, start + MESSAGE_HEADER, start + length);
         Some(Item::Message {
@@ -292,17 +290,15 @@ impl Container {
         let there = there as usize;
         let filled = self.source.fill(RECORD_HEADER + there)?;
         let body = &self.source.unread()[RECORD_HEADER.min(filled)..filled];
-        let (header, packed) = match chunk_header(body) {
-            Ok(parsed) => parsed,
-            Err(reason) if whole => {
+        let Some((header, packed)) = chunk_header(body) else {
+            if whole {
+                let reason = "the head of the chunk cannot be read".to_owned();
                 health.damaged(offset, length, self.last_log_ns, reason);
                 self.pending = RECORD_HEADER + there;
                 return Ok(Some(Item::Damage));
             }
-            Err(_) => {
-                let reason = "the file ends inside the head of a chunk".to_owned();
-                return Ok(Some(self.cut(offset, reason, health)));
-            }
+            let reason = "the file ends inside the head of a chunk".to_owned();
+            return Ok(Some(self.cut(offset, reason, health)));
         };
         self.chunk_offset = offset;
         let complete = header.compressed_size <= packed.len() as u64;
@@ -367,14 +363,19 @@ impl Container {
     }
 }
 
+/// Splits the next bytes off.
+#[inline]
+fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+    let (head, rest) = bytes.split_first_chunk::<N>()?;
+    *bytes = rest;
+    Some(*head)
+}
+
 /// Operation code and body length of the record at the start of `bytes`.
 #[inline]
-pub(super) fn record_header(bytes: &[u8]) -> Option<(u8, u64)> {
-    let head = bytes.first_chunk::<RECORD_HEADER>()?;
-    let length = u64::from_le_bytes([
-        head[1], head[2], head[3], head[4], head[5], head[6], head[7], head[8],
-    ]);
-    Some((head[0], length))
+pub(super) fn record_header(mut bytes: &[u8]) -> Option<(u8, u64)> {
+    let [opcode] = take(&mut bytes)?;
+    Some((opcode, u64::from_le_bytes(take(&mut bytes)?)))
 }
 
 /// Length of the prefix that consists of complete records.
@@ -390,41 +391,27 @@ fn complete_records(bytes: &[u8]) -> usize {
     at
 }
 
-/// Splits the body of a chunk record into its header and the packed records.
-pub(super) fn chunk_header(body: &[u8]) -> Result<(ChunkHeader, &[u8]), String> {
-    let broken = || "the head of the chunk cannot be read".to_owned();
-    let name_length = body
-        .get(28..32)
-        .and_then(|bytes| bytes.first_chunk::<4>())
-        .map(|bytes| u32::from_le_bytes(*bytes) as usize)
-        .ok_or_else(broken)?;
-    if name_length > CHUNK_HEADER_LIMIT {
-        return Err(broken());
-    }
-    let split = CHUNK_HEADER_FIXED + name_length;
-    let (head, packed) = body.split_at_checked(split).ok_or_else(broken)?;
-    let number = |at: usize| {
-        head.get(at..)
-            .and_then(|bytes| bytes.first_chunk::<8>())
-            .map(|bytes| u64::from_le_bytes(*bytes))
-            .ok_or_else(broken)
+/// Splits the body of a chunk record into its header and the packed records; `None`: it can't be read.
+fn chunk_header(mut body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
+    let body = &mut body;
+    let message_start_time = u64::from_le_bytes(take(body)?);
+    let message_end_time = u64::from_le_bytes(take(body)?);
+    let uncompressed_size = u64::from_le_bytes(take(body)?);
+    let uncompressed_crc = u32::from_le_bytes(take(body)?);
+    let name_length = u32::from_le_bytes(take(body)?) as usize;
+    let (name, rest) = body
+        .split_at_checked(name_length)
+        .filter(|_| name_length <= CHUNK_HEADER_LIMIT)?;
+    *body = rest;
+    let header = ChunkHeader {
+        message_start_time,
+        message_end_time,
+        uncompressed_size,
+        uncompressed_crc,
+        compression: String::from_utf8_lossy(name).into_owned(),
+        compressed_size: u64::from_le_bytes(take(body)?),
     };
-    let crc = head
-        .get(24..)
-        .and_then(|bytes| bytes.first_chunk::<4>())
-        .map(|bytes| u32::from_le_bytes(*bytes))
-        .ok_or_else(broken)?;
-    Ok((
-        ChunkHeader {
-            message_start_time: number(0)?,
-            message_end_time: number(8)?,
-            uncompressed_size: number(16)?,
-            uncompressed_crc: crc,
-            compression: String::from_utf8_lossy(&head[32..32 + name_length]).into_owned(),
-            compressed_size: number(32 + name_length)?,
-        },
-        packed,
-    ))
+    Some((header, body))
 }
 
 /// A schema or channel definition, or nothing.

@@ -4,8 +4,6 @@ use std::collections::HashMap;
 use std::io::{Error, Result};
 use std::sync::Arc;
 
-use mcap::records::Channel;
-
 use super::BagReader;
 use super::messages::{Item, Messages, Summary};
 use crate::decode::MessageKind;
@@ -83,8 +81,6 @@ impl GivenMessages {
 /// Messages being read.
 pub(in crate::files) struct Given {
     of: Arc<GivenMessages>,
-    /// Definitions handed out: a schema and a channel each.
-    defined: usize,
     /// Messages handed out.
     done: usize,
 }
@@ -98,12 +94,7 @@ impl GivenReader {
         file: &str,
         options: &OpenOptions,
     ) -> std::result::Result<Self, LogError> {
-        let given = Given {
-            of,
-            defined: 0,
-            done: 0,
-        };
-        BagReader::of(given, file, options)
+        BagReader::of(Given { of, done: 0 }, file, options)
     }
 }
 
@@ -117,26 +108,7 @@ impl Messages for Given {
     const FORMAT: Format = Format::Messages;
 
     fn next(&mut self, _health: &mut Health) -> Result<Item> {
-        let of = &self.of;
-        if self.defined < 2 * of.topics.len() {
-            let id = (self.defined / 2) as u16;
-            let topic = &of.topics[self.defined / 2];
-            self.defined += 1;
-            return Ok(match self.defined % 2 {
-                1 => Item::Schema {
-                    id,
-                    name: topic.schema.clone(),
-                },
-                _ => Item::Channel(Channel {
-                    id,
-                    schema_id: id,
-                    topic: topic.name.clone(),
-                    message_encoding: topic.encoding.clone(),
-                    metadata: Default::default(),
-                }),
-            });
-        }
-        let Some((channel, log_time_ns, _)) = of.messages.get(self.done) else {
+        let Some((channel, log_time_ns, _)) = self.of.messages.get(self.done) else {
             return Ok(Item::End);
         };
         self.done += 1;
@@ -163,7 +135,7 @@ impl Messages for Given {
     }
 
     fn rewind(&mut self) -> Result<()> {
-        (self.defined, self.done) = (0, 0);
+        self.done = 0;
         Ok(())
     }
 

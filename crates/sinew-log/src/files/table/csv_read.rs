@@ -299,26 +299,14 @@ fn end_of(mut text: impl Read) -> std::io::Result<(u64, u8)> {
     }
 }
 
-/// The first line, or as much of it as the limit allows.
+/// The first line that isn't empty, or as much of it as the limit allows.
 fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
-    let mut buffer = [0_u8; 4096];
-    while (head.len() as u64) < HEADER_LIMIT_BYTES {
-        let read = reader.read(&mut buffer)?;
-        if read == 0 {
-            break;
-        }
-        let end = buffer[..read]
-            .iter()
-            .position(|byte| *byte == b'\n' || *byte == b'\r')
-            // A line end before any content is skipped by the parser as well.
-            .filter(|end| *end > 0 || !head.is_empty());
-        match end {
-            Some(end) => {
-                head.extend_from_slice(&buffer[..end]);
-                break;
-            }
-            None => head.extend_from_slice(&buffer[..read]),
+    for byte in BufReader::new(reader.take(HEADER_LIMIT_BYTES)).bytes() {
+        match byte? {
+            b'\n' | b'\r' if head.is_empty() => {}
+            b'\n' | b'\r' => break,
+            byte => head.push(byte),
         }
     }
     Ok(head)

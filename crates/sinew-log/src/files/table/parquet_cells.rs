@@ -1,6 +1,7 @@
 //! The cells of one column of a Parquet file, a batch at a time.
 
-use parquet::column::reader::ColumnReader;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 
@@ -27,14 +28,22 @@ pub(super) struct Cells {
     reader: ColumnReader,
     levels: Vec<i16>,
     repeated: Vec<i16>,
-    doubles: Vec<f64>,
-    floats: Vec<f32>,
-    ints: Vec<i32>,
-    longs: Vec<i64>,
     /// Decoded batch: values, and integers where the column is one.
     pub(super) values: Vec<f64>,
     pub(super) exact: Vec<i64>,
     pub(super) is_integer: bool,
+}
+
+/// Reads records of a column: how many there were, and their values.
+fn records<T: DataType>(
+    reader: &mut ColumnReaderImpl<T>,
+    most: usize,
+    levels: Option<&mut Vec<i16>>,
+    repeated: Option<&mut Vec<i16>>,
+) -> ParquetResult<(usize, Vec<T::T>)> {
+    let mut values = Vec::new();
+    let (rows, ..) = reader.read_records(most, levels, repeated, &mut values)?;
+    Ok((rows, values))
 }
 
 impl Cells {
@@ -47,10 +56,6 @@ impl Cells {
             reader,
             levels: Vec::new(),
             repeated: Vec::new(),
-            doubles: Vec::new(),
-            floats: Vec::new(),
-            ints: Vec::new(),
-            longs: Vec::new(),
             values: Vec::new(),
             exact: Vec::new(),
             is_integer,
@@ -88,33 +93,23 @@ impl Cells {
         let repeated = leaf.element.map(|_| &mut self.repeated);
         let rows = match &mut self.reader {
             ColumnReader::DoubleColumnReader(reader) => {
-                self.doubles.clear();
-                let (rows, ..) =
-                    reader.read_records(BATCH_ROWS, levels, repeated, &mut self.doubles)?;
-                self.values.extend_from_slice(&self.doubles);
+                let (rows, values) = records(reader, BATCH_ROWS, levels, repeated)?;
+                self.values = values;
                 rows
             }
             ColumnReader::FloatColumnReader(reader) => {
-                self.floats.clear();
-                let (rows, ..) =
-                    reader.read_records(BATCH_ROWS, levels, repeated, &mut self.floats)?;
-                self.values
-                    .extend(self.floats.iter().map(|value| f64::from(*value)));
+                let (rows, values) = records(reader, BATCH_ROWS, levels, repeated)?;
+                self.values.extend(values.into_iter().map(f64::from));
                 rows
             }
             ColumnReader::Int32ColumnReader(reader) => {
-                self.ints.clear();
-                let (rows, ..) =
-                    reader.read_records(BATCH_ROWS, levels, repeated, &mut self.ints)?;
-                self.exact
-                    .extend(self.ints.iter().map(|value| i64::from(*value)));
+                let (rows, values) = records(reader, BATCH_ROWS, levels, repeated)?;
+                self.exact.extend(values.into_iter().map(i64::from));
                 rows
             }
             ColumnReader::Int64ColumnReader(reader) => {
-                self.longs.clear();
-                let (rows, ..) =
-                    reader.read_records(BATCH_ROWS, levels, repeated, &mut self.longs)?;
-                self.exact.extend_from_slice(&self.longs);
+                let (rows, values) = records(reader, BATCH_ROWS, levels, repeated)?;
+                self.exact = values;
                 rows
             }
             _ => return Err(ParquetError::General("not a numeric column".to_owned())),
@@ -179,20 +174,12 @@ pub(super) fn first_length(
         return Ok(0);
     }
     let (mut levels, mut repeated) = (Vec::new(), Vec::new());
-    let places = (Some(&mut levels), Some(&mut repeated));
+    let (places, repeats) = (Some(&mut levels), Some(&mut repeated));
     match &mut reader.get_row_group(0)?.get_column_reader(column)? {
-        ColumnReader::DoubleColumnReader(r) => {
-            r.read_records(1, places.0, places.1, &mut Vec::new())?
-        }
-        ColumnReader::FloatColumnReader(r) => {
-            r.read_records(1, places.0, places.1, &mut Vec::new())?
-        }
-        ColumnReader::Int32ColumnReader(r) => {
-            r.read_records(1, places.0, places.1, &mut Vec::new())?
-        }
-        ColumnReader::Int64ColumnReader(r) => {
-            r.read_records(1, places.0, places.1, &mut Vec::new())?
-        }
+        ColumnReader::DoubleColumnReader(r) => records(r, 1, places, repeats)?.0,
+        ColumnReader::FloatColumnReader(r) => records(r, 1, places, repeats)?.0,
+        ColumnReader::Int32ColumnReader(r) => records(r, 1, places, repeats)?.0,
+        ColumnReader::Int64ColumnReader(r) => records(r, 1, places, repeats)?.0,
         _ => return Ok(0),
     };
     Ok(levels.len())

@@ -1,12 +1,12 @@
 //! Recordings as MCAP, as ROS 2 writes it.
 
 use super::FrameWriter;
-use super::csv_write::check_lengths;
 use super::refuse;
+use super::row_write::check_lengths;
 use super::topic_write::{Compression, Packing, Topic, TopicWriter};
 use crate::encode::{DynamicJointState, Header, InterfaceValue, JointState, Text};
 use crate::error::LogError;
-use crate::frame::{Frame, Quantities};
+use crate::frame::{Frame, Quantities, Quantity};
 use std::path::{Path, PathBuf};
 
 /// What an MCAP recording shall hold.
@@ -78,7 +78,6 @@ pub struct McapWriter {
     external: Option<Topic>,
     description: Option<Topic>,
     sequence: u32,
-    motor_values: Vec<f64>,
 }
 
 impl McapWriter {
@@ -126,7 +125,6 @@ impl McapWriter {
             external,
             description,
             sequence: 0,
-            motor_values: Vec::new(),
         })
     }
 
@@ -140,98 +138,74 @@ impl McapWriter {
         let message = Text { data: &text };
         self.out.send(topic, time_ns, self.sequence, &message)
     }
-
-    fn write_joint_side(&mut self, frame: &Frame) -> Result<(), LogError> {
-        let q = self.options.quantities;
-        let message = JointState {
-            header: Header {
-                stamp: self.out.stamp(frame.time_ns)?,
-                frame_id: &self.options.frame_id,
-            },
-            name: &self.options.joints,
-            position: if q.q { &frame.q } else { &[] },
-            velocity: if q.dq { &frame.dq } else { &[] },
-            effort: if q.tau_el { &frame.tau_el } else { &[] },
-        };
-        let (topic, sequence) = (self.joint_side, self.sequence);
-        self.out.send(topic, frame.time_ns, sequence, &message)
-    }
-
-    fn write_motor_side(&mut self, frame: &Frame) -> Result<(), LogError> {
-        let Some(topic) = self.motor_side else {
-            return Ok(());
-        };
-        let q = self.options.quantities;
-        let mut names = [""; 3];
-        let mut width = 0;
-        for (wanted, name) in [
-            (q.theta, self.options.motor_interface.as_str()),
-            (q.tau_m, self.options.motor_effort_interface.as_str()),
-            (q.temperature, "temperature"),
-        ] {
-            if wanted {
-                names[width] = name;
-                width += 1;
-            }
-        }
-        self.motor_values.clear();
-        for joint in 0..self.options.joints.len() {
-            for (wanted, value) in [
-                (q.theta, frame.theta[joint]),
-                (q.tau_m, frame.tau_m[joint]),
-                (q.temperature, frame.temperature_c),
-            ] {
-                if wanted {
-                    self.motor_values.push(value);
-                }
-            }
-        }
-        let interface_values: Vec<InterfaceValue<'_>> = self
-            .motor_values
-            .chunks_exact(width)
-            .map(|values| InterfaceValue {
-                interface_names: &names[..width],
-                values,
-            })
-            .collect();
-        let message = DynamicJointState {
-            header: Header {
-                stamp: self.out.stamp(frame.time_ns)?,
-                frame_id: &self.options.frame_id,
-            },
-            joint_names: &self.options.joints,
-            interface_values: &interface_values,
-        };
-        let sequence = self.sequence;
-        self.out.send(topic, frame.time_ns, sequence, &message)
-    }
-
-    fn write_external(&mut self, frame: &Frame) -> Result<(), LogError> {
-        let Some(topic) = self.external else {
-            return Ok(());
-        };
-        let message = JointState {
-            header: Header {
-                stamp: self.out.stamp(frame.time_ns)?,
-                frame_id: &self.options.frame_id,
-            },
-            name: &self.options.joints,
-            position: &[],
-            velocity: &[],
-            effort: &frame.tau_ext,
-        };
-        let sequence = self.sequence;
-        self.out.send(topic, frame.time_ns, sequence, &message)
-    }
 }
 
 impl FrameWriter for McapWriter {
     fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
         check_lengths(frame, self.options.joints.len(), &self.path)?;
         self.write_description(frame.time_ns)?;
-        self.write_joint_side(frame)?;
-        self.write_motor_side(frame)?;
-        self.write_external(frame)?;
+        let McapOptions {
+            joints,
+            quantities: q,
+            frame_id,
+            ..
+        } = &self.options;
+        let header = Header {
+            stamp: self.out.stamp(frame.time_ns)?,
+            frame_id,
+        };
+        let joint_state = |values: [(bool, Quantity); 3]| {
+            let [position, velocity, effort] = values.map(|(wanted, quantity)| match wanted {
+                true => frame.get(quantity),
+                false => &[],
+            });
+            JointState {
+                header,
+                name: joints,
+                position,
+                velocity,
+                effort,
+            }
+        };
+        let own = [
+            (q.q, Quantity::Q),
+            (q.dq, Quantity::Dq),
+            (q.tau_el, Quantity::TauEl),
+        ];
+        let (time_ns, sequence) = (frame.time_ns, self.sequence);
+        (self.out).send(self.joint_side, time_ns, sequence, &joint_state(own))?;
+        if let Some(topic) = self.motor_side {
+            let interfaces = [
+                (
+                    q.theta,
+                    self.options.motor_interface.as_str(),
+                    &frame.theta[..],
+                ),
+                (q.tau_m, &self.options.motor_effort_interface, &frame.tau_m),
+                (q.temperature, "temperature", &[]),
+            ];
+            let wanted = || interfaces.iter().filter(|(wanted, ..)| *wanted);
+            let names: Vec<&str> = wanted().map(|(_, name, _)| *name).collect();
+            // A temperature is no joint's own.
+            let of = |joint| {
+                wanted().map(move |(.., values)| *values.get(joint).unwrap_or(&frame.temperature_c))
+            };
+            let values: Vec<f64> = (0..joints.len()).flat_map(of).collect();
+            let of_joint = |values| InterfaceValue {
+                interface_names: &names,
+                values,
+            };
+            let message = DynamicJointState {
+                header,
+                joint_names: joints,
+                interface_values: &Vec::from_iter(values.chunks_exact(names.len()).map(of_joint)),
+            };
+            self.out.send(topic, time_ns, sequence, &message)?;
+        }
+        if let Some(topic) = self.external {
+            let (none, known) = ((false, Quantity::Q), (true, Quantity::TauExt));
+            (self.out).send(topic, time_ns, sequence, &joint_state([none, none, known]))?;
+        }
         self.sequence = self.sequence.wrapping_add(1);
         Ok(())
     }

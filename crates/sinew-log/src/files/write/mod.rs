@@ -2,18 +2,16 @@
 
 mod cell;
 mod csv_table;
-mod csv_write;
 mod mcap_write;
 #[cfg(feature = "parquet")]
 mod parquet_table;
-mod parquet_write;
+mod row_write;
 mod table_write;
 mod topic_write;
 
 pub use cell::{Cell, CellKind, Column};
-pub use csv_write::CsvWriter;
 pub use mcap_write::{McapOptions, McapWriter};
-pub use parquet_write::ParquetWriter;
+pub use row_write::RowWriter;
 pub use table_write::{Table, TableWriter};
 pub use topic_write::{Compression, Packing, Topic, TopicWriter};
 
@@ -45,4 +43,9 @@ fn refuse(path: &Path, reason: String) -> LogError {
         file: path.display().to_string(),
         reason,
     }
+}
+
+fn is_parquet(path: &Path) -> bool {
+    let ending = path.extension();
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
 }

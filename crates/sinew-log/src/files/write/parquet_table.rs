@@ -133,11 +133,6 @@ impl ParquetTable {
     }
 
     pub(super) fn row(&mut self, cells: &[Cell]) -> Result<(), LogError> {
-        if cells.len() != self.columns.len() {
-            let (found, columns) = (cells.len(), self.columns.len());
-            let why = format!("a row of {found} cells for {columns} columns");
-            return Err(refuse(&self.path, why));
-        }
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             column.push(cell);
         }

@@ -1,0 +1,127 @@
+//! Recordings as tables, with the column names of the design.
+
+use super::{Cell, CellKind, Column, FrameWriter, TableWriter, refuse};
+use crate::error::LogError;
+use crate::frame::{Frame, Quantities, Quantity};
+use std::path::{Path, PathBuf};
+
+/// Writes frames as rows: the time, then the quantities chosen; NaN is an empty cell, in Parquet null.
+///
+/// CSV has `time_s` with nanoseconds, and numbers such that reading gives the same double; Parquet has `time_ns`.
+pub struct RowWriter {
+    table: TableWriter,
+    path: PathBuf,
+    joints: usize,
+    quantities: Quantities,
+    /// How a time is written.
+    time: fn(i64) -> Cell,
+    row: Vec<Cell>,
+}
+
+impl RowWriter {
+    /// Creates a CSV file and writes the header.
+    ///
+    /// # Errors
+    /// No joints, two of one name, or the system refuses.
+    pub fn create(
+        path: &Path,
+        joints: &[String],
+        quantities: Quantities,
+    ) -> Result<Self, LogError> {
+        if joints.is_empty() {
+            let why = "a recording needs at least one joint";
+            return Err(refuse(path, why.into()));
+        }
+        let columns = columns("time_s", CellKind::Text, joints, quantities);
+        let table = TableWriter::csv(path, &columns)?;
+        Ok(Self::of(table, path, joints, quantities, |time_ns| {
+            let sign = if time_ns < 0 { "-" } else { "" };
+            let time = time_ns.unsigned_abs();
+            let (seconds, nanos) = (time / 1_000_000_000, time % 1_000_000_000);
+            format!("{sign}{seconds}.{nanos:09}").into()
+        }))
+    }
+
+    /// Creates a Parquet file, whose name ends in `.parquet`.
+    ///
+    /// # Errors
+    /// No joints, two of one name, another ending, a build without Parquet, or the system refuses.
+    pub fn create_parquet(
+        path: &Path,
+        joints: &[String],
+        quantities: Quantities,
+    ) -> Result<Self, LogError> {
+        if joints.is_empty() || !super::is_parquet(path) {
+            let why = "a recording as Parquet needs a joint and a name that ends in .parquet";
+            return Err(refuse(path, why.into()));
+        }
+        let columns = columns("time_ns", CellKind::Integer, joints, quantities);
+        let table = TableWriter::create(path, &columns)?;
+        Ok(Self::of(table, path, joints, quantities, Cell::Integer))
+    }
+
+    fn of(
+        table: TableWriter,
+        path: &Path,
+        joints: &[String],
+        quantities: Quantities,
+        time: fn(i64) -> Cell,
+    ) -> Self {
+        Self {
+            table,
+            path: path.to_path_buf(),
+            joints: joints.len(),
+            quantities,
+            time,
+            row: Vec::new(),
+        }
+    }
+}
+
+impl FrameWriter for RowWriter {
+    fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
+        check_lengths(frame, self.joints, &self.path)?;
+        self.row.clear();
+        self.row.push((self.time)(frame.time_ns));
+        for quantity in self.quantities.iter() {
+            let values = frame.get(quantity).iter();
+            self.row.extend(values.map(|value| Cell::Number(*value)));
+        }
+        self.table.row(&self.row)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), LogError> {
+        self.table.finish()
+    }
+}
+
+fn columns(time: &str, kind: CellKind, joints: &[String], quantities: Quantities) -> Vec<Column> {
+    let values = value_columns(joints, quantities).into_iter();
+    let values = values.map(|name| (name, CellKind::Number));
+    std::iter::once((time.into(), kind)).chain(values).collect()
+}
+
+/// Names of the columns besides the time.
+fn value_columns(joints: &[String], quantities: Quantities) -> Vec<String> {
+    let of = |quantity: Quantity| match quantity {
+        Quantity::Temperature => vec!["temperature_c".to_owned()],
+        _ => {
+            let name = |joint| format!("{}.{joint}{}", quantity.symbol(), quantity.suffix());
+            joints.iter().map(name).collect()
+        }
+    };
+    quantities.iter().flat_map(of).collect()
+}
+
+/// Every vector of the frame must have one value per joint.
+pub(super) fn check_lengths(frame: &Frame, joints: usize, path: &Path) -> Result<(), LogError> {
+    for quantity in Quantity::PER_JOINT {
+        let found = frame.get(quantity).len();
+        if found != joints {
+            let symbol = quantity.symbol();
+            let why = format!("the frame has {found} values of {symbol} for {joints} joints");
+            return Err(refuse(path, why));
+        }
+    }
+    Ok(())
+}
