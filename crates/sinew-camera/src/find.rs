@@ -65,28 +65,22 @@ pub(crate) fn find(
     within: Option<Region>,
     upright: Option<bool>,
 ) -> Result<Found, String> {
-    let mut best: Option<(f64, Found)> = None;
-    let mut reason = String::new();
-    for turn in [false, true] {
-        if upright.is_some_and(|wanted| wanted != turn) {
-            continue;
-        }
-        let view = picture.lying(turn);
-        let part = match within {
-            Some(part) if turn => part.transposed(),
-            Some(part) => part,
-            None => Region::whole(&view),
-        };
-        match find_along(&view, part, turn) {
-            Ok((weight, found)) if best.as_ref().is_none_or(|(w, _)| weight > *w) => {
-                best = Some((weight, found));
-            }
-            Ok(_) => {}
-            Err(why) if reason.is_empty() => reason = why,
-            Err(_) => {}
-        }
-    }
-    best.map(|(_, found)| found).ok_or(reason)
+    let looks = [false, true].into_iter();
+    let looks = looks.filter(|turn| upright.is_none_or(|wanted| wanted == *turn));
+    let (found, reasons): (Vec<_>, Vec<_>) = looks
+        .map(|turn| {
+            let view = picture.lying(turn);
+            find_along(&view, Region::looked_at(within, turn, &view), turn)
+        })
+        .partition(Result::is_ok);
+    let found = found.into_iter().flatten();
+    let best = found.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, found)| found).ok_or_else(|| {
+        reasons
+            .into_iter()
+            .find_map(Result::err)
+            .unwrap_or_default()
+    })
 }
 
 /// Finds a scale along the rows; also its summed amplitude, to choose between two directions.
@@ -153,64 +147,46 @@ fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, 
         return;
     }
     for i in 0..strips.count {
-        let shrunk: Vec<f32>;
-        let levels = if shrink == 1 {
-            strips.strip(i)
-        } else {
-            shrunk = strips
-                .strip(i)
-                .chunks_exact(shrink)
-                .map(|part| part.iter().sum::<f32>() / shrink as f32)
-                .collect();
-            &shrunk
-        };
-        let mut start = 0;
-        while start + length <= levels.len() {
-            let (mean, power) = spectrum.of(&levels[start..start + length]);
-            start += length / 2;
-            let Some(peak) = (lowest..=highest).max_by(|a, b| power[*a].total_cmp(&power[*b]))
+        let mean = |part: &[f32]| part.iter().sum::<f32>() / shrink as f32;
+        let levels: Vec<f32> = strips.strip(i).chunks_exact(shrink).map(mean).collect();
+        for stretch in levels.windows(length).step_by(length / 2) {
+            let (mean, power) = spectrum.of(stretch);
+            let peak = (lowest..=highest).max_by(|a, b| power[*a].total_cmp(&power[*b]));
+            let (Some(peak), Some(median)) = (peak, median(power[lowest..=highest].to_vec()))
             else {
-                continue;
-            };
-            let Some(median) = median(power[lowest..=highest].to_vec()) else {
                 continue;
             };
             let contrast = power[peak].sqrt() / mean.max(0.5 / 255.0);
             let is_peak = power[peak] > power[peak - 1] && power[peak] > power[peak + 1];
-            if !is_peak || contrast < CONTRAST_LEAST || power[peak] < PEAK_OVER_MEDIAN * median {
-                continue;
+            if is_peak && contrast >= CONTRAST_LEAST && power[peak] >= PEAK_OVER_MEDIAN * median {
+                let frequency = between_bins(&power, peak) / (length * shrink) as f64;
+                votes.push((frequency, contrast * shrink as f64));
             }
-            let frequency = between_bins(&power, peak) / (length * shrink) as f64;
-            votes.push((frequency, contrast * shrink as f64));
         }
     }
     votes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
 }
 
-/// Weighted mean frequency and sum of the votes of the fullest bracket.
+/// Weighted median frequency and sum of the votes of the fullest bracket, looked for around so many of them.
 fn strongest(votes: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let (mut last, mut sum, mut best) = (0, 0.0, (0.0, 0));
-    for (first, (low, _)) in votes.iter().enumerate() {
-        while last < votes.len() && votes[last].0 <= low * SAME_PITCH {
-            sum += votes[last].1;
-            last += 1;
-        }
-        if sum > best.0 {
-            best = (sum, first);
-        }
-        sum -= votes[first].1;
-    }
-    let low = votes.get(best.1)?.0;
-    Some(within(votes, low * SAME_PITCH.sqrt()))
+    const LOOKS: usize = 1000;
+    let every = votes.len().div_ceil(LOOKS).max(1);
+    let brackets = votes
+        .iter()
+        .step_by(every)
+        .map(|vote| within(votes, vote.0));
+    brackets.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Weighted median frequency and sum of the votes around a frequency.
 fn within(votes: &[(f64, f64)], around: f64) -> (f64, f64) {
     let (low, high) = (around / SAME_PITCH.sqrt(), around * SAME_PITCH.sqrt());
-    let near = || votes.iter().filter(|(f, _)| *f >= low && *f <= high);
-    let sum: f64 = near().map(|(_, w)| w).sum();
+    let first = votes.partition_point(|(frequency, _)| *frequency < low);
+    let last = votes.partition_point(|(frequency, _)| *frequency <= high);
+    let near = &votes[first..last];
+    let sum: f64 = near.iter().map(|(_, w)| w).sum();
     let mut passed = 0.0;
-    for (frequency, weight) in near() {
+    for (frequency, weight) in near {
         passed += weight;
         if passed >= 0.5 * sum {
             return (*frequency, sum);

@@ -1,7 +1,7 @@
 //! Which frames there are, in order of time.
 
 use super::error::CameraError;
-use super::times::{NamePattern, natural};
+use super::times::{PATTERNS, natural};
 use sinew_files::csv::Table;
 use sinew_files::{Bound, Fault, Fields as _, Located, limits};
 use std::collections::HashSet;
@@ -96,15 +96,17 @@ fn by_name(folder: &Path, names: Vec<String>, list: &mut FrameList) -> Result<()
             .map_or("", |(stem, _)| stem)
             .to_owned()
     };
-    let pattern = NamePattern::of(&stem(&names[0]));
+    let first = stem(&names[0]);
+    let pattern = PATTERNS.iter().position(|told| told(&first).is_some());
     let mut times = Vec::with_capacity(names.len());
     for name in &names {
-        let time = pattern.and_then(|p| p.nanoseconds(&stem(name)));
+        let time = pattern.and_then(|place| PATTERNS[place](&stem(name)));
         times.push(time.ok_or_else(|| CameraError::NoTimes { file: name.clone() })?);
     }
-    // Seconds since 1970 would drown in the first columns of a table; a test has its own zero.
+    // Seconds since 1970 would drown in the first columns of a table; a number with a unit, the first pattern,
+    // counts from a zero of the test's own.
     let zero = match pattern {
-        Some(NamePattern::Suffix) => 0,
+        Some(0) => 0,
         _ => times.iter().copied().min().unwrap_or(0),
     };
     let mut frames: Vec<(i128, FrameFile)> = names

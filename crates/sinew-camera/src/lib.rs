@@ -12,7 +12,7 @@
 //!
 //! Way of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase
 //! (`strips`) → in the first frame the place of the scale (`find`, `spectrum`) and the map of its
-//! phases (`fit_phase_map`) → in all others the shift against that map by robust least squares
+//! phases (`phase_map`) → in all frames the shift against that map by robust least squares
 //! (`phase`, `robust`) → whole graduations by the longer lines and numbers (`marks`, `line_index`) → [`Reading`]
 //! or [`Rejection`] (`reference`). [`run`] does it for a folder or a video.
 //!

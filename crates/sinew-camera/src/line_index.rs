@@ -39,25 +39,10 @@ pub(crate) const STEP_MOST: f64 = 0.4;
 /// Frames a line's value is averaged over.
 const FRAMES_AVERAGED: f32 = 20.0;
 
-/// How many whole graduations were counted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Counted {
-    /// Number of graduations, and whether the code was needed: the step was longer than half a
-    /// graduation, or too long to count without.
-    Graduations {
-        /// Whole graduations.
-        whole: i64,
-        /// Nearest to the last frame was not it.
-        jumped: bool,
-    },
-    /// Two numbers fit as well, or there is no code and the step is too long.
-    Ambiguous {
-        /// Step to the nearest candidate, graduations.
-        nearest: f64,
-        /// Step to the next.
-        other: f64,
-    },
-}
+/// Whole graduations, and whether the code was needed: the step was longer than half a graduation,
+/// or too long to count without. Else the steps, graduations, to the nearest candidate and to the
+/// next: two numbers fit as well, or there is no code and the step is too long.
+pub(crate) type Counted = Result<(i64, bool), [f64; 2]>;
 
 /// Every line seen so far.
 #[derive(Debug, Clone, Default)]
@@ -112,57 +97,44 @@ impl LineIndex {
     /// units of `spread`, at most 1; NaN where there is nothing to compare. `None` where too few
     /// lines overlap.
     fn differences(&self, code: &Code, whole: i64, spread: f64) -> Option<Vec<f32>> {
-        let start = code.first + whole - self.first;
-        let (skip, offset) = ((-start).max(0) as usize, start.max(0) as usize);
-        if skip >= code.lines.len() || offset >= self.lines.len() {
-            return None;
-        }
         let scale = 1.0 / spread as f32;
-        let mut out = vec![f32::NAN; code.lines.len()];
-        let mut compared = 0;
-        for ((line, held), out) in code.lines[skip..]
-            .iter()
-            .zip(&self.lines[offset..])
-            .zip(&mut out[skip..])
-        {
-            if let (Some(a), Some((b, _))) = (line, held) {
-                let (mut sum, mut count) = (0.0_f32, 0.0_f32);
-                for k in 0..VALUES {
-                    let d = a[k] - b[k];
-                    // NaN compares false.
-                    let both = d.abs() <= f32::MAX;
-                    sum += if both { d * d } else { 0.0 };
-                    count += if both { 1.0 } else { 0.0 };
-                }
-                if count >= VALUES as f32 / 2.0 {
-                    *out = (scale * sum / count).min(1.0);
-                    compared += 1;
-                }
+        let difference = |(number, line): (i64, &Option<Line>)| {
+            let held = usize::try_from(number + whole - self.first).ok()?;
+            let (line, (held, _)) = (line.as_ref()?, self.lines.get(held)?.as_ref()?);
+            let (mut sum, mut count) = (0.0_f32, 0.0_f32);
+            for (a, b) in line.iter().zip(held) {
+                let d = a - b;
+                // NaN compares false.
+                let both = d.abs() <= f32::MAX;
+                sum += if both { d * d } else { 0.0 };
+                count += if both { 1.0 } else { 0.0 };
             }
-        }
-        let seen = code.lines.iter().filter(|l| l.is_some()).count();
+            (count >= VALUES as f32 / 2.0).then(|| (scale * sum / count).min(1.0))
+        };
+        let lines = (code.first..).zip(&code.lines);
+        let out: Vec<f32> = lines
+            .map(|line| difference(line).unwrap_or(f32::NAN))
+            .collect();
+        let seen = code.lines.iter().flatten().count();
+        let compared = out.iter().filter(|d| d.is_finite()).count();
         (compared >= ((OVERLAP * seen as f64) as usize).max(OVERLAP_LEAST)).then_some(out)
     }
 
     /// Mean square spread of the remembered lines about the mean of each band.
     fn spread(&self) -> f64 {
-        let mut sums = [[0.0_f64; VALUES]; 3];
-        for (line, _) in self.lines.iter().flatten() {
-            for k in 0..VALUES {
-                if line[k].is_finite() {
-                    let v = f64::from(line[k]);
-                    sums[0][k] += 1.0;
-                    sums[1][k] += v;
-                    sums[2][k] += v * v;
-                }
-            }
-        }
-        let used = || (0..VALUES).filter(|k| sums[0][*k] > 0.0);
         let variance = |k: usize| {
-            let n: f64 = sums[0][k];
-            sums[2][k] / n - (sums[1][k] / n).powi(2)
+            let values = self
+                .lines
+                .iter()
+                .flatten()
+                .map(|(line, _)| f64::from(line[k]));
+            let (n, sum, squares) = values
+                .filter(|v| v.is_finite())
+                .fold((0.0, 0.0, 0.0), |(n, s, q), v| (n + 1.0, s + v, q + v * v));
+            (n > 0.0).then(|| squares / n - (sum / n).powi(2))
         };
-        used().map(variance).sum::<f64>() / used().count().max(1) as f64
+        let variances: Vec<f64> = (0..VALUES).filter_map(variance).collect();
+        variances.iter().sum::<f64>() / variances.len().max(1) as f64
     }
 
     /// Counts whole graduations. `fraction` is the phase's part of the position, `last` the last
@@ -173,23 +145,11 @@ impl LineIndex {
         let next = nearest + if step(nearest) < 0.0 { 1 } else { -1 };
         match self.choose(code, fraction, last) {
             None if step(nearest).abs() <= STEP_MOST / (1.0 + missed as f64) => {
-                Counted::Graduations {
-                    whole: nearest,
-                    jumped: false,
-                }
+                Ok((nearest, false))
             }
-            None => Counted::Ambiguous {
-                nearest: step(nearest),
-                other: step(next),
-            },
-            Some((first, Some(rival))) => Counted::Ambiguous {
-                nearest: step(first),
-                other: step(rival),
-            },
-            Some((first, None)) => Counted::Graduations {
-                whole: first,
-                jumped: first != nearest,
-            },
+            None => Err([step(nearest), step(next)]),
+            Some((first, Some(rival))) => Err([step(first), step(rival)]),
+            Some((first, None)) => Ok((first, first != nearest)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The frame a series is measured against, and every later frame held against it.
 
 use super::find::{self, Found, PITCH_LEAST_PX, TILT_MOST_DEG};
-use super::line_index::{Counted, LineIndex};
+use super::line_index::LineIndex;
 use super::marks::{self, Bands};
 use super::phase;
 use super::phase_map::PhaseMap;
@@ -128,11 +128,7 @@ impl Reference {
 
     fn new(picture: &Picture, options: &ReadOptions, found: &Found, map: PhaseMap) -> Self {
         let view = picture.lying(found.upright);
-        let whole = match options.region {
-            Some(region) if found.upright => region.transposed(),
-            Some(region) => region,
-            None => Region::whole(&view),
-        };
+        let whole = Region::looked_at(options.region, found.upright, &view);
         Self {
             size: (picture.width(), picture.height()),
             upright: found.upright,
@@ -234,15 +230,10 @@ impl Reference {
         let counted = self
             .line_index
             .count(&code, shift.phase, self.last, self.missed);
-        let (whole, jumped) = match counted {
-            Counted::Graduations { whole, jumped } => (whole, jumped),
-            Counted::Ambiguous { nearest, other } => {
-                return Err(Rejection::Ambiguous {
-                    nearest_m: -nearest * pitch_m,
-                    other_m: -other * pitch_m,
-                });
-            }
-        };
+        let (whole, jumped) = counted.map_err(|steps| {
+            let [nearest_m, other_m] = steps.map(|step| -step * pitch_m);
+            Rejection::Ambiguous { nearest_m, other_m }
+        })?;
         self.line_index.learn(&code, whole);
         self.last = shift.phase + whole as f64;
         self.missed = 0;

@@ -33,6 +33,15 @@ impl Region {
         }
     }
 
+    /// The part that is looked at of a picture, lying: what is named, else the whole.
+    pub(crate) fn looked_at(named: Option<Self>, upright: bool, lying: &Picture) -> Self {
+        match named {
+            Some(part) if upright => part.transposed(),
+            Some(part) => part,
+            None => Self::whole(lying),
+        }
+    }
+
     pub(crate) fn transposed(self) -> Self {
         Self {
             x: self.y,
@@ -141,7 +150,6 @@ impl Block {
 /// All blocks: strips from the top, windows from the left.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Blocks {
-    pub(crate) strips: usize,
     pub(crate) windows: usize,
     /// From window to window, px.
     pub(crate) hop: f64,
@@ -277,31 +285,22 @@ impl Demodulator {
     /// Compares every strip with the graduation.
     pub(crate) fn blocks(&self, strips: &Strips) -> Blocks {
         let length = self.length();
-        let width = strips.region.width;
-        let windows = if width < length {
-            0
-        } else {
-            (width - length) / self.hop + 1
-        };
-        let mut all = Vec::with_capacity(strips.count * windows);
+        let mut all = Vec::new();
         for strip in 0..strips.count {
-            let (levels, y) = (strips.strip(strip), strips.y(strip));
-            for window in 0..windows {
-                let start = window * self.hop;
-                let part = &levels[start..start + length];
-                let (re, im, level) = dot3(part, &self.cos, &self.sin, &self.hann);
+            let windows = strips.strip(strip).windows(length).step_by(self.hop);
+            for (window, part) in windows.enumerate() {
+                let start = strips.region.x + window * self.hop;
                 all.push(Block {
-                    x: (strips.region.x + start) as f64 + (length as f64 - 1.0) / 2.0,
-                    y,
-                    re: f64::from(re),
-                    im: f64::from(im),
-                    level: f64::from(level),
+                    x: start as f64 + (length as f64 - 1.0) / 2.0,
+                    y: strips.y(strip),
+                    re: dot(part, &self.cos),
+                    im: dot(part, &self.sin),
+                    level: dot(part, &self.hann),
                 });
             }
         }
         Blocks {
-            strips: strips.count,
-            windows,
+            windows: all.len() / strips.count.max(1),
             hop: self.hop as f64,
             all,
         }
@@ -314,31 +313,19 @@ pub(crate) fn hann(length: usize) -> Vec<f64> {
     (0..length).map(weight).collect()
 }
 
-/// Three dot products in one pass. Sums are kept in eight lanes because the order of a sum of
-/// floats is fixed by the language: only so can the compiler use vector registers.
-fn dot3(v: &[f32], a: &[f32], b: &[f32], c: &[f32]) -> (f32, f32, f32) {
+/// Dot product. Sums are kept in eight lanes because the order of a sum of floats is fixed by the
+/// language: only so can the compiler use vector registers.
+fn dot(a: &[f32], b: &[f32]) -> f64 {
     const LANES: usize = 8;
-    let (mut sa, mut sb, mut sc) = ([0.0_f32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
-    let whole = v.len() / LANES * LANES;
-    for (((v, a), b), c) in v
-        .chunks_exact(LANES)
-        .zip(a.chunks_exact(LANES))
-        .zip(b.chunks_exact(LANES))
-        .zip(c.chunks_exact(LANES))
-    {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0_f32; LANES];
+    for (a, b) in a.iter().zip(b) {
         for i in 0..LANES {
-            sa[i] += v[i] * a[i];
-            sb[i] += v[i] * b[i];
-            sc[i] += v[i] * c[i];
+            sums[i] += a[i] * b[i];
         }
     }
-    for i in whole..v.len() {
-        sa[0] += v[i] * a[i];
-        sb[0] += v[i] * b[i];
-        sc[0] += v[i] * c[i];
-    }
-    let sum = |s: [f32; LANES]| s.iter().sum::<f32>();
-    (sum(sa), sum(sb), sum(sc))
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| a * b);
+    f64::from(sums.into_iter().chain(rest).sum::<f32>())
 }
 
 #[cfg(test)]
@@ -369,7 +356,7 @@ mod tests {
         let picture = comb(300, 16, pitch, offset);
         let strips = Strips::of(&picture, Region::whole(&picture));
         let blocks = Demodulator::new(1.0 / pitch, 300).blocks(&strips);
-        assert_eq!((blocks.strips, blocks.windows), (2, 6));
+        assert_eq!((blocks.all.len(), blocks.windows), (2 * 6, 6));
         for block in &blocks.all {
             let want = (block.x - offset) / pitch;
             let found = block.im.atan2(block.re) / TAU;

@@ -2,36 +2,11 @@
 
 use sinew_files::date::day_number;
 
-/// How names tell the time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NamePattern {
-    /// A number with a unit at the end: `frame_12.5s`, `0001_1250ms`, `t=3us`, `x-7ns`.
-    Suffix,
-    /// A date and time of day: `20261121_143000_250`, `2026-11-21T14-30-00.25`.
-    Date,
-    /// 10, 13, 16 or 19 digits: seconds, milli-, micro- or nanoseconds since 1970.
-    Epoch,
-}
-
-impl NamePattern {
-    const ALL: [NamePattern; 3] = [NamePattern::Suffix, NamePattern::Date, NamePattern::Epoch];
-
-    /// The pattern of a name without its extension.
-    pub(crate) fn of(stem: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|p| p.nanoseconds(stem).is_some())
-    }
-
-    /// Time, ns: since 1970 or, for [`NamePattern::Suffix`], since whatever the name counts from.
-    pub(crate) fn nanoseconds(self, stem: &str) -> Option<i128> {
-        match self {
-            Self::Suffix => suffix(stem),
-            Self::Date => date(stem),
-            Self::Epoch => epoch(stem),
-        }
-    }
-}
+/// How names without their extension tell the time, ns, in the order tried:
+/// * a number with a unit at the end, since whatever it counts from: `frame_12.5s`, `0001_1250ms`, `t=3us`, `x-7ns`;
+/// * a date and time of day: `20261121_143000_250`, `2026-11-21T14-30-00.25`;
+/// * 10, 13, 16 or 19 digits: seconds, milli-, micro- or nanoseconds since 1970.
+pub(crate) const PATTERNS: [fn(&str) -> Option<i128>; 3] = [suffix, date, epoch];
 
 fn suffix(stem: &str) -> Option<i128> {
     const UNITS: [(&str, u32); 4] = [("ms", 6), ("us", 3), ("ns", 0), ("s", 9)];
@@ -149,20 +124,23 @@ mod tests {
 
     #[test]
     fn names_tell_the_time() {
-        use NamePattern::{Date, Epoch, Suffix};
+        const SUFFIX: usize = 0;
+        const DATE: usize = 1;
+        const EPOCH: usize = 2;
+        let pattern_of = |stem: &str| PATTERNS.iter().position(|told| told(stem).is_some());
         for (stem, pattern, ns) in [
-            ("frame_0007_12.5s", Suffix, 12_500_000_000),
-            ("t=0.1s", Suffix, 100_000_000),
-            ("a1_1250ms", Suffix, 1_250_000_000),
-            ("x-7ns", Suffix, 7),
-            ("cam_20261121_143000_250", Date, 1_795_271_400_250_000_000),
-            ("2026-11-21T14-30-00.25", Date, 1_795_271_400_250_000_000),
-            ("2000-02-29 00.00.00", Date, 951_782_400_000_000_000),
-            ("1795271400", Epoch, 1_795_271_400_000_000_000),
-            ("cam2_1795271400250", Epoch, 1_795_271_400_250_000_000),
+            ("frame_0007_12.5s", SUFFIX, 12_500_000_000),
+            ("t=0.1s", SUFFIX, 100_000_000),
+            ("a1_1250ms", SUFFIX, 1_250_000_000),
+            ("x-7ns", SUFFIX, 7),
+            ("cam_20261121_143000_250", DATE, 1_795_271_400_250_000_000),
+            ("2026-11-21T14-30-00.25", DATE, 1_795_271_400_250_000_000),
+            ("2000-02-29 00.00.00", DATE, 951_782_400_000_000_000),
+            ("1795271400", EPOCH, 1_795_271_400_000_000_000),
+            ("cam2_1795271400250", EPOCH, 1_795_271_400_250_000_000),
         ] {
-            assert_eq!(NamePattern::of(stem), Some(pattern), "{stem}");
-            assert_eq!(pattern.nanoseconds(stem), Some(ns), "{stem}");
+            assert_eq!(pattern_of(stem), Some(pattern), "{stem}");
+            assert_eq!(PATTERNS[pattern](stem), Some(ns), "{stem}");
         }
         for stem in [
             "frame_0001",
@@ -172,7 +150,7 @@ mod tests {
             "glass",
             "99999999999999999999s",
         ] {
-            assert_eq!(NamePattern::of(stem), None, "{stem}");
+            assert_eq!(pattern_of(stem), None, "{stem}");
         }
     }
 
