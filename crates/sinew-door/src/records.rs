@@ -6,11 +6,12 @@
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::BTreeMap;
+use std::io::Read;
 
 /// Longest record, and longest chunk packed or not, bytes.
 const RECORD_MOST: usize = sinew_files::limits::CHUNK.length();
 /// Operation code and length of a record, bytes.
-pub(crate) const RECORD_HEAD: usize = 1 + 8;
+const RECORD_HEAD: usize = 1 + 8;
 /// Shortest chunk: its fixed fields, bytes.
 const CHUNK_LEAST: u64 = 8 + 8 + 8 + 4 + 4 + 8;
 
@@ -27,7 +28,7 @@ pub(crate) struct Recorded<'a> {
 
 /// What the next bytes of a file are.
 #[derive(Debug, PartialEq)]
-pub(crate) enum Piece {
+enum Piece {
     /// Not there yet as a whole.
     Torn,
     /// So many bytes, which belong together.
@@ -82,7 +83,7 @@ impl Records {
     }
 
     /// What comes next in a file that holds `available` bytes more, the first of which are `bytes`.
-    pub(crate) fn piece(&self, bytes: &[u8], available: u64) -> Piece {
+    fn piece(&self, bytes: &[u8], available: u64) -> Piece {
         if self.read == 0 {
             return match available < mcap::MAGIC.len() as u64 {
                 true => Piece::Torn,
@@ -108,6 +109,34 @@ impl Records {
         match whole > available {
             true => Piece::Torn,
             false => Piece::Whole(whole as usize),
+        }
+    }
+
+    /// Reads the next piece of a file that holds `available` bytes more into `record`, as a whole; `false`: it isn't
+    /// there yet, or there is none.
+    ///
+    /// # Errors
+    /// Nothing that could be read, or the system refuses.
+    pub(crate) fn next(
+        &self,
+        source: &mut impl Read,
+        available: u64,
+        record: &mut Vec<u8>,
+    ) -> Result<bool, String> {
+        record.clear();
+        loop {
+            let wanted = match self.piece(record, available) {
+                Piece::Whole(whole) if record.len() >= whole => return Ok(true),
+                Piece::Whole(whole) => whole,
+                Piece::Torn if record.len() < RECORD_HEAD => RECORD_HEAD,
+                Piece::Torn => return Ok(false),
+                Piece::Broken(why) => return Err(why),
+            };
+            let missing = (wanted - record.len()) as u64;
+            let read = source.take(missing).read_to_end(record);
+            if (read.map_err(|e| e.to_string())? as u64) < missing {
+                return Ok(false);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::handle::{Door, DoorError, Shared};
 use crate::received::Clock;
-use crate::records::{Piece, RECORD_HEAD, Recorded, Records, State};
+use crate::records::{Recorded, Records, State};
 use crate::route::{Channels, Routes};
 use crate::trouble::Trouble;
 use sinew_log::decode::{MessageKind, set_stamp_ns, stamp_ns};
@@ -113,25 +113,6 @@ fn source(recording: &Played) -> std::io::Result<Box<dyn Read + Send>> {
     })
 }
 
-/// The next record of a file as a whole; `false`: there is none. A recording that wasn't closed ends there.
-fn next(source: &mut impl Read, records: &Records, record: &mut Vec<u8>) -> Result<bool, String> {
-    record.clear();
-    loop {
-        let wanted = match records.piece(record, u64::MAX) {
-            Piece::Whole(whole) if record.len() >= whole => return Ok(true),
-            Piece::Whole(whole) => whole,
-            Piece::Torn if record.len() < RECORD_HEAD => RECORD_HEAD,
-            Piece::Torn => return Ok(false),
-            Piece::Broken(why) => return Err(why),
-        };
-        let missing = (wanted - record.len()) as u64;
-        let read = source.take(missing).read_to_end(record);
-        if (read.map_err(|e| e.to_string())? as u64) < missing {
-            return Ok(false);
-        }
-    }
-}
-
 struct Player {
     options: ReplayOptions,
     channels: Channels,
@@ -174,7 +155,7 @@ impl Player {
         let mut records = Records::new();
         let mut record = Vec::new();
         let mut messages = 0_u64;
-        while next(&mut source, &records, &mut record)? {
+        while records.next(&mut source, u64::MAX, &mut record)? {
             let mut is_stopped = false;
             let state = records.feed(&record, |recorded| {
                 messages += 1;

@@ -6,12 +6,12 @@
 
 use crate::handle::{Door, DoorError, Shared};
 use crate::received::Clock;
-use crate::records::{Piece, Recorded, Records, State};
+use crate::records::{Recorded, Records, State};
 use crate::route::{Channels, Routes};
 use crate::trouble::Trouble;
 use sinew_files::names::natural_key;
 use std::fs::{File, Metadata};
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -76,7 +76,7 @@ pub fn open(options: &TailOptions, routes: &Routes, clock: Clock) -> Result<Door
         every: Duration::from_secs_f64(every_s),
         channels: Channels::new(routes),
         clock,
-        piece: vec![0; PIECE],
+        record: Vec::new(),
     };
     Door::run(Shared::new(name), move |shared| tail.follow(shared))
 }
@@ -109,23 +109,19 @@ pub fn check(path: &Path) -> Result<(), DoorError> {
         return Err(content("it is no MCAP".into()));
     }
     let mut records = Records::new();
-    let mut rest = &head[..];
-    loop {
-        let available = length.saturating_sub(records.read);
-        match records.piece(rest, available) {
-            Piece::Broken(why) => return Err(content(why)),
-            Piece::Whole(length) if length <= rest.len() => {
-                let (piece, after) = rest.split_at(length);
-                match records.feed(piece, |_| true) {
-                    State::Broken(why) => return Err(content(why)),
-                    State::Ended => return Ok(()),
-                    State::Wants => rest = after,
-                }
-            }
-            // Torn, or longer than what was looked at.
-            Piece::Whole(_) | Piece::Torn => return Ok(()),
+    let (mut head, mut record) = (&head[..], Vec::new());
+    // A record that is torn, or longer than what was looked at, is none yet.
+    while records
+        .next(&mut head, length.saturating_sub(records.read), &mut record)
+        .map_err(content)?
+    {
+        match records.feed(&record, |_| true) {
+            State::Broken(why) => return Err(content(why)),
+            State::Ended => break,
+            State::Wants => {}
         }
     }
+    Ok(())
 }
 
 struct Tail {
@@ -133,13 +129,14 @@ struct Tail {
     every: Duration,
     channels: Channels,
     clock: Clock,
-    piece: Vec<u8>,
+    /// The record being read.
+    record: Vec<u8>,
 }
 
 /// The file being read.
 struct Following {
     path: PathBuf,
-    file: File,
+    file: BufReader<File>,
     records: Records,
     identity: Option<(u64, u64)>,
     head: Vec<u8>,
@@ -214,39 +211,36 @@ impl Tail {
         if now.is_done {
             return false;
         }
-        let (got, available) = match now.fill(&mut self.piece) {
-            Ok(filled) => filled,
-            Err(error) => {
-                self.give_up(now, error.to_string(), shared);
-                return true;
-            }
-        };
-        let piece = std::mem::take(&mut self.piece);
-        let mut at = 0;
-        let mut larger = None;
+        let mut record = std::mem::take(&mut self.record);
+        let mut has_read = false;
+        let mut available = now.available();
         while !now.is_done && !shared.stops() {
-            let rest = &piece[at..got];
-            let length = match now.records.piece(rest, available - at as u64) {
-                Piece::Torn => break,
-                Piece::Broken(why) => {
+            let next = available.and_then(|available| {
+                let records = &now.records;
+                let there = records.next(&mut now.file, available, &mut record)?;
+                Ok(there.then_some(available))
+            });
+            let there = match next {
+                Ok(Some(there)) => there,
+                Ok(None) => break,
+                Err(why) => {
                     self.give_up(now, why, shared);
+                    has_read = true;
                     break;
                 }
-                Piece::Whole(length) if length > rest.len() => {
-                    larger = Some(length);
-                    break;
-                }
-                Piece::Whole(length) => length,
             };
-            let is_new = now.records.read + length as u64 > now.new_from;
-            let state = now.records.feed(&rest[..length], |recorded| {
+            let length = record.len() as u64;
+            available = Ok(there.saturating_sub(length));
+            let is_new = now.records.read + length > now.new_from;
+            let state = now.records.feed(&record, |recorded| {
                 !is_new || self.message(&recorded, shared)
             });
             match state {
                 State::Wants => {
                     let missing = HEAD - now.head.len();
-                    now.head.extend_from_slice(&rest[..length.min(missing)]);
-                    at += length;
+                    now.head
+                        .extend_from_slice(&record[..record.len().min(missing)]);
+                    has_read = true;
                 }
                 State::Ended => now.is_done = true,
                 // Written in two steps, it may be whole at the next look.
@@ -258,14 +252,10 @@ impl Tail {
             }
             now.tries = 0;
         }
-        self.piece = piece;
-        // Room for the longest record met, given back after an unusual one.
-        let room = larger.unwrap_or(PIECE).max(PIECE);
-        if room > self.piece.len() || self.piece.len() > KEPT {
-            self.piece.resize(room, 0);
-            self.piece.shrink_to_fit();
-        }
-        let has_read = at > 0 || larger.is_some();
+        // Room is given back after an unusual record.
+        record.clear();
+        record.shrink_to(KEPT);
+        self.record = record;
         if has_read {
             now.still_looks = 0;
         }
@@ -333,7 +323,7 @@ impl Following {
         }
         Ok(Following {
             path: path.to_owned(),
-            file,
+            file: BufReader::with_capacity(PIECE, file),
             records: Records::new(),
             identity: identity(&metadata),
             head: Vec::new(),
@@ -344,25 +334,15 @@ impl Following {
         })
     }
 
-    /// Fills `piece` with what follows what was read, as far as it goes; how many bytes, and how many there are. What
-    /// wasn't a whole record is read again: it may have been changed.
-    fn fill(&mut self, piece: &mut [u8]) -> std::io::Result<(usize, u64)> {
+    /// Goes to what follows the records read; how many bytes there are. What wasn't a whole record is read again: it
+    /// may have been changed.
+    fn available(&mut self) -> Result<u64, String> {
         let at = self.records.read;
-        let available = self.file.metadata()?.len().saturating_sub(at);
-        self.file.seek(SeekFrom::Start(at))?;
-        let most = usize::try_from(available).unwrap_or(usize::MAX);
-        let wanted = most.min(piece.len());
-        let mut got = 0;
-        while got < wanted {
-            match self.file.read(&mut piece[got..wanted]) {
-                Ok(0) => break,
-                Ok(read) => got += read,
-                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
-        // Between the two looks it may have been cut off.
-        Ok((got, if got < wanted { got as u64 } else { available }))
+        let available = |file: &mut BufReader<File>| {
+            file.seek(SeekFrom::Start(at))?;
+            Ok(file.get_ref().metadata()?.len().saturating_sub(at))
+        };
+        available(&mut self.file).map_err(|error: std::io::Error| error.to_string())
     }
 
     /// Whether another file has its name now, or it was written anew.
