@@ -1,18 +1,10 @@
 //! Work on so many threads, its results taken as they come.
 
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use std::sync::{Mutex, PoisonError};
 
-/// A pool of `jobs` threads, at least one: what runs in it works on no other.
-///
-/// # Errors
-/// The system gives no more threads.
-pub(crate) fn pool(jobs: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
-    ThreadPoolBuilder::new().num_threads(jobs.max(1)).build()
-}
-
-/// Works on the items in their order, on `jobs` threads; what `work` hands out is given to `keep`, one at a
+/// Works on the items in their order, on `jobs` threads, at least one; what `work` hands out is given to `keep`, one at a
 /// time. `work` is told whether to go on. After the first error no item is begun.
 ///
 /// # Errors
@@ -41,7 +33,8 @@ pub(crate) fn each<I: Sync, R: Send, E: Send + From<ThreadPoolBuildError>>(
         }
         taken.1.is_none().then_some(())
     };
-    pool(jobs)?.install(|| items.iter().par_bridge().try_for_each(one));
+    let pool = ThreadPoolBuilder::new().num_threads(jobs.max(1)).build()?;
+    pool.install(|| items.iter().par_bridge().try_for_each(one));
     match taken.into_inner().unwrap_or_else(PoisonError::into_inner).1 {
         Some(error) => Err(error),
         None => Ok(()),

@@ -29,13 +29,9 @@ pub(crate) struct Kind {
     pub(crate) holds: &'static str,
 }
 
-/// Something that all results of a file have in common.
-pub(crate) struct Setting {
-    pub(crate) name: &'static str,
-    pub(crate) value: String,
-    /// What is said of a file with another one; its value stands for `{}`.
-    pub(crate) other: &'static str,
-}
+/// Something that all results of a file have in common: its name, its value, and what is said of a file with
+/// another one, whose value stands for `{}`.
+pub(crate) type Setting = (&'static str, String, &'static str);
 
 /// The first line of a file.
 #[derive(Serialize, Deserialize)]
@@ -51,9 +47,9 @@ struct Head {
 impl Head {
     /// Why results under this head don't go on with `settings`.
     fn difference(&self, wanted: &Self, settings: &[Setting]) -> Option<String> {
-        let value = |s: &Setting| self.settings.get(s.name).map_or("", String::as_str);
-        if let Some(other) = settings.iter().find(|s| value(s) != s.value) {
-            Some(other.other.replace("{}", value(other)))
+        let value = |name: &str| self.settings.get(name).map_or("", String::as_str);
+        if let Some((name, _, other)) = settings.iter().find(|(name, own, _)| value(name) != own) {
+            Some(other.replace("{}", value(name)))
         } else if self.program != wanted.program {
             Some(format!("versions {} and {}", self.program, wanted.program))
         } else if self.version != wanted.version {
@@ -105,7 +101,7 @@ impl Journal {
             version: kind.version,
             program: env!("CARGO_PKG_VERSION").into(),
             settings: (settings.iter())
-                .map(|s| (s.name.into(), s.value.clone()))
+                .map(|(name, value, _)| ((*name).into(), value.clone()))
                 .collect(),
         };
         let start = format!("{{\"format\":\"{}\"", kind.format);

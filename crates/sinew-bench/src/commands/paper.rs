@@ -1,8 +1,8 @@
 //! `sinew paper`: the paper's evaluation, done again.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sinew::terminal::{Failure, Finish, Word, answer_as, complain};
-use sinew_bench::paper;
+use sinew_bench::paper::{self, FigureName};
 use sinew_estimate::robot_dir;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Paper {
     /// Which figure
     #[arg(value_enum)]
-    figure: Which,
+    figure: FigureName,
     /// Robot's folder, for fig6, fig7 and control [default: robots/biorob-like]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
@@ -33,43 +33,15 @@ pub(crate) struct Paper {
     quiet: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Which {
-    /// Creep of nine ropes at 23 °C
-    Fig1,
-    /// Creep of four ropes at 60 °C
-    Fig2,
-    /// A rope over guiding pulleys, routings A to D
-    Fig4,
-    /// A rope under changing force, E and F
-    Fig5,
-    /// The ropes as published, with their simulated creep test
-    Table1,
-    /// Simulation: no model error; K + 20 %; M, C, g - 10 %; offsets of 0.010 and 0.015 rad
-    Fig6,
-    /// A simulated "real" elbow: injected offset, difference, rope relaxed and re-tensioned
-    Fig7,
-    /// Control and collision detection with stretched ropes, before and after correction
-    Control,
-}
-
-impl Which {
-    /// Whether it is made with a robot, and with the catalogue's ropes.
-    fn needs(self) -> (bool, bool) {
-        match self {
-            Self::Fig1 | Self::Fig2 | Self::Fig4 | Self::Fig5 | Self::Table1 => (false, true),
-            Self::Fig6 | Self::Fig7 | Self::Control => (true, false),
-        }
-    }
-}
-
 impl Paper {
     /// An option that would change nothing is refused.
     fn check(&self) -> Result<(), Failure> {
-        let (robot, ropes) = self.figure.needs();
-        let name = self.figure.to_possible_value();
-        let name = name.as_ref().map_or("", |value| value.get_name());
-        if !ropes && !self.ropes.is_empty() {
+        let name = self.figure;
+        let robot = matches!(
+            name,
+            FigureName::Fig6 | FigureName::Fig7 | FigureName::Control
+        );
+        if robot && !self.ropes.is_empty() {
             return Err(Failure::Refused(format!(
                 "--ropes: {name} is made with a robot's tendons, and with no rope of the catalogue; leave it out"
             )));
@@ -96,14 +68,14 @@ impl Paper {
             Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))
         })?;
         let mut figure = match self.figure {
-            Which::Fig1 => paper::fig1(&catalogue()?)?,
-            Which::Fig2 => paper::fig2(&catalogue()?)?,
-            Which::Fig4 => paper::fig4(&catalogue()?)?,
-            Which::Fig5 => paper::fig5(&catalogue()?)?,
-            Which::Table1 => paper::table1(&catalogue()?)?,
-            Which::Fig6 => paper::fig6(&robot()?.robot)?,
-            Which::Fig7 => paper::fig7(&robot()?.robot)?,
-            Which::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
+            FigureName::Fig1 => paper::fig1(&catalogue()?)?,
+            FigureName::Fig2 => paper::fig2(&catalogue()?)?,
+            FigureName::Fig4 => paper::fig4(&catalogue()?)?,
+            FigureName::Fig5 => paper::fig5(&catalogue()?)?,
+            FigureName::Table1 => paper::table1(&catalogue()?)?,
+            FigureName::Fig6 => paper::fig6(&robot()?.robot)?,
+            FigureName::Fig7 => paper::fig7(&robot()?.robot)?,
+            FigureName::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
         };
         paper::write(&mut figure, &self.out)?;
         answer_as(self.json, &figure, paper::render)?;

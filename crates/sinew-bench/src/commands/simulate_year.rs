@@ -61,7 +61,7 @@ pub(crate) struct SimulateYear {
     jobs: Option<u64>,
     /// Who forecasts [default: all]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_enum)]
-    forecasters: Vec<Who>,
+    forecasters: Vec<Forecaster>,
     /// Keep years (with --chain: sessions) in a file, one JSON document a line
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -123,30 +123,6 @@ enum Kind {
     Hard,
 }
 
-/// Who forecasts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Who {
-    /// sinew trend, the rope named in robot.toml
-    Rope,
-    /// The same, taking every error for its session's own
-    Alone,
-    /// sinew trend without a rope
-    Generic,
-    /// Knows the true law
-    Oracle,
-}
-
-impl From<Who> for Forecaster {
-    fn from(who: Who) -> Self {
-        match who {
-            Who::Rope => Self::Rope,
-            Who::Alone => Self::Alone,
-            Who::Generic => Self::Generic,
-            Who::Oracle => Self::Oracle,
-        }
-    }
-}
-
 impl Kind {
     fn errors(self) -> SessionErrors {
         match self {
@@ -184,7 +160,7 @@ impl SimulateYear {
             ..YearRequest::default()
         };
         if !self.forecasters.is_empty() {
-            request.forecasters = self.forecasters.iter().map(|who| (*who).into()).collect();
+            request.forecasters.clone_from(&self.forecasters);
         }
         let robot = &loaded.robot;
         let report = if self.chain {

@@ -2,7 +2,6 @@
 
 use super::PaperError;
 use super::bending::{ROPE, bench, drawn, end, runs};
-use super::claim::Claim;
 use super::data::{FigureName, PaperFigure, given};
 use super::judge::{claimed, laws};
 use rayon::prelude::*;
@@ -41,17 +40,17 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     };
     let sentences = vec![
         claimed(
-            Claim::LessForceDrops,
+            "(E) 200 N, then 120 N: the elongation drops.",
             "strain falls at the change and is lower still at the end",
             |i| at(&e[i], after) < at(&e[i], after - 1) && end(&e[i]) < at(&e[i], after),
         ),
         claimed(
-            Claim::LessForceIrreversible,
+            "(E) A part of the elongation is irreversible.",
             "left at 120 N for 115 days, until everything delayed has come back, it stays above a rope that never felt more, by at least a tenth of what it lost in the 80 min after the change",
             |i| kept[i] >= 0.1 * (at(&e[i], after - 1) - end(&e[i])),
         ),
         claimed(
-            Claim::MoreForceRises,
+            "(F) 120 N, then 200 N: the elongation rises over a longer time.",
             "it rises, and 90 % of the rise take at least twice as long as 90 % of the drop of (E), and a minute at least",
             |i| {
                 let rises = end(&f[i]) > at(&f[i], after - 1);

@@ -1,9 +1,9 @@
 //! Sentences about ropes, judged at the catalogue's values and in every draw of them.
 
 use super::PaperError;
-use super::claim::Claim;
 use super::data::{Curve, SeriesData};
 use super::sentence::{Sentence, Unit};
+use crate::numbers::line;
 use sinew_figure::plot::{Band, Colour, Line};
 use sinew_model::statistics::quantile;
 use sinew_rope::law::Law;
@@ -39,27 +39,14 @@ pub(super) fn judged(text: &str, rule: &str, holds: impl Fn(usize) -> bool) -> S
 }
 
 /// Judges a sentence of the paper.
-pub(super) fn claimed(claim: Claim, rule: &str, holds: impl Fn(usize) -> bool) -> Sentence {
-    judged("", rule, holds).of(claim)
+pub(super) fn claimed(text: &str, rule: &str, holds: impl Fn(usize) -> bool) -> Sentence {
+    judged(text, rule, holds).of_paper()
 }
 
 /// Slope of the least-squares line through the points in a range of `x`, per unit of `x`.
 pub(super) fn slope(x: &[f64], y: &[f64], range: std::ops::RangeInclusive<f64>) -> f64 {
-    let points: Vec<(f64, f64)> = x
-        .iter()
-        .zip(y)
-        .filter(|(x, _)| range.contains(*x))
-        .map(|(x, y)| (*x, *y))
-        .collect();
-    let n = points.len().max(1) as f64;
-    let mx = points.iter().map(|p| p.0).sum::<f64>() / n;
-    let my = points.iter().map(|p| p.1).sum::<f64>() / n;
-    let (mut sxy, mut sxx) = (0.0, 0.0);
-    for (x, y) in points {
-        sxy += (x - mx) * (y - my);
-        sxx += (x - mx) * (x - mx);
-    }
-    sxy / sxx
+    let points = x.iter().zip(y).filter(|(x, _)| range.contains(*x));
+    line(&points.map(|(x, y)| (*x, *y)).collect::<Vec<_>>()).1
 }
 
 /// A curve with its 95 % band, from nominal and drawn curves over the same minutes.

@@ -6,9 +6,9 @@
 //! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
 //! [`staircase`], once for both figures.
 //!
-//! What the paper says stands in [`Claim`], once; a [`Sentence`] is the paper's or Sinew's ([`SaidBy`]).
+//! A [`Sentence`] is the paper's or Sinew's ([`SaidBy`]).
 //!
-//! Reading order: [`Claim`], [`staircase`] (the motion), `by_hand` (what it should show), `trial` (simulate once, estimate
+//! Reading order: [`staircase`] (the motion), `by_hand` (what it should show), `trial` (simulate once, estimate
 //! often), [`fig6()`], [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`], [`table1()`];
 //! [`control()`].
 //!
@@ -18,7 +18,6 @@
 
 mod bending;
 mod by_hand;
-mod claim;
 mod control;
 mod creep;
 mod data;
@@ -35,7 +34,6 @@ pub mod staircase;
 mod table1;
 mod trial;
 
-pub use claim::{Claim, Place};
 pub use control::{Effort, Knowledge, RobotCase, Row, control, table};
 pub use creep::{fig1, fig2};
 pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};

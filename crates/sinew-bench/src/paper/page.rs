@@ -129,7 +129,6 @@ pub(super) const SOURCE: &str = "After J. Kirchhoff and O. von Stryk, New Insigh
 
 #[cfg(test)]
 mod tests {
-    use super::super::claim::Claim;
     use super::super::{FigureName, Unit};
     use super::*;
     use sinew_figure::plot::Figure;
@@ -137,9 +136,11 @@ mod tests {
     #[test]
     fn a_page_tells_what_the_paper_says_from_what_sinew_adds() {
         let sentence = |holds| Sentence::added("A < B", "by eye", 15.147_3, Unit::Rad, holds);
+        let paper = Sentence::added("C < D", "", 15.147_3, Unit::Rad, true).of_paper();
         let page = html(&PaperFigure {
             about: vec!["how".into()],
-            sentences: vec![sentence(true).of(Claim::NoModelError), sentence(false)],
+            sentences: vec![paper, sentence(false)],
+            not_judged: vec!["E = F. A definition.".into()],
             given: vec!["a number".into()],
             assumptions: vec!["nothing".into()],
             ..PaperFigure::new(FigureName::Fig6, "a < b & \"c\"", Figure::new("f"))
@@ -152,7 +153,7 @@ mod tests {
             ">does not hold<",
             "Found: 15.1 mrad",
             "a number",
-            Claim::InjectionRule.text(),
+            "E = F. A definition.",
             "IROS 2018",
         ] {
             assert!(page.contains(words), "{words}: {page}");
@@ -160,7 +161,7 @@ mod tests {
         let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
         let (paper, sinew) = (at("What the paper says"), at("What Sinew adds"));
         let between = &page[paper..sinew];
-        assert!(between.contains(Claim::NoModelError.text()) && !between.contains("A &lt; B"));
+        assert!(between.contains("C &lt; D") && !between.contains("A &lt; B"));
         assert!(page[sinew..].contains("A &lt; B"));
     }
 }

@@ -1,6 +1,5 @@
 //! Sentences held against data: the paper's, and what Sinew adds.
 
-use super::claim::Claim;
 use serde::Serialize;
 
 /// A sentence, judged from data by a stated criterion.
@@ -9,9 +8,6 @@ use serde::Serialize;
 pub struct Sentence {
     /// Who says it.
     pub said_by: SaidBy,
-    /// Which sentence of the paper it is; none where Sinew says it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub claim: Option<Claim>,
     /// What is said.
     pub text: String,
     /// What must be so for it to hold, with the threshold and its unit.
@@ -116,7 +112,6 @@ impl Sentence {
         let value = value / unit.shown().0;
         Self {
             said_by: SaidBy::Sinew,
-            claim: None,
             text: text.into(),
             criterion: criterion.into(),
             value,
@@ -126,12 +121,10 @@ impl Sentence {
         }
     }
 
-    /// A sentence of the paper.
+    /// As a sentence of the paper, in our words.
     #[must_use]
-    pub(super) fn of(mut self, claim: Claim) -> Self {
+    pub(super) fn of_paper(mut self) -> Self {
         self.said_by = SaidBy::Paper;
-        self.claim = Some(claim);
-        self.text = claim.text().into();
         self
     }
 
@@ -201,9 +194,7 @@ mod tests {
     #[test]
     fn what_sinew_adds_is_no_sentence_of_the_paper() {
         let own = Sentence::added("own", "", 1.0, Unit::Rad, true);
-        assert_eq!((own.said_by, own.claim), (SaidBy::Sinew, None));
-        let paper = own.of(Claim::Saturates);
-        assert_eq!(paper.said_by, SaidBy::Paper);
-        assert_eq!(paper.text, Claim::Saturates.text());
+        assert_eq!(own.said_by, SaidBy::Sinew);
+        assert_eq!(own.of_paper().said_by, SaidBy::Paper);
     }
 }

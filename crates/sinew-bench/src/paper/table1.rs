@@ -1,7 +1,6 @@
 //! Table I: the ropes as published, and what their laws make of them.
 
 use super::PaperError;
-use super::claim::Claim;
 use super::creep::{LOAD_N, MINUTES, Test, test};
 use super::data::{FigureName, PaperFigure, given};
 use super::judge::assumptions;
@@ -58,13 +57,13 @@ fn as_printed(ropes: &[CatalogueRope]) -> Sentence {
     let plaits = count(&|e| e.plait.is_some());
     let holds = (ropes.len(), loads, weights, plaits) == (9, 7, 5, 5);
     Sentence::added(
-        "",
+        "Nine ropes, with breaking load, plait and weight as far as known.",
         format!("9 ropes, of which 7 have a breaking load, 5 a weight and 5 a plait, as printed; found {loads}, {weights} and {plaits}. A test holds every value against the printed table"),
         ropes.len() as f64,
         Unit::Ropes,
         holds,
     )
-    .of(Claim::Ropes)
+    .of_paper()
 }
 
 const PUBLISHED: [&str; 6] = [

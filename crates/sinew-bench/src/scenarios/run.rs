@@ -4,7 +4,7 @@ use super::outcome::Outcome;
 use super::result::ScenarioReport;
 use super::summary::summarise;
 use super::{Options, Recording, ScenarioError};
-use crate::journal::{Journal, Setting};
+use crate::journal::Journal;
 use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
 use sinew_sim::protocol::{Plan, PlanError, plan_adapted, plan_named};
@@ -44,19 +44,18 @@ pub fn run_recordings(
             plan.scenario.record.tau_m = false;
         }
     }
-    let setting = |name, value, other| Setting { name, value, other };
     let settings = [
-        setting(
+        (
             "sessions",
             options.sessions.name().into(),
             "other sessions (--no-steps, --variants)",
         ),
-        setting(
+        (
             "motor_torque",
             options.motor_torque.to_string(),
             "with and without motor torque (--no-motor-torque)",
         ),
-        setting(
+        (
             "scenarios",
             journal::checksum(&everything(&plans)),
             "of another robot, or of other scenarios than this program's",

@@ -20,7 +20,7 @@ pub use summary::summary;
 pub use table::render_table;
 
 use crate::jobs;
-use crate::journal::{self, Journal, JournalError, Setting};
+use crate::journal::{self, Journal, JournalError};
 use chain::{ChainError, ChainRequest, Session};
 use judge::Fleet;
 use rayon::prelude::*;
@@ -118,18 +118,17 @@ pub fn run(
     catalogue: &Catalogue,
     request: &YearRequest,
     out: Option<&Path>,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<YearReport, YearError> {
-    let setting = |name, value, other| Setting { name, value, other };
     let settings = [
-        setting("robot", robot.name.clone(), "robot '{}'"),
-        setting("joints", request.joints.join(", "), "joints {} (--joints)"),
-        setting(
+        ("robot", robot.name.clone(), "robot '{}'"),
+        ("joints", request.joints.join(", "), "joints {} (--joints)"),
+        (
             "errors",
             format!("{:?}", request.errors),
             "errors of other sessions (--session)",
         ),
-        setting(
+        (
             "forecasters",
             format!("{:?}", request.forecasters),
             "forecasters {} (--forecasters)",
@@ -142,15 +141,20 @@ pub fn run(
         .collect();
     let fleet = Fleet::new(robot, catalogue, request)?;
     let seeds: Vec<u64> = request.seeds().filter(|s| !done.contains_key(s)).collect();
-    let pool = jobs::pool(request.jobs)?;
-    for batch in seeds.chunks(request.jobs.max(1)) {
-        for year in pool.install(|| in_order(batch, |seed| fleet.year(*seed))) {
-            let year = year?;
+    jobs::each(
+        &seeds,
+        request.jobs,
+        |seed, give| {
+            give(fleet.year(*seed)?);
+            Ok::<_, YearError>(())
+        },
+        |year| {
             journal.add(&year)?;
             done.insert(year.seed, year);
             progress(done.len(), request.robots as usize);
-        }
-    }
+            Ok(())
+        },
+    )?;
     let years = done.into_values().collect();
     let errors = request.errors;
     let source = SessionSource::Drawn { errors };

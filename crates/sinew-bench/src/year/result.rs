@@ -52,19 +52,23 @@ pub enum SessionSource {
 }
 
 /// Who forecasts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Forecaster {
     /// `sinew trend` with the rope named in the robot file.
+    #[value(help = "sinew trend, the rope named in robot.toml")]
     Rope,
     /// The same, but every error is taken for its session's own, so that many sessions average it away: what it was
     /// before sessions said what they share.
+    #[value(help = "The same, taking every error for its session's own")]
     Alone,
     /// `sinew trend` without.
+    #[value(help = "sinew trend without a rope")]
     Generic,
     /// Knows the law, how ropes, duties and errors are drawn, and lacks this tendon's numbers: what
     /// is reachable at all.
+    #[value(help = "Knows the true law")]
     Oracle,
 }
 

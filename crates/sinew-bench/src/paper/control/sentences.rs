@@ -1,6 +1,5 @@
 //! Sentences on stretched ropes, judged.
 
-use super::super::claim::Claim;
 use super::super::row::{Knowledge, RobotCase, Row};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::STEPS;
@@ -31,21 +30,21 @@ pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -
     let half = 0.5e3 * OFFSET_RAD;
     [
         Sentence::added(
-            "",
+            "Elongation spoils the position of the joint.",
             format!("with ropes 10 mrad longer shoulder and elbow each stop at least {half} mrad beside the wanted position at 90°"),
             short,
             Unit::Rad,
             short >= half,
         )
-        .of(Claim::SpoilsPosition),
+        .of_paper(),
         Sentence::added(
-            "",
+            "Elongation spoils the torque that the robot feels.",
             "the shoulder's false torque; shoulder and elbow each feel at least half of K delta_e that isn't there, at rest at 90°",
             torques[0],
             Unit::Nm,
             share >= 0.5,
         )
-        .of(Claim::SpoilsTorque),
+        .of_paper(),
     ]
 }
 

@@ -2,7 +2,6 @@
 
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
-use super::super::claim::Claim;
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{STEPS, rest_angle_rad};
 use super::super::trial::{Estimator, Trial, mean};
@@ -87,13 +86,13 @@ impl Forces {
         });
         vec![
             Sentence::added(
-                "",
+                "If the external forces are not known, the position offset is overestimated.",
                 format!("in every one of {} pushes of {PUSH_N} N at the tool ({DIRECTIONS} directions, four rests). A force that pulls the joint back is overestimated, one that pushes it on is underestimated: the paper's sentence is right for loads that hang", cases().count()),
                 100.0 * over,
                 Unit::ShareOfCases,
                 over == 1.0,
             )
-            .of(Claim::ExternalForces),
+            .of_paper(),
             Sentence::added(
                 "The sign of the error is that of −tau_ext.",
                 "in every one of these pushes whose torque is at least a fiftieth of the largest",

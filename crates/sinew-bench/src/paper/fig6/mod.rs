@@ -10,7 +10,7 @@ mod sources;
 
 use super::PaperError;
 use super::by_hand::ByHand;
-use super::data::{FigureName, PaperFigure, given};
+use super::data::{FigureName, PaperFigure, given, not_judged};
 use super::staircase::{GAIN_PER_S, LENGTH_S, MOVE_S, PAUSE_S, STEPS, TO_RAD, controller, motion};
 use super::trial::{Estimator, Trial, joint};
 use sinew_model::offset::{Comparison, OffsetConfig, TorqueSource, VelocityFilter};
@@ -114,6 +114,20 @@ pub fn fig6(robot: &Robot) -> Result<PaperFigure, PaperError> {
         panels,
         sentences,
         tables: vec![forces.table()],
+        not_judged: not_judged(&[
+            [
+                "A stretched rope shifts the measured motor position by delta_e = theta_measured − q − tau_el/K (eq. 4 to 6).",
+                "A definition. Plant and estimator both rest on it, so that no simulation can fail it.",
+            ],
+            [
+                "The elastic torque follows from the generalised momentum (eq. 7), without accelerations.",
+                "Judged by what follows from it: without model error the estimate shows the added offset (fig6).",
+            ],
+            [
+                "The offset is added to the motor position where that is larger than the offset, else nothing is added.",
+                "A procedure. It is read as: nothing is added where the motor position is not larger than the offset.",
+            ],
+        ]),
         given: given(&[
             "0 to 90° in four steps; offsets of 0.01 and 0.015 rad; K +20 %; M, C and g −10 %. No size of an error is given.",
         ]),

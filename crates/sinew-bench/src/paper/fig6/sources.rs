@@ -2,7 +2,6 @@
 
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
-use super::super::claim::Claim;
 use super::super::sentence::{Sentence, Unit, below};
 use super::super::staircase::STEPS;
 use super::super::trial::{Estimator, Trial, peak};
@@ -37,7 +36,14 @@ fn sensor(robot: &Robot, trial: &Trial, shoulder: usize) -> Result<Sentence, Pap
         .map(|(found, theta)| found - (injected(theta[shoulder], offset) - theta[shoulder]))
         .collect();
     let rule = "largest error over the whole motion, at every sample, with a perfect sensor";
-    Ok(below("", rule, 1e3 * peak(&errors), 1e-3, Unit::Rad).of(Claim::TorqueSensor))
+    Ok(below(
+        "With a joint torque sensor, eq. (5) and (6) give the offset directly.",
+        rule,
+        1e3 * peak(&errors),
+        1e-3,
+        Unit::Rad,
+    )
+    .of_paper())
 }
 
 /// Eq. (2) without the friction of the drive, which the robot has.
@@ -68,5 +74,12 @@ fn motor(robot: &Robot, shoulder: usize, by_hand: &ByHand<'_>) -> Result<Sentenc
         "without it the estimate at one of four rests is off by at least a tenth of what the drive's {coulomb_nm} N·m can hide, {most_mrad:.1} mrad"
     );
     let holds = 1e3 * worst >= 0.1 * most_mrad && most_mrad > 0.0;
-    Ok(Sentence::added("", rule, 1e3 * worst, Unit::Rad, holds).of(Claim::MotorSide))
+    Ok(Sentence::added(
+        "The motor's own equation (2) would need the motor's friction.",
+        rule,
+        1e3 * worst,
+        Unit::Rad,
+        holds,
+    )
+    .of_paper())
 }

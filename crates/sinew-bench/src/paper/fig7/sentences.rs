@@ -1,6 +1,5 @@
 //! What the runs show of an added offset and of a relaxed rope.
 
-use super::super::claim::Claim;
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{LENGTH_S, MOVE_S, STEPS, rest_end_s};
 use super::super::trial::{Trial, difference, mean, peak};
@@ -38,23 +37,23 @@ pub(super) fn sentences(
         .collect();
     vec![
         near(
-            "",
+            "On the robot the difference of two runs shows the added 0.01 rad.",
             "mean over the four rests",
             1e3 * mean(&added),
             1e3 * ADDED_RAD,
             0.1,
             Unit::Rad,
         )
-        .of(Claim::AddedOffsetSeen),
+        .of_paper(),
         relaxed(&grown, radius_m),
         below(
-            "",
+            "Re-tensioning restores the first estimate.",
             "largest deviation from the first run over the four rests; one step of the joint encoder and what the tensioner leaves",
             worst_mrad(&back, 0.0),
             ENCODER_STEP_MRAD + 1e3 * RETENSION_ERROR_M / radius_m,
             Unit::Rad,
         )
-        .of(Claim::RetensioningRestores),
+        .of_paper(),
         below(
             "The difference shows the added offset at every rest.",
             "largest deviation from 10 mrad over the four rests; one step of the joint encoder",
@@ -85,11 +84,11 @@ fn relaxed(grown: &[f64; STEPS], radius_m: f64) -> Sentence {
     let least = 1e3 * grown.iter().copied().fold(f64::INFINITY, f64::min);
     let half = 0.5e3 * RELAXED_M / radius_m;
     Sentence::added(
-        "",
+        "The rope relaxed by about 0.5 mm at the tensioner shows.",
         format!("smallest rise over the first run at the four rests is at least {half:.0} mrad, half of what 0.5 mm make on the pulley"),
         least,
         Unit::Rad,
         least >= half,
     )
-    .of(Claim::RelaxedRopeSeen)
+    .of_paper()
 }

@@ -2,7 +2,6 @@
 
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
-use super::super::claim::Claim;
 use super::super::sentence::{Sentence, Unit, below};
 use super::super::staircase::STEPS;
 use super::super::trial::{Estimator, Trial};
@@ -83,15 +82,15 @@ impl Tendency {
         let by_hand_mrad = self.opposite_by_hand_mrad(by_hand)?;
         Ok(vec![
             Sentence::added(
-                "",
+                "The estimate decreases while the elbow climbs.",
                 "the first run's estimate falls from each of the four rests to the next; found: last less first",
                 both.change_mrad(),
                 Unit::Rad,
                 both.falls(),
             )
-            .of(Claim::EstimateDecreases),
+            .of_paper(),
             Sentence::added(
-                "",
+                "The joint torque is overestimated, the stiffness underestimated, or both.",
                 format!(
                     "each of the three alone makes it fall from rest to rest: torque {}, stiffness {}, both {} mrad from the first to the last; found: the smallest of these falls",
                     number(torque.change_mrad()),
@@ -102,7 +101,7 @@ impl Tendency {
                 Unit::Rad,
                 explained,
             )
-            .of(Claim::DecreaseExplained),
+            .of_paper(),
             Sentence::added(
                 "With the errors the other way round it increases.",
                 format!("the estimate rises from each rest to the next; last less first, by hand {} mrad and what friction adds", number(by_hand_mrad)),

@@ -15,7 +15,7 @@ pub use statistics::{FailureSeen, JointErrors, LagCorrelation, statistics};
 
 use super::simulated_year::{SimulatedYear, WATCHED};
 use crate::jobs;
-use crate::journal::{self, Journal, JournalError, Setting};
+use crate::journal::{self, Journal, JournalError};
 use session::ChainRobot;
 use sinew_estimate::session::SessionError;
 use sinew_model::robot::Robot;
@@ -93,21 +93,20 @@ pub(super) fn sessions(
         &robot.limits,
         &robot.tolerances,
     );
-    let setting = |name, value, other| Setting { name, value, other };
     let settings = [
-        setting(
+        (
             "session",
             request.kind.name().into(),
             "{} sessions (--session)",
         ),
-        setting(
+        (
             "chained",
             request.chained.to_string(),
             "with and without --chained",
         ),
-        setting("robot", robot.name.clone(), "robot '{}'"),
-        setting("joints", joints.join(", "), "joints {} (--joints)"),
-        setting(
+        ("robot", robot.name.clone(), "robot '{}'"),
+        ("joints", joints.join(", "), "joints {} (--joints)"),
+        (
             "description",
             journal::checksum(&format!("{described:?}")),
             "another description of the robot",

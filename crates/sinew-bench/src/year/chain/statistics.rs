@@ -1,7 +1,7 @@
 //! How wrong sessions are: what the surrogate of the simulated years is set from.
 
 use super::{Session, SessionJoint};
-use crate::numbers::{finite, mean, rms};
+use crate::numbers::{finite, line, mean, rms};
 use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 
@@ -141,23 +141,6 @@ fn seen(sessions: &[Session], i: usize, at: usize) -> Option<FailureSeen> {
         lost_ratio: last.true_stiffness_ratio - first.true_stiffness_ratio,
         seen_lost_ratio: -change(&|j| Some(j.stiffness_ratio.mean))?,
     })
-}
-
-/// Intercept at the middle, slope, and what is left.
-fn line(points: &[(f64, f64)]) -> (f64, f64, Vec<f64>) {
-    let n = points.len() as f64;
-    let (mx, my) = points
-        .iter()
-        .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
-        (a + (x - mx) * (y - my), b + (x - mx) * (x - mx))
-    });
-    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
-    let left = points
-        .iter()
-        .map(|(x, y)| y - my - slope * (x - mx))
-        .collect();
-    (my, slope, left)
 }
 
 /// Days between sessions whose errors are compared.
