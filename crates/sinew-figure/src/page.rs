@@ -1,15 +1,27 @@
 //! A page: sections of text, tables, figures and judged sentences, as one HTML file.
 
+use crate::Table;
 use crate::plot::{Figure, escape_xml, page_colours};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{Environment, Value, context};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
+use std::sync::LazyLock;
 
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = include_str!("page/page.css");
 /// Values, zoom and legend of the figures.
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str = include_str!("page/page.js");
+const TEMPLATES: [(&str, &str); 3] = [
+    ("page.html", include_str!("page/page.html")),
+    ("block.html", include_str!("page/block.html")),
+    ("glance.html", include_str!("page/glance.html")),
+];
+/// Templates are part of the program, and a test fills each of them.
+const TESTED: &str = "a template of the program";
 
 /// One HTML file.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Page {
     /// Title of the window and first heading.
     pub title: String,
@@ -22,7 +34,7 @@ pub struct Page {
 }
 
 /// A heading and what stands under it.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Section {
     /// Heading; may be empty.
     pub heading: String,
@@ -31,7 +43,8 @@ pub struct Section {
 }
 
 /// A piece of a section.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Block {
     /// Text.
     Paragraph(String),
@@ -44,7 +57,7 @@ pub enum Block {
     /// Rows and columns.
     Table(Table),
     /// A figure with a line under it (may be empty).
-    Figure(Box<Figure>, String),
+    Figure(#[serde(serialize_with = "picture")] Box<Figure>, String),
     /// Sentences held against data.
     Sentences(Vec<Sentence>),
     /// What few want to read, under a line that opens it.
@@ -52,7 +65,8 @@ pub enum Block {
 }
 
 /// How much an answer asks of its reader: a colour and, beside it, a sign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Level {
     /// Nothing: a fact.
     #[default]
@@ -67,35 +81,8 @@ pub enum Level {
     Alarm,
 }
 
-impl Level {
-    /// Name of the style.
-    fn class(self) -> &'static str {
-        match self {
-            Self::Plain => "plain",
-            Self::Good => "good",
-            Self::Open => "open",
-            Self::Watch => "watch",
-            Self::Alarm => "alarm",
-        }
-    }
-
-    /// A shape that needs no colour: tick, question mark, triangle, octagon.
-    fn sign(self) -> String {
-        let shape = match self {
-            Self::Plain => return String::new(),
-            Self::Good => "M2 8.5 6 12.5 14 3.5",
-            Self::Open => "M4.5 5a3.5 3.5 0 1 1 5 3.2c-1 .6-1.5 1-1.5 2.3M8 14v.1",
-            Self::Watch => "M8 2 15 14H1zM8 6.5v3.5M8 12v.1",
-            Self::Alarm => "M5 1h6l4 4v6l-4 4H5l-4-4V5zM8 4.5v4M8 11.5v.1",
-        };
-        format!(
-            "<svg class=\"sign\" viewBox=\"0 0 16 16\" aria-hidden=\"true\"><path d=\"{shape}\"/></svg>"
-        )
-    }
-}
-
 /// An answer in large letters. Its words say all that its colour does.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Headline {
     /// What it asks of the reader.
     pub level: Level,
@@ -117,64 +104,6 @@ impl From<String> for Headline {
     }
 }
 
-/// Rows and columns.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Table {
-    /// Line above; may be empty.
-    pub caption: String,
-    /// Heading of every column. Empty: a table of names and values.
-    pub head: Vec<String>,
-    /// Cells, one per column. The first of a row names it; the others are numbers to the right
-    /// when the table has a head.
-    pub rows: Vec<Vec<String>>,
-    /// Numbers of the columns of words: they stand to the left and are broken into lines.
-    pub worded: Vec<usize>,
-}
-
-impl Table {
-    /// A table under a heading of every column.
-    pub fn new(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Self {
-        Self {
-            head: head.iter().map(ToString::to_string).collect(),
-            rows: rows.into_iter().collect(),
-            ..Self::default()
-        }
-    }
-
-    /// A table of names and values.
-    pub fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, String)>) -> Self {
-        let rows = rows
-            .into_iter()
-            .map(|(name, value)| vec![name.to_owned(), value]);
-        Self::new(&[], rows)
-    }
-
-    /// The table as a piece of HTML.
-    pub fn html(&self) -> String {
-        let mut out = String::new();
-        // Text takes everything.
-        let _ = write_table(&mut out, self);
-        out
-    }
-
-    /// Columns of these headings hold words: they stand to the left and are broken into lines. A heading that isn't there is none.
-    #[must_use]
-    pub fn worded(mut self, headings: &[&str]) -> Self {
-        let worded = |name: &String| headings.contains(&name.as_str());
-        self.worded = (0..self.head.len())
-            .filter(|i| worded(&self.head[*i]))
-            .collect();
-        self
-    }
-
-    /// Puts a line above.
-    #[must_use]
-    pub fn captioned(mut self, text: impl Into<String>) -> Self {
-        self.caption = text.into();
-        self
-    }
-}
-
 impl From<Table> for Block {
     fn from(table: Table) -> Self {
         Self::Table(table)
@@ -182,7 +111,7 @@ impl From<Table> for Block {
 }
 
 /// A sentence of a source, judged from data by a stated criterion.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sentence {
     /// What the source says.
     pub text: String,
@@ -217,55 +146,63 @@ impl Page {
 
     /// The file's text.
     pub fn html(&self) -> String {
-        let title = escape_xml(&self.title);
         let script = tight(SCRIPT);
-        let mut out = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
-             style-src 'unsafe-inline'; script-src 'sha256-{}'\">\n\
-             <title>{title}</title>\n<style>\n{}{}</style>\n</head>\n<body>\n<main>\n\
-             <header>\n<h1>{title}</h1>\n",
-            // A page lets no script run but this one.
-            base64(&Sha256::digest(&script)),
-            tight(STYLE),
-            page_colours()
-        );
-        if !self.subtitle.is_empty() {
-            let _ = writeln!(
-                out,
-                "<p class=\"subtitle\">{}</p>",
-                escape_xml(&self.subtitle)
-            );
-        }
-        out.push_str("</header>\n");
-        for section in &self.sections {
-            out.push_str("<section>\n");
-            if !section.heading.is_empty() {
-                let _ = writeln!(out, "<h2>{}</h2>", escape_xml(&section.heading));
-            }
-            for block in &section.blocks {
-                write_block(&mut out, block);
-            }
-            out.push_str("</section>\n");
-        }
-        if !self.footer.is_empty() {
-            let _ = writeln!(out, "<footer>{}</footer>", escape_xml(&self.footer));
-        }
-        out.push_str("</main>\n");
-        if self.sections.iter().any(|s| needs_script(&s.blocks)) {
-            let _ = writeln!(out, "<script>{script}</script>");
-        }
-        out.push_str("</body>\n</html>\n");
-        out
+        // A page lets no script run but this one.
+        let digest = base64(&Sha256::digest(&script));
+        let style = tight(STYLE) + &page_colours();
+        let script = self.sections.iter().any(Section::moves).then_some(script);
+        fill(
+            "page.html",
+            context! { page => Serde(self), digest, style, script },
+        )
     }
 }
 
-/// Whether something on the page moves: a figure, or what is unfolded before it is printed.
-fn needs_script(blocks: &[Block]) -> bool {
-    blocks
-        .iter()
-        .any(|b| matches!(b, Block::Figure(..) | Block::Folded(..)))
+impl Section {
+    /// Whether something in it moves: a figure, or what is unfolded before it is printed.
+    fn moves(&self) -> bool {
+        let moves = |b: &Block| matches!(b, Block::Figure(..) | Block::Folded(..));
+        self.blocks.iter().any(moves)
+    }
+}
+
+impl Table {
+    /// The table as a piece of HTML.
+    pub fn html(&self) -> String {
+        let block = context! { table => Serde(self) };
+        fill("block.html", context! { block })
+    }
+}
+
+/// A template filled in; whatever is not marked as safe in it is escaped.
+pub(crate) fn fill(template: &str, values: Value) -> String {
+    static ENVIRONMENT: LazyLock<Environment<'static>> = LazyLock::new(|| {
+        let mut environment = Environment::new();
+        let mut syntax = SyntaxConfig::builder();
+        syntax.trim_blocks(true).lstrip_blocks(true);
+        environment.set_syntax(syntax.build().expect(TESTED));
+        environment.set_formatter(|out, _, value| {
+            let text = value.to_string();
+            let text = if value.is_safe() {
+                text
+            } else {
+                escape_xml(&text)
+            };
+            Ok(out.write_str(&text)?)
+        });
+        environment.add_filter("prose", prose);
+        environment.add_filter("one_line", |text: &str| text.replace('\n', ", "));
+        environment.add_filter("unstopped", |text: &str| {
+            text.trim_end_matches('.').to_owned()
+        });
+        environment.add_filter("rounded", |value: f64| crate::rounded(value, 3));
+        for (name, text) in TEMPLATES {
+            environment.add_template(name, text).expect(TESTED);
+        }
+        environment
+    });
+    let template = ENVIRONMENT.get_template(template).expect(TESTED);
+    template.render(values).expect(TESTED)
 }
 
 /// Bytes as text (RFC 4648).
@@ -297,121 +234,15 @@ fn tight(code: &str) -> String {
 }
 
 /// Text of the page: an option of the command stays in one line.
-fn prose(text: &str) -> String {
+fn prose(text: &str) -> Value {
     let words = text.split(' ').map(|word| match word.starts_with("--") {
         true => format!("<span class=\"whole\">{}</span>", escape_xml(word)),
         false => escape_xml(word),
     });
-    words.collect::<Vec<_>>().join(" ")
+    Value::from_safe_string(words.collect::<Vec<_>>().join(" "))
 }
 
-fn write_block(out: &mut String, block: &Block) {
-    let _ = match block {
-        Block::Paragraph(text) => writeln!(out, "<p>{}</p>", prose(text)),
-        Block::Notice(text) => writeln!(out, "<p class=\"notice\">{}</p>", prose(text)),
-        Block::Headlines(lines) => write_headlines(out, lines),
-        Block::List(lines) => write_list(out, lines),
-        Block::Table(table) => write_table(out, table),
-        Block::Figure(figure, caption) => writeln!(
-            out,
-            "<figure><div class=\"scroll\">{}</div><figcaption>{}</figcaption></figure>",
-            figure.svg(),
-            escape_xml(caption)
-        ),
-        Block::Sentences(sentences) => write_sentences(out, sentences),
-        Block::Folded(line, blocks) => {
-            let _ = writeln!(out, "<details>\n<summary>{}</summary>", escape_xml(line));
-            for block in blocks {
-                write_block(out, block);
-            }
-            writeln!(out, "</details>")
-        }
-    };
-}
-
-fn write_headlines(out: &mut String, lines: &[Headline]) -> std::fmt::Result {
-    writeln!(out, "<ul class=\"headlines\">")?;
-    for Headline { level, text } in lines {
-        let (class, sign) = (level.class(), level.sign());
-        writeln!(out, "<li class=\"{class}\">{sign}{}</li>", prose(text))?;
-    }
-    writeln!(out, "</ul>")
-}
-
-fn write_list(out: &mut String, lines: &[String]) -> std::fmt::Result {
-    writeln!(out, "<ul>")?;
-    for line in lines {
-        writeln!(out, "<li>{}</li>", prose(line))?;
-    }
-    writeln!(out, "</ul>")
-}
-
-fn write_table(out: &mut String, table: &Table) -> std::fmt::Result {
-    let facts = table.head.is_empty();
-    // Names and values wrap; columns scroll inside their box on a narrow screen.
-    let caption = escape_xml(&table.caption);
-    let name = match caption.is_empty() {
-        true => String::new(),
-        false => format!(" aria-label=\"{caption}\""),
-    };
-    // Beside the box that scrolls, so that it stays in sight.
-    if !caption.is_empty() {
-        writeln!(out, "<p class=\"caption\">{caption}</p>")?;
-    }
-    match facts {
-        true => writeln!(out, "<table class=\"facts\"{name}>")?,
-        false => writeln!(out, "<div class=\"scroll\"><table{name}>")?,
-    }
-    if !facts {
-        out.push_str("<thead><tr>");
-        for (i, cell) in table.head.iter().enumerate() {
-            let class = class(table, i);
-            write!(out, "<th scope=\"col\"{class}>{}</th>", escape_xml(cell))?;
-        }
-        out.push_str("</tr></thead>\n");
-    }
-    out.push_str("<tbody>\n");
-    for row in &table.rows {
-        out.push_str("<tr>");
-        for (i, cell) in row.iter().enumerate() {
-            let cell = escape_xml(cell);
-            match i {
-                0 => write!(out, "<th scope=\"row\">{cell}</th>")?,
-                _ => write!(out, "<td{}>{cell}</td>", class(table, i))?,
-            }
-        }
-        out.push_str("</tr>\n");
-    }
-    let closing = if facts { "" } else { "</div>" };
-    writeln!(out, "</tbody></table>{closing}")
-}
-
-/// What a cell of a column is styled as.
-fn class(table: &Table, column: usize) -> &'static str {
-    match table.worded.contains(&column) {
-        true => " class=\"words\"",
-        false => "",
-    }
-}
-
-fn write_sentences(out: &mut String, sentences: &[Sentence]) -> std::fmt::Result {
-    out.push_str("<ul class=\"sentences\">\n");
-    for sentence in sentences {
-        let (level, verdict) = match sentence.holds {
-            Some(true) => (Level::Good, "holds"),
-            Some(false) => (Level::Watch, "does not hold"),
-            None => (Level::Open, "open"),
-        };
-        let (class, sign) = (level.class(), level.sign());
-        writeln!(
-            out,
-            "<li class=\"{class}\">{sign} <span class=\"verdict\">{verdict}</span> <q>{}</q>\
-             <br><span class=\"criterion\">Criterion: {}. Found: {} {}</span></li>",
-            escape_xml(&sentence.text),
-            escape_xml(sentence.criterion.trim_end_matches('.')),
-            crate::rounded(sentence.value, 3),
-            escape_xml(&sentence.unit)
-        )?;
-    }
-    writeln!(out, "</ul>")
+/// A figure in a page is its picture.
+fn picture<S: serde::Serializer>(figure: &Figure, out: S) -> Result<S::Ok, S::Error> {
+    out.serialize_str(&figure.svg())
 }

@@ -178,7 +178,7 @@ fn the_script_reads_what_the_figure_draws() {
     ] {
         assert!(svg.contains(words), "{words}");
     }
-    let script = include_str!("../src/page.js");
+    let script = include_str!("../src/page/page.js");
     for name in [
         "xLabel", "yLabel", "box", "series", "labels", "right", "since", "log", "rows",
     ] {
