@@ -13,6 +13,9 @@ use super::words::draw_words;
 use super::{Figure, Mark, Series, XValues};
 use std::fmt::Write as _;
 
+const BOLD: &str = "font-weight=\"600\"";
+const MIDDLE: &str = "text-anchor=\"middle\"";
+const END: &str = "text-anchor=\"end\"";
 /// The carried font first, so that SVG and PNG agree where it is installed.
 const FAMILY: &str = "Roboto, 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif";
 
@@ -35,14 +38,7 @@ pub(super) fn svg(figure: &Figure) -> String {
     let mut y = MARGIN;
     for line in &layout.title {
         y += TITLE_PX + 5.0;
-        text(
-            &mut out,
-            MARGIN,
-            y - 6.0,
-            TITLE_PX,
-            "font-weight=\"600\"",
-            line,
-        );
+        text(&mut out, MARGIN, y - 6.0, TITLE_PX, BOLD, line);
     }
     for line in &layout.subtitle {
         y += SUBTITLE_PX + 4.0;
@@ -111,14 +107,7 @@ fn draw_panel(out: &mut String, placed: &Placed<'_>) {
     let _ = writeln!(out, "<g class=\"panel\" {}>", axes_data(placed));
     draw_axes(out, placed);
     if let Some((x, y)) = placed.title {
-        text(
-            out,
-            x,
-            y,
-            PANEL_TITLE_PX,
-            "font-weight=\"600\"",
-            &panel.title,
-        );
+        text(out, x, y, PANEL_TITLE_PX, BOLD, &panel.title);
     }
     for entry in &placed.legend {
         draw_entry(out, entry);
@@ -135,15 +124,15 @@ fn draw_panel(out: &mut String, placed: &Placed<'_>) {
     }
     for series in &panel.series {
         let name = escape_xml(&plain(series.name()));
-        let _ = match series {
-            Series::Band(_) => writeln!(out, "<g class=\"band\" data-name=\"{name}\">"),
-            Series::Line(_) => writeln!(out, "<g class=\"line\" data-name=\"{name}\">"),
-            Series::Points(points) => writeln!(
-                out,
-                "<g class=\"points\" data-name=\"{name}\" data-labels=\"{}\">",
-                escape_xml(&points.labels.join("|"))
-            ),
+        let (class, labels) = match series {
+            Series::Band(_) => ("band", String::new()),
+            Series::Line(_) => ("line", String::new()),
+            Series::Points(points) => {
+                let labels = escape_xml(&points.labels.join("|"));
+                ("points", format!(" data-labels=\"{labels}\""))
+            }
         };
+        let _ = writeln!(out, "<g class=\"{class}\" data-name=\"{name}\"{labels}>");
         match series {
             Series::Band(band) => draw_band(out, placed, band),
             Series::Line(line) => draw_line(out, placed, line),
@@ -163,48 +152,30 @@ fn draw_axes(out: &mut String, placed: &Placed<'_>) {
     let mut grid = String::new();
     let mut ticks = format!("M{x:.1} {y:.1}V{bottom:.1}H{right:.1}");
     let mut numbers = String::new();
+    let mut number = |x: f64, y: f64, anchor: &str, words: &str| {
+        text(&mut numbers, x, y, TICK_PX, anchor, words);
+    };
     for &t in &placed.x.ticks {
         let at = x + w * placed.x.position(t);
         let _ = write!(grid, "M{at:.1} {y:.1}V{bottom:.1}");
         let _ = write!(ticks, "M{at:.1} {bottom:.1}v4");
         if !panel.x_label.is_empty() {
-            let style = "text-anchor=\"middle\"";
-            text(
-                &mut numbers,
-                at,
-                bottom + 6.0 + 0.8 * TICK_PX,
-                TICK_PX,
-                style,
-                &placed.x.number(t),
-            );
+            let below = bottom + 6.0 + 0.8 * TICK_PX;
+            number(at, below, MIDDLE, &placed.x.number(t));
         }
     }
     for &t in &placed.y.ticks {
         let at = bottom - h * placed.y.position(t);
         let _ = write!(grid, "M{x:.1} {at:.1}H{right:.1}");
         let _ = write!(ticks, "M{x:.1} {at:.1}h-4");
-        text(
-            &mut numbers,
-            x - 7.0,
-            at + 0.36 * TICK_PX,
-            TICK_PX,
-            "text-anchor=\"end\"",
-            &placed.y.number(t),
-        );
+        number(x - 7.0, at + 0.36 * TICK_PX, END, &placed.y.number(t));
     }
     if let Some(axis) = &placed.right {
         let _ = write!(ticks, "M{right:.1} {y:.1}V{bottom:.1}");
         for &t in &axis.ticks {
             let at = bottom - h * axis.position(t);
             let _ = write!(ticks, "M{right:.1} {at:.1}h4");
-            text(
-                &mut numbers,
-                right + 7.0,
-                at + 0.36 * TICK_PX,
-                TICK_PX,
-                "",
-                &axis.number(t),
-            );
+            number(right + 7.0, at + 0.36 * TICK_PX, "", &axis.number(t));
         }
     }
     let _ = writeln!(
@@ -216,27 +187,17 @@ fn draw_axes(out: &mut String, placed: &Placed<'_>) {
     if !panel.x_label.is_empty() {
         let at = bottom + 6.0 + TICK_PX + 5.0 + 0.8 * LABEL_PX;
         let label = placed.x.label(&panel.x_label);
-        text(
-            out,
-            x + w / 2.0,
-            at,
-            LABEL_PX,
-            "text-anchor=\"middle\"",
-            &label,
-        );
+        text(out, x + w / 2.0, at, LABEL_PX, MIDDLE, &label);
     }
     let upright = |out: &mut String, at: f64, label: &str| {
         let middle = y + h / 2.0;
-        let style = format!("text-anchor=\"middle\" transform=\"rotate(-90 {at:.1} {middle:.1})\"");
+        let style = format!("{MIDDLE} transform=\"rotate(-90 {at:.1} {middle:.1})\"");
         let label = shorten(label, LABEL_PX, h + 30.0).unwrap_or_default();
         text(out, at, middle, LABEL_PX, &style, &label);
     };
     if !panel.y_label.is_empty() {
-        upright(
-            out,
-            placed.label_x + 0.85 * LABEL_PX,
-            &placed.y.label(&panel.y_label),
-        );
+        let at = placed.label_x + 0.85 * LABEL_PX;
+        upright(out, at, &placed.y.label(&panel.y_label));
     }
     if let (Some(axis), Some(right)) = (&placed.right, &panel.y_right) {
         upright(out, placed.right_label_x - 2.0, &axis.label(&right.label));
@@ -275,40 +236,23 @@ fn draw_entry(out: &mut String, entry: &Entry) {
 
 fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Mark) {
     let Rect { w, h, .. } = placed.plot;
-    let style = format!("stroke=\"{REFERENCE}\" fill=\"none\"");
-    match mark {
-        Mark::Reference { y, .. } => {
-            if let Some((_, py)) = place(placed, placed.x.low, *y) {
-                let _ = writeln!(
-                    out,
-                    "<path d=\"M0 {}H{w:.1}\" stroke-dasharray=\"5 3\" {style}/>",
-                    Tenths(py)
-                );
-            }
-        }
+    let line = |d: String, dashes: &str| {
+        format!(
+            "<path d=\"{d}\" stroke-dasharray=\"{dashes}\" stroke=\"{REFERENCE}\" fill=\"none\"/>\n"
+        )
+    };
+    let across = |x: f64| place(placed, x, placed.y.low).map(|p| p.0);
+    let drawn = match mark {
+        Mark::Reference { y, .. } => place(placed, placed.x.low, *y)
+            .map(|(_, y)| line(format!("M0 {}H{w:.1}", Tenths(y)), "5 3")),
         Mark::Event { x, .. } => {
-            if let Some((px, _)) = place(placed, *x, placed.y.low) {
-                let _ = writeln!(
-                    out,
-                    "<path d=\"M{} 0V{h:.1}\" stroke-dasharray=\"2 2\" {style}/>",
-                    Tenths(px)
-                );
-            }
+            across(*x).map(|x| line(format!("M{} 0V{h:.1}", Tenths(x)), "2 2"))
         }
-        Mark::Span { from, to, .. } => {
-            let ends = (
-                place(placed, *from, placed.y.low),
-                place(placed, *to, placed.y.low),
-            );
-            if let (Some((a, _)), Some((b, _))) = ends {
-                let _ = writeln!(
-                    out,
-                    "<rect x=\"{}\" y=\"0\" width=\"{}\" height=\"{h:.1}\" fill=\"{AXIS}\" fill-opacity=\"0.16\"/>",
-                    Tenths(a.min(b)),
-                    Tenths((b - a).abs())
-                );
-            }
-        }
-        Mark::Note { .. } => {}
-    }
+        Mark::Span { from, to, .. } => across(*from).zip(across(*to)).map(|(a, b)| {
+            let (left, width) = (Tenths(a.min(b)), Tenths((b - a).abs()));
+            format!("<rect x=\"{left}\" y=\"0\" width=\"{width}\" height=\"{h:.1}\" fill=\"{AXIS}\" fill-opacity=\"0.16\"/>\n")
+        }),
+        Mark::Note { .. } => None,
+    };
+    out.push_str(&drawn.unwrap_or_default());
 }

@@ -116,29 +116,19 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
     let cell_w = (room - GUTTER * (columns - 1) as f64) / columns as f64;
 
     // Fixed heights of every row: title and legend above, numbers and label below.
-    let heads: Vec<f64> = rows
-        .iter()
-        .map(|row| {
-            row.iter()
-                .map(|p| head_height(p, cell_w))
-                .fold(0.0, f64::max)
-        })
-        .collect();
-    let feet: Vec<f64> = rows
-        .iter()
-        .map(|row| row.iter().map(foot_height).fold(0.0, f64::max))
-        .collect();
-    let weights: Vec<f64> = rows
-        .iter()
-        .map(|row| row.iter().map(weight).fold(0.0, f64::max))
-        .collect();
+    let largest = |of: &dyn Fn(&Panel) -> f64| -> Vec<f64> {
+        let rows = rows.iter();
+        rows.map(|row| row.iter().map(of).fold(0.0, f64::max))
+            .collect()
+    };
+    let heads = largest(&|p| head_height(p, cell_w));
+    let feet = largest(&foot_height);
+    let weights = largest(&weight);
     let fixed: f64 =
         heads.iter().chain(&feet).sum::<f64>() + STACK_GAP * rows.len().saturating_sub(1) as f64;
     let free = (total_h - top - MARGIN / 2.0 - fixed).max(24.0 * rows.len() as f64);
-    let heights: Vec<f64> = weights
-        .iter()
-        .map(|w| free * w / weights.iter().sum::<f64>())
-        .collect();
+    let all = weights.iter().sum::<f64>();
+    let heights: Vec<f64> = weights.iter().map(|w| free * w / all).collect();
 
     // Vertical axes first, because their numbers decide the margins of a column.
     let mut axes = Vec::new();
@@ -163,24 +153,15 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
     let margins: Vec<Column> = (0..columns)
         .map(|c| {
             let of_column = || axes.iter().skip(c).step_by(columns);
-            let labelled =
-                |pick: fn(&Panel) -> bool| figure.panels.iter().skip(c).step_by(columns).any(pick);
-            let left = of_column()
-                .map(|(_, y, _)| number_width(y))
-                .fold(0.0, f64::max);
-            let right = of_column()
-                .filter_map(|(_, _, r)| r.as_ref())
-                .map(number_width)
-                .fold(0.0, f64::max);
+            let mut labelled = figure.panels.iter().skip(c).step_by(columns);
+            let labelled = labelled.any(|p| !p.y_label.is_empty());
+            let left = of_column().map(|(_, y, _)| number_width(y));
+            let right = of_column().filter_map(|(_, _, r)| Some(number_width(r.as_ref()?)));
+            let (left, right) = (left.fold(0.0, f64::max), right.fold(0.0, f64::max));
+            // A reader who zooms sees more digits.
+            let numbers = left.max(width("0.00", TICK_PX)) + 8.0;
             Column {
-                // A reader who zooms sees more digits.
-                left: left.max(width("0.00", TICK_PX))
-                    + 8.0
-                    + if labelled(|p| !p.y_label.is_empty()) {
-                        LABEL_PX + 7.0
-                    } else {
-                        0.0
-                    },
+                left: numbers + if labelled { LABEL_PX + 7.0 } else { 0.0 },
                 right: if right > 0.0 {
                     right + 8.0 + LABEL_PX + 7.0
                 } else {

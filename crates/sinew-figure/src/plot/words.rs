@@ -50,14 +50,11 @@ pub(super) fn draw_words(out: &mut String, placed: &Placed<'_>) {
                     (None, Some(py)),
                 )
             }
-            Mark::Event { x, label } => {
-                let Some((px, _)) = at(*x, placed.y.low) else {
-                    continue;
+            Mark::Event { x: from, label } | Mark::Span { from, label, .. } => {
+                let to = match mark {
+                    Mark::Span { to, .. } => to,
+                    _ => from,
                 };
-                let corners = beside(px, width(label, MARK_PX), line);
-                (label, corners, (Some(px), None))
-            }
-            Mark::Span { from, to, label } => {
                 let Some((px, _)) = at(from.min(*to), placed.y.low) else {
                     continue;
                 };
@@ -87,14 +84,8 @@ pub(super) fn draw_words(out: &mut String, placed: &Placed<'_>) {
                     style += &format!(" data-{axis}=\"{px:.1}\"");
                 }
             }
-            text(
-                out,
-                spot.x,
-                spot.y + 0.85 * MARK_PX + 1.0,
-                MARK_PX,
-                &style,
-                words,
-            );
+            let baseline = spot.y + 0.85 * MARK_PX + 1.0;
+            text(out, spot.x, baseline, MARK_PX, &style, words);
             taken.push(spot);
         }
     }
