@@ -8,6 +8,7 @@
 #[cfg(feature = "camera")]
 pub mod camera;
 pub mod creep;
+mod data;
 mod diagnostics;
 mod each;
 mod estimate;

@@ -1,8 +1,9 @@
 //! Tables and paragraphs for a terminal: as wide as it is, in colour where it shows colour.
 
 use comfy_table::{
-    CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
+    CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, TableStyle, Width,
 };
+use sinew_figure::Table;
 use sinew_files::number::three_digits;
 pub use sinew_files::plain;
 use std::sync::OnceLock;
@@ -85,7 +86,7 @@ const STYLE: TableStyle =
 /// A table: names to the left, numbers to the right; wrapped to the terminal.
 pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     let (gap, least) = least_widths(head, &rows, left);
-    let mut table = Table::new();
+    let mut table = comfy_table::Table::new();
     table
         .load_style(STYLE)
         .set_content_arrangement(ContentArrangement::Dynamic)
@@ -110,6 +111,13 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
         Some(rule) => toned(Tone::Head, &text[..rule]) + &text[rule..],
         None => text,
     }
+}
+
+/// A table of the document as a terminal shows it: its leading columns of words to the left.
+pub(crate) fn shown(table: Table) -> String {
+    let head: Vec<&str> = table.head.iter().map(String::as_str).collect();
+    let left = (0..head.len()).take_while(|i| table.worded.contains(i));
+    self::table(&head, table.rows, left.count())
 }
 
 /// Columns between columns, and widths at which nothing is broken that should be whole: numbers and words, with two columns
@@ -190,6 +198,16 @@ impl Told {
         self.0 += &indented(&plain(text.as_ref()), 2, 4);
     }
 
+    /// A paragraph whose lines all begin at the left.
+    pub(crate) fn flat(&mut self, text: impl AsRef<str>) {
+        self.0 += &paragraph(&plain(text.as_ref()), 0);
+    }
+
+    /// A table.
+    pub(crate) fn table(&mut self, table: Table) {
+        self.0 += &shown(table);
+    }
+
     /// Lines as they are.
     pub(crate) fn add(&mut self, text: impl AsRef<str>) {
         self.0 += text.as_ref();
@@ -201,6 +219,21 @@ pub(crate) fn capitalised(text: &str) -> String {
     let mut rest = text.chars();
     let first = rest.next().map(|c| c.to_ascii_uppercase());
     first.into_iter().chain(rest).collect()
+}
+
+/// With a capital and a full stop.
+pub(crate) fn sentence(text: &str) -> String {
+    capitalised(text) + "."
+}
+
+/// What isn't there is a dash in a table.
+pub(crate) fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+    value.map_or("–".to_owned(), text)
+}
+
+/// Yes or no.
+pub(crate) fn yes_no(yes: bool) -> &'static str {
+    if yes { "yes" } else { "no" }
 }
 
 /// A number to three digits.

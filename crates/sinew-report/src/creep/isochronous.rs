@@ -1,8 +1,27 @@
-//! Isochronous curves as a figure.
+//! Isochronous curves as a table and as a figure.
 
-use super::words::duration;
+use super::words::{duration, group, reading_time};
+use crate::text::short;
 use sinew_creep::{Isochrone, LoadQuantity};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
+use sinew_figure::{Columns, Table};
+
+/// Exponent and secant of groups and times.
+pub(super) fn isochrones<'a>(all: impl IntoIterator<Item = &'a Isochrone>) -> Table {
+    Columns::of(all)
+        .words("group", |i| group(&i.group))
+        .column("after", |i| reading_time(i.time_s))
+        .column("n", |i| i.points.len())
+        .column("load per %", |i| match i.quantity {
+            LoadQuantity::Stress => format!("{} MPa", short(1e-8 * i.secant)),
+            LoadQuantity::Force => format!("{} N", short(0.01 * i.secant)),
+        })
+        .column("p", |i| short(i.exponent.value))
+        .column("interval", |i| {
+            format!("{} … {}", short(i.exponent.low), short(i.exponent.high))
+        })
+        .table()
+}
 
 /// Isochronous curves of up to six groups, a panel each: points joined, the power law dashed.
 pub(super) fn isochronous_figure(isochrones: &[Isochrone]) -> Option<Figure> {
@@ -36,12 +55,8 @@ pub(super) fn isochronous_figure(isochrones: &[Isochrone]) -> Option<Figure> {
             let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
             panel = panel.line(Line::new(duration(curve.time_s), x, y).colour(colour));
             let (x, y) = power_law(curve);
-            panel = panel.line(
-                Line::new("", x, y)
-                    .colour(colour)
-                    .dash(Dash::Dashed)
-                    .width(1.0),
-            );
+            let law = Line::new("", x, y).colour(colour).dash(Dash::Dashed);
+            panel = panel.line(law.width(1.0));
         }
         figure = figure.panel(panel);
     }

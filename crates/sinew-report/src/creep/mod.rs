@@ -1,23 +1,24 @@
-//! Creep tests as terminal tables, CSV and an HTML page.
+//! Creep tests as terminal tables, CSV and an HTML page, a file a result.
 
-mod answers;
-mod csv;
-mod fit_tables;
-mod group_table;
+mod analyze;
+mod compare;
+mod fit;
+mod groups;
 mod isochronous;
 mod page;
-mod page_tables;
 mod picture;
 mod plan;
 mod series;
-mod terminal;
+mod shift;
+mod withhold;
 mod words;
 
-pub use csv::{analyze_csv, compare_csv, fit_csv, shift_csv, withhold_csv};
-pub use fit_tables::fit_table;
-pub use group_table::group_table;
-pub use page::{analyze_page, compare_page, fit_page, withhold_page};
+pub use analyze::{analyze_csv, analyze_page, analyze_table};
+pub use compare::{compare_csv, compare_page, compare_table};
+pub use fit::{fit_csv, fit_page, fit_table};
+pub use groups::group_table;
 pub use picture::{figure, plotted};
 pub use plan::{plan_programme, plan_table};
 pub use series::{fit_series, readings_series};
-pub use terminal::{analyze_table, compare_table, shift_table, withhold_table};
+pub use shift::{shift_csv, shift_table};
+pub use withhold::{withhold_csv, withhold_page, withhold_table};

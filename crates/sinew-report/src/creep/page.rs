@@ -1,116 +1,18 @@
-//! The report of a creep test, for a customer.
+//! What every report of creep tests holds, for a customer.
 
-use super::answers::{of_analyses, of_fits, of_ranks, of_withheld};
-use super::isochronous::isochronous_figure;
-use super::page_tables::{
-    coverage_table, fit_blocks, forecast_table, group_table, isochrone_table, odd_blocks,
-    rank_table, reading_blocks, recovery_table, result_table, source_blocks, test_table,
-};
-use super::picture::{Plotted, figure, plotted};
-use super::terminal::NOTHING_FORECAST;
-use sinew_creep::{
-    AnalyzeReport, CompareReport, Conditions, Failure, FitReport, Joint, Scatter, Source, Tests,
-    WithheldReport, scatter,
-};
+use super::analyze::{groups, readings as readings_of, recovery, specimens};
+use super::picture::{Plotted, figure};
+use super::words::{duration, fault, short};
+use crate::text::or_dash;
+use sinew_creep::{Analysis, Conditions, Failure, Scatter, Source, Span, Tests};
 use sinew_figure::plot::Figure;
-use sinew_figure::{Block, Headline, Page};
+use sinew_figure::{Block, Columns, Headline, Page, Table};
 
 /// Specimens beyond which readings are left to the table file.
-const READINGS_OF: usize = 12;
-
-/// The report of analyses: curves, readings, moduli, isochrones.
-pub fn analyze_page(report: &AnalyzeReport, tests: &Tests) -> Page {
-    let mut figures = curves(&plotted(tests), "");
-    if let Some(figure) = isochronous_figure(&report.isochrones) {
-        let caption = "Isochronous curves: load over strain after the same time under load; one point per specimen.";
-        figures.push((figure, caption.into()));
-    }
-    let answers = of_analyses(&tests.analyses);
-    let mut page = begin("Creep test", answers, &report.conditions, tests, figures);
-    page = repeats(page, &report.groups);
-    page = readings(page, tests);
-    if !report.isochrones.is_empty() {
-        let table = isochrone_table(&report.isochrones);
-        page = page.section("Isochronous curves", vec![table.into()]);
-    }
-    end(page, &report.sources, &report.failures, tests)
-}
-
-/// The report of a comparison.
-pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: &Conditions) -> Page {
-    // Specimens of no group are ropes of their own, not repeats.
-    let grouped = tests.analyses.iter().filter(|a| a.group.is_some());
-    let figures = vec![(figure("", &plotted(tests), false), String::new())];
-    let mut page = begin(
-        "Creep of ropes compared",
-        of_ranks(&report.ranks),
-        conditions,
-        tests,
-        figures,
-    );
-    if !report.ranks.is_empty() {
-        page = page.section("Ranking", vec![rank_table(&report.ranks).into()]);
-    }
-    page = readings(repeats(page, &scatter(grouped)), tests);
-    end(page, &report.sources, &report.failures, tests)
-}
-
-/// The report of fits; where every specimen was fitted alone, curves show law and forecast.
-pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: &Conditions) -> Page {
-    let mut all = plotted(tests);
-    if joint == Joint::None {
-        for p in &mut all {
-            let Some(set) = report.fits.iter().find(|f| f.name == p.name) else {
-                continue;
-            };
-            let best = set.laws.first();
-            p.fitted = best.map(|best| best.strain(0, &p.curve.time_s));
-            p.forecast.clone_from(&set.forecast);
-        }
-    }
-    let caption = "Dashed: the law of smallest AICc. Shaded: where a reading lies.";
-    let answers = of_fits(&report.fits, &tests.analyses);
-    let mut page = begin(
-        "Creep test",
-        answers,
-        conditions,
-        tests,
-        curves(&all, caption),
-    );
-    if let Some(table) = forecast_table(&report.fits) {
-        page = page.section("Forecast", vec![table.into()]);
-    }
-    page = readings(page, tests);
-    if tests.analyses.len() <= READINGS_OF {
-        for set in &report.fits {
-            let line = format!("{} laws, best first, with their parameters", set.laws.len());
-            let laws = Block::Folded(line, fit_blocks(&set.laws));
-            page = page.section(format!("Laws: {}", set.name), vec![laws]);
-        }
-    }
-    end(page, &report.sources, &report.failures, tests)
-}
-
-/// The report of forecasts held against withheld ends.
-pub fn withhold_page(report: &WithheldReport, tests: &Tests, conditions: &Conditions) -> Page {
-    let answers = of_withheld(&report.withheld);
-    let page = begin("Creep test", answers, conditions, tests, Vec::new());
-    let mut blocks = vec![
-        Block::Paragraph(
-            "The end of every test was hidden from the fit; a share of 95 % inside would be right."
-                .into(),
-        ),
-        coverage_table(&report.withheld).into(),
-    ];
-    if !report.forecasts_any() {
-        blocks.push(Block::Notice(NOTHING_FORECAST.into()));
-    }
-    let page = readings(page, tests).section("Forecast held against withheld readings", blocks);
-    end(page, &report.sources, &report.failures, tests)
-}
+pub(super) const READINGS_OF: usize = 12;
 
 /// Curves over time and over its logarithm.
-fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, String)> {
+pub(super) fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, String)> {
     vec![
         (figure("", plotted, false), caption.to_owned()),
         (figure("", plotted, true), String::new()),
@@ -118,7 +20,7 @@ fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, String)> {
 }
 
 /// The answers, the curves with the line under each figure, what was tested.
-fn begin(
+pub(super) fn begin(
     title: &str,
     answers: Vec<Headline>,
     conditions: &Conditions,
@@ -138,40 +40,114 @@ fn begin(
     let mut blocks: Vec<Block> = figures
         .map(|(figure, caption)| Block::Figure(Box::new(figure), caption))
         .collect();
-    blocks.push(result_table(analyses).into());
+    let results = specimens(analyses, |percent| format!("{percent:.4}"))
+        .column("95 % of creep", |a| or_dash(a.saturation_s, duration))
+        .captioned("m_E: slope of a straight line from 20 min on unless stated otherwise, with the interval that correlated residuals leave. 95 % of creep: when less than a twentieth of the creep was still to come.");
+    blocks.push(results.into());
     if !answers.is_empty() {
         page = page.section("", vec![Block::Headlines(answers)]);
     }
     page.section("Creep", blocks)
-        .section("Test", vec![test_table(conditions, analyses).into()])
+        .section("Test", vec![circumstances(conditions, analyses).into()])
+}
+
+/// Load, temperature and what the laboratory states.
+fn circumstances(conditions: &Conditions, analyses: &[Analysis]) -> Table {
+    let stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".to_owned());
+    let of = |unit: &str, pick: &dyn Fn(&Analysis) -> Option<f64>| {
+        let values: Vec<f64> = analyses.iter().filter_map(pick).collect();
+        span(&values, unit)
+    };
+    let humidity = |pick: fn(&Span) -> f64| {
+        let all = analyses.iter();
+        all.filter_map(move |a| a.humidity_percent.as_ref().map(pick))
+    };
+    let moist: Vec<f64> = humidity(|h| h.low).chain(humidity(|h| h.high)).collect();
+    Table::facts([
+        ("Standard", conditions.standard.clone()),
+        ("Load", of("N", &|a| a.force_n)),
+        ("Preload", of("N", &|a| a.preload_n)),
+        ("Stress", of("MPa", &|a| a.stress_pa.map(|s| s * 1e-6))),
+        (
+            "Temperature",
+            of("°C", &|a| a.temperature_c.map(|t| t.mean)),
+        ),
+        ("Humidity or moisture", span(&moist, "%")),
+        ("Time under load", of("h", &|a| Some(a.duration_s / 3600.0))),
+        ("Preconditioning", stated(&conditions.preconditioning)),
+        ("Conditions", stated(&conditions.conditions)),
+    ])
+}
+
+fn span(values: &[f64], unit: &str) -> String {
+    if values.is_empty() {
+        return "not recorded".to_owned();
+    }
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high - low < 1e-3 * high.abs() {
+        format!("{} {unit}", short(low))
+    } else {
+        format!("{} to {} {unit}", short(low), short(high))
+    }
 }
 
 /// How specimens of a group differ, where one has several.
-fn repeats(page: Page, groups: &[Scatter]) -> Page {
-    if groups.iter().any(|g| g.specimens > 1) {
-        page.section("Groups", vec![group_table(groups).into()])
-    } else {
-        page
+pub(super) fn repeats(page: Page, all: &[Scatter]) -> Page {
+    if !all.iter().any(|g| g.specimens > 1) {
+        return page;
     }
+    let table = groups(all)
+        .column("apart", |g| g.apart.join(", "))
+        .captioned("Means; scatter: standard deviation between specimens.");
+    page.section("Groups", vec![table.into()])
 }
 
 /// Readings of a few specimens, and what came back when the load fell.
-fn readings(mut page: Page, tests: &Tests) -> Page {
-    let blocks = reading_blocks(&tests.analyses);
-    if tests.analyses.len() <= READINGS_OF && !blocks.is_empty() {
+pub(super) fn readings(mut page: Page, tests: &Tests) -> Page {
+    let analyses = &tests.analyses;
+    let read = analyses.iter().filter(|a| !a.readings.is_empty());
+    let blocks: Vec<Block> = read.map(|a| readings_of(a).into()).collect();
+    if analyses.len() <= READINGS_OF && !blocks.is_empty() {
         page = page.section("Readings", blocks);
     }
-    match recovery_table(&tests.analyses) {
-        Some(table) => page.section("Recovery", vec![table.into()]),
-        None => page,
+    let recovered: Vec<String> = (analyses.iter())
+        .flat_map(|a| recovery(a).map(|text| format!("{}: {text}", a.name)))
+        .collect();
+    match recovered.is_empty() {
+        true => page,
+        false => page.section("Recovery", vec![Block::List(recovered)]),
     }
 }
 
-/// What is odd, and the raw data.
-fn end(mut page: Page, sources: &[Source], failures: &[Failure], tests: &Tests) -> Page {
-    let odd = odd_blocks(failures, &tests.analyses);
-    if !odd.is_empty() {
-        page = page.section("What is odd about the records", odd);
+/// What is odd, and the raw data: files with their checksums, and what was understood of them.
+pub(super) fn end(mut page: Page, sources: &[Source], failures: &[Failure], tests: &Tests) -> Page {
+    /// A list nobody reads to its end is cut.
+    const MOST: usize = 60;
+    let mut odd: Vec<String> = failures.iter().map(ToString::to_string).collect();
+    for a in &tests.analyses {
+        odd.extend(a.faults.iter().map(|f| format!("{}: {}", a.name, fault(f))));
     }
-    page.section("Raw data", source_blocks(sources))
+    let more = odd.len().saturating_sub(MOST);
+    odd.truncate(MOST);
+    if more > 0 {
+        odd.push(format!("and {more} more, in the table file"));
+    }
+    if !odd.is_empty() {
+        page = page.section("What is odd about the records", vec![Block::List(odd)]);
+    }
+    let files = Columns::of(sources)
+        .column("file", |s| &s.file)
+        .column("SHA-256", |s| &s.sha256)
+        .captioned("A file with another checksum is another file.");
+    let mut notes = Vec::new();
+    for s in sources {
+        let columns = s.columns.iter();
+        let used =
+            columns.map(|c| format!("{} from '{}' in {}", c.quantity.name(), c.column, c.unit));
+        let used: Vec<String> = used.collect();
+        notes.push(format!("{}: {}", s.file, used.join(", ")));
+        notes.extend(s.notes.iter().map(|n| format!("{}: {n}", s.file)));
+    }
+    page.section("Raw data", vec![files.into(), Block::List(notes)])
 }

@@ -1,6 +1,6 @@
 //! Creep curves in one figure, with slopes in the legend, as the paper's Figs. 1 and 2.
 
-use super::answers::of_analysis;
+use super::analyze::answer;
 use super::words::short;
 use sinew_creep::{Analysis, Curve, Forecast, PERCENT_PER_H, SLOPE_FROM_S, Tests};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
@@ -60,7 +60,16 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
     let place = |t: f64| {
         if logarithmic { t.log10() } else { t / seconds }
     };
-    let percent = |v: &[f64]| -> Vec<f64> { v.iter().map(|e| 100.0 * e).collect() };
+    // A logarithm starts at the first positive time.
+    let line = |name: &str, time_s: &[f64], strain: &[f64]| {
+        let known = time_s.iter().zip(strain);
+        let (time, strain) = known
+            .filter(|(t, _)| !logarithmic || **t > 0.0)
+            .map(|(t, e)| (place(*t), 100.0 * e))
+            .unzip();
+        Line::new(name, time, strain)
+    };
+    let percent = |v: &[f64]| v.iter().map(|e| 100.0 * e).collect();
     let mut panel = Panel::new("", label, "strain (%)");
     if logarithmic {
         panel = panel.x_times();
@@ -86,56 +95,25 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
         };
         if let Some(f) = &p.forecast {
             let time: Vec<f64> = f.time_s.iter().map(|t| place(*t)).collect();
+            let low = percent(&f.reading_low_strain_ratio);
+            let high = percent(&f.reading_high_strain_ratio);
+            let middle = Line::new("", time.clone(), percent(&f.strain_ratio));
             panel = panel
-                .band(
-                    Band::new(
-                        "",
-                        time.clone(),
-                        percent(&f.reading_low_strain_ratio),
-                        percent(&f.reading_high_strain_ratio),
-                    )
-                    .colour(colour),
-                )
-                .line(
-                    Line::new("", time, percent(&f.strain_ratio))
-                        .colour(colour)
-                        .dash(Dash::Dotted),
-                );
+                .band(Band::new("", time, low, high).colour(colour))
+                .line(middle.colour(colour).dash(Dash::Dotted));
         }
-        // A logarithm starts at the first positive time.
-        let (time, strain): (Vec<f64>, Vec<f64>) = p
-            .curve
-            .time_s
-            .iter()
-            .zip(&p.curve.strain)
-            .filter(|(t, _)| !logarithmic || **t > 0.0)
-            .map(|(t, e)| (place(*t), 100.0 * e))
-            .unzip();
-        panel = panel.line(Line::new(name, time, strain).colour(colour).dash(dash));
+        let time_s = &p.curve.time_s;
+        let curve = line(&name, time_s, &p.curve.strain);
+        panel = panel.line(curve.colour(colour).dash(dash));
         if let Some(fitted) = &p.fitted {
-            let (time, strain): (Vec<f64>, Vec<f64>) = p
-                .curve
-                .time_s
-                .iter()
-                .zip(fitted)
-                .filter(|(t, _)| !logarithmic || **t > 0.0)
-                .map(|(t, e)| (place(*t), 100.0 * e))
-                .unzip();
-            panel = panel.line(
-                Line::new("", time, strain)
-                    .colour(Colour::Black)
-                    .dash(Dash::Dashed)
-                    .width(1.0),
-            );
+            let law = line("", time_s, fitted).colour(Colour::Black);
+            panel = panel.line(law.dash(Dash::Dashed).width(1.0));
         }
     }
     if !logarithmic && SLOPE_FROM_S < 0.5 * longest && plotted.len() > 1 {
         panel = panel.event(SLOPE_FROM_S / seconds, "20 min");
     }
-    let told = plotted
-        .iter()
-        .take(NAMED)
-        .map(|p| of_analysis(p.analysis).text);
+    let told = plotted.iter().take(NAMED).map(|p| answer(p.analysis).text);
     Figure::new(title)
         .seen(told.collect::<Vec<_>>().join(". "))
         .size(820.0, 400.0)

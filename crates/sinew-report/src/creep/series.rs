@@ -1,77 +1,66 @@
 //! Creep tests over time as tables in SI.
 
+use crate::data::Data;
 use sinew_creep::{FitReport, Tests};
-use sinew_log::{Cell, CellKind, Table};
+use sinew_log::Table;
 
 /// Readings of every specimen as they are fitted: strain from its zero, time from the load on, faults taken out.
 pub fn readings_series(tests: &Tests) -> Table {
-    let mut table = Table::new(&[
-        ("specimen", CellKind::Text),
-        ("group", CellKind::Text),
-        ("time_s", CellKind::Number),
-        ("strain_ratio", CellKind::Number),
-        ("force_n", CellKind::Number),
-        ("temperature_c", CellKind::Number),
-    ]);
-    for test in &tests.prepared {
+    let tests = tests.prepared.iter();
+    let readings = tests.flat_map(|test| {
         let curve = &test.curve;
-        for (time_s, strain) in curve.time_s.iter().zip(&curve.strain) {
+        let readings = curve.time_s.iter().zip(&curve.strain);
+        readings.map(move |(time_s, strain)| (test, *time_s, *strain))
+    });
+    Data::of(readings)
+        .text("specimen", |(test, ..)| test.name.as_str())
+        .text("group", |(test, ..)| test.group.as_deref())
+        .number("time_s", |(_, time_s, _)| *time_s)
+        .number("strain_ratio", |(_, _, strain)| *strain)
+        .number("force_n", |(test, time_s, _)| {
+            let curve = &test.curve;
             let step = curve.steps.iter().rev().find(|(from, _)| from <= time_s);
             let factor = step.map_or(0.0, |(_, factor)| *factor);
-            let force_n = (curve.tension.as_ref()).map(|t| t.preload_n + t.per_step_n * factor);
-            table.push(vec![
-                test.name.as_str().into(),
-                test.group.as_deref().into(),
-                (*time_s).into(),
-                (*strain).into(),
-                force_n.into(),
-                curve.temperature_c.into(),
-            ]);
-        }
-    }
-    table
+            let tension = curve.tension.as_ref();
+            tension.map(|t| t.preload_n + t.per_step_n * factor)
+        })
+        .number("temperature_c", |(test, ..)| test.curve.temperature_c)
+        .table()
 }
 
 /// Readings and forecasts (`kind`). A reading to come lies within `reading_low_ratio` and `reading_high_ratio`, the
 /// law's strain within `strain_low_ratio` and `strain_high_ratio`.
 pub fn fit_series(report: &FitReport, tests: &Tests) -> Table {
-    let mut table = Table::new(&[
-        ("name", CellKind::Text),
-        ("kind", CellKind::Text),
-        ("time_s", CellKind::Number),
-        ("strain_ratio", CellKind::Number),
-        ("strain_low_ratio", CellKind::Number),
-        ("strain_high_ratio", CellKind::Number),
-        ("reading_low_ratio", CellKind::Number),
-        ("reading_high_ratio", CellKind::Number),
-    ]);
-    let width = table.columns.len();
-    for test in &tests.prepared {
-        for (time_s, strain) in test.curve.time_s.iter().zip(&test.curve.strain) {
-            let mut row: Vec<Cell> = vec![
-                test.name.as_str().into(),
-                "reading".into(),
-                (*time_s).into(),
-                (*strain).into(),
-            ];
-            row.resize(width, Cell::Empty);
-            table.push(row);
-        }
-    }
-    for set in &report.fits {
-        let Some(f) = &set.forecast else { continue };
-        for (k, time_s) in f.time_s.iter().enumerate() {
-            table.push(vec![
-                set.name.as_str().into(),
-                "forecast".into(),
-                (*time_s).into(),
-                f.strain_ratio[k].into(),
-                f.low_strain_ratio[k].into(),
-                f.high_strain_ratio[k].into(),
-                f.reading_low_strain_ratio[k].into(),
-                f.reading_high_strain_ratio[k].into(),
-            ]);
-        }
-    }
-    table
+    let readings = tests.prepared.iter().flat_map(|test| {
+        let curve = test.curve.time_s.iter().zip(&test.curve.strain);
+        curve.map(move |(time_s, strain)| (&test.name, *time_s, *strain, None))
+    });
+    let forecasts = report.fits.iter().flat_map(|set| {
+        let forecasts = set.forecast.iter();
+        forecasts.flat_map(move |f| {
+            let times = f.time_s.iter().enumerate();
+            times.map(move |(k, time_s)| (&set.name, *time_s, f.strain_ratio[k], Some((f, k))))
+        })
+    });
+    Data::of(readings.chain(forecasts))
+        .text("name", |row| row.0.as_str())
+        .text("kind", |row| match row.3 {
+            Some(_) => "forecast",
+            None => "reading",
+        })
+        .number("time_s", |row| row.1)
+        .number("strain_ratio", |row| row.2)
+        .number("strain_low_ratio", |row| {
+            row.3.map(|(f, k)| f.low_strain_ratio[k])
+        })
+        .number("strain_high_ratio", |row| {
+            row.3.map(|(f, k)| f.high_strain_ratio[k])
+        })
+        .number("reading_low_ratio", |row| {
+            row.3.map(|(f, k)| f.reading_low_strain_ratio[k])
+        })
+        .number("reading_high_ratio", |row| {
+            row.3.map(|(f, k)| f.reading_high_strain_ratio[k])
+        })
+        .table()
 }

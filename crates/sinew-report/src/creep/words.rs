@@ -1,9 +1,11 @@
 //! Words for what creep tests showed.
 
+use crate::text;
 use sinew_creep::{
     ConditionSource, Ending, Fault, Fit, ForecastConditions, IntervalKind, NotIdentifiable,
-    Parameter, ScatterSource, StrainZero, Termination, WhyFixed,
+    PERCENT_PER_H, Parameter, ScatterSource, StrainZero, Termination, WhyFixed,
 };
+use sinew_model::Bounded;
 
 /// A time of the standard's readings: `3 min`, `50 h`.
 pub(super) fn reading_time(time_s: f64) -> String {
@@ -12,6 +14,20 @@ pub(super) fn reading_time(time_s: f64) -> String {
     } else {
         format!("{:.0} h", time_s / 3600.0)
     }
+}
+
+/// `0.42 (0.31 to 0.58)`
+pub(super) fn bracketed(b: Bounded) -> String {
+    format!("{} ({} to {})", short(b.value), short(b.low), short(b.high))
+}
+
+/// A slope in %/h and its interval, for two cells of a table.
+pub(super) fn slope(slope_per_s: Option<Bounded>) -> [String; 2] {
+    let Some(s) = slope_per_s.map(|s| s.scaled(PERCENT_PER_H)) else {
+        return ["–".into(), "–".into()];
+    };
+    let [value, low, high] = [s.value, s.low, s.high].map(text::short);
+    [value, format!("{low} … {high}")]
 }
 
 /// A duration in the unit a person would choose.

@@ -1,0 +1,66 @@
+//! One line per group: what was fitted, which law won, what could not be.
+
+use super::words::group;
+use crate::text::{Told, short};
+use sinew_creep::{Analysis, Fit, FitSet, Law};
+use sinew_figure::Columns;
+
+/// Groups of specimens that were fitted alone, by name.
+pub fn group_table(analyses: &[Analysis], fits: &[FitSet], laws: &[Law]) -> String {
+    let mut groups: Vec<&str> = analyses.iter().map(|a| group(&a.group)).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    let rows = groups.iter().map(|name| {
+        let members: Vec<&Analysis> = (analyses.iter())
+            .filter(|a| group(&a.group) == *name)
+            .collect();
+        let fits = members
+            .iter()
+            .filter_map(|a| fits.iter().find(|f| f.name == a.name));
+        let best: Vec<&Fit> = fits.filter_map(|f| f.laws.first()).collect();
+        (*name, members, best)
+    });
+    let undecided = |f: &&&Fit| f.parameters.iter().any(|p| p.not_identifiable.is_some());
+    let mut table = Columns::of(rows)
+        .words("group", |(name, ..)| *name)
+        .column("n", |(_, members, _)| members.len())
+        .column("not", |(_, members, best)| members.len() - best.len())
+        .column("creep\n%", |(_, members, _)| {
+            median(members.iter().map(|a| 100.0 * a.creep_strain_ratio))
+        });
+    for law in laws {
+        let name = match law {
+            Law::LogTime => "log",
+            Law::Findley => "fin",
+            Law::Burgers => "bur",
+            Law::KelvinVoigt => "kv",
+            Law::Stretched => "str",
+            Law::Line | Law::Rope => "rope",
+        };
+        table = table.column(name, |(_, _, best)| {
+            best.iter().filter(|f| f.law == *law).count()
+        });
+    }
+    let table = table
+        .column("noise\n%", |(_, _, best)| {
+            median(best.iter().map(|f| 100.0 * f.residual_strain_ratio))
+        })
+        .column("un-\ntold", |(_, _, best)| {
+            best.iter().filter(undecided).count()
+        });
+    let mut out = Told("\n".into());
+    out.flat("Per group: tests, those not fitted, median creep; tests in which each law (log-time, findley, burgers, kelvin-voigt, stretched) has the smallest AICc; median noise of the readings about that law; tests in which a parameter of it can't be told.");
+    out.add("\n");
+    out.table(table.table());
+    out.0
+}
+
+/// The median of strains in a column of five.
+fn median(percent: impl Iterator<Item = f64>) -> String {
+    let mut values: Vec<f64> = percent.collect();
+    values.sort_by(f64::total_cmp);
+    match values.get(values.len() / 2) {
+        Some(percent) if percent.is_finite() && *percent < 100.0 => format!("{percent:.3}"),
+        percent => short(percent.copied().unwrap_or(f64::NAN)),
+    }
+}
