@@ -1,131 +1,16 @@
-//! The trend as figures and as a page.
+//! The trend as a page.
 
-use super::terminal::MONTH_S;
+use super::figure::figure;
 use super::words::{
-    event_name, format_basis, format_life, format_limit, format_meaning, format_note,
-    format_passage, format_sureness, format_verdict, format_when, limit_name, plus_minus_or_dash,
-    sessions,
+    event_line, event_name, format_basis, format_life, format_limit, format_note, format_verdict,
+    format_when, limit_line, limit_name, now, plus_minus_or_dash, sessions,
 };
+use crate::text::or_dash;
 use crate::words::plus_minus;
-use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
-use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::Z95;
-use sinew_trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
-
-/// Offset of one tendon over days since tensioning: sessions at the reference temperature, what the
-/// trend knew, the forecast, limits and events.
-pub fn figure(joint: &JointTrend) -> Figure {
-    let s = &joint.series;
-    let start = s.first().map_or(joint.last_utc_s, |p| p.time_utc_s);
-    // Cycles where sessions have no dates.
-    let per_s = joint
-        .cycles
-        .and_then(|c| c.per_s)
-        .filter(|_| !joint.is_dated());
-    let unit_s = per_s.map_or(DAY_S, |per_s| 1.0 / per_s);
-    let day = |t: f64| (t - start) / unit_s;
-    let days: Vec<f64> = s.iter().map(|p| day(p.time_utc_s)).collect();
-    let tracked = |z: f64| -> Vec<f64> {
-        (s.iter().map(|p| p.tracked_rad))
-            .map(|t| 1e3 * t.mean + z * (1e3 * Z95 * t.deviation))
-            .collect()
-    };
-    let at_reference: Vec<f64> = (s.iter())
-        .map(|p| p.at_reference_rad.map_or(f64::NAN, |y| 1e3 * y))
-        .collect();
-    // As far ahead as it was watched, or until the first limit, at most four times as far.
-    let watched = days.last().copied().unwrap_or(0.0);
-    let watched = if per_s.is_none() && watched > 2.0 {
-        watched.max(14.0)
-    } else {
-        watched.max(1e-3)
-    };
-    let reach = joint
-        .limits
-        .iter()
-        .filter_map(|l| l.after_high_s.or(l.after_s.map(|t| 1.3 * t)))
-        .map(|t| t / unit_s)
-        .fold(watched, f64::max)
-        .min(3.0 * watched);
-    let end = days.last().copied().unwrap_or(0.0) + reach;
-    let shown = || joint.forecast.iter().filter(|f| day(f.time_utc_s) <= end);
-    let ahead: Vec<f64> = shown().map(|f| day(f.time_utc_s)).collect();
-    let low = shown().map(|f| 1e3 * f.interval_95_rad.low).collect();
-    let high: Vec<f64> = shown().map(|f| 1e3 * f.interval_95_rad.high).collect();
-    let median = shown().map(|f| 1e3 * f.offset_rad).collect();
-    // A limit far above all that happens would flatten the curve.
-    let top = (high.iter().copied()).fold((1e3 * joint.offset_rad.mean).abs(), f64::max);
-    let axis = match per_s {
-        Some(_) => "cycles since the first session".into(),
-        None if !joint.is_dated() => "days since the first session".into(),
-        None => format!("days since the first session, on {}", day_of(start)),
-    };
-    let mut panel = Panel::new("", axis, "offset (mrad)")
-        .band(Band::new("forecast, 95 %", ahead.clone(), low, high).colour(Colour::Orange))
-        .band(Band::new(
-            "known then, 95 %",
-            days.clone(),
-            tracked(-1.0),
-            tracked(1.0),
-        ))
-        .points(
-            Points::new(
-                format!("sessions, at {} °C", rounded(joint.reference_c, 3)),
-                days.clone(),
-                at_reference.clone(),
-            )
-            .colour(Colour::Grey)
-            .size(3.5),
-        )
-        .line(Line::new("trend", days, tracked(0.0)))
-        .line(
-            Line::new("forecast, median", ahead, median)
-                .colour(Colour::Orange)
-                .dash(Dash::Dashed),
-        )
-        .x_range(0.0, end);
-    if joint.is_dated() {
-        panel = panel.x_days_since(start);
-    }
-    for limit in &joint.limits {
-        let limit_mrad = 1e3 * limit.limit_rad;
-        if limit_mrad < 1.5 * top && matches!(limit.limit, Limit::Retension { .. }) {
-            panel = panel.reference(limit_mrad, limit_name(limit.limit));
-        }
-    }
-    // The first session after a jump looks off until the next agrees with it.
-    let jumped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * unit_s);
-    let last_off = s.iter().rposition(|p| p.is_off && !jumped(p.time_utc_s));
-    if let Some(i) = last_off {
-        panel = panel.note(day(s[i].time_utc_s), at_reference[i], "off by itself");
-    }
-    for event in &joint.events {
-        panel = panel.event(day(event.time_utc_s), event_name(event.kind));
-    }
-    Figure::new(format!("Offset of {}", joint.name))
-        .subtitle(format_verdict(joint))
-        .seen(seen(joint))
-        .size(820.0, 360.0)
-        .panel(panel)
-}
-
-/// What the figure shows: the verdict, where the offset stands, which way it goes.
-fn seen(joint: &JointTrend) -> String {
-    let rate = joint.rate_rad_per_s;
-    let way = match rate.mean {
-        _ if rate.mean.abs() < rate.half_width_95() => "hardly changes",
-        up if up > 0.0 => "still grows",
-        _ => "falls",
-    };
-    format!(
-        "{}: {}. The offset is {} mrad and {way}, by {} mrad a month; ± is 95 %",
-        joint.name,
-        format_verdict(joint),
-        plus_minus(joint.offset_rad, 1e3),
-        plus_minus(rate, 1e3 * MONTH_S)
-    )
-}
+use sinew_trend::{JointTrend, TrendEventKind, TrendReport, TrendVerdict};
 
 /// The page as one HTML file.
 pub fn html(report: &TrendReport) -> String {
@@ -152,32 +37,10 @@ pub fn page(report: &TrendReport) -> Page {
             )
         })
         .collect();
-    let head = [
-        "tendon",
-        "offset, mrad",
-        "elongation, mm",
-        "strain, %",
-        "creep, mrad/month",
-    ];
-    let rows = (report.joints.iter()).map(|j| {
-        vec![
-            j.name.clone(),
-            plus_minus(j.offset_rad, 1e3),
-            plus_minus_or_dash(j.elongation_m, 1e3),
-            plus_minus_or_dash(j.strain_ratio, 100.0),
-            plus_minus(j.rate_rad_per_s, 1e3 * MONTH_S),
-        ]
-    });
-    page = page.section(
-        "",
-        vec![
-            Block::Headlines(headlines),
-            Block::Table(
-                Table::new(&head, rows)
-                    .captioned("Now, at the reference temperature; ± is half a 95 % interval"),
-            ),
-        ],
-    );
+    let now = now(report)
+        .column("strain\n%", |j| plus_minus_or_dash(j.strain_ratio, 100.0))
+        .captioned("Now, at the reference temperature; ± is half a 95 % interval");
+    page = page.section("", vec![Block::Headlines(headlines), now.into()]);
     for joint in &report.joints {
         page = page.section(joint.name.clone(), joint_blocks(joint));
     }
@@ -213,108 +76,66 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         ),
     )];
     if !joint.limits.is_empty() {
-        blocks.push(Block::Table(
-            Table::new(
-                &["limit", "value", "passed with probability", "in days", "on"],
-                (joint.limits.iter()).map(|l| {
-                    let days = l.after_s.map(|t| rounded(t / DAY_S, 3));
-                    vec![
-                        limit_name(l.limit).into(),
-                        format_limit(l.limit),
-                        format!("{:.2}", l.passed_probability),
-                        days.unwrap_or_else(|| "–".into()),
-                        l.at_utc_s.map_or("–".into(), day_of),
-                    ]
-                }),
-            )
-            .captioned("Limits; days count from the last session"),
-        ));
+        let limits = Columns::of(&joint.limits)
+            .column("limit", |l| limit_name(l.limit))
+            .column("value", |l| format_limit(l.limit))
+            .column("passed with probability", |l| {
+                format!("{:.2}", l.passed_probability)
+            })
+            .column("in days", |l| or_dash(l.after_s, |t| rounded(t / DAY_S, 3)))
+            .column("on", |l| or_dash(l.at_utc_s, day_of));
+        let limits = limits.captioned("Limits; days count from the last session");
+        blocks.push(limits.into());
         // Too long for a table's cell.
-        let passages = joint.limits.iter();
-        blocks.push(Block::List(
-            passages
-                .map(|l| format!("{}: {}", limit_name(l.limit), format_passage(l, joint)))
-                .collect(),
-        ));
+        let passages = joint.limits.iter().map(|l| limit_line(l, joint));
+        blocks.push(Block::List(passages.collect()));
     }
     if let Some(life) = &joint.life {
-        blocks.push(Block::List(vec![format!(
-            "Replace {}",
-            format_life(life, joint)
-        )]));
+        let life = format!("Replace {}", format_life(life, joint));
+        blocks.push(Block::List(vec![life]));
     }
     if !joint.events.is_empty() {
-        blocks.push(Block::Table(
-            Table::new(
-                &["seen from", "what", "by, mrad", "sure"],
-                (joint.events.iter()).map(|e| {
-                    vec![
-                        format_when(joint, e.time_utc_s),
-                        event_name(e.kind).into(),
-                        plus_minus_or_dash(e.size_rad, 1e3),
-                        match e.kind {
-                            TrendEventKind::Tensioned { stated: true } => "stated".into(),
-                            _ => format!(
-                                "{:.1} %, {}",
-                                100.0 * e.probability,
-                                format_when(joint, e.confirmed_utc_s)
-                            ),
-                        },
-                    ]
-                }),
-            )
-            .worded(&["what", "sure"])
-            .captioned("Events"),
-        ));
-        // Too long for a table's cell.
-        let meanings = joint.events.iter();
-        blocks.push(Block::List(
-            meanings
-                .map(|e| {
-                    let sure = format_sureness(e).map_or(String::new(), |s| format!("; {s}"));
-                    let day = format_when(joint, e.time_utc_s);
-                    format!("{day}: {}{sure}", format_meaning(e))
-                })
-                .collect(),
-        ));
-    }
-    let mut facts = vec![
-        ["Forecast rests on".to_string(), format_basis(&joint.basis)],
-        [
-            "Tensioned".into(),
-            format!(
-                "{}{}",
-                format_when(joint, joint.tensioned_utc_s),
-                if joint.tensioned_stated {
-                    ""
-                } else {
-                    " (not stated: an hour before its baseline or first session)"
+        let events = Columns::of(&joint.events)
+            .column("seen from", |e| format_when(joint, e.time_utc_s))
+            .words("what", |e| event_name(e.kind))
+            .column("by, mrad", |e| plus_minus_or_dash(e.size_rad, 1e3))
+            .words("sure", |e| match e.kind {
+                TrendEventKind::Tensioned { stated: true } => "stated".into(),
+                _ => {
+                    let day = format_when(joint, e.confirmed_utc_s);
+                    format!("{:.1} %, {day}", 100.0 * e.probability)
                 }
-            ),
-        ],
-        [
-            "Error that all sessions since the baseline share, mrad".into(),
-            format!(
-                "± {}: it is in the offset's ±, however many sessions there are",
-                rounded(1e3 * Z95 * joint.baseline_error_rad.deviation, 2)
-            ),
-        ],
-        [
-            "Error that neighbouring sessions share, standard deviation".into(),
-            format!("{} mrad", rounded(1e3 * joint.shared_error_rad, 2)),
-        ],
-        [
-            "Sessions' own error over what they state".into(),
-            rounded(joint.stated_width_ratio, 2),
-        ],
-    ];
-    if let Some(drift) = joint.drift_rad_per_k {
-        let drift = plus_minus(drift, 1e3);
-        facts.push(["Drift with temperature, mrad/K".into(), drift]);
+            });
+        blocks.push(events.captioned("Events").into());
+        // Too long for a table's cell.
+        let meanings = joint.events.iter().map(|e| event_line(e, joint));
+        blocks.push(Block::List(meanings.collect()));
     }
-    blocks.push(Block::Table(Table::new(
-        &[],
-        facts.into_iter().map(Vec::from),
-    )));
+    let stated = match joint.tensioned_stated {
+        true => "",
+        false => " (not stated: an hour before its baseline or first session)",
+    };
+    let tensioned = format_when(joint, joint.tensioned_utc_s);
+    let baseline = rounded(1e3 * Z95 * joint.baseline_error_rad.deviation, 2);
+    let shared = rounded(1e3 * joint.shared_error_rad, 2);
+    let mut facts = vec![
+        ("Forecast rests on", format_basis(&joint.basis)),
+        ("Tensioned", format!("{tensioned}{stated}")),
+        (
+            "Error that all sessions since the baseline share, mrad",
+            format!("± {baseline}: it is in the offset's ±, however many sessions there are"),
+        ),
+        (
+            "Error that neighbouring sessions share, standard deviation",
+            format!("{shared} mrad"),
+        ),
+        (
+            "Sessions' own error over what they state",
+            rounded(joint.stated_width_ratio, 2),
+        ),
+    ];
+    let drift = joint.drift_rad_per_k.map(|drift| plus_minus(drift, 1e3));
+    facts.extend(drift.map(|drift| ("Drift with temperature, mrad/K", drift)));
+    blocks.push(Table::facts(facts).into());
     blocks
 }

@@ -1,12 +1,10 @@
 //! The trend as a terminal shows it.
 
 use super::words::{
-    event_name, format_basis, format_life, format_limit, format_meaning, format_passage,
-    format_shared, format_sureness, format_verdict, format_when, limit_name, limit_of_verdict,
-    plus_minus_or_dash, sessions,
+    event_line, format_basis, format_life, format_shared, format_verdict, format_when, limit_line,
+    limit_of_verdict, now, sessions,
 };
-use crate::text::{indented, paragraph, plain, table};
-use crate::words::plus_minus;
+use crate::text::{Told, or_dash};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
@@ -53,52 +51,34 @@ impl Unit {
         }
     }
 }
-/// Mean length of a month as the table has it, s.
-pub(super) const MONTH_S: f64 = 30.0 * 86_400.0;
-
 /// The trend as text of at most 80 columns.
 pub fn render_table(report: &TrendReport) -> String {
     let robot = report.robot.as_deref().unwrap_or("robot");
     let first = report.joints.iter().map(|j| j.first_utc_s).reduce(f64::min);
     let last = report.joints.iter().map(|j| j.last_utc_s).reduce(f64::max);
-    let mut out = String::new();
+    let mut out = Told::default();
     if let Some((first, last)) = first.zip(last) {
         let heading_joint = report.joints.first().filter(|j| !j.is_dated());
         let when = |utc_s: f64| heading_joint.map_or(day_of(utc_s), |j| format_when(j, utc_s));
         let (first, last) = (when(first), when(last));
-        let heading = format!("{robot}: {first} to {last}; ± and brackets are 95 %");
-        out.push_str(&paragraph(&plain(&heading), 2));
+        out.say(format!(
+            "{robot}: {first} to {last}; ± and brackets are 95 %"
+        ));
     }
     let unit = Unit::of(report);
-    let head = [
-        "tendon",
-        "offset\nmrad",
-        "stretch\nmm",
-        "creep\nmrad/month",
-        unit.head(),
-    ];
-    let rows = report.joints.iter().map(|j| row(j, unit)).collect();
-    out.push_str(&table(&head, rows, 1));
-    out.push('\n');
+    let retension = |j: &&JointTrend| {
+        let limit = (j.limits.iter()).find(|l| matches!(l.limit, Limit::Retension { .. }));
+        or_dash(limit, |limit| passage(j, limit, unit))
+    };
+    out.table(now(report).lines(unit.head(), retension).table());
+    out.add("\n");
     for joint in &report.joints {
-        let headline = format!("{}: {}", joint.name, format_verdict(joint));
-        out.push_str(&paragraph(&plain(&headline), 2));
+        out.say(format!("{}: {}", joint.name, format_verdict(joint)));
         for line in lines(joint) {
-            out.push_str(&indented(&plain(&line), 2, 4));
+            out.item(line);
         }
     }
-    out
-}
-
-fn row(joint: &JointTrend, unit: Unit) -> Vec<String> {
-    let limit = (joint.limits.iter()).find(|l| matches!(l.limit, Limit::Retension { .. }));
-    vec![
-        plain(&joint.name),
-        plus_minus(joint.offset_rad, 1e3),
-        plus_minus_or_dash(joint.elongation_m, 1e3),
-        plus_minus(joint.rate_rad_per_s, 1e3 * MONTH_S),
-        limit.map_or("–".into(), |limit| passage(joint, limit, unit)),
-    ]
+    out.0
 }
 
 /// `85 (18 to 300)` and the date below; the words stand below the table.
@@ -125,18 +105,8 @@ fn passage(joint: &JointTrend, limit: &LimitForecast, unit: Unit) -> String {
 
 /// Events, other limits and the basis of one tendon.
 fn lines(joint: &JointTrend) -> Vec<String> {
-    let mut out = Vec::new();
-    for event in &joint.events {
-        let by = event.size_rad.map_or(String::new(), |size| {
-            format!(" by {} mrad", plus_minus(size, 1e3))
-        });
-        let (day, name) = (format_when(joint, event.time_utc_s), event_name(event.kind));
-        let sure = format_sureness(event).map_or(String::new(), |sure| format!("; {sure}"));
-        out.push(format!(
-            "{day}: {name}{by}; {}{sure}",
-            format_meaning(event)
-        ));
-    }
+    let events = joint.events.iter();
+    let mut out: Vec<String> = events.map(|event| event_line(event, joint)).collect();
     let headline = limit_of_verdict(joint);
     for limit in &joint.limits {
         // What the headline says already, or says of another limit with the same words.
@@ -145,9 +115,7 @@ fn lines(joint: &JointTrend) -> Vec<String> {
             of(h) == of(limit)
         });
         if !is_said {
-            let (name, value) = (limit_name(limit.limit), format_limit(limit.limit));
-            let passage = format_passage(limit, joint);
-            out.push(format!("{name} at {value}: {passage}"));
+            out.push(limit_line(limit, joint));
         }
     }
     if let Some(life) = joint.life.as_ref().filter(|_| !joint.limits.is_empty()) {
@@ -155,9 +123,7 @@ fn lines(joint: &JointTrend) -> Vec<String> {
     }
     out.push(sessions(joint));
     out.extend(format_shared(joint));
-    out.push(format!(
-        "the forecast rests on {}",
-        format_basis(&joint.basis)
-    ));
+    let basis = format_basis(&joint.basis);
+    out.push(format!("the forecast rests on {basis}"));
     out
 }

@@ -2,18 +2,32 @@
 
 use crate::text::capitalised;
 use crate::words::plus_minus;
-use sinew_figure::rounded;
+use sinew_figure::{Columns, rounded};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::{Gaussian, Z95};
 use sinew_trend::survival::LifeForecast;
 use sinew_trend::{
     JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast, LimitState, MissingFromRobot,
-    PriorBasis, TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
+    PriorBasis, TrendEvent, TrendEventKind, TrendNote, TrendReport, TrendVerdict,
 };
 
 /// The same, or a dash.
 pub(super) fn plus_minus_or_dash(value: Option<Gaussian>, factor: f64) -> String {
     value.map_or("–".into(), |v| plus_minus(v, factor))
+}
+
+/// Mean length of a month as the table has it, s.
+pub(super) const MONTH_S: f64 = 30.0 * DAY_S;
+
+/// Where every tendon stands and how fast it creeps.
+pub(super) fn now(report: &TrendReport) -> Columns<&JointTrend> {
+    Columns::of(&report.joints)
+        .words("tendon", |j| &j.name)
+        .column("offset\nmrad", |j| plus_minus(j.offset_rad, 1e3))
+        .column("stretch\nmm", |j| plus_minus_or_dash(j.elongation_m, 1e3))
+        .column("creep\nmrad/month", |j| {
+            plus_minus(j.rate_rad_per_s, 1e3 * MONTH_S)
+        })
 }
 
 /// Shorter times are told in hours, s.
@@ -70,7 +84,7 @@ pub(super) fn format_limit(limit: Limit) -> String {
 }
 
 /// When a limit is passed, from the last session on, and on which date.
-pub(super) fn format_passage(limit: &LimitForecast, joint: &JointTrend) -> String {
+fn format_passage(limit: &LimitForecast, joint: &JointTrend) -> String {
     let days = |time_s: f64| format_after(joint, time_s);
     let after = |time_s: Option<f64>| days(time_s.unwrap_or(0.0));
     match limit.state {
@@ -114,7 +128,7 @@ pub(super) fn sessions(joint: &JointTrend) -> String {
 }
 
 /// What an event may be.
-pub(super) fn format_meaning(event: &TrendEvent) -> String {
+fn format_meaning(event: &TrendEvent) -> String {
     let change = event
         .stiffness_change_ratio
         .map_or(String::new(), |c| format!(" ({} %)", plus_minus(c, 100.0)));
@@ -142,9 +156,29 @@ pub(super) fn format_meaning(event: &TrendEvent) -> String {
 }
 
 /// How sure an event is.
-pub(super) fn format_sureness(event: &TrendEvent) -> Option<&'static str> {
+fn format_sureness(event: &TrendEvent) -> Option<&'static str> {
     let at_once = event.is_jump() && event.sessions == 1;
     at_once.then_some("no error explains it; the next session will bear it out or take it back")
+}
+
+/// An event, and what it may be.
+pub(super) fn event_line(event: &TrendEvent, joint: &JointTrend) -> String {
+    let by = by_mrad(event);
+    let (day, name) = (format_when(joint, event.time_utc_s), event_name(event.kind));
+    let sure = format_sureness(event).map_or(String::new(), |sure| format!("; {sure}"));
+    format!("{day}: {name}{by}; {}{sure}", format_meaning(event))
+}
+
+/// How large an event is, where that is known.
+fn by_mrad(event: &TrendEvent) -> String {
+    let size = event.size_rad.map(|size| plus_minus(size, 1e3));
+    size.map_or(String::new(), |size| format!(" by {size} mrad"))
+}
+
+/// A limit and when it is passed.
+pub(super) fn limit_line(limit: &LimitForecast, joint: &JointTrend) -> String {
+    let (name, value) = (limit_name(limit.limit), format_limit(limit.limit));
+    format!("{name} at {value}: {}", format_passage(limit, joint))
 }
 
 /// When to replace a rope by its age.
@@ -213,9 +247,7 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
         TrendVerdict::Replace => passed("replace the rope"),
         TrendVerdict::Retension => passed("tension it again"),
         TrendVerdict::Inspect => joint.events.iter().rfind(|e| e.is_jump()).map(|jump| {
-            let size = jump.size_rad.map_or(String::new(), |s| {
-                format!(" by {} mrad", plus_minus(s, 1e3))
-            });
+            let size = by_mrad(jump);
             let (day, meaning) = (format_when(joint, jump.time_utc_s), format_meaning(jump));
             let (now, sure) = match format_sureness(jump) {
                 Some(sure) => ("look at it now", format!(". {}", capitalised(sure))),

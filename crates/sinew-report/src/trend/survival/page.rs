@@ -2,73 +2,55 @@
 
 use super::words::{
     format_age, format_law, format_misfit, format_note, format_quantile, format_wear, group_name,
-    shown,
+    shown, wear,
 };
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
-use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_trend::survival::{SurvivalGroup, SurvivalReport, Wear};
 
 /// Share of ropes that last longer than an age: the curve with its band, the law with its.
 pub fn figure(report: &SurvivalReport, group: &SurvivalGroup) -> Figure {
     let (unit, factor) = shown(report.age_unit);
     let percent = 100.0;
-    // From the first day on, and level until the next break.
-    let mut ages = vec![0.0];
-    let (mut share, mut low, mut high) = (vec![percent], vec![percent], vec![percent]);
-    for p in &group.curve {
-        ages.push(factor * p.age);
-        share.push(percent * p.survival);
-        low.push(percent * p.interval_95.low);
-        high.push(percent * p.interval_95.high);
-    }
+    // From the first day on, and level until the next break: age, share, and its interval.
+    let mut counted = vec![[0.0, percent, percent, percent]];
+    counted.extend(group.curve.iter().map(|p| {
+        let shares = [p.survival, p.interval_95.low, p.interval_95.high];
+        let [share, low, high] = shares.map(|share| percent * share);
+        [factor * p.age, share, low, high]
+    }));
     let law = group.weibull.as_ref();
     let oldest = law.and_then(|l| l.curve.last()).map(|p| factor * p.age);
-    if let (Some(end), Some(&last)) = (oldest, share.last()) {
-        let (l, h) = (low[low.len() - 1], high[high.len() - 1]);
-        ages.push(end);
-        share.push(last);
-        low.push(l);
-        high.push(h);
+    if let (Some(end), Some(&[_, share, low, high])) = (oldest, counted.last()) {
+        counted.push([end, share, low, high]);
     }
-    let (stairs, low) = stairs(&ages, &low);
-    let (_, high) = self::stairs(&ages, &high);
+    let steps = counted.windows(2).flat_map(|pair| {
+        let [_, share, low, high] = pair[0];
+        [pair[0], [pair[1][0], share, low, high]]
+    });
+    let stairs: Vec<[f64; 4]> = steps.chain(counted.last().copied()).collect();
+    let column = |of: &[[f64; 4]], i: usize| -> Vec<f64> { of.iter().map(|p| p[i]).collect() };
+    let [age, low, high] = [0, 2, 3].map(|i| column(&stairs, i));
     let mut panel = Panel::new("", format!("age ({unit})"), "ropes that last longer (%)")
-        .band(Band::new("as counted, 95 %", stairs, low, high).colour(Colour::Grey))
+        .band(Band::new("as counted, 95 %", age, low, high).colour(Colour::Grey))
         .y_range(0.0, percent);
     if let Some(law) = law {
         let x: Vec<f64> = law.curve.iter().map(|p| factor * p.age).collect();
         let of = |f: &dyn Fn(usize) -> f64| (0..x.len()).map(|i| percent * f(i)).collect();
         let low = of(&|i| law.curve[i].interval_95.low);
         let high = of(&|i| law.curve[i].interval_95.high);
-        let middle = of(&|i| law.curve[i].survival);
+        let middle = Line::new("Weibull law", x.clone(), of(&|i| law.curve[i].survival));
         panel = panel
-            .band(Band::new("law, 95 %", x.clone(), low, high).colour(Colour::Orange))
-            .line(
-                Line::new("Weibull law", x, middle)
-                    .colour(Colour::Orange)
-                    .dash(Dash::Dashed),
-            );
+            .band(Band::new("law, 95 %", x, low, high).colour(Colour::Orange))
+            .line(middle.colour(Colour::Orange).dash(Dash::Dashed));
     }
-    panel = panel.line(Line::new("as counted", ages, share).step());
+    let [age, share] = [0, 1].map(|i| column(&counted, i));
+    panel = panel.line(Line::new("as counted", age, share).step());
     Figure::new(format!("How long ropes last: {}", group_name(group)))
         .subtitle(format!("{} of {} broke", group.broke, group.ropes))
         .seen(seen(report, group))
         .size(820.0, 360.0)
         .panel(panel)
-}
-
-/// A level curve as the corners of its stairs.
-fn stairs(x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let (mut out_x, mut out_y) = (Vec::new(), Vec::new());
-    for i in 0..x.len() {
-        if i > 0 {
-            out_x.push(x[i]);
-            out_y.push(y[i - 1]);
-        }
-        out_x.push(x[i]);
-        out_y.push(y[i]);
-    }
-    (out_x, out_y)
 }
 
 /// What the figure shows.
@@ -78,19 +60,15 @@ fn seen(report: &SurvivalReport, group: &SurvivalGroup) -> String {
         None => "more than half outlasted the watch".into(),
     };
     let end = group.curve.last().map_or(String::new(), |p| {
-        format!(
-            "; {} % outlast {}",
+        let (percent, age) = (
             rounded(100.0 * p.survival, 2),
-            format_age(p.age, report.age_unit)
-        )
+            format_age(p.age, report.age_unit),
+        );
+        format!("; {percent} % outlast {age}")
     });
-    format!(
-        "{}: of {} ropes {} broke; {half}{end}. {}",
-        group_name(group),
-        group.ropes,
-        group.broke,
-        format_wear(group, report.age_unit)
-    )
+    let (name, ropes, broke) = (group_name(group), group.ropes, group.broke);
+    let wear = wear(group, report.age_unit);
+    format!("{name}: of {ropes} ropes {broke} broke; {half}{end}. {wear}")
 }
 
 /// The page.
@@ -99,10 +77,7 @@ pub fn html(report: &SurvivalReport) -> String {
     page.subtitle = report.source.clone();
     page.footer = format!("Sinew {}", report.sinew_version);
     let headlines = (report.groups.iter())
-        .map(|g| {
-            let said = format!("{}: {}", group_name(g), format_wear(g, report.age_unit));
-            Headline::new(level(g.wear), said)
-        })
+        .map(|g| Headline::new(level(g.wear), format_wear(g, report.age_unit)))
         .collect();
     page = page.section("", vec![Block::Headlines(headlines)]);
     for group in &report.groups {
@@ -148,35 +123,23 @@ fn blocks(report: &SurvivalReport, group: &SurvivalGroup) -> Vec<Block> {
     blocks.push(Block::Table(Table::new(&["broken", unit], rows).captioned(
         format!("Ages by which ropes have broken, {unit}; brackets are 95 %"),
     )));
-    let mut facts = Vec::new();
-    facts.extend(
-        group
-            .weibull
-            .as_ref()
-            .map(|law| format_law(law, report.age_unit)),
-    );
-    facts.extend(format_misfit(group));
+    let law = group.weibull.as_ref();
+    let law = law.map(|law| format_law(law, report.age_unit));
+    let facts: Vec<String> = law.into_iter().chain(format_misfit(group)).collect();
     if !facts.is_empty() {
         blocks.push(Block::List(facts));
     }
-    let points = (group.curve.iter()).map(|p| {
-        let percent = |x: f64| rounded(100.0 * x, 3);
-        vec![
-            rounded(factor * p.age, 3),
-            p.at_risk.to_string(),
-            p.broke.to_string(),
-            percent(p.survival),
-            format!(
-                "{} to {}",
-                percent(p.interval_95.low),
-                percent(p.interval_95.high)
-            ),
-        ]
-    });
-    let head = [unit, "had reached it", "broke", "last longer, %", "95 %"];
-    blocks.push(Block::Folded(
-        "The curve as a table".into(),
-        vec![Block::Table(Table::new(&head, points))],
-    ));
+    let percent = |x: f64| rounded(100.0 * x, 3);
+    let curve = Columns::of(&group.curve)
+        .column(unit, |p| rounded(factor * p.age, 3))
+        .column("had reached it", |p| p.at_risk)
+        .column("broke", |p| p.broke)
+        .column("last longer, %", |p| percent(p.survival))
+        .column("95 %", |p| {
+            let [low, high] = [p.interval_95.low, p.interval_95.high].map(percent);
+            format!("{low} to {high}")
+        });
+    let curve = vec![curve.table().into()];
+    blocks.push(Block::Folded("The curve as a table".into(), curve));
     blocks
 }

@@ -42,8 +42,13 @@ pub(super) fn group_name(group: &SurvivalGroup) -> &str {
     group.name.as_deref().unwrap_or("all ropes")
 }
 
-/// What age says of breaking, in a sentence.
+/// A group, and what age says of breaking there.
 pub(super) fn format_wear(group: &SurvivalGroup, unit: AgeUnit) -> String {
+    format!("{}: {}", group_name(group), wear(group, unit))
+}
+
+/// What age says of breaking, in a sentence.
+pub(super) fn wear(group: &SurvivalGroup, unit: AgeUnit) -> String {
     let of = |law: &FittedWeibull, share: f64| {
         let found = law.broken_by.iter().find(|q| q.broken_ratio == share);
         let age = found.and_then(|q| q.age);

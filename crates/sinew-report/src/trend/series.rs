@@ -1,0 +1,92 @@
+//! Sessions of every tendon as tables: as people read them, and in SI with what lies ahead.
+
+use crate::data::Data;
+use sinew_files::date::{DAY_S, day_of};
+use sinew_log::Table;
+use sinew_model::{Bounded, Gaussian, Interval95, Z95};
+use sinew_trend::{JointTrend, SessionPoint, TrendReport};
+
+/// Sessions as people read them, mrad: what was recorded, what the trend knew then. `days` count since the tensioning.
+pub fn trend_table(report: &TrendReport) -> Table {
+    let mrad = |rad: Option<f64>| rad.map(|rad| 1e3 * rad);
+    let wide = |of: Gaussian| 1e3 * Z95 * of.deviation;
+    let joints = report.joints.iter();
+    Data::of(joints.flat_map(|j| j.series.iter().map(move |s| (j, s))))
+        .text("day", |(_, s)| day_of(s.time_utc_s))
+        .number("days", |(j, s)| (s.time_utc_s - j.tensioned_utc_s) / DAY_S)
+        .number("time_utc_s", |(_, s)| s.time_utc_s)
+        .number("cycle", |(_, s)| s.cycle)
+        .text("joint", |(j, _)| j.name.as_str())
+        .number("offset_mrad", |(_, s)| mrad(s.offset_rad.map(|y| y.mean)))
+        .number("interval_95_mrad", |(_, s)| s.offset_rad.map(wide))
+        .number("temperature_c", |(_, s)| s.temperature_c)
+        .number("at_reference_mrad", |(_, s)| mrad(s.at_reference_rad))
+        .number("tracked_mrad", |(_, s)| 1e3 * s.tracked_rad.mean)
+        .number("tracked_interval_95_mrad", |(_, s)| wide(s.tracked_rad))
+        .number("jump_probability", |(_, s)| s.jump_probability)
+        .flag("off", |(_, s)| s.is_off)
+        .table()
+}
+
+/// What is known of a tendon at a session, or ahead.
+struct Known<'a> {
+    joint: &'a JointTrend,
+    time_utc_s: f64,
+    cycle: Option<f64>,
+    level_rad: Bounded,
+    session: Option<&'a SessionPoint>,
+}
+
+/// What is known of a tendon at its sessions, then ahead.
+fn known(joint: &JointTrend) -> impl Iterator<Item = Known<'_>> {
+    let level = |value, ends: Interval95| Bounded {
+        value,
+        low: ends.low,
+        high: ends.high,
+    };
+    let sessions = joint.series.iter().map(move |s| Known {
+        joint,
+        time_utc_s: s.time_utc_s,
+        cycle: s.cycle,
+        level_rad: level(s.tracked_rad.mean, s.tracked_rad.interval_95()),
+        session: Some(s),
+    });
+    let per_s = joint.cycles.and_then(|c| Some((c.last, c.per_s?)));
+    let ahead = joint.forecast.iter().map(move |f| Known {
+        joint,
+        time_utc_s: f.time_utc_s,
+        cycle: per_s.map(|(last, per_s)| last + per_s * (f.time_utc_s - joint.last_utc_s)),
+        level_rad: level(f.offset_rad, f.interval_95_rad),
+        session: None,
+    });
+    sessions.chain(ahead)
+}
+
+/// Levels and forecast of every tendon: a row per joint and session, then per joint and time to come (`kind`).
+///
+/// `level_rad` with its 95 % interval is what the trend knew at a session, and the median of the forecast.
+pub fn trend_series(report: &TrendReport) -> Table {
+    Data::of(report.joints.iter().flat_map(known))
+        .text("joint", |k| k.joint.name.as_str())
+        .text("kind", |k| match k.session {
+            Some(_) => "session",
+            None => "forecast",
+        })
+        .text("day", |k| day_of(k.time_utc_s))
+        // From the joint's first session on.
+        .number("time_s", |k| k.time_utc_s - k.joint.first_utc_s)
+        .integer("time_utc_ns", |k| (1e9 * k.time_utc_s).round() as i64)
+        .number("cycle", |k| k.cycle)
+        .bounded(["level_rad", "level_low_rad", "level_high_rad"], |k| {
+            Some(k.level_rad)
+        })
+        .number("offset_rad", |k| Some(k.session?.offset_rad?.mean))
+        .number("offset_interval_95_rad", |k| {
+            Some(k.session?.offset_rad?.half_width_95())
+        })
+        .number("at_reference_rad", |k| k.session?.at_reference_rad)
+        .number("temperature_c", |k| k.session?.temperature_c)
+        .number("jump_probability", |k| Some(k.session?.jump_probability))
+        .flag("is_off", |k| Some(k.session?.is_off))
+        .table()
+}
