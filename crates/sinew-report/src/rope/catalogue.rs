@@ -2,43 +2,35 @@
 
 use super::spoken;
 use super::words::range;
-use crate::text::{self, Told, paragraph, plain};
-use sinew_figure::rounded;
+use crate::text::{Told, or_dash};
+use sinew_figure::{Columns, Table, rounded};
 use sinew_rope::law::entry::{Uncertainty, Value};
 use sinew_rope::{Catalogue, CatalogueRope};
 
 /// All ropes, a line each.
 pub fn catalogue_table(catalogue: &Catalogue) -> String {
-    let head = ["name", "fibre", "d\nmm", "load\nN", "g/m", "guesses"];
-    let row = |rope: &CatalogueRope| {
-        let e = &rope.entry;
-        vec![
-            plain(&e.name),
-            plain(&e.fibre),
-            published(&e.diameter_mm, 3),
-            published(&e.breaking_load_n, 4),
-            published(&e.weight_g_per_m, 3),
-            format!("{}/{}", e.guesses(), e.law.len()),
-        ]
-    };
-    let rows = catalogue.ropes().iter().map(row).collect();
-    let mut out = text::table(&head, rows, 2);
+    let published =
+        |value: &Option<Value>, digits| or_dash(value.as_ref(), |v| rounded(v.value, digits));
+    let mut out = Told::default();
+    out.table(
+        Columns::of(catalogue.ropes().iter().map(|rope| &rope.entry))
+            .words("name", |e| &e.name)
+            .words("fibre", |e| &e.fibre)
+            .column("d\nmm", |e| published(&e.diameter_mm, 3))
+            .column("load\nN", |e| published(&e.breaking_load_n, 4))
+            .column("g/m", |e| published(&e.weight_g_per_m, 3))
+            .column("guesses", |e| format!("{}/{}", e.guesses(), e.law.len()))
+            .table(),
+    );
     let own = catalogue
         .ropes()
         .iter()
         .filter(|r| r.file.is_some())
         .count();
     if own > 0 {
-        out += &paragraph(&format!("{own} of them from your folders"), 0);
+        out.flat(format!("{own} of them from your folders"));
     }
-    out
-}
-
-/// A published value; a dash where there is none.
-fn published(value: &Option<Value>, digits: u8) -> String {
-    value
-        .as_ref()
-        .map_or_else(|| "–".into(), |v| rounded(v.value, digits))
+    out.0
 }
 
 /// Everything known about a rope.
@@ -58,32 +50,16 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
     if let Some(note) = &e.note {
         out.say(note);
     }
-    let row = |name: &str, value: &Value| {
-        let date = value.date.as_ref().map(|d| format!(" {d}"));
-        vec![
-            name.to_string(),
-            plain(&format!(
-                "{}{}",
-                value.origin.name(),
-                date.unwrap_or_default()
-            )),
-            plain(&value.source),
-            number(value.value),
-            interval(value),
-        ]
-    };
-    let head = ["", "origin", "source", "value", "95 % interval"];
     let published = [
         ("diameter_mm", &e.diameter_mm),
         ("breaking_load_n", &e.breaking_load_n),
         ("weight_g_per_m", &e.weight_g_per_m),
         ("discard_strain_percent", &e.discard_strain_percent),
     ];
-    let known = published
-        .iter()
-        .filter_map(|(name, v)| v.as_ref().map(|v| row(name, v)));
+    let known = published.iter();
+    let known = known.filter_map(|(name, v)| Some((*name, v.as_ref()?)));
     out.add("\npublished\n");
-    out.add(text::table(&head, known.collect(), 3));
+    out.table(values(known));
     let missing: Vec<&str> = published
         .iter()
         .filter(|(_, v)| v.is_none())
@@ -104,8 +80,7 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
             None => " (not stated by the entry: taken for any rope)",
         }
     ));
-    let law = e.law.iter().map(|(p, v)| row(p.name(), v)).collect();
-    out.add(text::table(&head, law, 3));
+    out.table(values(e.law.iter().map(|(p, v)| (p.name(), v))));
     if let Err(missing) = e.parameters() {
         out.say(format!(
             "missing, so nothing can be predicted with this rope: {}",
@@ -120,9 +95,7 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
     let class = rope.endurance().ok();
     if let Some(class) = &class {
         out.add("\nendurance: its own values, else those of its fibre\n");
-        let values = class.endurance.iter();
-        let rows = values.map(|(k, v)| row(k.name(), v)).collect();
-        out.add(text::table(&head, rows, 3));
+        out.table(values(class.endurance.iter().map(|(k, v)| (k.name(), v))));
     }
     out.add("\nsources\n");
     for (key, source) in &e.sources {
@@ -133,6 +106,20 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
         out.item(format!("{key} (endurance): {source}"));
     }
     out.0
+}
+
+/// Values with their source and uncertainty.
+fn values<'a>(named: impl Iterator<Item = (&'a str, &'a Value)>) -> Table {
+    Columns::of(named)
+        .words("", |(name, _)| *name)
+        .words("origin", |(_, v)| {
+            let date = v.date.as_ref().map(|d| format!(" {d}"));
+            format!("{}{}", v.origin.name(), date.unwrap_or_default())
+        })
+        .words("source", |(_, v)| &v.source)
+        .column("value", |(_, v)| number(v.value))
+        .column("95 % interval", |(_, v)| interval(v))
+        .table()
 }
 
 /// Four digits, with a power of ten where a rate or a lifetime needs one.

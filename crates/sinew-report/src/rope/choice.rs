@@ -10,18 +10,11 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
     let panel = |label: &str, x: &dyn Fn(&Candidate) -> Option<f64>| {
         let mut panel = Panel::new("", label, format!("elongation after {time} (mm)"));
         let mut front: Vec<(f64, f64)> = Vec::new();
-        let points: Vec<(Option<f64>, [f64; 2])> = selection
-            .candidates
-            .iter()
-            .map(|c| (x(c), c.objectives()))
-            .collect();
-        let known = points.iter().filter_map(|p| p.0);
-        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
-            (a.min(v), b.max(v))
-        });
-        if low > high {
-            return None;
-        }
+        let candidates = selection.candidates.iter();
+        let points: Vec<_> = candidates.map(|c| (x(c), c.objectives())).collect();
+        let known = || points.iter().filter_map(|p| p.0);
+        let low = known().reduce(f64::min)?;
+        let high = known().reduce(f64::max)?;
         let room = (0.15 * (high - low)).max(0.1 * high);
         let (left, right) = (low - room, high + 2.5 * room);
         let tick = 0.008 * (right - left);
@@ -49,18 +42,9 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
         }
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (xs, ys) = front.into_iter().unzip();
-        Some(
-            panel
-                .points(best.size(8.0))
-                .points(beaten.size(6.0))
-                .line(
-                    Line::new("", xs, ys)
-                        .colour(Colour::Blue)
-                        .dash(Dash::Dotted)
-                        .width(1.0),
-                )
-                .x_range(left, right),
-        )
+        let front = Line::new("", xs, ys).dash(Dash::Dotted).width(1.0);
+        panel = panel.points(best.size(8.0)).points(beaten.size(6.0));
+        Some(panel.line(front).x_range(left, right))
     };
     let mut figure = Figure::new("Ropes for this duty")
         .subtitle(format!(

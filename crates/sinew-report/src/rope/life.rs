@@ -2,8 +2,8 @@
 
 use super::spoken;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
-use sinew_figure::rounded;
-use sinew_rope::{BreakCause, Ends, Life, Place};
+use sinew_figure::{Columns, Table, rounded};
+use sinew_rope::{BreakCause, Ends, Life, Place, Spot};
 
 /// Above this, a portion's share of life is worth a table, 0 to 1.
 const TOLD_SHARE: f64 = 0.01;
@@ -40,27 +40,22 @@ pub(super) fn is_told(life: &Life) -> bool {
     life.spots.len() > 1 && life.spots.iter().any(|s| s.damage() > TOLD_SHARE)
 }
 
-pub(super) const HEAD: [&str; 5] = ["from, mm", "to, mm", "pulleys", "creep, %", "bending, %"];
-
 /// Portion by portion, what is used up of its life; a star marks the weakest.
-pub(super) fn rows(life: &Life) -> Vec<Vec<String>> {
+pub(super) fn spots(life: &Life) -> Table {
     let most = life.spots.iter().map(|s| s.damage()).fold(0.0, f64::max);
+    let mark = |s: &Spot| if s.damage() == most { " *" } else { "" };
     let percent = |share: f64| rounded(100.0 * share, 2);
-    let row = |s: &sinew_rope::Spot| {
-        let mark = if s.damage() == most { " *" } else { "" };
-        let (from, to) = match s.place {
-            Place::Rope => (rounded(1e3 * s.from_m, 4), rounded(1e3 * s.to_m, 4)),
-            Place::Ends => ("ends".into(), "–".into()),
-        };
-        vec![
-            from + mark,
-            to,
-            s.guides.to_string(),
-            percent(s.creep_damage),
-            percent(s.bending_damage),
-        ]
+    let mm = |s: &Spot, m: f64, at_ends: &str| match s.place {
+        Place::Rope => rounded(1e3 * m, 4),
+        Place::Ends => at_ends.into(),
     };
-    life.spots.iter().map(row).collect()
+    Columns::of(&life.spots)
+        .words("from, mm", |s| mm(s, s.from_m, "ends") + mark(s))
+        .column("to, mm", |s| mm(s, s.to_m, "–"))
+        .column("pulleys", |s| s.guides)
+        .column("creep, %", |s| percent(s.creep_damage))
+        .column("bending, %", |s| percent(s.bending_damage))
+        .table()
 }
 
 /// What is used up of the rope's life along its route.

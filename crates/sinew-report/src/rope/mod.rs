@@ -20,7 +20,7 @@ pub use selected::{selected, selection_table};
 pub use series::{curve_times, prediction_series};
 pub use words::{caution, namesake, rejection};
 
-use crate::text::capitalised;
+use crate::text::sentence;
 use sinew_figure::{Block, Page, rounded};
 use sinew_model::Bounded;
 use sinew_rope::Caution;
@@ -64,9 +64,8 @@ pub fn bracketed(i: Bounded, digits: u8) -> String {
 }
 
 fn notices(cautions: &[Caution]) -> impl Iterator<Item = Block> + '_ {
-    cautions
-        .iter()
-        .map(|c| Block::Notice(format!("{}.", capitalised(&caution(*c)))))
+    let cautions = cautions.iter();
+    cautions.map(|c| Block::Notice(sentence(&caution(*c))))
 }
 
 fn page(title: String, subtitle: String) -> Page {

@@ -1,24 +1,77 @@
-//! A plan of pretension as a page.
+//! A plan of pretension, as a page and for a terminal.
 
 use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
-use crate::text::{self, Told};
+use crate::text::{Told, sentence};
 use crate::units::of_joint;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
-use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_rope::pretension::{Plan, Schedule};
+
+/// What was asked for.
+fn asked(p: &Plan) -> String {
+    let [tension, celsius] = [p.tension_n, p.temperature_c].map(|v| rounded(v, 3));
+    let (length, time) = (rounded(1e3 * p.length_m, 4), spoken(p.horizon_s));
+    format!("{tension} N at {celsius} °C, strand of {length} mm, for {time}")
+}
+
+/// What each procedure leaves and takes away; a star marks the chosen one.
+fn procedures(p: &Plan) -> Table {
+    Columns::of(p.procedures.iter().enumerate())
+        .words("", |(i, _)| if p.chosen == Some(*i) { "*" } else { "" })
+        .words("for", |(_, q)| spoken(q.duration_s))
+        .column("hold at\nN", |(_, q)| rounded(q.tension_n, 3))
+        .column("still to come\nmm", |(_, q)| {
+            bracketed(q.still_to_come_m.scaled(1e3), 2)
+        })
+        .column("taken away\n%", |(_, q)| {
+            bracketed(q.removed_share.scaled(100.0), 2)
+        })
+        .table()
+}
+
+/// Which procedure is the star's.
+fn gentlest(p: &Plan) -> String {
+    let percent = rounded(100.0 * p.remove_share, 2);
+    match p.chosen.map(|i| &p.procedures[i]) {
+        Some(q) => {
+            let (tension, time) = (rounded(q.tension_n, 3), spoken(q.duration_s));
+            format!(
+                "* the gentlest that does: {tension} N for {time} takes {percent} % or more away"
+            )
+        }
+        None => format!("none of these takes {percent} % away; the best one is used below"),
+    }
+}
+
+/// How it is strung and when it is tensioned again.
+fn strung(p: &Plan) -> String {
+    let (mounting, lowest) = (mounting(p), rounded(p.lowest_n, 3));
+    format!(
+        "strung at working tension, a minute to settle, then at constant length; {mounting}; tensioned again at {lowest} N"
+    )
+}
+
+/// Both schedules, a sentence or two each.
+fn schedules(p: &Plan) -> Vec<String> {
+    let both = [
+        ("as it comes", &p.schedule_new),
+        ("bedded in", &p.schedule_bedded),
+    ];
+    both.map(|(word, s)| schedule(word, s, p)).to_vec()
+}
 
 /// How to bed a rope in, and when to tension it again.
 pub fn planned(p: &Plan) -> Page {
     let percent = rounded(100.0 * p.remove_share, 2);
+    let tension = rounded(p.tension_n, 3);
     let headline = match p.chosen.map(|i| &p.procedures[i]) {
         Some(c) => Headline::new(
             Level::Good,
             format!(
-                "Hold it at {} N for {}, then tension it anew at {} N: that takes {} % of the later elongation away ({percent} % was asked for).",
+                "Hold it at {} N for {}, then tension it anew at {tension} N: that takes {} % of the later elongation away ({percent} % was asked for).",
                 rounded(c.tension_n, 3),
                 spoken(c.duration_s),
-                rounded(p.tension_n, 3),
                 bracketed(c.removed_share.scaled(100.0), 2),
             ),
         ),
@@ -27,60 +80,58 @@ pub fn planned(p: &Plan) -> Page {
             format!("No procedure tried takes {percent} % of the later elongation away."),
         ),
     };
-    let mut first = vec![Block::Headlines(vec![
-        Headline::from(format!(
-            "At a constant {} N, {} grows by {} mm in {}, counted from a minute after tensioning.{}",
-            rounded(p.tension_n, 3),
-            p.rope,
-            bracketed(p.without_m.scaled(1e3), 2),
-            spoken(p.horizon_s),
-            guessed(p.starting_guesses, p.parameters)
-        )),
-        headline,
-    ])];
+    let grows = Headline::from(format!(
+        "At a constant {tension} N, {} grows by {} mm in {}, counted from a minute after tensioning.{}",
+        p.rope,
+        bracketed(p.without_m.scaled(1e3), 2),
+        spoken(p.horizon_s),
+        guessed(p.starting_guesses, p.parameters)
+    ));
+    let mut first = vec![Block::Headlines(vec![grows, headline])];
     first.extend(notices(&p.cautions));
     first.push(Block::Figure(
         Box::new(plan_figure(p)),
         "Left: elongation at working tension that is still to come after a bedding-in at the tension and of the length shown. Right: the rope strung at working tension and left at its length, at the catalogue's values; with two ropes, the mean of both.".into(),
     ));
-    let rows = p.procedures.iter().enumerate().map(|(i, q)| {
-        vec![
-            format!("{} N for {}", rounded(q.tension_n, 3), spoken(q.duration_s)),
-            bracketed(q.still_to_come_m.scaled(1e3), 2),
-            bracketed(q.removed_share.scaled(100.0), 2),
-            if p.chosen == Some(i) {
-                "✓ the gentlest that does"
-            } else {
-                ""
-            }
-            .into(),
-        ]
-    });
-    let head = ["hold at", "still to come, mm", "taken away, %", ""];
-    page(
-        format!("Pretension and bedding-in of {}", p.rope),
-        format!(
-            "{} N at {} °C, strand of {} mm, for {}",
-            rounded(p.tension_n, 3),
-            rounded(p.temperature_c, 3),
-            rounded(1e3 * p.length_m, 4),
-            spoken(p.horizon_s)
-        ),
-    )
-    .section("", first)
-    .section("Bedding-in", vec![Table::new(&head, rows).into()])
-    .section(
-        "Re-tensioning at constant length",
-        vec![
-            Block::Paragraph(format!(
-                "The rope is strung at {} N, has a minute to settle and is left at the length it then has; {}. It is tensioned again when it has fallen below {} N.",
-                rounded(p.tension_n, 3),
-                mounting(p),
-                rounded(p.lowest_n, 3)
-            )),
-            schedules(p),
-        ],
-    )
+    let bedding = vec![
+        procedures(p).into(),
+        Block::Paragraph(sentence(&gentlest(p))),
+    ];
+    let retension = vec![
+        Block::Paragraph(sentence(&strung(p))),
+        Block::List(schedules(p).iter().map(|s| sentence(s)).collect()),
+    ];
+    page(format!("Pretension and bedding-in of {}", p.rope), asked(p))
+        .section("", first)
+        .section("Bedding-in", bedding)
+        .section("Re-tensioning at constant length", retension)
+}
+
+/// The plan as text for a terminal.
+pub fn plan_table(p: &Plan) -> String {
+    let mut out = Told::default();
+    out.say(format!("{}: {}", p.rope, asked(p)));
+    let grows = bracketed(p.without_m.scaled(1e3), 2);
+    out.say(format!(
+        "at constant tension it grows by {grows} mm from a minute after tensioning"
+    ));
+    out.add("\nbedding-in: hold the rope at a tension for a time, then go back\n");
+    out.table(procedures(p));
+    out.say(gentlest(p));
+    out.add("\n");
+    out.say(strung(p));
+    for schedule in schedules(p) {
+        out.item(schedule);
+    }
+    out.add("\n");
+    out.say(format!(
+        "{} of {} parameters are starting guesses; brackets are 95 % intervals",
+        p.starting_guesses, p.parameters
+    ));
+    for what in &p.cautions {
+        out.say(format!("warning: {}", caution(*what)));
+    }
+    out.0
 }
 
 /// Unit of the joint's sag.
@@ -111,44 +162,41 @@ fn mounting(p: &Plan) -> String {
 /// Times of re-tensioning that are listed.
 const SHOWN: usize = 8;
 
-/// Both schedules side by side.
-fn schedules(p: &Plan) -> Block {
-    let both = [&p.schedule_new, &p.schedule_bedded];
-    let row = |what: &str, of: &dyn Fn(&Schedule) -> String| {
-        let mut row = vec![what.to_owned()];
-        row.extend(both.map(of));
-        row
+/// One schedule in words.
+fn schedule(word: &str, s: &Schedule, p: &Plan) -> String {
+    let all = s.times_s.len();
+    let (low, high) = (rounded(s.count.low, 2), rounded(s.count.high, 2));
+    let times: Vec<String> = s.times_s.iter().take(SHOWN).map(|t| spoken(*t)).collect();
+    let more = match all.saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
     };
-    let times = |s: &Schedule| {
-        let all: Vec<String> = s.times_s.iter().take(SHOWN).map(|t| spoken(*t)).collect();
-        match s.times_s.len() {
-            0 => "never".to_owned(),
-            n if n > SHOWN => format!("{} and {} more", all.join(", "), n - SHOWN),
-            _ => all.join(", "),
-        }
+    let after = format!("tension it again after {}{more}", times.join(", "));
+    let times = match all {
+        0 => format!("never to be tensioned again; 95 %: {low} to {high} times"),
+        1 => format!("{after}; once ({low} to {high} times)"),
+        n => format!("{after}; {n} times ({low} to {high})"),
     };
-    let start = |s: &Schedule| {
-        s.start_n
-            .map_or_else(|| "no tension does".into(), |i| bracketed(i, 2))
+    let sag = s.left_alone.sag_rad.last().map_or(String::new(), |sag| {
+        format!(
+            ", the joint {} {} lower",
+            rounded(1e3 * sag, 2),
+            sag_unit(p)
+        )
+    });
+    let start = match s.start_n {
+        Some(start) => format!(
+            "Strung at {} N it never falls below {} N",
+            bracketed(start, 3),
+            rounded(p.lowest_n, 3)
+        ),
+        None => "No pretension up to 40 % of the breaking load would hold it".into(),
     };
-    let mut rows = vec![
-        row("re-tension after", &times),
-        row("times", &|s| bracketed(s.count, 2)),
-        row("none needed, % of the draws", &|s| {
-            format!("{:.0}", 100.0 * s.never_share)
-        }),
-        row("left alone it ends at, N", &|s| {
-            bracketed(s.tension_at_end_n, 2)
-        }),
-        row("string it at, N, and none is needed", &start),
-    ];
-    if p.joint.is_some() {
-        rows.push(row(&format!("joint sags by, {}", sag_unit(p)), &|s| {
-            let sag = s.left_alone.sag_rad.last();
-            sag.map_or_else(|| "–".into(), |v| rounded(1e3 * v, 2))
-        }));
-    }
-    Table::new(&["", "as it comes", "bedded in"], rows).into()
+    let (time, never) = (spoken(p.horizon_s), 100.0 * s.never_share);
+    let end = bracketed(s.tension_at_end_n, 2);
+    format!(
+        "{word}: {times} in {time}, never in {never:.0} % of the draws. Left alone it falls to {end} N{sag}. {start}"
+    )
 }
 
 fn plan_figure(p: &Plan) -> Figure {
@@ -189,121 +237,4 @@ fn plan_figure(p: &Plan) -> Figure {
         .columns(2)
         .panel(bedding)
         .panel(strung)
-}
-
-/// The plan as text for a terminal.
-pub fn plan_table(p: &Plan) -> String {
-    let mut out = Told::default();
-    out.say(format!(
-        "{}: {} N at {} °C, strand of {} mm, for {}",
-        p.rope,
-        rounded(p.tension_n, 3),
-        rounded(p.temperature_c, 3),
-        rounded(1e3 * p.length_m, 4),
-        spoken(p.horizon_s)
-    ));
-    out.say(format!(
-        "at constant tension it grows by {} mm from a minute after tensioning",
-        bracketed(p.without_m.scaled(1e3), 2)
-    ));
-    out.add("\nbedding-in: hold the rope at a tension for a time, then go back\n");
-    let head = [
-        "",
-        "for",
-        "hold at\nN",
-        "still to come\nmm",
-        "taken away\n%",
-    ];
-    let rows = p
-        .procedures
-        .iter()
-        .enumerate()
-        .map(|(i, q)| {
-            let mark = if p.chosen == Some(i) { "*" } else { "" };
-            vec![
-                mark.into(),
-                spoken(q.duration_s),
-                rounded(q.tension_n, 3),
-                bracketed(q.still_to_come_m.scaled(1e3), 2),
-                bracketed(q.removed_share.scaled(100.0), 2),
-            ]
-        })
-        .collect();
-    out.add(text::table(&head, rows, 2));
-    let percent = rounded(100.0 * p.remove_share, 2);
-    out.say(match p.chosen {
-        Some(i) => format!(
-            "* the gentlest that does: {} N for {} takes {percent} % or more away",
-            rounded(p.procedures[i].tension_n, 3),
-            spoken(p.procedures[i].duration_s)
-        ),
-        None => format!("none of these takes {percent} % away; the best one is used below"),
-    });
-    out.add("\n");
-    out.say(format!(
-        "strung at working tension, a minute to settle, then at constant length; {}; tensioned again at {} N",
-        mounting(p),
-        rounded(p.lowest_n, 3)
-    ));
-    for (word, s) in [
-        ("as it comes", &p.schedule_new),
-        ("bedded in", &p.schedule_bedded),
-    ] {
-        out.item(schedule_text(word, s, p));
-    }
-    out.add("\n");
-    out.say(format!(
-        "{} of {} parameters are starting guesses; brackets are 95 % intervals",
-        p.starting_guesses, p.parameters
-    ));
-    for what in &p.cautions {
-        out.say(format!("warning: {}", caution(*what)));
-    }
-    out.0
-}
-
-/// One schedule as text.
-fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
-    let mut text = if s.times_s.is_empty() {
-        format!("{word}: never to be tensioned again")
-    } else {
-        let times: Vec<String> = s.times_s.iter().take(SHOWN).map(|t| spoken(*t)).collect();
-        let more = s.times_s.len().saturating_sub(SHOWN);
-        let more = if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
-        };
-        format!("{word}: tension it again after {}{more}", times.join(", "))
-    };
-    let (low, high) = (rounded(s.count.low, 2), rounded(s.count.high, 2));
-    let times = match s.times_s.len() {
-        0 => format!("; 95 %: {low} to {high} times"),
-        1 => format!("; once ({low} to {high} times)"),
-        n => format!("; {n} times ({low} to {high})"),
-    };
-    text += &format!(
-        "{times} in {}, never in {:.0} % of the draws. Left alone it falls to {} N",
-        spoken(p.horizon_s),
-        100.0 * s.never_share,
-        bracketed(s.tension_at_end_n, 2),
-    );
-    if let Some(sag) = s.left_alone.sag_rad.last() {
-        text += &format!(
-            ", the joint {} {} lower",
-            rounded(1e3 * sag, 2),
-            sag_unit(p)
-        );
-    }
-    match s.start_n {
-        Some(start) => {
-            text += &format!(
-                ". Strung at {} N it never falls below {} N",
-                bracketed(start, 3),
-                rounded(p.lowest_n, 3)
-            );
-        }
-        None => text += ". No pretension up to 40 % of the breaking load would hold it",
-    }
-    text
 }

@@ -2,9 +2,9 @@
 
 use super::words::guessed;
 use super::{bracketed, caution, life, notices, page, route_map, spoken};
-use crate::text::{self, Told};
+use crate::text::{Told, capitalised};
 use sinew_figure::plot::{Band, Figure, Line, Panel, Points};
-use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::predict::{Prediction, Reading};
 
@@ -32,29 +32,13 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         first.push(Block::Headlines(vec![breaks]));
     }
     if let (Some(text), None) = (broken(p), p.breaks_after_s) {
-        let breaks = format!("{}. It {}.", text::capitalised(&text), life::lasts(&p.life));
+        let breaks = format!("{}. It {}.", capitalised(&text), life::lasts(&p.life));
         first.push(Block::Headlines(vec![Headline::new(Level::Watch, breaks)]));
     }
     first.extend(notices(&p.cautions));
     if p.readings.len() > 1 {
         first.push(Block::Figure(Box::new(course(p, curve)), String::new()));
     }
-    let rows = p.readings.iter().map(|r| {
-        vec![
-            spoken(r.time_s),
-            bracketed(r.since_tensioned_m.scaled(1e3), 2),
-            bracketed(r.elongation_m.scaled(1e3), 2),
-            bracketed(r.strain_ratio.scaled(100.0), 2),
-            bracketed(r.irreversible_m.scaled(1e3), 2),
-        ]
-    });
-    let head = [
-        "after",
-        "since tensioned, mm",
-        "from new and slack, mm",
-        "from new and slack, %",
-        "of that unloading leaves, mm",
-    ];
     let s = &p.summary;
     let celsius = [
         s.temperature_min_c,
@@ -62,45 +46,27 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         s.temperature_max_c,
     ];
     let constant = s.tension_min_n == s.tension_max_n && celsius[0] == celsius[2];
-    let basis = vec![Block::from(Table::facts([
+    let cycle = match constant {
+        true => "always the same".into(),
+        false => spoken(s.duration_s),
+    };
+    let strength = p.strength_left_share.map_or_else(
+        || "not asked for, or broken by then".into(),
+        |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
+    );
+    let basis = Table::facts([
         ("duty", p.duty.clone()),
-        (
-            "one cycle",
-            if constant {
-                "always the same".into()
-            } else {
-                spoken(s.duration_s)
-            },
-        ),
+        ("one cycle", cycle),
         (
             "tension",
             span([s.tension_min_n, s.tension_mean_n, s.tension_max_n], "N"),
         ),
         ("temperature", span(celsius, "°C")),
         ("strand", format!("{} mm", rounded(1e3 * p.length_m, 4))),
-        (
-            "read at",
-            format!(
-                "{} N, {} °C",
-                rounded(p.read_at_n, 3),
-                rounded(p.read_at_c, 3)
-            ),
-        ),
-        (
-            "parameters",
-            format!(
-                "{} of {} are starting guesses; {} draws (seed {})",
-                p.starting_guesses, p.parameters, p.draws, p.seed
-            ),
-        ),
-        (
-            "strength left after bending",
-            p.strength_left_share.map_or_else(
-                || "not asked for, or broken by then".into(),
-                |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
-            ),
-        ),
-    ]))];
+        ("read at", read_at(p)),
+        ("parameters", format!("{}; {}", guesses(p), draws(p))),
+        ("strength left after bending", strength),
+    ]);
     let mut lasts = vec![Block::Paragraph(format!("It {}.", life::lasts(&p.life)))];
     if route_map::is_told(p) {
         let about = "The route, drawn as if its pulleys turned the rope to the left and to the right by turns. The wider the line, the more of that portion's life is used up.";
@@ -109,13 +75,13 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
     if life::is_told(&p.life) {
         let about = "What is used up of each portion's life at the last time, or when it breaks; a star marks the weakest.";
         lasts.push(Block::Figure(Box::new(life::figure(&p.life)), about.into()));
-        lasts.push(Table::new(&life::HEAD, life::rows(&p.life)).into());
+        lasts.push(life::spots(&p.life).into());
     }
     page(format!("Elongation of {}", p.rope), p.duty.clone())
         .section("", first)
-        .section("Readings", vec![Table::new(&head, rows).into()])
+        .section("Readings", vec![readings(p, |v| bracketed(v, 2)).into()])
         .section("How long it lasts", lasts)
-        .section("What it rests on", basis)
+        .section("What it rests on", vec![basis.into()])
 }
 
 /// Elongation over time as a curve with its band, and the readings of the table as dots.
@@ -124,12 +90,7 @@ fn course(p: &Prediction, curve: &[Reading]) -> Figure {
         let all = readings.iter().map(|r| r.since_tensioned_m.scaled(1e3));
         all.map(f).collect()
     };
-    let times = |readings: &[Reading]| {
-        readings
-            .iter()
-            .map(|r| r.time_s.log10())
-            .collect::<Vec<_>>()
-    };
+    let times = |of: &[Reading]| -> Vec<f64> { of.iter().map(|r| r.time_s.log10()).collect() };
     let most = of(curve, |i| i.high).into_iter().fold(0.0, f64::max);
     let x = times(curve);
     let (low, high) = (of(curve, |i| i.low), of(curve, |i| i.high));
@@ -154,6 +115,35 @@ fn course(p: &Prediction, curve: &[Reading]) -> Figure {
         .panel(panel)
 }
 
+/// How far it stretches; strain and what stays are worded by `number`.
+fn readings(p: &Prediction, number: fn(Bounded) -> String) -> Table {
+    let mm = |length: Bounded| bracketed(length.scaled(1e3), 2);
+    Columns::of(&p.readings)
+        .words("after", |r| spoken(r.time_s))
+        .column("since tensioned\nmm", |r| mm(r.since_tensioned_m))
+        .column("from slack\nmm", |r| mm(r.elongation_m))
+        .column("from slack\n%", |r| number(r.strain_ratio.scaled(100.0)))
+        .column("stays, mm", |r| number(r.irreversible_m.scaled(1e3)))
+        .table()
+}
+
+/// What it is read at.
+fn read_at(p: &Prediction) -> String {
+    let [newtons, celsius] = [p.read_at_n, p.read_at_c].map(|v| rounded(v, 3));
+    format!("{newtons} N and {celsius} °C")
+}
+
+/// How many draws the intervals are from.
+fn draws(p: &Prediction) -> String {
+    format!("{} draws (seed {})", p.draws, p.seed)
+}
+
+/// How many of its parameters are guesses.
+fn guesses(p: &Prediction) -> String {
+    let (guesses, all) = (p.starting_guesses, p.parameters);
+    format!("{guesses} of {all} parameters are starting guesses")
+}
+
 /// In how many draws the rope breaks, where it does in some.
 fn broken(p: &Prediction) -> Option<String> {
     let last = p.readings.last()?;
@@ -168,15 +158,12 @@ fn broken(p: &Prediction) -> Option<String> {
 
 /// Least, mean and most; one number where they are the same.
 fn span([least, mean, most]: [f64; 3], unit: &str) -> String {
-    if least == most {
-        return format!("{} {unit}", rounded(mean, 3));
+    let same = least == most;
+    let [least, mean, most] = [least, mean, most].map(|v| rounded(v, 3));
+    match same {
+        true => format!("{mean} {unit}"),
+        false => format!("{least} to {most} {unit}, mean {mean} {unit}"),
     }
-    format!(
-        "{} to {} {unit}, mean {} {unit}",
-        rounded(least, 3),
-        rounded(most, 3),
-        rounded(mean, 3)
-    )
 }
 
 /// What is to be expected, as text for a terminal.
@@ -185,69 +172,39 @@ pub fn prediction_table(p: &Prediction) -> String {
     out.say(format!("{}: {}", p.rope, p.duty));
     let s = &p.summary;
     if s.tension_min_n != s.tension_max_n || s.temperature_min_c != s.temperature_max_c {
+        let tensions = [s.tension_min_n, s.tension_max_n, s.tension_mean_n];
+        let [least, most, mean] = tensions.map(|n| rounded(n, 3));
+        let [cold, hot] = [s.temperature_min_c, s.temperature_max_c].map(|c| rounded(c, 3));
+        let cycle = spoken(s.duration_s);
         out.say(format!(
-            "one cycle of {}: {} to {} N, mean {} N; {} to {} °C",
-            spoken(s.duration_s),
-            rounded(s.tension_min_n, 3),
-            rounded(s.tension_max_n, 3),
-            rounded(s.tension_mean_n, 3),
-            rounded(s.temperature_min_c, 3),
-            rounded(s.temperature_max_c, 3)
+            "one cycle of {cycle}: {least} to {most} N, mean {mean} N; {cold} to {hot} °C"
         ));
     }
-    out.say(format!(
-        "strand of {} mm, read at {} N and {} °C",
-        rounded(1e3 * p.length_m, 4),
-        rounded(p.read_at_n, 3),
-        rounded(p.read_at_c, 3)
-    ));
+    let length = rounded(1e3 * p.length_m, 4);
+    out.say(format!("strand of {length} mm, read at {}", read_at(p)));
     out.add("\n");
-    let head = [
-        "after",
-        "since tensioned\nmm",
-        "from slack\nmm",
-        "from slack\n%",
-        "stays, mm",
-    ];
-    let rows = p
-        .readings
-        .iter()
-        .map(|r| {
-            vec![
-                spoken(r.time_s),
-                bracketed(r.since_tensioned_m.scaled(1e3), 2),
-                bracketed(r.elongation_m.scaled(1e3), 2),
-                rounded(100.0 * r.strain_ratio.value, 2),
-                rounded(1e3 * r.irreversible_m.value, 2),
-            ]
-        })
-        .collect();
     if p.readings.is_empty() {
         out.say("no reading: it breaks before the first");
     } else {
-        out.add(text::table(&head, rows, 1));
+        out.table(readings(p, |v| rounded(v.value, 2)));
     }
     out.say(format!("it {}", life::lasts(&p.life)));
     if life::is_told(&p.life) {
         out.add("\nlife used up along the rope, from the drive\n");
-        out.add(text::table(&life::HEAD, life::rows(&p.life), 1));
+        out.table(life::spots(&p.life));
     }
     if let Some(left) = p.strength_left_share {
+        let [left, low, high] = [left.value, left.low, left.high].map(|v| rounded(100.0 * v, 2));
         out.say(format!(
-            "strength left after bending: {} % of new ({} to {} %)",
-            rounded(100.0 * left.value, 2),
-            rounded(100.0 * left.low, 2),
-            rounded(100.0 * left.high, 2)
+            "strength left after bending: {left} % of new ({low} to {high} %)"
         ));
     }
     if let Some(text) = broken(p) {
         out.say(text);
     }
     out.add("\n");
-    out.say(format!(
-        "95 % intervals from {} draws (seed {}); {} of {} parameters are starting guesses",
-        p.draws, p.seed, p.starting_guesses, p.parameters
-    ));
+    let (draws, guesses) = (draws(p), guesses(p));
+    out.say(format!("95 % intervals from {draws}; {guesses}"));
     for what in &p.cautions {
         out.say(format!("warning: {}", caution(*what)));
     }

@@ -125,35 +125,26 @@ pub(super) fn figure(p: &Prediction) -> Figure {
         let share = s.damage() / most;
         CLASSES.iter().rposition(|c| share >= c.0).unwrap_or(0)
     };
-    let mut panel = Panel::new("", "along the machine (mm)", "across (mm)");
-    let (mut xs, mut ys) = (Vec::new(), Vec::new());
-    let (mut round_x, mut round_y) = (Vec::new(), Vec::new());
-    for i in 0..p.pulleys.len() {
-        let (x, y) = route.outline(i);
-        round_x.extend(x.iter().copied().chain([f64::NAN]));
-        round_y.extend(y.iter().copied().chain([f64::NAN]));
-        xs.extend(x);
-        ys.extend(y);
-    }
-    panel = panel.line(
-        Line::new("pulleys", round_x, round_y)
-            .colour(Colour::Black)
-            .width(1.0),
-    );
+    // With a gap behind each part.
+    let line = |name: &str, parts: Vec<(Vec<f64>, Vec<f64>)>| {
+        let points =
+            |(x, y): (Vec<f64>, Vec<f64>)| x.into_iter().zip(y).chain([(f64::NAN, f64::NAN)]);
+        let (x, y) = parts.into_iter().flat_map(points).unzip();
+        Line::new(name, x, y)
+    };
+    let outlines = (0..p.pulleys.len()).map(|i| route.outline(i)).collect();
+    let pulleys = line("pulleys", outlines);
+    let mut lines = vec![pulleys.colour(Colour::Black).width(1.0)];
     for (k, (_, name, colour, width)) in CLASSES.iter().enumerate() {
-        let (mut x, mut y) = (Vec::new(), Vec::new());
-        for s in spots.iter().filter(|s| class_of(s) == k) {
-            let (px, py) = route.stretch(1e3 * s.from_m, 1e3 * s.to_m);
-            x.extend(px.iter().copied().chain([f64::NAN]));
-            y.extend(py.iter().copied().chain([f64::NAN]));
-            xs.extend(px);
-            ys.extend(py);
-        }
-        if !x.is_empty() {
-            panel = panel.line(Line::new(*name, x, y).colour(*colour).width(*width));
+        let own = spots.iter().filter(|s| class_of(s) == k);
+        let own = own.map(|s| route.stretch(1e3 * s.from_m, 1e3 * s.to_m));
+        let line = line(name, own.collect());
+        if !line.x.is_empty() {
+            lines.push(line.colour(*colour).width(*width));
         }
     }
-    let (x, y) = (bounds(&xs), bounds(&ys));
+    let x = bounds(lines.iter().flat_map(|l| &l.x));
+    let y = bounds(lines.iter().flat_map(|l| &l.y));
     // The same scale both ways.
     let scale = (x.1 - x.0) / (WIDTH_PX - AXES_PX[0]);
     let height = ((y.1 - y.0) / scale + AXES_PX[1]).clamp(HEIGHT_PX.0, HEIGHT_PX.1);
@@ -178,16 +169,18 @@ pub(super) fn figure(p: &Prediction) -> Figure {
             }
         )
     });
+    let empty = Panel::new("", "along the machine (mm)", "across (mm)");
+    let panel = lines.into_iter().fold(empty, Panel::line);
     Figure::new("")
         .size(WIDTH_PX, height)
         .seen(said)
         .panel(panel.x_range(x.0, x.1).y_range(y.0, y.1))
 }
 
-/// Least and most with a margin of a twentieth.
-fn bounds(values: &[f64]) -> (f64, f64) {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+/// Least and most with a margin of a twentieth; gaps are passed over.
+fn bounds<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> (f64, f64) {
+    let low = values.clone().copied().fold(f64::INFINITY, f64::min);
+    let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
     let margin = 0.05 * (high - low).max(1.0);
     (low - margin, high + margin)
 }

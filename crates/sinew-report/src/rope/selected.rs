@@ -3,53 +3,80 @@
 use super::choice::figure;
 use super::words::guessed;
 use super::{bracketed, caution, page, rejection, spoken};
-use crate::text::{self, Told, plain};
-use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use crate::text::{self, Told, or_dash, plain, sentence};
+use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
+use sinew_model::Bounded;
 use sinew_rope::Caution;
 use sinew_rope::predict::YEAR_S;
-use sinew_rope::select::{Constraints, Rejected, Selection};
+use sinew_rope::select::{Candidate, Constraints, Rejected, Selection};
 
-const LEGEND: &str = "Least in: share of the draws in which it stretches least of these. Safety \
-    factor: published breaking load over the largest tension. Beaten by none: no rope of known \
-    diameter is as thin, stretches as little and lasts as long, by the values before the brackets. \
-    Breaks after: – beyond 300 years. Ropes that are loaded or bent more than makers advise come after \
-    the others; those that break within the time in more than 2.5 % of the draws come last.";
+const LEGEND: &str = "* no other rope of known diameter is as thin, stretches as little and lasts as long. least: in how many of the draws it stretches least. N/mm: stiffness. load: breaking load over the largest tension. life: until it breaks, – beyond 300 years. Ropes loaded or bent more than makers advise come after the others; those that break within the time in more than 2.5 % of the draws come last.";
 
-fn asked(c: &Constraints) -> Vec<Vec<String>> {
-    let row = |what: &str, limit: Option<f64>, unit: &str| {
-        limit.map(|v| vec![what.to_owned(), format!("{v} {unit}")])
+/// The candidates under their names; a star marks those that nothing beats.
+fn candidates(
+    s: &Selection,
+    name: impl Fn(String) -> String,
+    number: fn(Bounded) -> String,
+) -> Columns<&Candidate> {
+    let marked = |c: &&Candidate| {
+        let mark = if c.pareto { " *" } else { "" };
+        name(plain(&c.rope) + mark)
     };
-    [
-        row("diameter at most", c.diameter_max_mm, "mm"),
-        row("diameter at least", c.diameter_min_mm, "mm"),
-        row("smallest pulley", c.pulley_diameter_mm, "mm"),
-        row("pulley over rope diameter at least", c.bend_ratio_min, ""),
-        row(
+    let thousandfold = |v: Option<f64>| or_dash(v, |v| rounded(1e3 * v, 3));
+    Columns::of(&s.candidates)
+        .lines("rope", marked)
+        .left()
+        .column("elongation\nmm", |c| {
+            bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–")
+        })
+        .column("least", |c| format!("{:.0} %", 100.0 * c.least_share))
+        .column("N/mm", |c| number(c.stiffness_n_per_m.scaled(1e-3)))
+        .column("d\nmm", |c| thousandfold(c.diameter_m))
+        .column("g/m", |c| thousandfold(c.weight_kg_per_m))
+        .column("load", |c| {
+            or_dash(c.safety_factor_ratio, |v| rounded(v, 2))
+        })
+}
+
+fn asked(c: &Constraints) -> Vec<(&'static str, String)> {
+    let all = [
+        ("diameter at most", c.diameter_max_mm, "mm"),
+        ("diameter at least", c.diameter_min_mm, "mm"),
+        ("smallest pulley", c.pulley_diameter_mm, "mm"),
+        ("pulley over rope diameter at least", c.bend_ratio_min, ""),
+        (
             "breaking load over largest tension at least",
             c.safety_factor_min,
             "",
         ),
-        row(
+        (
             "elongation at most (upper end of the interval)",
             c.elongation_max_mm,
             "mm",
         ),
-        row("stiffness at least", c.stiffness_min_n_per_mm, "N/mm"),
-        row("weight at most", c.weight_max_g_per_m, "g/m"),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+        ("stiffness at least", c.stiffness_min_n_per_mm, "N/mm"),
+        ("weight at most", c.weight_max_g_per_m, "g/m"),
+    ];
+    let all = all.into_iter();
+    let stated =
+        |(what, limit, unit): (_, Option<f64>, _)| Some((what, format!("{} {unit}", limit?)));
+    all.filter_map(stated).collect()
 }
 
-/// Everything a rope fails, in one line.
-fn reasons(r: &Rejected) -> String {
-    let all: Vec<String> = r.reasons.iter().map(rejection).collect();
-    all.join("; ")
+/// Ropes that fell out, and everything each fails.
+fn rejected(s: &Selection) -> Vec<(&str, String)> {
+    let reasons = |r: &Rejected| {
+        let all: Vec<String> = r.reasons.iter().map(rejection).collect();
+        all.join("; ")
+    };
+    s.rejected
+        .iter()
+        .map(|r| (r.rope.as_str(), reasons(r)))
+        .collect()
 }
 
-/// Cautions with the candidates they are for: the same for several ropes is one caution.
-fn shared_cautions(s: &Selection) -> Vec<(Caution, Vec<&str>)> {
+/// Cautions with the candidates they are for, where they aren't for all: the same for several ropes is one caution.
+fn cautions(s: &Selection) -> Vec<String> {
     let mut shared: Vec<(Caution, Vec<&str>)> = Vec::new();
     for c in &s.candidates {
         for caution in &c.cautions {
@@ -59,7 +86,11 @@ fn shared_cautions(s: &Selection) -> Vec<(Caution, Vec<&str>)> {
             }
         }
     }
-    shared
+    let said = |(what, ropes): (Caution, Vec<&str>)| match ropes.len() == s.candidates.len() {
+        true => caution(what),
+        false => format!("{}: {}", ropes.join(", "), caution(what)),
+    };
+    shared.into_iter().map(said).collect()
 }
 
 /// Which rope to take.
@@ -82,63 +113,29 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     if !s.candidates.is_empty() {
         first.push(Block::Figure(Box::new(figure(s, &time)), String::new()));
     }
-    let none = || "–".to_owned();
-    let optional = |v: Option<f64>| v.map_or_else(none, |v| rounded(v, 3));
-    let rows = s.candidates.iter().map(|c| {
-        vec![
-            c.rope.clone(),
-            bracketed(c.elongation_m.scaled(1e3), 2),
-            format!("{:.0} %", 100.0 * c.least_share),
-            bracketed(c.stiffness_n_per_m.scaled(1e-3), 2),
-            optional(c.diameter_m.map(|m| 1e3 * m)),
-            optional(c.weight_kg_per_m.map(|kg| 1e3 * kg)),
-            optional(c.safety_factor_ratio),
-            c.life_s.map_or_else(none, |l| {
-                format!(
-                    "{} ({} to {})",
-                    spoken(l.value),
-                    spoken(l.low),
-                    spoken(l.high)
-                )
-            }),
-            if c.pareto { "yes" } else { "no" }.into(),
-            format!("{} of {}", c.starting_guesses, c.parameters),
-        ]
-    });
-    let head = [
-        "rope",
-        "elongation, mm",
-        "least in",
-        "stiffness, N/mm",
-        "diameter, mm",
-        "weight, g/m",
-        "safety factor",
-        "breaks after",
-        "beaten by none",
-        "guessed parameters",
-    ];
-    let rejected = s.rejected.iter().map(|r| vec![r.rope.clone(), reasons(r)]);
-    let cautions = shared_cautions(s).into_iter().map(|(what, mut ropes)| {
-        ropes.reverse();
-        Block::Notice(format!("{}: {}.", ropes.join(", "), caution(what)))
-    });
-    let rows_or = |rows: Vec<Vec<String>>, none: &str| {
-        if rows.is_empty() {
-            Block::Paragraph(none.into())
-        } else {
-            Block::Table(Table::new(&[], rows))
-        }
+    let table = candidates(s, |name| name, |v| bracketed(v, 2))
+        .column("life", |c| {
+            or_dash(c.life_s, |l| {
+                let [value, low, high] = [l.value, l.low, l.high].map(spoken);
+                format!("{value} ({low} to {high})")
+            })
+        })
+        .column("guessed parameters", |c| {
+            format!("{} of {}", c.starting_guesses, c.parameters)
+        })
+        .table();
+    let facts_or = |rows: Vec<(&str, String)>, none: &str| match rows.is_empty() {
+        true => Block::Paragraph(none.into()),
+        false => Table::facts(rows).into(),
     };
-    let limits = rows_or(asked(constraints), "No constraint.");
-    let fell = rows_or(rejected.collect(), "None.");
+    let limits = facts_or(asked(constraints), "No constraint.");
+    let fell = facts_or(rejected(s), "None.");
+    let cautions = cautions(s).into_iter().map(|c| Block::Notice(sentence(&c)));
     page("Which rope".into(), format!("{}, for {time}", s.duty))
         .section("", first)
         .section(
             "Ropes that meet every constraint",
-            vec![
-                Table::new(&head, rows).into(),
-                Block::Paragraph(LEGEND.into()),
-            ],
+            vec![table.into(), Block::Paragraph(LEGEND.into())],
         )
         .section("Ropes that fell out, and why", vec![fell])
         .section("What was asked", vec![limits])
@@ -154,72 +151,35 @@ pub fn selection_table(s: &Selection) -> String {
         spoken(s.time_s)
     ));
     out.add("\n");
-    let none = || "–".to_string();
-    let head = [
-        "rope",
-        "elongation\nmm",
-        "least",
-        "N/mm",
-        "d\nmm",
-        "g/m",
-        "load",
-        "life\nyears",
-    ];
-    let rows = s
-        .candidates
-        .iter()
-        .map(|c| {
-            let mark = if c.pareto { " *" } else { "" };
-            vec![
-                in_two(&(plain(&c.rope) + mark), text::columns()),
-                bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–"),
-                format!("{:.0} %", 100.0 * c.least_share),
-                rounded(1e-3 * c.stiffness_n_per_m.value, 2),
-                c.diameter_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
-                c.weight_kg_per_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
-                c.safety_factor_ratio.map_or_else(none, |v| rounded(v, 2)),
-                c.life_s.map_or_else(none, |l| rounded(l.value / YEAR_S, 2)),
-            ]
-        })
-        .collect();
     if s.candidates.is_empty() {
         out.add("no rope meets every constraint\n");
     } else {
-        out.add(text::table(&head, rows, 1));
-        out.say(
-            "* no other rope of known diameter is as thin, stretches as little and lasts as long. least: in how \
-             many of the draws it stretches least. N/mm: stiffness. load: breaking load over the largest \
-             tension. life: until it breaks, – beyond 300 years. Ropes loaded or bent more than makers advise \
-             come after the others; those that break within the time in more than 2.5 % of the draws come last.",
-        );
+        let name = |name: String| in_two(&name, text::columns());
+        let table = candidates(s, name, |v| rounded(v.value, 2)).column("life\nyears", |c| {
+            or_dash(c.life_s, |l| rounded(l.value / YEAR_S, 2))
+        });
+        out.table(table.table());
+        out.say(LEGEND);
     }
-    for c in &s.candidates {
-        if c.starting_guesses > 0 {
-            let (guesses, all) = (c.starting_guesses, c.parameters);
-            out.item(format!(
-                "{}: {guesses} of {all} parameters are starting guesses",
-                c.rope
-            ));
-        }
+    for c in s.candidates.iter().filter(|c| c.starting_guesses > 0) {
+        let (guesses, all) = (c.starting_guesses, c.parameters);
+        let rope = &c.rope;
+        out.item(format!(
+            "{rope}: {guesses} of {all} parameters are starting guesses"
+        ));
     }
     if !s.rejected.is_empty() {
         out.add("\nfell out\n");
-        for r in &s.rejected {
-            out.item(format!("{}: {}", r.rope, reasons(r)));
-        }
     }
-    let warnings = shared_cautions(s);
-    if !warnings.is_empty() {
+    for (rope, reasons) in rejected(s) {
+        out.item(format!("{rope}: {reasons}"));
+    }
+    let cautions = cautions(s);
+    if !cautions.is_empty() {
         out.add("\n");
     }
-    for (what, ropes) in warnings {
-        let text = caution(what);
-        let text = if ropes.len() == s.candidates.len() {
-            format!("warning: {text}")
-        } else {
-            format!("warning: {}: {text}", ropes.join(", "))
-        };
-        out.item(text);
+    for caution in cautions {
+        out.item(format!("warning: {caution}"));
     }
     out.0
 }

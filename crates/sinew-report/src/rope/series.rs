@@ -1,8 +1,9 @@
 //! A prediction as a curve.
 
-use sinew_log::{Cell, CellKind, Table};
+use crate::data::Data;
+use sinew_log::Table;
 use sinew_model::Bounded;
-use sinew_rope::predict::Prediction;
+use sinew_rope::predict::{Prediction, Reading};
 
 /// Points of a curve per tenfold of time.
 const PER_DECADE: f64 = 20.0;
@@ -28,37 +29,20 @@ pub fn curve_times(wanted: &[f64], cycle_s: f64) -> Vec<f64> {
 
 /// A row per time under the duty: strain and elongation with their 95 % intervals.
 pub fn prediction_series(p: &Prediction) -> Table {
-    let mut columns = vec![
-        ("rope".to_owned(), CellKind::Text),
-        ("time_s".to_owned(), CellKind::Number),
+    let names =
+        |name: &str, unit: &str| ["", "_low", "_high"].map(|end| format!("{name}{end}_{unit}"));
+    let quantities: [(&str, &str, fn(&Reading) -> Bounded); 4] = [
+        ("strain", "ratio", |r| r.strain_ratio),
+        ("elongation", "m", |r| r.elongation_m),
+        ("since_tensioned", "m", |r| r.since_tensioned_m),
+        ("irreversible", "m", |r| r.irreversible_m),
     ];
-    for (name, unit) in [
-        ("strain", "ratio"),
-        ("elongation", "m"),
-        ("since_tensioned", "m"),
-        ("irreversible", "m"),
-    ] {
-        for part in ["", "_low", "_high"] {
-            columns.push((format!("{name}{part}_{unit}"), CellKind::Number));
-        }
+    let mut data = Data::of(&p.readings)
+        .text("rope", |_| p.rope.as_str())
+        .number("time_s", |r| r.time_s);
+    for (name, unit, of) in quantities {
+        let names = names(name, unit);
+        data = data.bounded(names.each_ref().map(String::as_str), |r| Some(of(r)));
     }
-    columns.push(("broken_share".to_owned(), CellKind::Number));
-    let mut table = Table {
-        columns,
-        rows: Vec::new(),
-    };
-    for r in &p.readings {
-        let mut row: Vec<Cell> = vec![p.rope.as_str().into(), r.time_s.into()];
-        for Bounded { value, low, high } in [
-            r.strain_ratio,
-            r.elongation_m,
-            r.since_tensioned_m,
-            r.irreversible_m,
-        ] {
-            row.extend([value, low, high].map(Cell::Number));
-        }
-        row.push(r.broken_share.into());
-        table.push(row);
-    }
-    table
+    data.number("broken_share", |r| r.broken_share).table()
 }
