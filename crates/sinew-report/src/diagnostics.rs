@@ -1,9 +1,9 @@
 //! A tendon as a status of ROS diagnostics.
 
 use crate::estimate_table::per_rad;
-use crate::sentences::headline;
-use crate::tables::verdict;
-use crate::units::Moves;
+use crate::reading::headline;
+use crate::session::verdict;
+use crate::units::of_joint;
 use crate::words::plus_minus;
 use sinew_estimate::replay::{Estimate, JointEstimate, JointRefusal};
 use sinew_estimate::session::{LimitState, TendonEstimate, Verdict};
@@ -29,12 +29,16 @@ pub(crate) fn of_tendon(
         per_rad(joint.elongation_m, joint.offset_rad).map(|factor| offset_rad.scaled(factor));
     let size = match elongation_m {
         Some(m) => format!("{} mm", plus_minus(m, 1e3)),
-        None => format!("{} {}", plus_minus(offset_rad, 1e3), joint.units().offset),
+        None => format!(
+            "{} {}",
+            plus_minus(offset_rad, 1e3),
+            of_joint(joint.slides).offset
+        ),
     };
     // What withholds the answer in the end withholds it before.
     let limit = joint.retension.filter(|r| r.state == LimitState::Passed);
-    let passed = limit
-        .filter(|limit| elongation_m.is_some_and(|m| m.interval_95().low > limit.elongation_m));
+    let beyond = |limit: f64| elongation_m.is_some_and(|m| m.interval_95().low > limit);
+    let passed = limit.filter(|limit| beyond(limit.elongation_m));
     let past = passed.map_or(String::new(), |limit| {
         let mm = rounded(1e3 * limit.elongation_m, 2);
         format!("; past the {mm} mm at which to tension again")

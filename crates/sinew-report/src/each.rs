@@ -1,22 +1,27 @@
 //! Many recordings, a row per recording and joint.
 
-use crate::session_sentences::change_kind;
-use crate::tables::verdict;
-use crate::text::{paragraph, plain, table};
-use crate::units::{Moves, TURNS, name_in_table};
+use crate::data::Data;
+use crate::session::{change_kind, passed_mm, verdict};
+use crate::text::Told;
+use crate::units::{TURNS, name_in_table, of_joint};
 use crate::warnings::document_warnings;
 use crate::words::{joint_refusal, nothing_estimated, plus_minus_cells};
 use sinew_estimate::replay::JointEstimate;
-use sinew_estimate::session::{LimitState, SessionEstimate, TendonEstimate, Verdict};
+use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EachDocument, EstimateDocument, Method, RecordingOutcome};
-use sinew_figure::rounded;
-use sinew_log::{Cell, CellKind, Table};
+use sinew_figure::{Columns, rounded};
+use sinew_log::Table;
 use sinew_model::Gaussian;
 use std::path::Path;
 
-/// What a row says besides its recording.
+/// A joint of a recording, or why there is none.
+#[derive(Default)]
 struct Row<'a> {
-    joint: &'a str,
+    recording: &'a str,
+    document: Option<&'a EstimateDocument>,
+    /// Of a recording the first row.
+    first: bool,
+    joint: Option<&'a str>,
     /// As the table has it, with its units where they aren't those of the heads.
     name: String,
     /// A reading has no deviation: it is NaN.
@@ -25,41 +30,70 @@ struct Row<'a> {
     strain_ratio: Option<f64>,
     verdict: Option<Verdict>,
     reason: String,
+    error: Option<String>,
 }
 
 impl<'a> Row<'a> {
     fn of_tendon(joint: &'a TendonEstimate) -> Self {
         Self {
-            joint: &joint.name,
-            name: name_in_table(joint, TURNS),
+            joint: Some(&joint.name),
+            name: name_in_table(&joint.name, joint.slides, TURNS),
             offset_rad: Some(joint.offset_rad),
             elongation_m: joint.elongation_m,
             strain_ratio: joint.strain_ratio.map(|strain| strain.mean),
             verdict: Some(joint.verdict),
             reason: reason(joint),
+            ..Self::default()
         }
     }
 
     fn of_reading(joint: &'a JointEstimate) -> Self {
         let without_interval = |mean| Gaussian::new(mean, f64::NAN);
         Self {
-            joint: &joint.name,
-            name: name_in_table(joint, TURNS),
+            joint: Some(&joint.name),
+            name: name_in_table(&joint.name, joint.slides, TURNS),
             offset_rad: joint.offset_rad.map(without_interval),
             elongation_m: joint.elongation_m.map(without_interval),
             strain_ratio: joint.strain_ratio,
-            verdict: None,
             reason: joint.refused.map_or(String::new(), joint_refusal),
+            ..Self::default()
         }
     }
 
-    fn all(document: &'a EstimateDocument) -> Vec<Self> {
-        match &document.session {
-            Some(SessionEstimate { joints, .. }) => joints.iter().map(Self::of_tendon).collect(),
+    /// A recording that was estimated, a row a joint.
+    fn of_document(recording: &'a str, document: &'a EstimateDocument) -> Vec<Self> {
+        let mut rows: Vec<Self> = match &document.session {
+            Some(session) => session.joints.iter().map(Self::of_tendon).collect(),
             None => (document.reading.joints.iter())
                 .map(Self::of_reading)
                 .collect(),
+        };
+        for (k, row) in rows.iter_mut().enumerate() {
+            (row.recording, row.document, row.first) = (recording, Some(document), k == 0);
         }
+        rows
+    }
+
+    fn all(each: &'a EachDocument) -> Vec<Self> {
+        let mut rows = Vec::new();
+        for outcome in &each.recordings {
+            let (recording, error) = (outcome.recording.as_str(), failure(outcome));
+            match outcome.estimate.as_ref().filter(|_| error.is_none()) {
+                Some(document) => rows.extend(Self::of_document(recording, document)),
+                None => rows.push(Self {
+                    recording,
+                    first: true,
+                    name: "–".into(),
+                    error,
+                    ..Self::default()
+                }),
+            }
+        }
+        rows
+    }
+
+    fn session(&self) -> Option<&'a SessionEstimate> {
+        self.document?.session.as_ref()
     }
 }
 
@@ -67,18 +101,15 @@ impl<'a> Row<'a> {
 fn reason(joint: &TendonEstimate) -> String {
     let mut out = Vec::new();
     if joint.verdict == Verdict::CannotTell {
-        let unit = joint.units().offset;
+        let unit = of_joint(joint.slides).offset;
         let mrad = |rad: f64| rounded(1e3 * rad, 2);
+        let half = mrad(joint.offset_rad.half_width_95());
         out.push(match joint.misfit_rad > 0.0 {
             true => format!("{} {unit} fit nothing", mrad(joint.misfit_rad)),
-            false => format!(
-                "± {} {unit} is too wide",
-                mrad(joint.offset_rad.half_width_95())
-            ),
+            false => format!("± {half} {unit} is too wide"),
         });
     }
-    let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
-    out.extend(passed.map(|limit| format!("past {} mm", rounded(1e3 * limit.elongation_m, 2))));
+    out.extend(passed_mm(joint).map(|mm| format!("past {mm} mm")));
     let changes = joint.changes.iter();
     out.extend(changes.map(|c| format!("{} at {:.0} s", change_kind(c.kind), c.time_s)));
     out.join("; ")
@@ -97,72 +128,41 @@ fn failure(outcome: &RecordingOutcome) -> Option<String> {
     Some(why.strip_prefix(&prefix).unwrap_or(&why).to_owned())
 }
 
-/// Columns of a row per recording and joint.
-const COLUMNS: [(&str, CellKind); 13] = [
-    ("recording", CellKind::Text),
-    ("joint", CellKind::Text),
-    ("time_utc_s", CellKind::Number),
-    ("duration_s", CellKind::Number),
-    ("temperature_c", CellKind::Number),
-    ("offset_rad", CellKind::Number),
-    ("offset_interval_95_rad", CellKind::Number),
-    ("elongation_m", CellKind::Number),
-    ("elongation_interval_95_m", CellKind::Number),
-    ("strain_ratio", CellKind::Number),
-    ("verdict", CellKind::Text),
-    ("reason", CellKind::Text),
-    ("error", CellKind::Text),
-];
-
 /// A row per recording and joint, in SI; a recording that couldn't be estimated is one row with its `error`.
 ///
 /// Intervals are half a 95 % interval; the paper's reading has none, and no verdict.
 pub fn each_table(each: &EachDocument) -> Table {
-    let mut out = Table::new(&COLUMNS);
-    for outcome in &each.recordings {
-        let failed = failure(outcome);
-        match outcome.estimate.as_ref().filter(|_| failed.is_none()) {
-            Some(document) => push_rows(&mut out, &outcome.recording, document),
-            None => {
-                let mut row: Vec<Cell> = vec![outcome.recording.as_str().into()];
-                row.resize(COLUMNS.len() - 1, Cell::Empty);
-                row.push(failed.into());
-                out.push(row);
-            }
-        }
-    }
-    out
+    table_of(Row::all(each))
 }
 
 /// A row per joint of one recording, as in [`each_table`].
 pub fn estimate_rows(document: &EstimateDocument) -> Table {
-    let mut out = Table::new(&COLUMNS);
-    push_rows(&mut out, &document.reading.recording.path, document);
-    out
+    table_of(Row::of_document(&document.reading.recording.path, document))
 }
 
-fn push_rows(out: &mut Table, recording: &str, document: &EstimateDocument) {
-    let session = document.session.as_ref();
-    let duration_s = document.reading.recording.duration_s;
+fn table_of(rows: Vec<Row<'_>>) -> Table {
     let mean = |x: Option<Gaussian>| x.map(|x| x.mean);
     let half = |x: Option<Gaussian>| x.map(Gaussian::half_width_95).filter(|h| h.is_finite());
-    for row in Row::all(document) {
-        out.push(vec![
-            recording.into(),
-            row.joint.into(),
-            session.and_then(|s| s.start_time_utc_s).into(),
-            session.map_or(duration_s, |s| s.duration_s).into(),
-            session.and_then(|s| s.temperature_c).into(),
-            mean(row.offset_rad).into(),
-            half(row.offset_rad).into(),
-            mean(row.elongation_m).into(),
-            half(row.elongation_m).into(),
-            row.strain_ratio.into(),
-            row.verdict.map(verdict).into(),
-            Some(row.reason).filter(|text| !text.is_empty()).into(),
-            Cell::Empty,
-        ]);
-    }
+    let duration_s = |r: &Row<'_>| match r.session() {
+        Some(session) => Some(session.duration_s),
+        None => Some(r.document?.reading.recording.duration_s),
+    };
+    let reason = |r: &Row<'_>| Some(r.reason.clone()).filter(|text| !text.is_empty());
+    Data::of(rows)
+        .text("recording", |r| r.recording)
+        .text("joint", |r| r.joint)
+        .number("time_utc_s", |r| r.session()?.start_time_utc_s)
+        .number("duration_s", duration_s)
+        .number("temperature_c", |r| r.session()?.temperature_c)
+        .number("offset_rad", |r| mean(r.offset_rad))
+        .number("offset_interval_95_rad", |r| half(r.offset_rad))
+        .number("elongation_m", |r| mean(r.elongation_m))
+        .number("elongation_interval_95_m", |r| half(r.elongation_m))
+        .number("strain_ratio", |r| r.strain_ratio)
+        .text("verdict", |r| r.verdict.map(verdict))
+        .text("reason", reason)
+        .text("error", |r| r.error.clone())
+        .table()
 }
 
 /// The folder that all recordings lie in, where it is one: names are shown without it.
@@ -175,73 +175,65 @@ fn folder(each: &EachDocument) -> Option<&Path> {
 
 /// The same for a terminal, and why recordings couldn't be estimated.
 pub fn each_summary(each: &EachDocument) -> String {
-    let said = |text: &str| paragraph(&plain(text), 2);
     let folder = folder(each);
     let short = |name: &str| {
         let within = folder.and_then(|folder| Path::new(name).strip_prefix(folder).ok());
-        plain(&within.map_or(name.into(), |within| within.display().to_string()))
+        within.map_or(name.into(), |within| within.display().to_string())
     };
-    let mut rows = Vec::new();
-    let mut failures = Vec::new();
-    let (mut warnings, mut warned) = (0, 0);
-    for outcome in &each.recordings {
-        let name = short(&outcome.recording);
-        if let Some(why) = failure(outcome) {
-            failures.push(said(&format!("{name}: {why}")));
-            let nothing = std::iter::repeat_n("–".to_owned(), 4);
-            rows.push([vec![name], nothing.collect(), vec!["failed".into()]].concat());
-            continue;
-        }
-        let Some(document) = &outcome.estimate else {
-            continue;
-        };
-        let about = document_warnings(document).len();
-        (warnings, warned) = (warnings + about, warned + usize::from(about > 0));
-        for (k, row) in Row::all(document).into_iter().enumerate() {
-            let last = match row.verdict {
-                Some(v) if row.reason.is_empty() => verdict(v).to_owned(),
-                Some(v) => format!("{}: {}", verdict(v), row.reason),
-                None => row.reason,
-            };
-            let [offset, half] = plus_minus_cells(row.offset_rad, 1e3);
-            let [elongation, _] = plus_minus_cells(row.elongation_m, 1e3);
-            rows.push(vec![
-                // The name once: its rows stand below it.
-                if k == 0 { name.clone() } else { String::new() },
-                plain(&row.name),
-                offset,
-                half,
-                elongation,
-                plain(&last),
-            ]);
-        }
-    }
     let (offset, last) = match each.method {
         Method::Absolute => ("offset\nmrad", "verdict"),
         Method::Paper => ("reading\nmrad", "why not"),
     };
-    let head = [
-        "recording",
-        "joint",
-        offset,
-        "± (95 %)\nmrad",
-        "stretch\nmm",
-        last,
-    ];
-    let within = folder.filter(|folder| !folder.as_os_str().is_empty());
-    let mut out = within.map_or(String::new(), |f| said(&format!("in {}", f.display())));
-    out += &table(&head, rows, 2);
-    out += "\n";
-    out += &failures.concat();
+    let mut out = Told::default();
+    if let Some(folder) = folder.filter(|folder| !folder.as_os_str().is_empty()) {
+        out.say(format!("in {}", folder.display()));
+    }
+    let rows = Row::all(each);
+    out.table(
+        Columns::of(&rows)
+            // The name once: its rows stand below it.
+            .words("recording", |r| match r.first {
+                true => short(r.recording),
+                false => String::new(),
+            })
+            .words("joint", |r| &r.name)
+            .columns([offset, "± (95 %)\nmrad"], |r| {
+                plus_minus_cells(r.offset_rad, 1e3)
+            })
+            .column("stretch\nmm", |r| {
+                let [elongation, _] = plus_minus_cells(r.elongation_m, 1e3);
+                elongation
+            })
+            .column(last, |r| match r.verdict {
+                _ if r.error.is_some() => "failed".into(),
+                Some(v) if r.reason.is_empty() => verdict(v).to_owned(),
+                Some(v) => format!("{}: {}", verdict(v), r.reason),
+                None => r.reason.clone(),
+            })
+            .table(),
+    );
+    out.add("\n");
+    for (recording, why) in rows
+        .iter()
+        .filter_map(|r| Some((r.recording, r.error.as_ref()?)))
+    {
+        out.say(format!("{}: {why}", short(recording)));
+    }
     let all = each.recordings.len();
     let estimated = all - each.failed();
-    out += &said(&format!(
+    out.say(format!(
         "{estimated} of {all} recordings estimated, each on its own"
     ));
+    let documents = rows.iter().filter(|r| r.first).filter_map(|r| r.document);
+    let about: Vec<usize> = documents.map(|d| document_warnings(d).len()).collect();
+    let (warnings, warned) = (
+        about.iter().sum::<usize>(),
+        about.iter().filter(|n| **n > 0).count(),
+    );
     if warnings > 0 {
-        out += &said(&format!(
+        out.say(format!(
             "{warnings} warnings about {warned} of them; sinew estimate of one recording shows them, --json has all"
         ));
     }
-    out
+    out.0
 }

@@ -1,19 +1,17 @@
 //! The report of an estimate.
 
 use super::figures;
-use super::sentences::{doubt, headline};
-use super::shown::{MRAD_PER_PERCENT, or_nan};
-use super::units::{Moves, TURNS, in_units, name_in_table, of_heads};
+use super::reading::{differences, doubt, headline, readings};
+use super::units::of_joint;
 use super::warnings::reading_warnings;
-use super::words::{basis_row, joint_refusal, loss_reason};
+use super::words::{joint_refusal, loss_reason, or_nan};
 use crate::log::format_name;
 use sinew_estimate::EstimateDocument;
-use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
+use sinew_estimate::replay::{Basis, Estimate, JointEstimate, Loss, Origin, Quantity};
 use sinew_figure::{
-    Block, Headline, Page, Table, count, duration, given, rounded, share, with_interval,
+    Block, Columns, Headline, Page, Table, count, duration, given, rounded, share, with_interval,
 };
 use sinew_files::date::utc_text;
-use sinew_log::SignalSource;
 use sinew_model::offset::{Comparison, TorqueSource};
 
 /// The estimate as one HTML file that opens offline.
@@ -59,12 +57,20 @@ pub fn page(document: &EstimateDocument) -> Page {
         None => page.section("", opening),
     };
 
-    let mut numbers = vec![Block::Table(offsets(estimate))];
-    if estimate.joints.iter().any(|j| j.difference.is_some()) {
-        numbers.push(Block::Table(differences(estimate)));
+    let stretch = |j: &JointEstimate| {
+        let [mm, error] = [j.elongation_m, j.elongation_standard_error_m].map(|m| 1e3 * or_nan(m));
+        with_interval(mm, error)
+    };
+    let mut numbers = vec![readings(estimate, ("stretch ± 95 %\nmm", stretch)).into()];
+    let changes = differences(estimate);
+    if !changes.rows.is_empty() {
+        let reference = estimate.settings.reference.as_deref();
+        let reference = reference.unwrap_or("the reference");
+        let caption = format!("Difference to {reference}");
+        numbers.push(changes.captioned(caption).into());
     }
     numbers.push(Block::Paragraph(
-        "Scatter: standard deviation of the single estimates. Standard error: of their mean, with the correlation from one to the next taken into account; ± is twice that, half a 95 % interval. All three speak of this recording only, not of an error in stiffness, masses, payload or contact, which moves all estimates alike.".into(),
+        "Scatter: standard deviation of the single estimates. Error: standard error of their mean, with the correlation from one to the next taken into account; ± is twice that, half a 95 % interval. All three speak of this recording only, not of an error in stiffness, masses, payload or contact, which moves all estimates alike. 1 % of K: what 1 % too much stiffness adds.".into(),
     ));
     let doubts: Vec<String> = estimate.joints.iter().filter_map(doubt).collect();
     if !doubts.is_empty() {
@@ -77,7 +83,10 @@ pub fn page(document: &EstimateDocument) -> Page {
         page = page.section("Warnings", vec![Block::List(warnings)]);
     }
     for joint in &estimate.joints {
-        page = page.section(format!("Joint {}", joint.name), of_joint(estimate, joint));
+        page = page.section(
+            format!("Joint {}", joint.name),
+            joint_blocks(estimate, joint),
+        );
     }
     page = page.section("Frames not used", losses(estimate));
     page = page.section(
@@ -90,14 +99,7 @@ pub fn page(document: &EstimateDocument) -> Page {
             Block::Paragraph(
                 "δe = (θ_measured − q) − τ_el / K;  elongation ΔL = r · δe;  strain ε = ΔL / L  (Kirchhoff and von Stryk, IROS 2018, eq. 4 to 7). θ_measured and q are the motor and joint positions, τ_el the elastic torque, K the stiffness, r the radius of the joint's pulley, L the tendon's length.".into(),
             ),
-            Block::Table(Table {
-                rows: estimate
-                    .basis
-                    .iter()
-                    .map(|b| basis_row(estimate, b).to_vec())
-                    .collect(),
-                ..Table::default()
-            }),
+            Table::facts(estimate.basis.iter().map(|b| basis_row(estimate, b))).into(),
         ],
     )
 }
@@ -124,95 +126,17 @@ fn how_sure(estimate: &Estimate) -> String {
 /// Unit of an offset at a joint.
 fn unit_of(estimate: &Estimate, joint: &str) -> &'static str {
     let found = estimate.joints.iter().find(|j| j.name == joint);
-    found.map_or(TURNS, Moves::units).offset
+    of_joint(found.is_some_and(|j| j.slides)).offset
 }
 
-fn offsets(estimate: &Estimate) -> Table {
-    let head = [
-        "joint",
-        "offset δe, mrad",
-        "scatter, mrad",
-        "standard error, mrad",
-        "elongation ± 95 %, mm",
-        "strain, %",
-        "frames used",
-        "1 % too much stiffness adds, mrad",
-    ];
-    let heads = of_heads(&estimate.joints);
-    Table {
-        head: head.map(|h| in_units(h, heads)).to_vec(),
-        rows: estimate
-            .joints
-            .iter()
-            .map(|j| {
-                let none = || "–".to_string();
-                let optional = |v: Option<f64>| v.map_or_else(none, |v| rounded(v, 3));
-                let error_mm = 1e3 * or_nan(j.elongation_standard_error_m);
-                vec![
-                    name_in_table(j, heads),
-                    rounded(1e3 * or_nan(j.offset_rad), 4),
-                    rounded(1e3 * or_nan(j.scatter_rad), 2),
-                    rounded(1e3 * or_nan(j.standard_error_rad), 2),
-                    j.elongation_m
-                        .map_or_else(none, |m| with_interval(1e3 * m, error_mm)),
-                    optional(j.strain_ratio.map(|strain| 100.0 * strain)),
-                    share(j.usable_share),
-                    rounded(
-                        MRAD_PER_PERCENT * or_nan(j.offset_per_stiffness_error_rad),
-                        2,
-                    ),
-                ]
-            })
-            .collect(),
-        ..Table::default()
-    }
-}
-
-fn differences(estimate: &Estimate) -> Table {
-    let head = [
-        "joint",
-        "reference, mrad",
-        "difference ± 95 %, mrad",
-        "difference, mm",
-        "1 % too much stiffness adds, mrad",
-    ];
-    let heads = of_heads(&estimate.joints);
-    Table {
-        caption: format!(
-            "Difference to {}",
-            estimate
-                .settings
-                .reference
-                .as_deref()
-                .unwrap_or("the reference")
-        ),
-        head: head.map(|h| in_units(h, heads)).to_vec(),
-        rows: estimate
-            .joints
-            .iter()
-            .filter_map(|j| j.difference.as_ref().map(|d| (j, d)))
-            .map(|(j, d)| {
-                vec![
-                    name_in_table(j, heads),
-                    rounded(1e3 * d.reference_rad, 4),
-                    with_interval(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
-                    d.elongation_m.map_or("–".into(), |m| rounded(1e3 * m, 3)),
-                    rounded(MRAD_PER_PERCENT * d.offset_per_stiffness_error_rad, 2),
-                ]
-            })
-            .collect(),
-        ..Table::default()
-    }
-}
-
-fn of_joint(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
+fn joint_blocks(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
     if let Some(why) = joint.refused {
         let why = joint_refusal(why);
         return vec![Block::Paragraph(format!("No estimate: {why}."))];
     }
     let (figure, caption) = figures::joint(estimate, joint);
     let tau_el = joint.tau_el_nm;
-    let torque = joint.units().torque;
+    let torque = of_joint(joint.slides).torque;
     let shown = |t: Option<f64>| rounded(or_nan(t), 3);
     let low = shown(tau_el.map(|t| t.min));
     let mean = shown(tau_el.map(|t| t.mean));
@@ -222,7 +146,7 @@ fn of_joint(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
         Block::Paragraph(format!(
             "Stiffness {} {}; elastic torque from {low} to {high} {torque}, {mean} {torque} on average; {} of {} frames used ({}).",
             given(or_nan(joint.stiffness_nm_per_rad)),
-            joint.units().stiffness,
+            of_joint(joint.slides).stiffness,
             count(joint.usable_frames),
             count(estimate.recording.frames),
             share(joint.usable_share)
@@ -245,110 +169,96 @@ fn losses(estimate: &Estimate) -> Vec<Block> {
 }
 
 fn loss_table(caption: &str, losses: &[Loss]) -> Block {
-    Block::Table(
-        Table::new(
-            &["reason", "frames", "of all frames"],
-            losses.iter().map(|l| {
-                vec![
-                    loss_reason(l.reason).into(),
-                    count(l.frames),
-                    share(l.share),
-                ]
-            }),
-        )
-        .captioned(caption),
-    )
+    Columns::of(losses)
+        .column("reason", |l| loss_reason(l.reason))
+        .column("frames", |l| count(l.frames))
+        .column("of all frames", |l| share(l.share))
+        .captioned(caption)
+        .into()
 }
 
 fn circumstances(estimate: &Estimate) -> Table {
     let (recording, robot, settings) = (&estimate.recording, &estimate.robot, &estimate.settings);
-    let mut rows: Vec<[String; 2]> = Vec::new();
-    let mut add = |name: &str, value: String| rows.push([name.to_string(), value]);
-    add(
-        "recording",
-        format!("{} ({})", recording.path, format_name(recording.format)),
-    );
-    for SignalSource {
-        quantity, source, ..
-    } in &recording.sources
-    {
-        add(quantity.symbol(), format!("from {source}"));
-    }
-    if let Some(date) = utc_text(recording.start_time_ns) {
-        add("begins", date);
-    }
-    add(
-        "length",
-        format!(
-            "{}, {} frames at {} Hz, {}",
-            duration(recording.duration_s),
-            count(recording.frames),
-            rounded(or_nan(recording.rate_hz), 4),
-            match recording.segments {
-                1 => "without a gap".to_string(),
-                n => format!("in {n} parts with gaps between them"),
-            }
+    let format = format_name(recording.format);
+    let mut rows = vec![("recording", format!("{} ({format})", recording.path))];
+    let sources = recording.sources.iter();
+    rows.extend(sources.map(|s| (s.quantity.symbol(), format!("from {}", s.source))));
+    rows.extend(utc_text(recording.start_time_ns).map(|date| ("begins", date)));
+    let (length, frames) = (duration(recording.duration_s), count(recording.frames));
+    let rate = rounded(or_nan(recording.rate_hz), 4);
+    let parts = match recording.segments {
+        1 => "without a gap".to_string(),
+        n => format!("in {n} parts with gaps between them"),
+    };
+    let torque = match settings.source {
+        TorqueSource::Observer => "the momentum observer",
+        TorqueSource::TorqueSensor => "the joint torque sensors",
+        TorqueSource::Motor => "the motor torque",
+    };
+    let comparison = match settings.comparison {
+        Comparison::Matched => "matched: θ − q passes the same filters as the torque",
+        Comparison::Paper => "the paper's: θ − q unfiltered against a filtered torque",
+    };
+    let velocities = match settings.velocity_filter_rad_per_s.map(given) {
+        Some(cutoff) => format!("from positions, state-variable filter at {cutoff} rad/s"),
+        None => "as recorded".into(),
+    };
+    let external = match settings.tau_ext {
+        true => "as recorded",
+        false => "taken as zero",
+    };
+    rows.extend([
+        (
+            "length",
+            format!("{length}, {frames} frames at {rate} Hz, {parts}"),
         ),
-    );
-    add("robot", format!("{} ({})", robot.name, robot.file));
-    add("URDF", robot.urdf.clone());
-    add(
-        "elastic torque from",
-        match settings.source {
-            TorqueSource::Observer => "the momentum observer".into(),
-            TorqueSource::TorqueSensor => "the joint torque sensors".into(),
-            TorqueSource::Motor => "the motor torque".into(),
-        },
-    );
-    add(
-        "comparison",
-        match settings.comparison {
-            Comparison::Matched => "matched: θ − q passes the same filters as the torque".into(),
-            Comparison::Paper => "the paper's: θ − q unfiltered against a filtered torque".into(),
-        },
-    );
-    add(
-        "observer gain K_I",
-        format!("{} 1/s", given(settings.gain_per_s)),
-    );
-    add(
-        "velocities",
-        match settings.velocity_filter_rad_per_s {
-            Some(cutoff) => format!(
-                "from positions, state-variable filter at {} rad/s",
-                given(cutoff)
-            ),
-            None => "as recorded".into(),
-        },
-    );
-    add(
-        "external torque",
-        if settings.tau_ext {
-            "as recorded"
-        } else {
-            "taken as zero"
-        }
-        .into(),
-    );
+        ("robot", format!("{} ({})", robot.name, robot.file)),
+        ("URDF", robot.urdf.clone()),
+        ("elastic torque from", torque.into()),
+        ("comparison", comparison.into()),
+        (
+            "observer gain K_I",
+            format!("{} 1/s", given(settings.gain_per_s)),
+        ),
+        ("velocities", velocities),
+        ("external torque", external.into()),
+    ]);
     for injection in &settings.injected {
-        let from = injection
-            .from_s
-            .map_or(String::new(), |t| format!(" from {} on", duration(t)));
-        add(
-            "added by hand",
-            format!(
-                "{} {} at {}{from}",
-                given(1e3 * injection.offset_rad),
-                unit_of(estimate, &injection.joint),
-                injection.joint
-            ),
-        );
+        let joint = &injection.joint;
+        let from = injection.from_s.map(duration);
+        let from = from.map_or(String::new(), |t| format!(" from {t} on"));
+        let (size, unit) = (given(1e3 * injection.offset_rad), unit_of(estimate, joint));
+        rows.push(("added by hand", format!("{size} {unit} at {joint}{from}")));
     }
-    if let Some(reference) = &settings.reference {
-        add("reference", reference.clone());
-    }
-    Table {
-        rows: rows.into_iter().map(Vec::from).collect(),
-        ..Table::default()
-    }
+    rows.extend(settings.reference.clone().map(|file| ("reference", file)));
+    Table::facts(rows)
+}
+
+/// A quantity with its unit, and what it rests on.
+fn basis_row(estimate: &Estimate, basis: &Basis) -> (&'static str, String) {
+    let quantity = match basis.quantity {
+        Quantity::Positions => "motor and joint positions, rad",
+        Quantity::ElasticTorque => "elastic torque, N·m",
+        Quantity::Transmission => "stiffness, N·m/rad; friction; tendon geometry, mm",
+        Quantity::ExternalTorque => "external torque, N·m",
+        Quantity::Offset => "offset, mrad; elongation, mm; strain, %",
+    };
+    let file = &estimate.robot.file;
+    let rests_on = match (basis.rests_on, basis.quantity) {
+        (Origin::Measured, Quantity::ElasticTorque) => {
+            "measured by the joint torque sensors, in the recording".into()
+        }
+        (Origin::Measured, _) => "measured, in the recording".into(),
+        (Origin::Observed, _) => format!(
+            "computed by the momentum observer from the positions and the masses of {}; not measured",
+            estimate.robot.urdf
+        ),
+        (Origin::MotorTorque, _) => format!(
+            "computed from the recorded motor torque, motor inertia and friction of {file}"
+        ),
+        (Origin::Stated, _) => format!("as stated in {file}; not fitted to this recording"),
+        (Origin::TakenAsKnown, _) => "as recorded, taken as known".into(),
+        (Origin::Estimated, _) => "the estimate; its standard error covers the scatter within this recording, not an error of stiffness, masses or payload: differences between recordings of like motion are surer than absolute values".into(),
+    };
+    (quantity, rests_on)
 }

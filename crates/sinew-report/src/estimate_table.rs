@@ -1,31 +1,18 @@
 //! The estimate over time as a table, for plots elsewhere.
 
+use crate::data::Data;
 use sinew_estimate::EstimateDocument;
-use sinew_estimate::replay::{Estimate, JointEstimate};
+use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_estimate::session::TendonEstimate;
-use sinew_log::{Cell, CellKind, Table};
+use sinew_log::Table;
 use sinew_model::Gaussian;
 
 /// Clocks before the year 2000 don't tell the date.
 const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
 
-const COLUMNS: [(&str, CellKind); 15] = [
-    ("method", CellKind::Text),
-    ("joint", CellKind::Text),
-    ("time_s", CellKind::Number),
-    ("time_utc_ns", CellKind::Integer),
-    ("offset_rad", CellKind::Number),
-    ("offset_interval_95_rad", CellKind::Number),
-    ("elongation_m", CellKind::Number),
-    ("elongation_interval_95_m", CellKind::Number),
-    ("strain_ratio", CellKind::Number),
-    ("block_offset_rad", CellKind::Number),
-    ("block_weight", CellKind::Number),
-    ("offset_min_rad", CellKind::Number),
-    ("offset_max_rad", CellKind::Number),
-    ("tau_el_nm", CellKind::Number),
-    ("usable_share", CellKind::Number),
-];
+/// Names of the methods.
+pub(crate) const ABSOLUTE: &str = "absolute";
+pub(crate) const PAPER: &str = "paper";
 
 /// Time of the recording, ns since 1970 UTC, where its clock tells the date.
 pub(crate) fn time_ns(reading: &Estimate, time_s: f64) -> i64 {
@@ -48,98 +35,131 @@ pub(crate) fn per_rad(of: Option<Gaussian>, offset_rad: Gaussian) -> Option<f64>
 ///
 /// `time_s` counts from the start of the recording. Intervals are half a 95 % interval; the paper's reading has none.
 pub fn estimate_series(document: &EstimateDocument) -> Table {
-    let mut table = Table::new(&COLUMNS);
-    if let Some(session) = &document.session {
-        for (at, joint) in session.joints.iter().enumerate() {
-            let blocks = session.blocks.iter().map(|block| Known {
-                method: "absolute",
-                time_s: block.time_s,
-                offset_rad: block.offset_rad[at],
+    let reading = &document.reading;
+    Data::of(rows(document))
+        .text("method", |r| r.method)
+        .text("joint", |r| r.joint)
+        .number("time_s", |r| r.time_s)
+        .integer("time_utc_ns", |r| time_utc_ns(reading, r.time_s))
+        .number("offset_rad", |r| r.offset_rad.mean)
+        .number("offset_interval_95_rad", |r| r.half_width(Some(1.0)))
+        .number("elongation_m", |r| {
+            r.m_per_rad.map(|factor| factor * r.offset_rad.mean)
+        })
+        .number("elongation_interval_95_m", |r| r.half_width(r.m_per_rad))
+        .number("strain_ratio", |r| {
+            r.strain_per_rad.map(|factor| factor * r.offset_rad.mean)
+        })
+        .number("block_offset_rad", |r| r.block_rad)
+        .number("block_weight", |r| r.weight)
+        .number("offset_min_rad", |r| r.of_series(|s| &s.offset_min_rad))
+        .number("offset_max_rad", |r| r.of_series(|s| &s.offset_max_rad))
+        .number("tau_el_nm", |r| r.of_series(|s| &s.tau_el_nm))
+        .number("usable_share", |r| r.of_series(|s| &s.usable_share))
+        .table()
+}
+
+/// What every method knows of every joint over time.
+pub(crate) fn rows(document: &EstimateDocument) -> impl Iterator<Item = Row<'_>> {
+    let reading = &document.reading;
+    let session = document.session.as_ref();
+    let absolute = session.into_iter().flat_map(|session| {
+        let joints = session.joints.iter().enumerate();
+        joints.flat_map(move |(at, joint)| {
+            session.blocks.iter().map(move |block| Row {
                 block_rad: Some(block.block_rad[at]),
-                weight: block.weight,
-            });
-            known(&mut table, &document.reading, joint, blocks);
-        }
-        for (at, joint) in session.joints.iter().enumerate() {
+                ..Row::known(
+                    ABSOLUTE,
+                    joint,
+                    block.time_s,
+                    block.offset_rad[at],
+                    block.weight,
+                )
+            })
+        })
+    });
+    let live = session.into_iter().flat_map(|session| {
+        let joints = session.joints.iter().enumerate();
+        joints.flat_map(move |(at, joint)| {
             let blocks = session.live.iter().flat_map(|course| &course.blocks);
-            let blocks = blocks.map(|block| Known {
-                method: "live",
-                time_s: block.time_s,
-                offset_rad: block.offset_rad[at],
-                block_rad: None,
-                weight: block.weight,
-            });
-            known(&mut table, &document.reading, joint, blocks);
+            blocks.map(move |block| {
+                Row::known(
+                    "live",
+                    joint,
+                    block.time_s,
+                    block.offset_rad[at],
+                    block.weight,
+                )
+            })
+        })
+    });
+    let paper = reading.joints.iter().flat_map(|joint| {
+        let times = 0..joint.series.time_s.len();
+        times.map(move |k| Row::paper(joint, k))
+    });
+    absolute.chain(live).chain(paper)
+}
+
+/// What is known of a joint at one time.
+pub(crate) struct Row<'a> {
+    pub(crate) method: &'static str,
+    pub(crate) joint: &'a str,
+    pub(crate) time_s: f64,
+    /// The paper's reading has no deviation.
+    pub(crate) offset_rad: Gaussian,
+    pub(crate) m_per_rad: Option<f64>,
+    pub(crate) strain_per_rad: Option<f64>,
+    block_rad: Option<f64>,
+    weight: Option<f64>,
+    /// The paper's series and the place in it.
+    series: Option<(&'a Series, usize)>,
+}
+
+impl<'a> Row<'a> {
+    /// Of a method that knows a tendon's interval then.
+    fn known(
+        method: &'static str,
+        joint: &'a TendonEstimate,
+        time_s: f64,
+        offset_rad: Gaussian,
+        weight: f64,
+    ) -> Self {
+        Self {
+            method,
+            joint: &joint.name,
+            time_s,
+            offset_rad,
+            m_per_rad: per_rad(joint.elongation_m, joint.offset_rad),
+            strain_per_rad: per_rad(joint.strain_ratio, joint.offset_rad),
+            block_rad: None,
+            weight: Some(weight),
+            series: None,
         }
     }
-    for joint in &document.reading.joints {
-        paper(&mut table, &document.reading, joint);
+
+    fn paper(joint: &'a JointEstimate, k: usize) -> Self {
+        let factor = |of: Option<f64>| Some(of? / joint.offset_rad.filter(|x| *x != 0.0)?);
+        let series = &joint.series;
+        Self {
+            method: PAPER,
+            joint: &joint.name,
+            time_s: series.time_s[k],
+            offset_rad: Gaussian::new(series.offset_rad[k], f64::NAN),
+            m_per_rad: factor(joint.elongation_m),
+            strain_per_rad: factor(joint.strain_ratio),
+            block_rad: None,
+            weight: None,
+            series: Some((series, k)),
+        }
     }
-    table
-}
 
-/// The estimate at one time, of a method that knows a tendon's interval then.
-struct Known {
-    method: &'static str,
-    time_s: f64,
-    offset_rad: Gaussian,
-    block_rad: Option<f64>,
-    weight: f64,
-}
-
-/// A row for every time.
-fn known(
-    table: &mut Table,
-    reading: &Estimate,
-    joint: &TendonEstimate,
-    times: impl Iterator<Item = Known>,
-) {
-    let m_per_rad = per_rad(joint.elongation_m, joint.offset_rad);
-    let strain_per_rad = per_rad(joint.strain_ratio, joint.offset_rad);
-    for at in times {
-        let offset = at.offset_rad;
-        let elongation_m = m_per_rad.map(|factor| offset.scaled(factor));
-        let mut row: Vec<Cell> = vec![
-            at.method.into(),
-            joint.name.as_str().into(),
-            at.time_s.into(),
-            time_utc_ns(reading, at.time_s).into(),
-            offset.mean.into(),
-            offset.half_width_95().into(),
-            elongation_m.map(|m| m.mean).into(),
-            elongation_m.map(Gaussian::half_width_95).into(),
-            strain_per_rad.map(|factor| factor * offset.mean).into(),
-            at.block_rad.into(),
-            at.weight.into(),
-        ];
-        row.resize(COLUMNS.len(), Cell::Empty);
-        table.push(row);
+    /// Half a 95 % interval of the offset, in another quantity by a factor.
+    fn half_width(&self, factor: Option<f64>) -> Option<f64> {
+        let scaled = self.offset_rad.scaled(factor?);
+        self.series.is_none().then(|| scaled.half_width_95())
     }
-}
 
-fn paper(table: &mut Table, reading: &Estimate, joint: &JointEstimate) {
-    let factor = |of: Option<f64>| Some(of? / joint.offset_rad.filter(|x| *x != 0.0)?);
-    let m_per_rad = factor(joint.elongation_m);
-    let strain_per_rad = factor(joint.strain_ratio);
-    let s = &joint.series;
-    for (k, &time_s) in s.time_s.iter().enumerate() {
-        let offset = s.offset_rad[k];
-        table.push(vec![
-            "paper".into(),
-            joint.name.as_str().into(),
-            time_s.into(),
-            time_utc_ns(reading, time_s).into(),
-            offset.into(),
-            Cell::Empty,
-            m_per_rad.map(|factor| factor * offset).into(),
-            Cell::Empty,
-            strain_per_rad.map(|factor| factor * offset).into(),
-            Cell::Empty,
-            Cell::Empty,
-            s.offset_min_rad[k].into(),
-            s.offset_max_rad[k].into(),
-            s.tau_el_nm[k].into(),
-            s.usable_share[k].into(),
-        ]);
+    fn of_series(&self, of: fn(&Series) -> &Vec<f64>) -> Option<f64> {
+        self.series.map(|(series, k)| of(series)[k])
     }
 }

@@ -1,8 +1,8 @@
 //! The figure of one joint: offset with its band, torque, motion.
 
-use super::sentences::headline;
-use super::shown::or_nan;
-use super::units::{Moves, in_units};
+use super::reading::headline;
+use super::units::{in_units, of_joint};
+use super::words::or_nan;
 use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{duration, given, rounded};
@@ -20,35 +20,26 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
     let (unit, seconds) = time_unit(estimate.recording.duration_s);
     let time: Vec<f64> = series.time_s.iter().map(|t| t / seconds).collect();
     let end = estimate.recording.duration_s / seconds;
-    let framed = |panel: Panel| {
-        if end.is_finite() && end > 0.0 {
-            panel.x_range(0.0, end)
-        } else {
-            panel
-        }
+    let framed = |panel: Panel| match end.is_finite() && end > 0.0 {
+        true => panel.x_range(0.0, end),
+        false => panel,
     };
     let label = format!("time ({unit})");
 
     let (range, outside) = offset_range(series, joint);
-    let units = joint.units();
+    let units = of_joint(joint.slides);
     let unit = units.offset;
-    let mut offset = framed(Panel::new(
-        "Offset",
-        "",
-        in_units("offset δ_{e} (mrad)", units),
-    ))
-    .weight(1.35)
-    .band(Band::new(
+    let lows = mrad(&series.offset_min_rad);
+    let spread = Band::new(
         "smallest to largest",
         time.clone(),
-        mrad(&series.offset_min_rad),
+        lows,
         mrad(&series.offset_max_rad),
-    ))
-    .line(Line::new(
-        "estimate",
-        time.clone(),
-        mrad(&series.offset_rad),
-    ));
+    );
+    let mean = Line::new("estimate", time.clone(), mrad(&series.offset_rad));
+    let offset_label = in_units("offset δ_{e} (mrad)", units);
+    let mut offset = framed(Panel::new("Offset", "", offset_label)).weight(1.35);
+    offset = offset.band(spread).line(mean);
     if let Some((low, high)) = range {
         offset = offset.y_range(low, high);
     }
@@ -81,24 +72,17 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
         TorqueSource::Motor => "τ_{el} from the motor",
         TorqueSource::Observer => "observed τ_{el}",
     };
+    let held = Line::new(source, time.clone(), series.tau_el_nm.clone());
+    let encoders = "encoders: K(θ_{measured} − q)";
+    let spring = Line::new(encoders, time.clone(), series.tau_spring_nm.clone());
     let torque = framed(Panel::new("Torque", "", in_units("torque (N·m)", units)))
-        .line(Line::new(source, time.clone(), series.tau_el_nm.clone()))
-        .line(
-            Line::new(
-                "encoders: K(θ_{measured} − q)",
-                time.clone(),
-                series.tau_spring_nm.clone(),
-            )
-            .colour(Colour::Orange)
-            .dash(Dash::Dashed),
-        );
-    let motion = framed(Panel::new(
-        "Motion",
-        label,
-        format!("q ({})", units.position),
-    ))
-    .weight(0.75)
-    .line(Line::new("", time, series.q_rad.clone()).colour(Colour::Black));
+        .line(held)
+        .line(spring.colour(Colour::Orange).dash(Dash::Dashed));
+    let q = Line::new("", time, series.q_rad.clone()).colour(Colour::Black);
+    let position = format!("q ({})", units.position);
+    let motion = framed(Panel::new("Motion", label, position))
+        .weight(0.75)
+        .line(q);
     let figure = Figure::new("")
         .seen(headline(estimate, joint))
         .size(820.0, 560.0)
@@ -138,8 +122,8 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
         v.sort_by(f64::total_cmp);
         v
     };
-    let (means, lows, highs) = (
-        finite(&series.offset_rad),
+    let means = finite(&series.offset_rad);
+    let (lows, highs) = (
         finite(&series.offset_min_rad),
         finite(&series.offset_max_rad),
     );
@@ -147,8 +131,8 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
         return (None, String::new());
     };
     let at = |v: &[f64], share: f64| {
-        v.get((share * v.len().saturating_sub(1) as f64) as usize)
-            .copied()
+        let place = (share * v.len().saturating_sub(1) as f64) as usize;
+        v.get(place).copied()
     };
     let mut low = mean_low.min(at(&lows, 0.01).unwrap_or(mean_low));
     let mut high = mean_high.max(at(&highs, 0.99).unwrap_or(mean_high));
@@ -158,18 +142,15 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
     }
     let margin = 0.08 * (high - low);
     let (low, high) = (low - margin, high + margin);
-    let (least, most) = (
-        lows.first().copied().unwrap_or(low),
-        highs.last().copied().unwrap_or(high),
-    );
+    let least = lows.first().copied().unwrap_or(low);
+    let most = highs.last().copied().unwrap_or(high);
     // Only what a reader would miss: a fifth of the axis' height or more.
     let far = 0.2 * (high - low);
     let outside = if least < low - far || most > high + far {
+        let [least, most] = [least, most].map(|x| rounded(x, 3));
+        let unit = of_joint(joint.slides).offset;
         format!(
-            " Single estimates reach from {} to {} {}; the axis leaves the rarest 1 % out.",
-            rounded(least, 3),
-            rounded(most, 3),
-            joint.units().offset
+            " Single estimates reach from {least} to {most} {unit}; the axis leaves the rarest 1 % out."
         )
     } else {
         String::new()
@@ -203,15 +184,11 @@ fn unused(series: &Series, time: &[f64]) -> Vec<(f64, f64)> {
 /// The series in at most [`INTERVALS`] intervals: means of means, smallest and largest of all.
 fn coarse(series: &Series) -> Series {
     let group = series.time_s.len().div_ceil(INTERVALS).max(1);
-    let mean_of = |values: &[f64]| -> Vec<f64> {
-        values
-            .chunks(group)
-            .map(|chunk| {
-                let finite = || chunk.iter().filter(|v| v.is_finite());
-                finite().sum::<f64>() / finite().count() as f64
-            })
-            .collect()
+    let mean = |chunk: &[f64]| {
+        let finite = || chunk.iter().filter(|v| v.is_finite());
+        finite().sum::<f64>() / finite().count() as f64
     };
+    let mean_of = |values: &[f64]| values.chunks(group).map(mean).collect();
     // `min` and `max` pass over NaN; a chunk of nothing but NaN stays NaN.
     let extreme = |values: &[f64], of: fn(f64, f64) -> f64| -> Vec<f64> {
         let fold = |chunk: &[f64]| chunk.iter().copied().fold(f64::NAN, of);

@@ -1,10 +1,8 @@
 //! An estimate as topics of ROS 2, for viewers of recordings.
 
 use crate::diagnostics::{of_reading, of_tendon};
-use crate::estimate_table::{per_rad, time_ns};
+use crate::estimate_table::{ABSOLUTE, PAPER, rows, time_ns};
 use sinew_estimate::EstimateDocument;
-use sinew_estimate::replay::Estimate;
-use sinew_estimate::session::SessionEstimate;
 use sinew_log::encode::{
     DiagnosticArray, DiagnosticStatus, DynamicJointState, Header, InterfaceValue,
 };
@@ -46,18 +44,17 @@ pub fn write_topics(document: &EstimateDocument, path: &Path) -> Result<(), LogE
     let mut out = TopicWriter::create(path, Packing::default())?;
     let tendons = out.topic::<DynamicJointState<'_>>(TENDONS)?;
     let mut events: Vec<(i64, Event)> = Vec::new();
-    let reading = &document.reading;
     let mut add = |topic: Topic, of: BTreeMap<i64, Tendons>| {
         let all = of.into_iter();
         events.extend(all.map(|(at, tendons)| (at, Event::Tendons(topic, tendons))));
     };
-    match &document.session {
-        Some(session) => {
-            add(tendons, absolute(reading, session));
+    match document.session {
+        Some(_) => {
+            add(tendons, over_time(document, ABSOLUTE));
             let topic = out.topic::<DynamicJointState<'_>>(READING)?;
-            add(topic, paper(reading));
+            add(topic, over_time(document, PAPER));
         }
-        None => add(tendons, paper(reading)),
+        None => add(tendons, over_time(document, PAPER)),
     }
     let diagnostics = out.topic::<DiagnosticArray<'_>>(DIAGNOSTICS)?;
     events.extend(statuses(document).map(|(at, status)| (at, Event::Diagnostics(status))));
@@ -92,39 +89,18 @@ pub fn write_topics(document: &EstimateDocument, path: &Path) -> Result<(), LogE
     out.finish()
 }
 
-/// The absolute estimate, a message per block.
-fn absolute(reading: &Estimate, session: &SessionEstimate) -> BTreeMap<i64, Tendons> {
-    let names: Vec<String> = session.joints.iter().map(|j| j.name.clone()).collect();
-    let factors: Vec<[Option<f64>; 2]> = (session.joints.iter())
-        .map(|j| [j.elongation_m, j.strain_ratio].map(|of| per_rad(of, j.offset_rad)))
-        .collect();
-    let blocks = session.blocks.iter().map(|block| {
-        let values = block.offset_rad.iter().zip(&factors);
-        let values = values.map(|(offset, factors)| {
-            let [m, strain] = factors.map(|f| f.map_or(f64::NAN, |f| f * offset.mean));
-            [offset.mean, offset.half_width_95(), m, strain]
-        });
-        let at = time_ns(reading, block.time_s);
-        (at, (names.clone(), values.collect()))
-    });
-    blocks.collect()
-}
-
-/// The paper's reading; a message holds the joints that have one then.
-fn paper(reading: &Estimate) -> BTreeMap<i64, Tendons> {
+/// What a method knows over time; a message holds the joints that it knows then.
+fn over_time(document: &EstimateDocument, method: &str) -> BTreeMap<i64, Tendons> {
     let mut out: BTreeMap<i64, Tendons> = BTreeMap::new();
-    for joint in reading.joints.iter().filter(|j| j.refused.is_none()) {
-        let factor = |of: Option<f64>| {
-            let mean = joint.offset_rad.filter(|x| *x != 0.0);
-            of.zip(mean).map_or(f64::NAN, |(of, mean)| of / mean)
-        };
-        let [m, strain] = [joint.elongation_m, joint.strain_ratio].map(factor);
-        let series = joint.series.time_s.iter().zip(&joint.series.offset_rad);
-        for (time_s, offset) in series.filter(|(_, offset)| offset.is_finite()) {
-            let (names, values) = out.entry(time_ns(reading, *time_s)).or_default();
-            names.push(joint.name.clone());
-            values.push([*offset, f64::NAN, m * offset, strain * offset]);
-        }
+    let of_method = rows(document).filter(|r| r.method == method);
+    for row in of_method.filter(|r| r.offset_rad.mean.is_finite()) {
+        let at = time_ns(&document.reading, row.time_s);
+        let (names, values) = out.entry(at).or_default();
+        let offset = row.offset_rad;
+        let [m, strain] = [row.m_per_rad, row.strain_per_rad]
+            .map(|factor| factor.map_or(f64::NAN, |factor| factor * offset.mean));
+        names.push(row.joint.to_owned());
+        values.push([offset.mean, offset.half_width_95(), m, strain]);
     }
     out
 }

@@ -1,7 +1,6 @@
 //! Units of a joint: one that slides has mm and N where one that turns has mrad and N·m.
 
-use sinew_estimate::replay::JointEstimate;
-use sinew_estimate::session::TendonEstimate;
+use sinew_figure::Table;
 
 /// Units in which a joint's quantities are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,43 +35,10 @@ pub(crate) fn of_joint(slides: bool) -> Units {
     if slides { SLIDES } else { TURNS }
 }
 
-/// A joint's estimate, whose units hang on how it moves.
-pub(crate) trait Moves {
-    /// Its name.
-    fn name(&self) -> &str;
-    /// Whether it slides.
-    fn slides(&self) -> bool;
-    /// Its units.
-    fn units(&self) -> Units {
-        of_joint(self.slides())
-    }
-}
-
-impl Moves for TendonEstimate {
-    fn name(&self) -> &str {
-        &self.name
-    }
-    fn slides(&self) -> bool {
-        self.slides
-    }
-}
-
-impl Moves for JointEstimate {
-    fn name(&self) -> &str {
-        &self.name
-    }
-    fn slides(&self) -> bool {
-        self.slides
-    }
-}
-
 /// Units of a table's heads: of the joints that turn, where there is one.
-pub(crate) fn of_heads<'a, M: Moves + 'a>(joints: impl IntoIterator<Item = &'a M>) -> Units {
-    let mut joints = joints.into_iter().peekable();
-    match joints.peek().is_some() && joints.all(Moves::slides) {
-        true => SLIDES,
-        false => TURNS,
-    }
+pub(crate) fn of_heads(slides: impl Iterator<Item = bool>) -> Units {
+    let mut slides = slides.peekable();
+    of_joint(slides.peek().is_some() && slides.all(|slides| slides))
 }
 
 /// A head or a cell in the units of a table's heads, where it names those of a joint that turns.
@@ -81,15 +47,19 @@ pub(crate) fn in_units(text: &str, units: Units) -> String {
         .replace("N·m", units.torque)
 }
 
+/// A table whose heads name the units of joints that turn, in those that the joints have.
+pub(crate) fn in_units_of(mut table: Table, units: Units) -> Table {
+    for head in &mut table.head {
+        *head = in_units(head, units);
+    }
+    table
+}
+
 /// A joint's name in a table: one that slides says its units where the heads have others.
-pub(crate) fn name_in_table(joint: &impl Moves, heads: Units) -> String {
-    match joint.units() == heads {
-        true => joint.name().to_owned(),
-        false => format!(
-            "{} ({}, {})",
-            joint.name(),
-            joint.units().offset,
-            joint.units().torque
-        ),
+pub(crate) fn name_in_table(name: &str, slides: bool, heads: Units) -> String {
+    let own = of_joint(slides);
+    match own == heads {
+        true => name.to_owned(),
+        false => format!("{name} ({}, {})", own.offset, own.torque),
     }
 }

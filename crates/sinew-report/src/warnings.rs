@@ -1,6 +1,6 @@
 //! Warnings in words.
 
-use crate::units::{Moves, SLIDES, in_units};
+use crate::units::{in_units, of_joint};
 use crate::words::{newtons, plus_minus};
 use sinew_estimate::session::{SessionEstimate, Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
@@ -21,29 +21,30 @@ pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
 /// Those of [`of_reading`] in words.
 pub(crate) fn reading_warnings(document: &EstimateDocument) -> Vec<String> {
     let joints = &document.reading.joints;
-    let warnings = of_reading(document);
-    warnings
-        .map(|w| in_its_units(recording_warning(w), recording_joint(w), joints))
+    let slides = |joint: &str| joints.iter().any(|j| j.name == joint && j.slides);
+    of_reading(document)
+        .map(|w| {
+            in_units(
+                &recording_warning(w),
+                of_joint(recording_joint(w).is_some_and(slides)),
+            )
+        })
         .collect()
 }
 
 /// What the reader of a session should know, a sentence each.
 pub fn session_warnings(session: &SessionEstimate) -> Vec<String> {
     let joints = &session.joints;
+    let slides = |joint: &str| joints.iter().any(|j| j.name == joint && j.slides);
     let warnings = session.warnings.iter();
     warnings
-        .map(|w| in_its_units(session_warning(w), session_joint(w), joints))
+        .map(|w| {
+            in_units(
+                &session_warning(w),
+                of_joint(session_joint(w).is_some_and(slides)),
+            )
+        })
         .collect()
-}
-
-/// A sentence about a joint in the units of that joint.
-fn in_its_units<M: Moves>(text: String, joint: Option<&str>, joints: &[M]) -> String {
-    let slides = joints.iter().any(|j| Some(j.name()) == joint && j.slides());
-    if slides {
-        in_units(&text, SLIDES)
-    } else {
-        text
-    }
 }
 
 /// The joint that a warning with a size is about.

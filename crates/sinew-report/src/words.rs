@@ -1,10 +1,16 @@
 //! Words of the paper's estimate: what was lost, refused, and what a number rests on.
 
-use sinew_estimate::replay::{
-    Basis, Estimate, JointEstimate, JointRefusal, LossReason, Origin, Quantity,
-};
+use sinew_estimate::replay::{Estimate, JointEstimate, JointRefusal, LossReason};
 use sinew_figure::{interval_cells, with_interval};
 use sinew_model::Gaussian;
+
+/// What isn't known is shown as the tables show NaN.
+pub(crate) fn or_nan(x: Option<f64>) -> f64 {
+    x.unwrap_or(f64::NAN)
+}
+
+/// From rad per relative error to mrad per percent.
+pub(crate) const MRAD_PER_PERCENT: f64 = 1e3 * 0.01;
 
 /// `12.34 ± 0.42` with half a 95 % interval, in a unit of which `factor` make one of SI.
 pub(crate) fn plus_minus(value: Gaussian, factor: f64) -> String {
@@ -65,33 +71,4 @@ pub fn joint_refusal(refusal: JointRefusal) -> String {
             format!("no frame could be used: {}", loss_reason(main))
         }
     }
-}
-
-/// A quantity with its unit, and what it rests on.
-pub(crate) fn basis_row(estimate: &Estimate, basis: &Basis) -> [String; 2] {
-    let quantity = match basis.quantity {
-        Quantity::Positions => "motor and joint positions, rad",
-        Quantity::ElasticTorque => "elastic torque, N·m",
-        Quantity::Transmission => "stiffness, N·m/rad; friction; tendon geometry, mm",
-        Quantity::ExternalTorque => "external torque, N·m",
-        Quantity::Offset => "offset, mrad; elongation, mm; strain, %",
-    };
-    let file = &estimate.robot.file;
-    let rests_on = match (basis.rests_on, basis.quantity) {
-        (Origin::Measured, Quantity::ElasticTorque) => {
-            "measured by the joint torque sensors, in the recording".into()
-        }
-        (Origin::Measured, _) => "measured, in the recording".into(),
-        (Origin::Observed, _) => format!(
-            "computed by the momentum observer from the positions and the masses of {}; not measured",
-            estimate.robot.urdf
-        ),
-        (Origin::MotorTorque, _) => format!(
-            "computed from the recorded motor torque, motor inertia and friction of {file}"
-        ),
-        (Origin::Stated, _) => format!("as stated in {file}; not fitted to this recording"),
-        (Origin::TakenAsKnown, _) => "as recorded, taken as known".into(),
-        (Origin::Estimated, _) => "the estimate; its standard error covers the scatter within this recording, not an error of stiffness, masses or payload: differences between recordings of like motion are surer than absolute values".into(),
-    };
-    [quantity.into(), rests_on]
 }
