@@ -1,84 +1,57 @@
 //! A proposal as text.
 
-use crate::text::{paragraph, plain, table};
+use crate::text::{Told, or_dash, plain};
 use sinew_estimate::excitation::{BaselineSource, Proposal};
-use sinew_figure::rounded;
+use sinew_figure::{Columns, rounded};
 use sinew_model::Z95;
 
 /// The proposal as text of at most 80 columns.
 pub fn render(proposal: &Proposal) -> String {
-    let mut text = paragraph(
-        &plain(&format!(
-            "{}: {} poses, {:.0} s; {} lists tried",
-            proposal.robot,
-            proposal.poses.len(),
-            proposal.duration_s,
-            proposal.lists_tried
-        )),
-        2,
-    );
+    let mut out = Told::default();
+    let (robot, poses, lists) = (&proposal.robot, proposal.poses.len(), proposal.lists_tried);
+    let length = proposal.duration_s;
+    out.say(format!(
+        "{robot}: {poses} poses, {length:.0} s; {lists} lists tried"
+    ));
     // As many joints side by side as a terminal holds.
     const SIDE_BY_SIDE: usize = 4;
-    for (part, names) in proposal.joints.chunks(SIDE_BY_SIDE).enumerate() {
-        let mut head = vec!["pose".to_string(), "move, s".into()];
-        head.extend(names.iter().map(|n| format!("{}\nrad", plain(n))));
-        let rows = proposal
-            .poses
-            .iter()
-            .enumerate()
-            .map(|(k, pose)| {
-                let from = part * SIDE_BY_SIDE;
-                let mut row = vec![(k + 1).to_string(), format!("{:.2}", pose.move_s)];
-                row.extend(
-                    pose.pose_rad[from..from + names.len()]
-                        .iter()
-                        .map(|q| format!("{q:.3}").replace('-', "−")),
-                );
-                row
-            })
-            .collect();
-        let head: Vec<&str> = head.iter().map(String::as_str).collect();
-        text.push_str(&table(&head, rows, 1));
-        text.push('\n');
+    let joints: Vec<(usize, &String)> = proposal.joints.iter().enumerate().collect();
+    for part in joints.chunks(SIDE_BY_SIDE) {
+        let mut table = Columns::of(proposal.poses.iter().zip(1..))
+            .words("pose", |(_, number): &(_, usize)| *number)
+            .column("move, s", |(pose, _)| format!("{:.2}", pose.move_s));
+        for (joint, name) in part {
+            table = table.column(format!("{}\nrad", plain(name)), |(pose, _)| {
+                format!("{:.3}", pose.pose_rad[*joint]).replace('-', "−")
+            });
+        }
+        out.table(table.table());
+        out.add("\n");
     }
-    let rows = proposal
-        .expected
-        .iter()
-        .map(|e| {
-            vec![
-                plain(&e.name),
-                rounded(1e3 * Z95 * e.offset_deviation_rad, 2),
-                e.elongation_deviation_m
-                    .map_or("–".into(), |m| rounded(1e3 * Z95 * m, 2)),
-                rounded(1e3 * Z95 * e.random_offset_deviation_rad, 2),
-            ]
-        })
-        .collect();
-    let head = [
-        "expected",
-        "± (95 %)\nmrad",
-        "± (95 %)\nmm",
-        "random poses\nmrad",
-    ];
-    text.push_str(&table(&head, rows, 1));
-    text.push('\n');
-    let held = if proposal.payload {
-        "something unknown"
-    } else {
-        "nothing"
+    let wide = |deviation: f64| rounded(1e3 * Z95 * deviation, 2);
+    out.table(
+        Columns::of(&proposal.expected)
+            .words("expected", |e| &e.name)
+            .column("± (95 %)\nmrad", |e| wide(e.offset_deviation_rad))
+            .column("± (95 %)\nmm", |e| or_dash(e.elongation_deviation_m, wide))
+            .column("random poses\nmrad", |e| {
+                wide(e.random_offset_deviation_rad)
+            })
+            .table(),
+    );
+    out.add("\n");
+    let held = match proposal.payload {
+        true => "something unknown",
+        false => "nothing",
     };
-    text.push_str(&paragraph(
-        &plain(&format!(
-            "with {held} in the gripper and joint encoders of {} bits; rests on {}",
-            proposal.joint_bits,
-            source(&proposal.baseline)
-        )),
-        2,
+    let (bits, source) = (proposal.joint_bits, source(&proposal.baseline));
+    out.say(format!(
+        "with {held} in the gripper and joint encoders of {bits} bits; rests on {source}"
     ));
     for note in proposal.notes() {
-        text.push_str(&paragraph(&plain(&note), 2));
+        out.say(note);
     }
-    text
+    out.0
 }
 
 fn source(baseline: &BaselineSource) -> String {

@@ -2,7 +2,6 @@
 
 use sinew_estimate::robot_check::{Finding, FindingKind, Judged, Severity};
 use sinew_files::number::three_digits;
-use std::fmt::Write as _;
 
 /// All of them, a sentence each; those that say the same of several places, one for all.
 pub(crate) fn sentences(findings: &[Finding]) -> Vec<String> {
@@ -41,37 +40,30 @@ fn severity(severity: Severity) -> &'static str {
 
 /// One finding: how bad, where, the value, what is wrong with it, what is usual, a likely unit.
 fn sentence(finding: &Finding) -> String {
-    let mut out = format!("{}: {}", severity(finding.severity), finding.at.file);
-    if let Some(line) = finding.at.line {
-        let _ = write!(out, ", line {line}");
-    }
-    if !finding.at.key.is_empty() {
-        let _ = write!(out, ": {}", finding.at.key);
-    }
-    if let Some(value) = finding.value {
+    let (severity, file) = (severity(finding.severity), &finding.at.file);
+    let line = (finding.at.line).map_or(String::new(), |line| format!(", line {line}"));
+    let key = match finding.at.key.as_str() {
+        "" => String::new(),
+        key => format!(": {key}"),
+    };
+    let value = finding.value.map_or(String::new(), |value| {
         let written = match value.abs() {
             size if (1e-4..1e7).contains(&size) || size == 0.0 => value.to_string(),
             _ => format!("{value:e}"),
         };
-        let _ = write!(
-            out,
-            " = {}",
-            format!("{written} {}", finding.unit).trim_end()
-        );
-    }
+        format!(" = {written} {}", finding.unit)
+            .trim_end()
+            .to_owned()
+    });
     let usual = finding.judged.as_ref().map(|j| expected(finding.kind, j));
-    let parts = [Some(what(finding)), usual];
-    let parts: Vec<String> = parts
-        .into_iter()
-        .flatten()
-        .filter(|p| !p.is_empty())
-        .collect();
-    let _ = write!(out, ": {}", parts.join("; "));
-    if let Some(slip) = &finding.slip {
+    let mut parts = vec![what(finding), usual.unwrap_or_default()];
+    parts.retain(|part| !part.is_empty());
+    let slip = finding.slip.as_ref().map_or(String::new(), |slip| {
         let meant = with_unit(slip.value, finding.unit);
-        let _ = write!(out, ". Was it meant in {}? Then write {meant}", slip.unit);
-    }
-    out + &names(finding)
+        format!(". Was it meant in {}? Then write {meant}", slip.unit)
+    });
+    let (parts, names) = (parts.join("; "), names(finding));
+    format!("{severity}: {file}{line}{key}{value}: {parts}{slip}{names}")
 }
 
 /// The names there are, as the end of a sentence.
@@ -162,30 +154,17 @@ fn is_share(kind: FindingKind) -> bool {
 
 /// What is usual.
 fn expected(kind: FindingKind, judged: &Judged) -> String {
-    if is_share(kind) {
-        let percent = |end: Option<f64>| end.map(|v| 100.0 * v);
-        let judged = Judged {
-            unit: "%",
-            low: percent(judged.low),
-            high: percent(judged.high),
-            ..*judged
-        };
-        return expected_in_unit(&judged);
-    }
-    expected_in_unit(judged)
-}
-
-fn expected_in_unit(judged: &Judged) -> String {
-    let number = three_digits;
-    let unit = if judged.unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {}", judged.unit)
+    let with_unit = |end: f64| match is_share(kind) {
+        true => with_unit(100.0 * end, "%"),
+        false => with_unit(end, judged.unit),
     };
+    let number = |end: f64| three_digits(if is_share(kind) { 100.0 * end } else { end });
     match (judged.low.filter(|low| *low != 0.0), judged.high) {
-        (Some(low), Some(high)) => format!("usual are {} to {}{unit}", number(low), number(high)),
-        (Some(low), None) => format!("usual are {}{unit} and more", number(low)),
-        (None, Some(high)) => format!("usual are at most {}{unit}", number(high)),
+        (Some(low), Some(high)) => {
+            format!("usual are {} to {}", number(low), with_unit(high))
+        }
+        (Some(low), None) => format!("usual are {} and more", with_unit(low)),
+        (None, Some(high)) => format!("usual are at most {}", with_unit(high)),
         (None, None) => "not usual".into(),
     }
 }

@@ -1,6 +1,6 @@
 //! A first robot.toml and mapping, and what is still missing in them.
 
-use crate::text::{indented, paragraph, plain};
+use crate::text::{Told, plain};
 use sinew_estimate::init::{Init, InitChoice, InitGap, InitPlan};
 use sinew_estimate::robot_toml::quoted;
 use std::fmt::Write as _;
@@ -42,40 +42,38 @@ pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
 
 /// What was written, what is missing, and what to run next. `folder` holds robot.toml.
 pub fn render(init: &Init, folder: &str) -> String {
-    let mut out = String::new();
+    let mut out = Told::default();
     for file in &init.written {
         let word = match init.replaced.contains(file) {
             true => "replaced",
             false => "wrote",
         };
-        out += &paragraph(&plain(&format!("{word} {file}")), 2);
+        out.say(format!("{word} {file}"));
     }
-    if let Some(recording) = &init.recording {
-        for source in &recording.sources {
-            let line = format!("{} from {}", source.quantity.symbol(), source.source);
-            out += &paragraph(&plain(&line), 2);
-        }
+    for source in init.recording.iter().flat_map(|r| &r.sources) {
+        out.say(format!(
+            "{} from {}",
+            source.quantity.symbol(),
+            source.source
+        ));
     }
     for joint in &init.joints {
-        let name = plain(&joint.name);
+        let name = &joint.name;
         match joint.plan {
-            InitPlan::Rigid => {
-                out += &paragraph(&format!("{name}: no motor position recorded, so rigid"), 2);
-            }
+            InitPlan::Rigid => out.say(format!("{name}: no motor position recorded, so rigid")),
             InitPlan::LeftOut => {
-                let line = format!("{name}: recorded, but not in the URDF; left out");
-                out += &paragraph(&line, 2);
+                out.say(format!("{name}: recorded, but not in the URDF; left out"));
             }
             InitPlan::Elastic | InitPlan::Locked => {}
         }
     }
     if !init.missing.is_empty() {
-        out += "\nstill missing:\n";
+        out.add("\nstill missing:\n");
         for line in gaps(init) {
-            out += &indented(&plain(&line), 2, 4);
+            out.item(line);
         }
     }
-    out += "\nnext:\n";
+    out.add("\nnext:\n");
     let log = init
         .recording
         .as_ref()
@@ -93,26 +91,14 @@ pub fn render(init: &Init, folder: &str) -> String {
         ],
     };
     for line in lines {
-        let _ = writeln!(out, "  {}", plain(&line));
+        out.add(format!("  {}\n", plain(&line)));
     }
-    out
+    out.0
 }
 
 /// Gaps, those of a kind in one line.
 fn gaps(init: &Init) -> Vec<String> {
-    let joined = |name: fn(&InitGap) -> Option<&String>| -> String {
-        let names = init.missing.iter().filter_map(name);
-        names.map(String::as_str).collect::<Vec<_>>().join(", ")
-    };
-    let stiffness = joined(|gap| match gap {
-        InitGap::Stiffness(joint) => Some(joint),
-        _ => None,
-    });
-    let locked = joined(|gap| match gap {
-        InitGap::LockedAt(joint) => Some(joint),
-        _ => None,
-    });
-    let mut out = Vec::new();
+    let (mut out, mut stiffness, mut locked) = (Vec::new(), Vec::new(), Vec::new());
     for gap in &init.missing {
         match gap {
             InitGap::Urdf => out.push(
@@ -122,9 +108,11 @@ fn gaps(init: &Init) -> Vec<String> {
                 "motor positions: the recording holds none, and without them nothing can be estimated; name the topic with --motor-topic, the interface with --motor-interface, or columns in a mapping".into(),
             ),
             InitGap::Choice => out.push("a choice in the mapping file".into()),
-            InitGap::Stiffness(_) | InitGap::LockedAt(_) => {}
+            InitGap::Stiffness(joint) => stiffness.push(joint.as_str()),
+            InitGap::LockedAt(joint) => locked.push(joint.as_str()),
         }
     }
+    let [stiffness, locked] = [stiffness, locked].map(|joints| joints.join(", "));
     if !stiffness.is_empty() {
         out.push(format!("stiffness_nm_per_rad of {stiffness}"));
     }

@@ -1,11 +1,10 @@
 //! What a recording holds, as text.
 
-use crate::text::{paragraph, plain, table};
+use crate::text::{Told, plain, yes_no};
 use crate::warnings::stream_name;
-use sinew_figure::rounded;
+use sinew_figure::{Columns, rounded};
 use sinew_log::{
-    Ambiguity, Format, Health, Quantity, RecordingInfo, SignalSource, StreamTiming, TopicInfo,
-    TopicUse,
+    Ambiguity, Format, Health, Quantity, RecordingInfo, StreamTiming, TopicInfo, TopicUse,
 };
 
 /// A format as people call it.
@@ -21,29 +20,27 @@ pub(crate) fn format_name(format: Format) -> &'static str {
 }
 
 /// Every topic with its type, count, rate, and what it is taken for.
-fn topics(info: &RecordingInfo) -> String {
+fn topics(out: &mut Told, info: &RecordingInfo) {
     let topics = &info.topics;
     if topics.is_empty() {
-        return String::new();
+        return;
     }
-    let rows = topics.iter().map(|topic| {
-        vec![
-            format!("{}\n{}", plain(&topic.name), plain(&topic.kind)),
-            topic.messages.to_string(),
-            rounded(topic.rate_hz.unwrap_or(f64::NAN), 4),
-            taken_for(info, topic),
-        ]
-    });
-    let head = ["topic and type", "messages", "Hz", "taken for"];
-    let mut out = String::from("\n") + &table(&head, rows.collect(), 1);
+    out.add("\n");
+    out.table(
+        Columns::of(topics)
+            .lines("topic and type", |t| {
+                format!("{}\n{}", plain(&t.name), plain(&t.kind))
+            })
+            .left()
+            .column("messages", |t| t.messages)
+            .column("Hz", |t| rounded(t.rate_hz.unwrap_or(f64::NAN), 4))
+            .lines("taken for", |t| taken_for(info, t))
+            .table(),
+    );
     for topic in topics.iter().filter(|topic| !topic.interfaces.is_empty()) {
         let interfaces = topic.interfaces.join(", ");
-        out += &paragraph(
-            &plain(&format!("interfaces of {}: {interfaces}", topic.name)),
-            2,
-        );
+        out.say(format!("interfaces of {}: {interfaces}", topic.name));
     }
-    out
 }
 
 /// What a topic is taken for and which quantities it gives, or what it could be.
@@ -85,73 +82,58 @@ fn choices(info: &RecordingInfo) -> Vec<String> {
 /// Rate, channels and what was lost, at most 80 columns wide.
 pub fn render(info: &RecordingInfo) -> String {
     let ms = |step_s: Option<f64>| rounded(1e3 * step_s.unwrap_or(f64::NAN), 3);
-    let mut out = paragraph(
-        &plain(&format!(
-            "{}: {}, {} frames, {} s at {} Hz (steps of {} to {} ms), in {}",
-            info.file,
-            format_name(info.format),
-            info.frames,
-            rounded(info.duration_s.unwrap_or(f64::NAN), 5),
-            rounded(info.mean_rate_hz.unwrap_or(f64::NAN), 4),
-            ms(info.shortest_step_s),
-            ms(info.longest_step_s),
-            match info.segments {
-                1 => "1 segment".to_string(),
-                n => format!("{n} segments"),
-            }
-        )),
-        2,
-    );
-    let mut head = vec!["joint"];
-    head.extend(Quantity::PER_JOINT.map(Quantity::symbol));
-    let rows = info.joints.iter().map(|joint| {
-        let mut row = vec![plain(&joint.name)];
-        let has = |q| {
-            if joint.channels.contains(&q) {
-                "yes"
-            } else {
-                "–"
-            }
-        };
-        row.extend(Quantity::PER_JOINT.map(|q| has(q).into()));
-        row
-    });
+    let number = |value: Option<f64>, digits| rounded(value.unwrap_or(f64::NAN), digits);
+    let (file, format, frames) = (&info.file, format_name(info.format), info.frames);
+    let (length, rate) = (number(info.duration_s, 5), number(info.mean_rate_hz, 4));
+    let [shortest, longest] = [ms(info.shortest_step_s), ms(info.longest_step_s)];
+    let segments = match info.segments {
+        1 => "1 segment".to_string(),
+        n => format!("{n} segments"),
+    };
+    let mut out = Told::default();
+    out.say(format!(
+        "{file}: {format}, {frames} frames, {length} s at {rate} Hz (steps of {shortest} to {longest} ms), in {segments}"
+    ));
+    let mut channels = Columns::of(&info.joints).words("joint", |joint| &joint.name);
+    for q in Quantity::PER_JOINT {
+        let has = |has: bool| if has { "yes" } else { "–" };
+        channels = channels.column(q.symbol(), |joint| has(joint.channels.contains(&q)));
+    }
     if !info.joints.is_empty() {
-        out.push_str(&table(&head, rows.collect(), 1));
+        out.table(channels.table());
     }
-    out.push_str(&topics(info));
-    let mut line = |text: String| out.push_str(&paragraph(&plain(&text), 2));
+    topics(&mut out, info);
     for choice in choices(info) {
-        line(choice);
+        out.say(choice);
     }
-    for SignalSource {
-        quantity, source, ..
-    } in &info.sources
-    {
-        line(format!("{} from {source}", quantity.symbol()));
+    for source in &info.sources {
+        out.say(format!(
+            "{} from {}",
+            source.quantity.symbol(),
+            source.source
+        ));
     }
     if !info.unused_columns.is_empty() {
-        line(format!(
+        out.say(format!(
             "columns not used: {}",
             info.unused_columns.join(", ")
         ));
     }
-    let yes = |b: bool| if b { "yes" } else { "no" };
-    let description = yes(info.robot_description);
-    line(match info.ambiguous.is_empty() {
+    let description = yes_no(info.robot_description);
+    out.say(match info.ambiguous.is_empty() {
         true => {
-            let temperature = yes(info.temperature);
+            let temperature = yes_no(info.temperature);
             format!("temperature: {temperature}; robot_description: {description}")
         }
         false => format!("robot_description: {description}"),
     });
     for stream in &info.health.streams {
-        line(timing(stream));
+        out.say(timing(stream));
     }
     for text in troubles(&info.health) {
-        line(text);
+        out.say(text);
     }
-    out
+    out.0
 }
 
 /// When a stream's samples came.
@@ -174,14 +156,16 @@ fn timing(stream: &StreamTiming) -> String {
 
 /// What was lost, repaired or suspicious, one sentence each.
 fn troubles(health: &Health) -> Vec<String> {
-    let mut all = Vec::new();
-    for damage in &health.damage {
-        all.push(format!(
-            "damaged at byte {}: {} ({} bytes lost)",
-            damage.offset, damage.reason, damage.bytes
-        ));
-    }
-    for (count, what) in [
+    let damage = health.damage.iter();
+    let mut all: Vec<String> = damage
+        .map(|d| {
+            format!(
+                "damaged at byte {}: {} ({} bytes lost)",
+                d.offset, d.reason, d.bytes
+            )
+        })
+        .collect();
+    let counts = [
         (health.late, "messages dropped: too late to be sorted in"),
         (
             health.duplicates,
@@ -207,37 +191,26 @@ fn troubles(health: &Health) -> Vec<String> {
             health.frames_without_joint_side,
             "frames without joint positions",
         ),
-    ] {
-        if count > 0 {
-            all.push(format!("{count} {what}"));
-        }
-    }
+    ];
+    let counts = counts.into_iter().filter(|(count, _)| *count > 0);
+    all.extend(counts.map(|(count, what)| format!("{count} {what}")));
     for stream in health.streams.iter().filter(|s| s.lost_share() > 0.0) {
         let (name, share) = (stream_name(stream.role), 100.0 * stream.lost_share());
         all.push(format!("{name}: {share:.1} % of the samples lost"));
     }
     if health.gaps > 0 {
+        let (gaps, longest) = (health.gaps, rounded(health.longest_gap_s, 3));
+        all.push(format!("{gaps} gaps, the longest {longest} s"));
+    }
+    for s in &health.non_finite {
+        let (count, symbol, joint) = (s.count, s.quantity.symbol(), &s.joint);
         all.push(format!(
-            "{} gaps, the longest {} s",
-            health.gaps,
-            rounded(health.longest_gap_s, 3)
+            "{count} samples of {symbol} of '{joint}' are NaN or infinite"
         ));
     }
-    for signal in &health.non_finite {
-        all.push(format!(
-            "{} samples of {} of '{}' are NaN or infinite",
-            signal.count,
-            signal.quantity.symbol(),
-            signal.joint
-        ));
-    }
-    for signal in &health.unwrapped {
-        all.push(format!(
-            "{} turns of {} of '{}' unwrapped",
-            signal.count,
-            signal.quantity.symbol(),
-            signal.joint
-        ));
+    for s in &health.unwrapped {
+        let (count, symbol, joint) = (s.count, s.quantity.symbol(), &s.joint);
+        all.push(format!("{count} turns of {symbol} of '{joint}' unwrapped"));
     }
     all.extend(health.suspicions.iter().map(|s| format!("warning: {s}")));
     if all.is_empty() {

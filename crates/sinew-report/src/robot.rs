@@ -1,44 +1,60 @@
 //! What was understood of a robot's folder, as text.
 
 use crate::findings::sentences;
-use crate::text::{paragraph, plain, table};
+use crate::text::{Told, or_dash};
 use sinew_estimate::robot_check::{Finding, FindingKind, JointCheck, JointMotion, RobotCheck};
-use sinew_figure::rounded;
-
-const HEAD: [&str; 8] = [
-    "joint",
-    "K\nN·m/rad",
-    "motor\nkg·m²",
-    "tendon\nmm",
-    "pulley\nmm",
-    "mm per\nmrad",
-    "from\nrad",
-    "to\nrad",
-];
+use sinew_figure::{Columns, rounded};
 
 /// Joints, tendons and what looks odd, at most 80 columns wide.
 pub fn render(robot: &RobotCheck) -> String {
-    let mut out = paragraph(
-        &plain(&format!(
-            "{}: {} joints, {} kg moving with the first ({}, {})",
-            robot.name,
-            robot.joints.len(),
-            rounded(robot.moving_mass_kg, 3),
-            robot.file,
-            robot.urdf
-        )),
-        2,
+    let mut out = Told::default();
+    let (name, joints, mass) = (
+        &robot.name,
+        robot.joints.len(),
+        rounded(robot.moving_mass_kg, 3),
     );
-    let rows = robot.joints.iter().map(|joint| {
-        let key = format!("joints.{}", joint.name);
+    let (file, urdf) = (&robot.file, &robot.urdf);
+    out.say(format!(
+        "{name}: {joints} joints, {mass} kg moving with the first ({file}, {urdf})"
+    ));
+    let number = |value: Option<f64>, digits| or_dash(value, |v| rounded(v, digits));
+    let stiffness = |j: &JointCheck| {
+        let key = format!("joints.{}", j.name);
         let lacks = |f: &Finding| f.kind == FindingKind::Gap && f.at.key == key;
-        row(joint, robot.findings.iter().any(lacks))
-    });
-    let rows = rows.collect();
-    out.push_str(&table(&HEAD, rows, 1));
+        match j.stiffness_nm_per_rad {
+            Some(stiffness) => rounded(stiffness, 3),
+            None if robot.findings.iter().any(lacks) => "missing".into(),
+            None => "rigid".into(),
+        }
+    };
+    out.table(
+        Columns::of(&robot.joints)
+            .words("joint", |j| match j.kind {
+                JointMotion::Revolute => j.name.clone(),
+                JointMotion::Prismatic => format!("{} (prismatic: N/m, m)", j.name),
+            })
+            .column("K\nN·m/rad", |j| stiffness(j))
+            .column("motor\nkg·m²", |j| number(j.motor_inertia_kg_m2, 3))
+            .column("tendon\nmm", |j| {
+                number(j.tendon.as_ref().map(|t| 1e3 * t.length_m), 4)
+            })
+            .column("pulley\nmm", |j| {
+                number(j.tendon.as_ref().map(|t| 1e3 * t.joint_pulley_radius_m), 3)
+            })
+            .column("mm per\nmrad", |j| {
+                number(j.tendon.as_ref().map(|t| t.elongation_m_per_rad), 3)
+            })
+            .columns(["from\nrad", "to\nrad"], |j| {
+                match (j.lower_rad, j.upper_rad) {
+                    (Some(lower), Some(upper)) => [lower, upper].map(|rad| rounded(rad, 3)),
+                    _ => ["endless".into(), String::new()],
+                }
+            })
+            .table(),
+    );
     let which = |is: &dyn Fn(&JointCheck) -> bool| -> String {
         let own = robot.joints.iter().filter(|j| is(j));
-        own.map(|j| plain(&j.name)).collect::<Vec<_>>().join(", ")
+        own.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ")
     };
     let notes = [
         (
@@ -51,43 +67,17 @@ pub fn render(robot: &RobotCheck) -> String {
         ),
     ];
     for (note, joints) in notes.iter().filter(|(_, joints)| !joints.is_empty()) {
-        out.push_str(&paragraph(&format!("{note}: {joints}"), 2));
+        out.say(format!("{note}: {joints}"));
     }
     for warning in &robot.warnings {
-        out.push_str(&paragraph(&format!("warning: {}", plain(warning)), 2));
+        out.say(format!("warning: {warning}"));
     }
     match robot.findings.len() {
-        0 => out.push_str("nothing looks odd\n"),
-        n => out.push_str(&format!("\n{n} to look at:\n")),
+        0 => out.add("nothing looks odd\n"),
+        n => out.add(format!("\n{n} to look at:\n")),
     }
     for sentence in sentences(&robot.findings) {
-        out.push_str(&paragraph(&plain(&sentence), 2));
+        out.say(sentence);
     }
-    out
-}
-
-fn row(joint: &JointCheck, lacks: bool) -> Vec<String> {
-    let number = |value: Option<f64>, digits| value.map_or("–".into(), |v| rounded(v, digits));
-    let tendon = joint.tendon.as_ref();
-    let (from, to) = match (joint.lower_rad, joint.upper_rad) {
-        (Some(lower), Some(upper)) => (rounded(lower, 3), rounded(upper, 3)),
-        _ => ("endless".into(), String::new()),
-    };
-    vec![
-        match joint.kind {
-            JointMotion::Revolute => plain(&joint.name),
-            JointMotion::Prismatic => format!("{} (prismatic: N/m, m)", plain(&joint.name)),
-        },
-        joint
-            .stiffness_nm_per_rad
-            .map_or(if lacks { "missing" } else { "rigid" }.into(), |v| {
-                rounded(v, 3)
-            }),
-        number(joint.motor_inertia_kg_m2, 3),
-        number(tendon.map(|t| 1e3 * t.length_m), 4),
-        number(tendon.map(|t| 1e3 * t.joint_pulley_radius_m), 3),
-        number(tendon.map(|t| t.elongation_m_per_rad), 3),
-        from,
-        to,
-    ]
+    out.0
 }
