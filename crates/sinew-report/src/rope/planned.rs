@@ -6,7 +6,7 @@ use crate::text::{Told, sentence};
 use crate::units::of_joint;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
-use sinew_rope::pretension::{Plan, Schedule};
+use sinew_rope::pretension::{Plan, Procedure, Schedule};
 
 /// What was asked for.
 fn asked(p: &Plan) -> String {
@@ -15,10 +15,15 @@ fn asked(p: &Plan) -> String {
     format!("{tension} N at {celsius} °C, strand of {length} mm, for {time}")
 }
 
-/// What each procedure leaves and takes away; a star marks the chosen one.
-fn procedures(p: &Plan) -> Table {
-    Columns::of(p.procedures.iter().enumerate())
-        .words("", |(i, _)| if p.chosen == Some(*i) { "*" } else { "" })
+/// What each procedure leaves and takes away; a star marks the chosen one, on a page behind its row.
+fn procedures(p: &Plan, on_page: bool) -> Table {
+    type Row<'a> = (usize, &'a Procedure);
+    let star = |(i, _): &Row<'_>| if p.chosen == Some(*i) { "*" } else { "" };
+    let mut table = Columns::of(p.procedures.iter().enumerate());
+    if !on_page {
+        table = table.words("", star);
+    }
+    table = table
         .words("for", |(_, q)| spoken(q.duration_s))
         .column("hold at\nN", |(_, q)| rounded(q.tension_n, 3))
         .column("still to come\nmm", |(_, q)| {
@@ -26,8 +31,11 @@ fn procedures(p: &Plan) -> Table {
         })
         .column("taken away\n%", |(_, q)| {
             bracketed(q.removed_share.scaled(100.0), 2)
-        })
-        .table()
+        });
+    if on_page {
+        table = table.words("gentlest", star);
+    }
+    table.table()
 }
 
 /// Which procedure is the star's.
@@ -94,7 +102,7 @@ pub fn planned(p: &Plan) -> Page {
         "Left: elongation at working tension that is still to come after a bedding-in at the tension and of the length shown. Right: the rope strung at working tension and left at its length, at the catalogue's values; with two ropes, the mean of both.".into(),
     ));
     let bedding = vec![
-        procedures(p).into(),
+        procedures(p, true).into(),
         Block::Paragraph(sentence(&gentlest(p))),
     ];
     let retension = vec![
@@ -116,7 +124,7 @@ pub fn plan_table(p: &Plan) -> String {
         "at constant tension it grows by {grows} mm from a minute after tensioning"
     ));
     out.add("\nbedding-in: hold the rope at a tension for a time, then go back\n");
-    out.table(procedures(p));
+    out.table(procedures(p, false));
     out.say(gentlest(p));
     out.add("\n");
     out.say(strung(p));
