@@ -3,7 +3,7 @@
 use super::choice::figure;
 use super::words::guessed;
 use super::{bracketed, caution, page, rejection, spoken};
-use crate::text::{self, Told, or_dash, plain, sentence};
+use crate::text::{self, Told, or_dash, plain};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::Caution;
@@ -130,7 +130,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     };
     let limits = facts_or(asked(constraints), "No constraint.");
     let fell = facts_or(rejected(s), "None.");
-    let cautions = cautions(s).into_iter().map(|c| Block::Notice(sentence(&c)));
+    let cautions = cautions(s).into_iter().map(|c| Block::Notice(c + "."));
     page("Which rope".into(), format!("{}, for {time}", s.duty))
         .section("", first)
         .section(
