@@ -23,7 +23,7 @@ pub fn bench_table(run: &BenchRun) -> String {
             |r: Option<&BenchReading>| r.is_some_and(|r| r.force_n != readings[i].force_n);
         differs(readings.get(i + 1)) || (i > 0 && differs(readings.get(i - 1)))
     };
-    let shown = |i: &usize| i % step == 0 || i + 1 == readings.len() || changes(*i);
+    let shown = |i: &usize| i.is_multiple_of(step) || i + 1 == readings.len() || changes(*i);
     let shown = (0..readings.len()).filter(shown).map(|i| &readings[i]);
     out.table(
         Columns::of(shown)

@@ -31,7 +31,8 @@ pub fn curve_times(wanted: &[f64], cycle_s: f64) -> Vec<f64> {
 pub fn prediction_series(p: &Prediction) -> Table {
     let names =
         |name: &str, unit: &str| ["", "_low", "_high"].map(|end| format!("{name}{end}_{unit}"));
-    let quantities: [(&str, &str, fn(&Reading) -> Bounded); 4] = [
+    type Quantity = (&'static str, &'static str, fn(&Reading) -> Bounded);
+    let quantities: [Quantity; 4] = [
         ("strain", "ratio", |r| r.strain_ratio),
         ("elongation", "m", |r| r.elongation_m),
         ("since_tensioned", "m", |r| r.since_tensioned_m),
