@@ -109,6 +109,19 @@ fn every_study_prints_what_its_schema_says() {
                 "--json",
             ],
         ),
+        (
+            "course",
+            &[
+                "scenarios",
+                "run",
+                "--course",
+                "--scenario",
+                "S5",
+                "--n",
+                "1",
+                "--json",
+            ],
+        ),
     ] {
         let output = bench_here(args);
         let value: serde_json::Value =

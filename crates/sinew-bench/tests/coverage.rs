@@ -3,7 +3,9 @@
 
 use crate::score::Scores;
 use crate::support::seeds;
-use sinew_bench::scenarios::{End, Form, Options, Sessions, run_recordings};
+use sinew_bench::scenarios::{
+    End, Form, Options, Sessions, render_courses, run_courses, run_recordings,
+};
 
 /// Errors over deviations stated at the end of session B, of joints that are asked for.
 fn scores(scenario: &str, recordings: u64, of: impl Fn(&str) -> bool) -> Scores {
@@ -92,4 +94,39 @@ fn stiffness_lost_on_the_way_is_no_slip_beside_a_running_robot() {
     let (rms_rad, silent, count) = block_by_block("U3b", (3000, 6), End::B);
     assert!(rms_rad < 1e-3, "{rms_rad} rad");
     assert!(silent <= 3, "{silent} of {count}");
+}
+
+/// Every block of three recordings. Over hundreds (docs/src/science/window.md) the shares are a tenth to a half of what is asked here.
+#[test]
+fn the_online_estimate_is_useful_soon_and_rarely_wrong_without_a_word() {
+    let options = Options {
+        scenarios: ["S5", "S7", "S9b"].map(String::from).to_vec(),
+        robot: None,
+        n: 1,
+        first_seed: 9101,
+        sessions: Sessions::Chain,
+        motor_torque: true,
+        jobs: 2,
+        out: None,
+    };
+    let report = run_courses(&options, &mut |_, _| {}).expect("courses");
+    print!("{}", render_courses(&report));
+    let all = report.scenarios.last().expect("all together");
+    let [figures, ..] = &all.joints[..] else {
+        panic!("no joints")
+    };
+    assert_eq!((all.recordings, all.slips.slips), (3, 6));
+    let [first_s, _] = figures.first_useful_s;
+    assert!(first_s.expect("some time") < 7.0, "{figures:?}");
+    assert!(figures.useful_share > 0.8, "{figures:?}");
+    assert!(
+        figures.silent_share < 0.05 && figures.far_share < 0.01,
+        "{figures:?}"
+    );
+    let calm = figures.calm_provisional_share.expect("some calm");
+    assert!(calm < 0.03, "{figures:?}");
+    let [median_s, _, longest_s] = all.slips.silent_s.map(|s| s.expect("slips"));
+    assert!(median_s < 1.0 && longest_s < 6.0, "{:?}", all.slips);
+    let [_, _, right_s] = all.slips.right_s.map(|s| s.expect("slips"));
+    assert!(right_s < 15.0, "{:?}", all.slips);
 }

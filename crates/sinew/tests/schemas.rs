@@ -356,6 +356,7 @@ fn every_command_prints_what_its_schema_says() {
     seen.extend([
         "sinew/paper/1",
         "sinew/scenarios/1",
+        "sinew/course/1",
         "sinew/trend-simulate/1",
     ]);
     let unseen: Vec<_> = documents

@@ -114,11 +114,11 @@ pub fn run_courses(
 ) -> Result<CourseReport, ScenarioError> {
     let plans = plans(options)?;
     let everything: String = plans.iter().map(|plan| plan.text.as_str()).collect();
-    let settings = [Setting {
-        name: "scenarios",
-        value: checksum(&everything),
-        other: "of another robot, or of other scenarios than this program's",
-    }];
+    let settings: [Setting; 1] = [(
+        "scenarios",
+        checksum(&everything),
+        "of another robot, or of other scenarios than this program's",
+    )];
     let (mut journal, done) = Journal::open::<Line>(options.out.as_deref(), &COURSES, &settings)?;
     let wanted: Vec<(usize, u64)> = (0..options.n)
         .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
