@@ -28,6 +28,7 @@ pub struct Forecast {
 }
 
 /// Draws of strain at times: of the law, and of a reading.
+#[derive(Default)]
 struct Paths {
     law: Vec<Vec<f64>>,
     reading: Vec<Vec<f64>>,
@@ -43,10 +44,7 @@ impl Paths {
         let end = clock(member.time_s.last().copied().unwrap_or(0.0));
         let clocks: Vec<f64> = member.time_s.iter().map(|t| clock(*t)).collect();
         let mut filter = Filter::default();
-        let mut paths = Paths {
-            law: Vec::with_capacity(fit.draws.len()),
-            reading: Vec::with_capacity(fit.draws.len()),
-        };
+        let mut paths = Paths::default();
         for draw in &fit.draws {
             let law = draw.strain_under(model, curve, member, time_s);
             // The slow part where the record ends, given this draw's law.
@@ -85,12 +83,42 @@ impl Paths {
 impl Forecast {
     /// Strain of the curve with index `curve` at rising times after its last reading, by one law.
     pub fn of(fit: &Fit, curve: usize, time_s: &[f64]) -> Forecast {
-        Forecast::under(fit, curve, Ahead::AsRecorded, time_s)
+        let fits = std::slice::from_ref(fit);
+        Forecast::under(fits, curve, Ahead::AsRecorded, time_s)
     }
 
-    /// The same under other loads.
-    pub(super) fn under(fit: &Fit, curve: usize, ahead: Ahead, time_s: &[f64]) -> Forecast {
-        Forecast::from_paths(time_s, &Paths::of(fit, curve, ahead, time_s), fit.level)
+    /// The forecasts of several laws as one, each with its Akaike weight: which law is right is then
+    /// part of the interval.
+    pub(super) fn under(fits: &[Fit], curve: usize, ahead: Ahead, time_s: &[f64]) -> Forecast {
+        let total = fits.iter().map(|f| f.draws.len()).max().unwrap_or(0);
+        let mut paths = Paths::default();
+        for (fit, weight) in fits.iter().zip(akaike_weights(fits)) {
+            let take = (weight * total as f64).round() as usize;
+            if take > 0 {
+                let own = Paths::of(fit, curve, ahead, time_s);
+                paths.law.extend(own.law.into_iter().take(take));
+                paths.reading.extend(own.reading.into_iter().take(take));
+            }
+        }
+        let sorted = |list: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let at = |i: usize| {
+                let mut values: Vec<f64> = list.iter().map(|p| p[i]).collect();
+                values.sort_by(f64::total_cmp);
+                values
+            };
+            (0..time_s.len()).map(at).collect()
+        };
+        let (law, reading) = (sorted(&paths.law), sorted(&paths.reading));
+        let tail = 0.5 * (1.0 - fits.first().map_or(0.95, |fit| fit.level));
+        let at = |of: &[Vec<f64>], share| of.iter().map(|v| quantile(v, share)).collect();
+        Forecast {
+            time_s: time_s.to_vec(),
+            strain_ratio: at(&law, 0.5),
+            low_strain_ratio: at(&law, tail),
+            high_strain_ratio: at(&law, 1.0 - tail),
+            reading_low_strain_ratio: at(&reading, tail),
+            reading_high_strain_ratio: at(&reading, 1.0 - tail),
+        }
     }
 
     /// The same with both intervals `factor` times as wide on either side.
@@ -108,37 +136,6 @@ impl Forecast {
         }
         self
     }
-
-    fn from_paths(time_s: &[f64], paths: &Paths, level: f64) -> Forecast {
-        let tail = 0.5 * (1.0 - level);
-        let at = |list: &[Vec<f64>], i: usize| {
-            let mut values: Vec<f64> = list.iter().map(|p| p[i]).collect();
-            values.sort_by(f64::total_cmp);
-            values
-        };
-        let mut forecast = Forecast {
-            time_s: time_s.to_vec(),
-            strain_ratio: Vec::new(),
-            low_strain_ratio: Vec::new(),
-            high_strain_ratio: Vec::new(),
-            reading_low_strain_ratio: Vec::new(),
-            reading_high_strain_ratio: Vec::new(),
-        };
-        for i in 0..time_s.len() {
-            let law = at(&paths.law, i);
-            let reading = at(&paths.reading, i);
-            forecast.strain_ratio.push(quantile(&law, 0.5));
-            forecast.low_strain_ratio.push(quantile(&law, tail));
-            forecast.high_strain_ratio.push(quantile(&law, 1.0 - tail));
-            forecast
-                .reading_low_strain_ratio
-                .push(quantile(&reading, tail));
-            forecast
-                .reading_high_strain_ratio
-                .push(quantile(&reading, 1.0 - tail));
-        }
-        forecast
-    }
 }
 
 /// Weights of fits of the same readings by Akaike's criterion; they sum to one.
@@ -150,31 +147,4 @@ pub fn akaike_weights(fits: &[Fit]) -> Vec<f64> {
         .collect();
     let sum: f64 = raw.iter().sum();
     raw.iter().map(|w| w / sum).collect()
-}
-
-/// The forecasts of several laws as one, each with its Akaike weight: which law is right is then
-/// part of the interval.
-pub fn combined_forecast(fits: &[Fit], curve: usize, time_s: &[f64]) -> Forecast {
-    combined_under(fits, curve, Ahead::AsRecorded, time_s)
-}
-
-/// The same under other loads.
-pub(super) fn combined_under(fits: &[Fit], curve: usize, ahead: Ahead, time_s: &[f64]) -> Forecast {
-    let weights = akaike_weights(fits);
-    let level = fits.first().map_or(0.95, |fit| fit.level);
-    let total = fits.iter().map(|f| f.draws.len()).max().unwrap_or(0);
-    let mut paths = Paths {
-        law: Vec::new(),
-        reading: Vec::new(),
-    };
-    for (fit, weight) in fits.iter().zip(weights) {
-        let take = (weight * total as f64).round() as usize;
-        if take == 0 {
-            continue;
-        }
-        let own = Paths::of(fit, curve, ahead, time_s);
-        paths.law.extend(own.law.into_iter().take(take));
-        paths.reading.extend(own.reading.into_iter().take(take));
-    }
-    Forecast::from_paths(time_s, &paths, level)
 }

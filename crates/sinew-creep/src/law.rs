@@ -47,6 +47,30 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// A shape searched by its value.
+    pub(super) fn linear(name: &'static str, unit: &'static str, lower: f64, upper: f64) -> Self {
+        Self {
+            name,
+            unit,
+            logarithmic: false,
+            lower,
+            upper,
+        }
+    }
+
+    /// A shape searched by its logarithm.
+    pub(super) fn logarithmic(
+        name: &'static str,
+        unit: &'static str,
+        lower: f64,
+        upper: f64,
+    ) -> Self {
+        Self {
+            logarithmic: true,
+            ..Self::linear(name, unit, lower, upper)
+        }
+    }
+
     /// The value at a coordinate between 0 and 1.
     pub fn value(&self, unit: f64) -> f64 {
         if self.logarithmic {
@@ -91,16 +115,6 @@ pub struct Term {
     pub inverse: bool,
 }
 
-const fn term(name: &'static str, unit: &'static str, factor: f64) -> Term {
-    Term {
-        name,
-        unit,
-        factor,
-        positive: true,
-        inverse: false,
-    }
-}
-
 impl Law {
     /// The laws that need nothing but the record, in the order of the tables.
     pub const ALL: [Law; 5] = [
@@ -137,27 +151,10 @@ impl Law {
         }
     }
 
-    /// Whether some part of the strain stays when the load is taken away for ever.
-    pub fn flows(self) -> bool {
-        matches!(self, Law::Burgers | Law::Line | Law::Rope)
-    }
-
     /// Shape parameters (those of [`Law::Rope`] depend on the records) with bounds that a record between `short_s` and `long_s` can speak about.
     pub fn shapes(self, short_s: f64, long_s: f64) -> Vec<Shape> {
-        let time = |name, lower, upper| Shape {
-            name,
-            unit: "s",
-            logarithmic: true,
-            lower,
-            upper,
-        };
-        let number = |name, lower, upper| Shape {
-            name,
-            unit: "",
-            logarithmic: false,
-            lower,
-            upper,
-        };
+        let time = |name, lower, upper| Shape::logarithmic(name, "s", lower, upper);
+        let number = |name, lower, upper| Shape::linear(name, "", lower, upper);
         match self {
             // Below a tenth of the first reading τ only shifts ε₀, above the record it is a line.
             Law::LogTime => vec![time("tau", 0.1 * short_s, 10.0 * long_s)],
@@ -166,13 +163,7 @@ impl Law {
             Law::KelvinVoigt => vec![
                 time("tau_1", 0.3 * short_s, long_s),
                 // τ₂ as a multiple of τ₁, so that the two can't change places.
-                Shape {
-                    name: "tau_2/tau_1",
-                    unit: "",
-                    logarithmic: true,
-                    lower: 3.0,
-                    upper: 1000.0,
-                },
+                Shape::logarithmic("tau_2/tau_1", "", 3.0, 1000.0),
             ],
             Law::Stretched => vec![
                 time("tau", 0.3 * short_s, 1000.0 * long_s),
@@ -183,28 +174,25 @@ impl Law {
     }
 
     /// Coefficients of a step of the reference load.
-    pub fn terms(self) -> &'static [Term] {
-        const LOG_TIME: &[Term] = &[term("b", "%", 100.0)];
-        const FINDLEY: &[Term] = &[term("m", "%", 100.0)];
-        const BURGERS: &[Term] = &[term("s", "%/h", 100.0), term("c", "%", 100.0)];
-        const KELVIN: &[Term] = &[term("c_1", "%", 100.0), term("c_2", "%", 100.0)];
-        const STRETCHED: &[Term] = &[term("c", "%", 100.0)];
-        const LINE: &[Term] = &[Term {
-            name: "s",
-            unit: "%/h",
+    pub fn terms(self) -> Vec<Term> {
+        let term = |(name, unit): &(&'static str, &'static str)| Term {
+            name,
+            unit,
             factor: 100.0,
-            positive: false,
+            // Only a straight line may fall.
+            positive: self != Law::Line,
             inverse: false,
-        }];
-        match self {
-            Law::LogTime => LOG_TIME,
-            Law::Findley => FINDLEY,
-            Law::Burgers => BURGERS,
-            Law::KelvinVoigt => KELVIN,
-            Law::Stretched => STRETCHED,
-            Law::Line => LINE,
+        };
+        let named: &[_] = match self {
+            Law::LogTime => &[("b", "%")],
+            Law::Findley => &[("m", "%")],
+            Law::Burgers => &[("s", "%/h"), ("c", "%")],
+            Law::KelvinVoigt => &[("c_1", "%"), ("c_2", "%")],
+            Law::Stretched => &[("c", "%")],
+            Law::Line => &[("s", "%/h")],
             Law::Rope => &[],
-        }
+        };
+        named.iter().map(term).collect()
     }
 
     /// Functions `φ_j(t)` of the terms; zero before the step.

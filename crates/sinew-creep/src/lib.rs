@@ -57,7 +57,7 @@ pub use analyze::{
 pub use curve::{Curve, StepWindow, Tension};
 pub use error::{CreepError, Failure, NoEntry, NoForecast, TestFileError, Unusable};
 pub use fit::{Fit, fit};
-pub use forecast::{Forecast, akaike_weights, combined_forecast};
+pub use forecast::{Forecast, akaike_weights};
 pub use isochronous::{Isochrone, IsochronePoint, LoadQuantity, isochrones};
 pub use law::{Law, REFERENCE_S, Shape, Term, UnknownLaw};
 pub use model::REFERENCE_K;

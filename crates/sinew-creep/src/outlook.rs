@@ -15,7 +15,7 @@ use super::ahead::Ahead;
 use super::curve::Curve;
 use super::error::CreepError;
 use super::fit::{Fit, fit};
-use super::forecast::{Forecast, combined_forecast, combined_under};
+use super::forecast::Forecast;
 use super::law::Law;
 use super::options::FitOptions;
 use super::student::{normal_quantile, student_quantile};
@@ -33,7 +33,7 @@ const FEWEST: (usize, usize) = (10, 2);
 /// Forecasts of one curve by several laws, and by all of them.
 #[derive(Debug, Clone)]
 pub struct Outlook {
-    /// Laws in the order asked for.
+    /// Laws that could be fitted, in the order asked for, then the others.
     pub laws: Vec<(Law, Result<Forecast, CreepError>)>,
     /// All that could be fitted, with their Akaike weights; `None` without any.
     pub combined: Option<Forecast>,
@@ -59,20 +59,15 @@ impl Outlook {
         options: &FitOptions,
         time_s: &[f64],
     ) -> Outlook {
-        let results: Vec<(Law, Result<Fit, CreepError>)> = laws
-            .iter()
-            .map(|law| (*law, fit(*law, curves, options)))
-            .collect();
-        let fits: Vec<Fit> = results.iter().filter_map(|r| r.1.clone().ok()).collect();
+        let (mut fits, mut failed) = (Vec::new(), Vec::new());
+        for law in laws {
+            match fit(*law, curves, options) {
+                Ok(fit) => fits.push(fit),
+                Err(error) => failed.push((*law, Err(error))),
+            }
+        }
         let mut outlook = Outlook::of(&fits, curves, index, options, time_s);
-        let mut forecasts = std::mem::take(&mut outlook.laws).into_iter();
-        outlook.laws = results
-            .into_iter()
-            .filter_map(|(law, result)| match result {
-                Ok(_) => forecasts.next(),
-                Err(error) => Some((law, Err(error))),
-            })
-            .collect();
+        outlook.laws.extend(failed);
         outlook
     }
 
@@ -110,27 +105,21 @@ impl Outlook {
         };
         let together: Vec<f64> = missed.iter().filter_map(|m| m.combined).collect();
         let widened = factor(&together, options.level);
-        let beyond = curves
-            .get(index)
-            .map(|curve| Beyond::of(&ahead.rehearsed(curve), ahead, options.level));
-        let far = |forecast: Forecast| match &beyond {
-            Some(beyond) => beyond.widened(forecast),
-            None => forecast,
+        let beyond = rehearsed.get(index);
+        let beyond = beyond.and_then(|curve| Beyond::of(curve, ahead, options.level));
+        let far = |fits: &[Fit], factor: f64| {
+            let forecast = Forecast::under(fits, index, ahead, time_s).widened(factor);
+            match &beyond {
+                Some(beyond) => beyond.widened(forecast),
+                None => forecast,
+            }
         };
+        let alone = fits.chunks(1).zip(&laws);
         Outlook {
-            laws: fits
-                .iter()
-                .map(|f| {
-                    (
-                        f.law,
-                        Ok(far(
-                            Forecast::under(f, index, ahead, time_s).widened(of_law(f.law))
-                        )),
-                    )
-                })
+            laws: alone
+                .map(|(fit, law)| (*law, Ok(far(fit, of_law(*law)))))
                 .collect(),
-            combined: (!fits.is_empty())
-                .then(|| far(combined_under(fits, index, ahead, time_s).widened(widened))),
+            combined: (!fits.is_empty()).then(|| far(fits, widened)),
             widened,
             rehearsals: together.len(),
         }
@@ -154,30 +143,21 @@ struct Beyond {
 }
 
 impl Beyond {
-    fn of(curve: &Curve, ahead: Ahead, level: f64) -> Self {
-        let instead = matches!(ahead, Ahead::Instead { .. });
+    /// None of a curve without readings under load.
+    fn of(curve: &Curve, ahead: Ahead, level: f64) -> Option<Self> {
         let start_s = curve.steps.first().map_or(0.0, |s| s.0);
         let mut under_load = (curve.time_s.iter().zip(&curve.strain)).filter(|r| *r.0 > start_s);
-        let first = under_load.next();
-        let last = under_load.next_back().or(first);
-        let (Some((first_s, first)), Some((last_s, last))) = (first, last) else {
-            return Self {
-                start_s,
-                span_s: f64::INFINITY,
-                end_strain: f64::NEG_INFINITY,
-                per_decade: 0.0,
-                instead,
-            };
-        };
+        let (first_s, first) = under_load.next()?;
+        let (last_s, last) = under_load.next_back().unwrap_or((first_s, first));
         let span_s = last_s - start_s;
         let decades = (span_s / (first_s - start_s)).log10().max(1.0);
-        Self {
+        Some(Self {
             start_s,
             span_s,
             end_strain: *last,
             per_decade: normal_quantile(0.5 + 0.5 * level) * (last - first).abs() / decades,
-            instead,
-        }
+            instead: matches!(ahead, Ahead::Instead { .. }),
+        })
     }
 
     fn widened(&self, mut forecast: Forecast) -> Forecast {
@@ -262,14 +242,13 @@ fn rehearse(
             .iter()
             .filter_map(|law| fit(*law, &seen, options).ok())
             .collect();
-        let judge = |forecast: &Forecast| mean_square(forecast, &hidden.strain, options.level);
+        let judge = |fits: &[Fit]| {
+            let forecast = Forecast::under(fits, own, Ahead::AsRecorded, &hidden.time_s);
+            mean_square(&forecast, &hidden.strain, options.level)
+        };
         missed.push(Missed {
-            laws: fits
-                .iter()
-                .map(|f| (f.law, judge(&Forecast::of(f, own, &hidden.time_s))))
-                .collect(),
-            combined: (!fits.is_empty())
-                .then(|| judge(&combined_forecast(&fits, own, &hidden.time_s))),
+            laws: fits.chunks(1).map(|f| (f[0].law, judge(f))).collect(),
+            combined: (!fits.is_empty()).then(|| judge(&fits)),
         });
     }
     missed

@@ -2,6 +2,7 @@
 
 use super::error::CreepError;
 use serde::{Deserialize, Serialize};
+use sinew_rope::CatalogueRope;
 use sinew_rope::law::Parameters;
 use sinew_rope::law::entry::CatalogueEntry;
 
@@ -26,6 +27,14 @@ impl RopeBase {
                 missing: missing.join(", "),
             })?;
         Ok(Self { entry, parameters })
+    }
+
+    /// It as a rope of the catalogue.
+    pub(super) fn rope(&self) -> CatalogueRope {
+        CatalogueRope {
+            entry: self.entry.clone(),
+            file: None,
+        }
     }
 
     /// Breaking load, N.

@@ -8,13 +8,13 @@
 
 use sinew_model::Z95;
 use sinew_rope::law::entry::{Uncertainty, Value};
-use sinew_rope::law::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
+use sinew_rope::law::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters};
 
 use super::curve::Curve;
 use super::error::{CreepError, Unusable};
 use super::law::{Shape, Term};
 use super::rope_base::{FixedParameter, RopeBase, WhyFixed};
-use super::rope_walk::{Parts, TEMPERATURE_C, Walk};
+use super::rope_walk::{PARTS, TEMPERATURE_C, Walk};
 
 /// Which parameters a set of records tells.
 #[derive(Debug, Clone)]
@@ -173,60 +173,36 @@ impl RopePlan {
         } else {
             (!design.warm).then_some(Why::NoneWarm)
         };
-        let parameters: [(P, bool, Option<Why>); 13] = [
-            (
-                P::ElasticK,
-                true,
-                (design.jumps < 1).then_some(Why::NoChangeOfLoad),
-            ),
-            (
-                P::Toe,
-                true,
-                (design.jumps < 2).then_some(Why::FewerThanThreeLoads),
-            ),
+        let unless = |told: bool, why: Why| (!told).then_some(why);
+        let temperatures = design.temperatures;
+        let flows = !known_zero(P::FlowRate) && design.flow_share >= 0.01;
+        let three_warm = unless(temperatures > 2, Why::FewerThanThreeTemperatures);
+        let warmer = unless(temperatures > 1, Why::OneTemperature);
+        let parameters = [
+            (P::ElasticK, unless(design.jumps > 0, Why::NoChangeOfLoad)),
+            (P::Toe, unless(design.jumps > 1, Why::FewerThanThreeLoads)),
             (
                 P::ToeLoadRatio,
-                false,
-                (design.jumps < 4).then_some(Why::FewerThanFiveLoads),
+                unless(design.jumps > 3, Why::FewerThanFiveLoads),
             ),
-            (
-                P::BeddingLoadRatio,
-                false,
-                (design.loaded < 2).then_some(Why::OneLoad),
-            ),
-            (
-                P::BeddingEnergy,
-                false,
-                (design.temperatures < 2).then_some(Why::OneTemperature),
-            ),
-            (
-                P::DelayedEnergy,
-                false,
-                (design.temperatures < 2).then_some(Why::OneTemperature),
-            ),
-            (
-                P::DelayedPerK,
-                false,
-                (design.temperatures < 3).then_some(Why::FewerThanThreeTemperatures),
-            ),
-            (
-                P::FlowRate,
-                true,
-                (known_zero(P::FlowRate) || design.flow_share < 0.01).then_some(Why::TooLittleFlow),
-            ),
-            (P::Retraction, true, retraction),
-            (P::RetractionTime, false, retraction),
+            (P::BeddingLoadRatio, unless(design.loaded > 1, Why::OneLoad)),
+            (P::BeddingEnergy, warmer),
+            (P::DelayedEnergy, warmer),
+            (P::DelayedPerK, three_warm),
+            (P::FlowRate, unless(flows, Why::TooLittleFlow)),
+            (P::Retraction, retraction),
+            (P::RetractionTime, retraction),
             (
                 P::RetractionLoadRatio,
-                false,
-                retraction.or((design.warm_loads < 2).then_some(Why::OneLoad)),
+                retraction.or(unless(design.warm_loads > 1, Why::OneLoad)),
             ),
-            (P::FlowEnergy, false, Some(Why::WithRateOfFlow)),
-            (P::FlowStress, false, Some(Why::WithRateOfFlow)),
+            (P::FlowEnergy, Some(Why::WithRateOfFlow)),
+            (P::FlowStress, Some(Why::WithRateOfFlow)),
         ];
-        for (parameter, term, why) in parameters {
+        let linear = [P::ElasticK, P::Toe, P::FlowRate, P::Retraction];
+        for (parameter, why) in parameters {
             match why {
-                None if term => self.terms.push(parameter),
+                None if linear.contains(&parameter) => self.terms.push(parameter),
                 None => self.shapes.push(parameter),
                 Some(why) => {
                     self.fixed.push(FixedParameter {
@@ -258,11 +234,8 @@ impl RopePlan {
                     _ => (false, 0.0, 200e3),
                 };
                 Shape {
-                    name: parameter.name(),
-                    unit: unit(parameter),
                     logarithmic,
-                    lower,
-                    upper,
+                    ..Shape::linear(parameter.name(), unit(parameter), lower, upper)
                 }
             })
             .collect()
@@ -314,22 +287,19 @@ impl RopePlan {
             return (rows, offset);
         };
         let mut walk = Walk::new(&law, curve, steps);
-        let parts = |state: &State, tension_n: f64| Parts::of(&law, state, tension_n);
-        let zero = parts(&walk.state, walk.tension_n);
+        let zero = walk.parts();
         let start = steps.first().map_or(0.0, |s| s.0);
         for (i, &t) in times.iter().enumerate() {
             let now = if t < start {
-                let waiting = Walk::waiting(&law, curve, steps, t);
-                parts(&waiting.state, waiting.tension_n)
+                Walk::waiting(&law, curve, steps, t).parts()
             } else {
                 walk.go_to(t);
-                parts(&walk.state, walk.tension_n)
+                walk.parts()
             };
-            for (parameter, sign) in Parts::SIGNS {
-                let part = sign * (now.get(parameter) - zero.get(parameter));
-                match self.terms.iter().position(|q| *q == parameter) {
-                    Some(j) => rows[i * width + j] = part,
-                    None => offset[i] += part,
+            for ((parameter, now), zero) in PARTS.iter().zip(now).zip(zero) {
+                match self.terms.iter().position(|q| q == parameter) {
+                    Some(j) => rows[i * width + j] = now - zero,
+                    None => offset[i] += now - zero,
                 }
             }
         }

@@ -7,44 +7,15 @@ use super::curve::{Curve, Tension};
 /// Taken where a record has no temperature, °C.
 pub(super) const TEMPERATURE_C: f64 = 23.0;
 
-/// Parts of the strain, m/m.
-pub(super) struct Parts {
-    elastic: f64,
-    toe: f64,
-    state: State,
-}
-
-impl Parts {
-    pub(super) const SIGNS: [(Parameter, f64); 6] = [
-        (Parameter::ElasticK, 1.0),
-        (Parameter::Toe, 1.0),
-        (Parameter::Bedding, 1.0),
-        (Parameter::Delayed, 1.0),
-        (Parameter::FlowRate, 1.0),
-        (Parameter::Retraction, -1.0),
-    ];
-
-    pub(super) fn of(law: &RopeLaw, state: &State, tension_n: f64) -> Self {
-        let p = law.parameters();
-        let lambda = law.load_ratio(tension_n);
-        Self {
-            elastic: lambda / p.elastic_k,
-            toe: -0.01 * p.toe_percent * (-lambda / p.toe_load_ratio).exp_m1(),
-            state: *state,
-        }
-    }
-
-    pub(super) fn get(&self, parameter: Parameter) -> f64 {
-        match parameter {
-            Parameter::ElasticK => self.elastic,
-            Parameter::Toe => self.toe,
-            Parameter::Bedding => 0.01 * self.state.bedding_percent,
-            Parameter::Delayed => 0.01 * self.state.delayed_percent.iter().sum::<f64>(),
-            Parameter::FlowRate => 0.01 * self.state.flow_percent,
-            _ => 0.01 * self.state.retraction_percent,
-        }
-    }
-}
+/// Parameters that a part of the strain is proportional to, in the order of [`Walk::parts`].
+pub(super) const PARTS: [Parameter; 6] = [
+    Parameter::ElasticK,
+    Parameter::Toe,
+    Parameter::Bedding,
+    Parameter::Delayed,
+    Parameter::FlowRate,
+    Parameter::Retraction,
+];
 
 /// A rope on its way through the steps of a record.
 pub(super) struct Walk<'a> {
@@ -52,8 +23,8 @@ pub(super) struct Walk<'a> {
     tension: Option<Tension>,
     steps: &'a [(f64, f64)],
     temperature_k: f64,
-    pub(super) state: State,
-    pub(super) tension_n: f64,
+    state: State,
+    tension_n: f64,
     rates: Option<Rates>,
     now: f64,
     next_step: usize,
@@ -91,6 +62,20 @@ impl<'a> Walk<'a> {
         let recorded = curve.steps.first().map_or(0.0, |s| s.0);
         walk.hold(tension.map_or(0.0, |t| t.preloaded_s) + t - recorded);
         walk
+    }
+
+    /// Parts of the strain, m/m; retraction is negative.
+    pub(super) fn parts(&self) -> [f64; PARTS.len()] {
+        let (p, state) = (self.law.parameters(), &self.state);
+        let lambda = self.law.load_ratio(self.tension_n);
+        [
+            lambda / p.elastic_k,
+            -0.01 * p.toe_percent * (-lambda / p.toe_load_ratio).exp_m1(),
+            0.01 * state.bedding_percent,
+            0.01 * state.delayed_percent.iter().sum::<f64>(),
+            0.01 * state.flow_percent,
+            -0.01 * state.retraction_percent,
+        ]
     }
 
     fn meet(&mut self) {

@@ -77,7 +77,7 @@ pub struct Wlf {
 pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superposition, CreepError> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for isotherm in isotherms {
-        let points: Vec<(f64, f64)> = isotherm
+        let mut points: Vec<(f64, f64)> = isotherm
             .time_s
             .iter()
             .zip(&isotherm.value)
@@ -88,7 +88,6 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
                 temperature_c: isotherm.temperature_c,
             });
         }
-        let mut points = points;
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         curves.push((isotherm.temperature_c, points));
     }
@@ -167,23 +166,27 @@ fn distance(near: &[(f64, f64)], far: &[(f64, f64)]) -> (f64, f64, f64) {
         .map(|i| step * f64::from(i))
         .min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)))
         .unwrap_or(0.0);
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut from, mut to) = (best - step, best + step);
-    for _ in 0..60 {
-        let a = to - golden * (to - from);
-        let b = from + golden * (to - from);
-        if misfit(a) < misfit(b) {
-            to = b;
-        } else {
-            from = a;
-        }
-    }
-    let d = 0.5 * (from + to);
+    let d = golden_section(best - step, best + step, 60, misfit);
     let bend = (misfit(d + step) - 2.0 * misfit(d) + misfit(d - step)) / (step * step);
     // Three coefficients and the shift are fitted.
     let free = (near.len() + far.len()).saturating_sub(4).max(1) as f64;
     let error = (2.0 * misfit(d) / free / bend.max(1e-300)).sqrt();
     (d, error, overlap)
+}
+
+/// Where a function with one minimum between two places has it.
+fn golden_section(mut low: f64, mut high: f64, rounds: usize, cost: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..rounds {
+        let a = high - golden * (high - low);
+        let b = low + golden * (high - low);
+        if cost(a) < cost(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    0.5 * (low + high)
 }
 
 fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<Arrhenius> {
@@ -233,18 +236,7 @@ fn wlf(shifts: &[Shift], reference_c: f64) -> Option<Wlf> {
             .sum();
         (c1, (left / above.len() as f64).sqrt())
     };
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (1.0_f64.ln(), 1000.0_f64.ln());
-    for _ in 0..80 {
-        let a = high - golden * (high - low);
-        let b = low + golden * (high - low);
-        if solve(a).1 < solve(b).1 {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    let place = 0.5 * (low + high);
+    let place = golden_section(1.0_f64.ln(), 1000.0_f64.ln(), 80, |place| solve(place).1);
     let (c1, rms) = solve(place);
     c1.is_finite().then_some(Wlf {
         c1,

@@ -104,8 +104,6 @@ impl Model {
 
     /// Columns of a block, and its readings less what no coefficient enters, over the scale.
     pub(crate) fn columns(&self, block: &Block, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        /// Terms of a law and its elastic step, at most.
-        const MOST: usize = 5;
         let (n, p) = (block.readings, block.positive.len());
         let shared = p - block.members.len();
         let mut columns = vec![0.0; n * p];
@@ -115,43 +113,25 @@ impl Model {
             let from = y.len();
             let readings = curve.time_s.len();
             columns[(shared + index) * n + from..][..readings].fill(1.0);
-            if self.rope.is_some() {
-                let (rows, offset) = self.rows(values, member, curve, &curve.time_s, shared);
-                for (i, row) in rows.chunks(shared.max(1)).enumerate().take(readings) {
-                    for (j, value) in row.iter().enumerate() {
-                        columns[j * n + from + i] = *value;
-                    }
+            let (rows, offset) = self.rows(values, member, curve, &curve.time_s, shared);
+            for (i, row) in rows.chunks(shared.max(1)).enumerate() {
+                for (j, value) in row.iter().enumerate() {
+                    columns[j * n + from + i] = *value;
                 }
-                let offset = offset.unwrap_or_else(|| vec![0.0; readings]);
-                let left = curve.strain.iter().zip(offset).map(|(e, o)| e - o);
-                y.extend(left.map(|e| e / self.scale));
-            } else {
-                let conditions = self.conditions(values, curve);
-                let steps = self.steps(values, member, curve);
-                let mut row = [0.0; MOST];
-                for (i, &t) in curve.time_s.iter().enumerate() {
-                    self.row(values, &steps, &conditions, t, &mut row[..shared]);
-                    for (j, value) in row[..shared].iter().enumerate() {
-                        columns[j * n + from + i] = *value;
-                    }
-                }
-                y.extend(curve.strain.iter().map(|e| e / self.scale));
             }
+            let beside = |i: usize| offset.as_ref().map_or(0.0, |offset| offset[i]);
+            let left = curve.strain.iter().enumerate().map(|(i, e)| e - beside(i));
+            y.extend(left.map(|e| e / self.scale));
         }
         (columns, y)
     }
 
     /// Solves the linear problem at a point of the nonlinear parameters.
     pub(crate) fn solve(&self, x: &[f64], information: bool) -> Point {
-        self.solve_with(x, information, None)
+        self.solve_values(&self.values(x), self.noise_at(x), information, None)
     }
 
-    /// The same with one coefficient kept at a value (its solution reads 0).
-    pub(crate) fn solve_with(&self, x: &[f64], information: bool, fixed: Option<Fixed>) -> Point {
-        self.solve_values(&self.values(x), self.noise_at(x), information, fixed)
-    }
-
-    /// The same at values of the shapes and of what is held.
+    /// The same at values of the shapes and of what is held, with one coefficient kept at a value (its solution reads 0).
     pub(crate) fn solve_values(
         &self,
         values: &[f64],

@@ -11,9 +11,10 @@ use crate::linear::Solution;
 use crate::noise::{Clock, Noise, SHARE_MAX};
 use crate::options::{FitOptions, NoiseKind, Share};
 use crate::rope_law::RopePlan;
+use crate::span::extremes;
 use std::borrow::Cow;
 
-use records::{add_zero, levels, linear_shape, span, temperatures_differ, typical_gap};
+use records::{add_zero, levels, span, temperatures_differ, typical_gap};
 
 /// Reference of the temperature shift, K: 23 °C, the standard atmosphere of ISO 291.
 pub const REFERENCE_K: f64 = 296.15;
@@ -102,7 +103,7 @@ fn moments(curves: &[Curve], shapes: &mut Vec<Shape>) -> Vec<Moment> {
                 step: window.step,
                 shape: shapes.len(),
             });
-            shapes.push(linear_shape("step_s", "s", window.from_s, window.to_s));
+            shapes.push(Shape::linear("step_s", "s", window.from_s, window.to_s));
         }
     }
     moments
@@ -118,14 +119,12 @@ impl Model {
         let short = short.max(1e-6 * long);
         let rope = match (law, &options.rope) {
             (Law::Rope, Some(base)) => Some(RopePlan::new(&curves, base)?),
-            (Law::Rope, None) => {
-                return Err(CreepError::NoRope);
-            }
+            (Law::Rope, None) => return Err(CreepError::NoRope),
             _ => None,
         };
         let (mut shapes, terms) = match &rope {
             Some(plan) => (plan.bounds(short, long), plan.terms()),
-            None => (law.shapes(short, long), law.terms().to_vec()),
+            None => (law.shapes(short, long), law.terms()),
         };
         if rope.is_some() {
             curves.iter_mut().for_each(add_zero);
@@ -133,11 +132,11 @@ impl Model {
         let law_shapes = shapes.len();
         let joint = options.share == Share::All && rope.is_none();
         let exponent = (joint && levels(&curves) > 1.1).then(|| {
-            shapes.push(linear_shape("p", "", 0.3, 3.0));
+            shapes.push(Shape::linear("p", "", 0.3, 3.0));
             shapes.len() - 1
         });
         let activation = (rope.is_none() && temperatures_differ(&curves)).then(|| {
-            shapes.push(linear_shape("E", "kJ/mol", -100.0, 400.0));
+            shapes.push(Shape::linear("E", "kJ/mol", -100.0, 400.0));
             shapes.len() - 1
         });
         let moments = match law {
@@ -151,20 +150,13 @@ impl Model {
             .map(|c| c.time_s.iter().map(|t| clock.at(c, *t)).collect())
             .collect();
         let memory = match clock {
-            Clock::Logarithm { unit_s } => Shape {
-                name: "tau_c",
-                unit: "",
-                logarithmic: true,
-                lower: 0.1,
-                upper: (long / unit_s).ln_1p(),
-            },
-            Clock::Seconds => Shape {
-                name: "tau_c",
-                unit: "s",
-                logarithmic: true,
-                lower: typical_gap(&curves).min(0.3 * long),
-                upper: long,
-            },
+            Clock::Logarithm { unit_s } => {
+                Shape::logarithmic("tau_c", "", 0.1, (long / unit_s).ln_1p())
+            }
+            Clock::Seconds => {
+                let least = typical_gap(&curves).min(0.3 * long);
+                Shape::logarithmic("tau_c", "s", least, long)
+            }
         };
         let of = |members: Vec<usize>| {
             let unloads = members.iter().any(|&m| curves[m].unloads());
@@ -186,8 +178,7 @@ impl Model {
             Share::Shape => (0..curves.len()).map(|m| of(vec![m])).collect(),
         };
         let range = |c: &Curve| {
-            let most = c.strain.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let least = c.strain.iter().copied().fold(f64::INFINITY, f64::min);
+            let (least, most) = extremes(&c.strain);
             most - least
         };
         let scale = curves.iter().map(range).fold(f64::MIN_POSITIVE, f64::max);

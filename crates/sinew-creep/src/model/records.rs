@@ -1,7 +1,6 @@
 //! What a set of curves has in common: times, loads, temperatures.
 
 use crate::curve::Curve;
-use crate::law::Shape;
 use sinew_model::statistics::upper_median;
 
 /// First and last time of a reading after its first load, over all curves.
@@ -41,21 +40,6 @@ pub(super) fn typical_gap(curves: &[Curve]) -> f64 {
         .filter(|gap| *gap > 0.0)
         .collect();
     upper_median(&mut gaps).unwrap_or(1.0)
-}
-
-pub(super) fn linear_shape(
-    name: &'static str,
-    unit: &'static str,
-    lower: f64,
-    upper: f64,
-) -> Shape {
-    Shape {
-        name,
-        unit,
-        logarithmic: false,
-        lower,
-        upper,
-    }
 }
 
 /// The zero as one more reading, before the load: a mean of as many as it was taken from.

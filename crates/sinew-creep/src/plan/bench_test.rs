@@ -1,7 +1,7 @@
 //! A test on the bench, and the record that a rope would make of it.
 
 use crate::curve::{Curve, Tension};
-use crate::rope_walk::{Parts, Walk};
+use crate::rope_walk::Walk;
 use serde::{Deserialize, Serialize};
 use sinew_rope::law::{Law, Parameters};
 
@@ -93,13 +93,7 @@ pub(super) fn strain(parameters: &Parameters, curve: &Curve) -> Option<Vec<f64>>
         return None;
     }
     let mut walk = Walk::new(&law, curve, &curve.steps);
-    let total = |walk: &Walk<'_>| -> f64 {
-        let parts = Parts::of(&law, &walk.state, walk.tension_n);
-        Parts::SIGNS
-            .iter()
-            .map(|(p, sign)| sign * parts.get(*p))
-            .sum()
-    };
+    let total = |walk: &Walk<'_>| walk.parts().iter().sum::<f64>();
     // Where a fit takes the zero to have been read: in the middle of the preload.
     let middle_s = -0.5 * curve.tension?.preloaded_s;
     let zero = total(&Walk::waiting(&law, curve, &curve.steps, middle_s));

@@ -43,10 +43,7 @@ pub fn check(
     progress: impl Fn(usize) + Sync,
 ) -> Result<PlanCheck, CreepError> {
     let duty = Duty::new(request)?;
-    let rope = CatalogueRope {
-        entry: request.base.entry.clone(),
-        file: None,
-    };
+    let rope = request.base.rope();
     // Other ropes than those that the plan was made with.
     let draws =
         Draws::new(&rope, ropes, request.seed ^ 0xc4ec).map_err(|e| CreepError::NoPlan {

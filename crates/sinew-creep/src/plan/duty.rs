@@ -33,10 +33,7 @@ pub(super) struct Slopes {
 
 impl Duty {
     pub(super) fn new(request: &PlanRequest) -> Result<Self, CreepError> {
-        let rope = CatalogueRope {
-            entry: request.base.entry.clone(),
-            file: None,
-        };
+        let rope = request.base.rope();
         let time_s = request.duty.times_s.last().copied().unwrap_or(0.0);
         let asked = Request {
             times_s: vec![time_s],

@@ -26,8 +26,8 @@ use duty::Duty;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Z95;
+use sinew_rope::Draws;
 use sinew_rope::predict::Request;
-use sinew_rope::{CatalogueRope, Draws};
 use std::sync::Arc;
 
 /// What is asked of a plan.
@@ -130,10 +130,7 @@ pub fn plan(
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Plan, CreepError> {
     let duty = Duty::new(request)?;
-    let rope = CatalogueRope {
-        entry: request.base.entry.clone(),
-        file: None,
-    };
+    let rope = request.base.rope();
     let refuse = |reason: String| CreepError::NoPlan { reason };
     let draws =
         Draws::new(&rope, request.truths, request.seed).map_err(|e| refuse(e.to_string()))?;

@@ -81,20 +81,13 @@ impl Specimen {
     }
 }
 
-/// A row of a table as numbers.
-enum Row {
-    /// One for each role.
-    Values(Vec<f64>),
-    /// The last line, which ends within a word.
-    CutOff,
-}
-
+/// A row of a table as numbers, one for each role; none of a last line that ends within a word.
 fn numbers(
     row: &[Cell],
     roles: &[Role],
     is_last: bool,
     wrong: impl Fn(String, &Role) -> Located,
-) -> Result<Row, Located> {
+) -> Result<Option<Vec<f64>>, Located> {
     let mut values = Vec::with_capacity(roles.len());
     for role in roles {
         values.push(match row.get(role.index).unwrap_or(&Cell::Empty) {
@@ -106,7 +99,7 @@ fn numbers(
                 let name = role.quantity.name();
                 return Err(wrong(format!("a date or a time of day is no {name}"), role));
             }
-            Cell::Text(_) if is_last => return Ok(Row::CutOff),
+            Cell::Text(_) if is_last => return Ok(None),
             Cell::Text(text) => {
                 return Err(wrong("is not a number".to_owned(), role)
                     .value(format!("'{}'", shorten(text, 60)))
@@ -114,7 +107,7 @@ fn numbers(
             }
         });
     }
-    Ok(Row::Values(values))
+    Ok(Some(values))
 }
 
 impl TestFile {
@@ -160,12 +153,9 @@ impl TestFile {
                     .column(&head.headers[role.index])
             };
             let is_last = index + 1 == table.rows.len();
-            let values = match numbers(row, &roles, is_last, wrong)? {
-                Row::Values(values) => values,
-                Row::CutOff => {
-                    notes.push(format!("the last line ({line}) is cut off and left out"));
-                    break;
-                }
+            let Some(values) = numbers(row, &roles, is_last, wrong)? else {
+                notes.push(format!("the last line ({line}) is cut off and left out"));
+                break;
             };
             let at = time.map_or(f64::NAN, |time| values[time]);
             if at.is_nan() {
