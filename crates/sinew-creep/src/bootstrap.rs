@@ -10,8 +10,7 @@ use super::model::Model;
 use super::noise::Noise;
 use super::options::IntervalKind;
 use super::parameter::Parameter;
-use super::search::Search;
-use super::solver::{LeastSquares, TrustRegion};
+use super::solver::minimum;
 use super::student::{normal_quantile, normal_share};
 use sinew_model::statistics::quantile;
 
@@ -35,11 +34,10 @@ pub(super) fn intervals(
         .map(|c| best.strain(model, c, &model.curves[c].time_s))
         .collect();
     let mut replicates: Vec<[Vec<f64>; 2]> = Vec::with_capacity(count);
-    let solver = TrustRegion { steps: 40 };
     let held = HeldDraws::of(model, &best.unit);
     for _ in 0..count {
         let mut replicate = replicate(model, best, &fitted, &mut random);
-        let minimum = solver.minimum(&Search(&replicate), &best.unit);
+        let minimum = minimum(&|x| replicate.residuals(x), &best.unit, 40);
         if minimum.cost.is_finite() {
             let as_held = Draw::at(&replicate, &minimum.x).numbers(model);
             let (moved, z) = held.draw(&replicate, &minimum.x, &mut random);

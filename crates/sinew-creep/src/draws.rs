@@ -4,12 +4,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 
-use super::cholesky::lower_factor;
 use super::draw::Draw;
 use super::held::HeldDraws;
-use super::importance;
 use super::model::Model;
-use super::sample::Around;
+use super::sample::{Around, Plan, ensemble};
+use super::solver::{half_squares, slopes};
+use sinew_model::cholesky::{dot, factorise_singular};
 
 /// Draws around `centre` and the `others` that a search found nearly as good; coefficients and the size of the noise from
 /// their own distributions given the rest.
@@ -19,10 +19,11 @@ pub(super) fn draw(model: &Model, centre: &[f64], others: &[Vec<f64>], seed: u64
     /// Draws of a law without nonlinear parameters.
     const ALL_LINEAR: usize = 2000;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let points = importance::draws(
+    let points = ensemble(
         &|x| model.log_restricted(x),
         &around(model, centre),
         others,
+        Plan::of(centre.len()),
         &mut random,
     );
     let per_point = if centre.is_empty() {
@@ -78,28 +79,20 @@ fn around(model: &Model, centre: &[f64]) -> Around {
     /// Nothing is known better than the searched range beforehand, as a standard deviation.
     const WIDEST: f64 = 0.3;
     let d = centre.len();
-    let residuals = |x: &[f64]| model.likelihood_residuals(x, None);
-    let squares: f64 = residuals(centre).iter().map(|r| r * r).sum();
+    let residuals = |x: &[f64]| model.residuals(x);
+    let squares = 2.0 * half_squares(&residuals(centre));
     let variance = (squares / model.freedom()).max(f64::MIN_POSITIVE);
-    let slopes: Vec<Vec<f64>> = (0..d)
-        .map(|j| {
-            let (mut low, mut high) = (centre.to_vec(), centre.to_vec());
-            low[j] = (centre[j] - STEP).max(0.0);
-            high[j] = (centre[j] + STEP).min(1.0);
-            let width = high[j] - low[j];
-            let (down, up) = (residuals(&low), residuals(&high));
-            up.iter().zip(&down).map(|(u, l)| (u - l) / width).collect()
-        })
+    let slopes = slopes(&residuals, centre, STEP);
+    let mut precision: Vec<f64> = (slopes.iter())
+        .flat_map(|a| slopes.iter().map(|b| dot(a, b) / variance))
         .collect();
-    let mut precision = vec![vec![0.0; d]; d];
-    for i in 0..d {
-        for j in 0..d {
-            let dot: f64 = slopes[i].iter().zip(&slopes[j]).map(|(a, b)| a * b).sum();
-            precision[i][j] = dot / variance + if i == j { WIDEST.powi(-2) } else { 0.0 };
-        }
-    }
+    (0..d).for_each(|i| precision[i * d + i] += WIDEST.powi(-2));
+    let mut factor = vec![0.0; d * d];
+    let least = |pivot: f64| Some(pivot.max(f64::MIN_POSITIVE).sqrt());
+    // Every pivot is taken, so no row is refused.
+    let _ = factorise_singular(&precision, &mut factor, d, least);
     Around {
         centre: centre.to_vec(),
-        factor: lower_factor(precision),
+        factor,
     }
 }

@@ -8,12 +8,11 @@ use super::error::CreepError;
 use super::law::Law;
 use super::model::Model;
 use super::noise::Noise;
-use super::options::{FitOptions, IntervalKind};
+use super::options::{FitOptions, IntervalKind, NoiseKind};
 use super::parameter::{Parameter, parameters};
 use super::profile;
 use super::rope_base::FixedParameter;
-use super::search::Search;
-use super::solver::{Ending, LeastSquares, Minimum, TrustRegion};
+use super::solver::{Ending, Minimum, minimum};
 use super::span::extremes;
 use super::starts::starts;
 
@@ -101,14 +100,23 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
             needed: fitted + 2,
         });
     }
-    let solver = TrustRegion::default();
-    let starts = starts(&model);
-    let mut minima: Vec<Minimum> = starts
-        .iter()
-        .map(|start| solver.minimum(&Search(&model), start))
-        .filter(|m| m.cost.is_finite())
-        .collect();
-    minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    /// Most steps of a search.
+    const STEPS: u64 = 60;
+    let residuals = |x: &[f64]| model.residuals(x);
+    let search = |start: &Vec<f64>| minimum(&residuals, start, STEPS);
+    let by_cost = |minima: &mut Vec<Minimum>| {
+        minima.retain(|m| m.cost.is_finite());
+        minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    };
+    let mut starts = starts(&model);
+    let mut minima: Vec<Minimum> = starts.iter().map(search).collect();
+    by_cost(&mut minima);
+    if let (NoiseKind::Correlated, Some(best)) = (model.noise, minima.first()) {
+        // Noise that is nearly all slow is an optimum of its own, which shapes far off don't lead to.
+        starts.push([&best.x[..model.shapes.len()], &[0.95, 0.6]].concat());
+        minima.extend(starts.last().map(search));
+        by_cost(&mut minima);
+    }
     let mut minima = minima.into_iter();
     let minimum = minima.next().ok_or(CreepError::NotFinite { law })?;
     let others = others(&model, &minimum.x, minima.map(|m| m.x));

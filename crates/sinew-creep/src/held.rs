@@ -6,8 +6,7 @@
 //! the same way; a profile searches over what is held.
 
 use super::model::Model;
-use super::search::Search;
-use super::solver::{LeastSquares, TrustRegion};
+use super::solver::{half_squares, minimum};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::RangeInclusive;
@@ -126,10 +125,7 @@ pub(super) fn moving(model: &Model, centre: &[f64]) -> Vec<usize> {
 fn held(model: &Model, centre: &[f64], index: usize) -> Option<Held> {
     /// A change of the squares at the optimum, over their variance, that one deviation must make.
     const MATTERS: f64 = 0.01;
-    let cost = |model: &Model, x: &[f64]| -> f64 {
-        let residuals = model.likelihood_residuals(x, None);
-        residuals.iter().map(|r| r * r).sum()
-    };
+    let cost = |model: &Model, x: &[f64]| half_squares(&model.residuals(x));
     let least = cost(model, centre);
     let n = model.readings as f64;
     let mut aside = model.clone();
@@ -152,9 +148,9 @@ fn held(model: &Model, centre: &[f64], index: usize) -> Option<Held> {
         let mut from = centre.to_vec();
         for at in side {
             aside.held_z[index] = ASIDE[at];
-            let found = TrustRegion { steps: 40 }.minimum(&Search(&aside), &from);
+            let found = minimum(&|x| aside.residuals(x), &from, 40);
             shifts[at] = found.x.iter().zip(centre).map(|(x, c)| x - c).collect();
-            squares[at] = 2.0 * found.cost;
+            squares[at] = found.cost;
             from = found.x;
         }
     }

@@ -73,20 +73,12 @@ impl Shape {
 
     /// The value at a coordinate between 0 and 1.
     pub fn value(&self, unit: f64) -> f64 {
-        if self.logarithmic {
+        let value = if self.logarithmic {
             (self.lower.ln() + unit * (self.upper / self.lower).ln()).exp()
         } else {
             self.lower + unit * (self.upper - self.lower)
-        }
-    }
-
-    /// Derivative of [`Self::value`] with the coordinate, at a value.
-    pub fn slope(&self, value: f64) -> f64 {
-        if self.logarithmic {
-            value * (self.upper / self.lower).ln()
-        } else {
-            self.upper - self.lower
-        }
+        };
+        value.clamp(self.lower, self.upper)
     }
 
     /// The coordinate of a value, within 0 and 1.
@@ -217,39 +209,6 @@ impl Law {
             Law::Rope => {}
         }
     }
-
-    /// Derivatives of `Σ_j c_j φ_j(t)` with the shapes; zero before the step.
-    pub fn slopes(self, shape: &[f64], c: &[f64], t: f64, out: &mut [f64]) {
-        out.fill(0.0);
-        if t <= 0.0 {
-            return;
-        }
-        match self {
-            Law::LogTime => out[0] = -c[0] * t / (shape[0] * (shape[0] + t)),
-            Law::Findley => {
-                let u = (t / REFERENCE_S).ln();
-                out[0] = c[0] * (shape[0] * u).exp() * u;
-            }
-            Law::Burgers => {
-                let u = t / shape[0];
-                out[0] = -c[1] * u / shape[0] * (-u).exp();
-            }
-            Law::KelvinVoigt => {
-                let (fast, slow) = (t / shape[0], t / (shape[0] * shape[1]));
-                let slow = c[1] * slow * (-slow).exp();
-                out[0] = -(c[0] * fast * (-fast).exp() + slow) / shape[0];
-                out[1] = -slow / shape[1];
-            }
-            Law::Stretched => {
-                let u = (t / shape[0]).ln();
-                let power = (shape[1] * u).exp();
-                let common = c[0] * power * (-power).exp();
-                out[0] = -common * shape[1] / shape[0];
-                out[1] = common * u;
-            }
-            Law::Line | Law::Rope => {}
-        }
-    }
 }
 
 /// A name that no law has.
@@ -291,10 +250,6 @@ mod tests {
                 let unit = 0.1 * f64::from(k);
                 let back = shape.coordinate(shape.value(unit));
                 assert!((back - unit).abs() < 1e-14, "{unit} {back}");
-                let by = 1e-6;
-                let slope = (shape.value(unit + by) - shape.value(unit - by)) / (2.0 * by);
-                let exact = shape.slope(shape.value(unit));
-                assert!((slope - exact).abs() < 1e-8 * exact, "{slope} {exact}");
             }
             let bounds = [0.1, 0.5, 40.0, 1e3].map(|value| shape.coordinate(value));
             assert_eq!(bounds, [0.0, 0.0, 1.0, 1.0]);

@@ -127,35 +127,7 @@ pub(super) fn solve(columns: &mut [f64], y: &mut [f64], positive: &[bool]) -> So
     solution
 }
 
-/// Takes away from `y` what the kept columns tell of it; `columns` are used up.
-pub(super) fn project_out(columns: &mut [f64], y: &mut [f64], kept: &[bool]) {
-    let n = y.len();
-    let mut p = 0;
-    for j in (0..kept.len()).filter(|&j| kept[j]) {
-        columns.copy_within(j * n..(j + 1) * n, p * n);
-        p += 1;
-    }
-    let (r, _) = factor(&mut columns[..p * n], n, p);
-    remove(columns, y, &r, p);
-}
-
-fn remove(basis: &[f64], y: &mut [f64], r: &[f64], p: usize) {
-    let n = y.len();
-    for j in (0..p).filter(|&j| r[j * p + j] != 0.0) {
-        let column = &basis[j * n..(j + 1) * n];
-        let part = dot(column, y);
-        for (value, other) in y.iter_mut().zip(column) {
-            *value -= part * other;
-        }
-    }
-}
-
 impl Solution {
-    /// Takes away from `y` its parts along the basis that [`solve`] left.
-    pub(super) fn remove(&self, basis: &[f64], y: &mut [f64]) {
-        remove(basis, y, &self.r, self.p);
-    }
-
     /// Least squares of `along ≈ R β` with some β at zero, and the squares left.
     fn without(&self, along: &[f64], zero: &[bool]) -> (Vec<f64>, f64) {
         let p = self.p;

@@ -6,7 +6,7 @@ use super::held::moving;
 use super::model::{Fixed, Model};
 use super::options::IntervalKind;
 use super::parameter::Parameter;
-use super::solver::{LeastSquares, Residuals, TrustRegion};
+use super::solver::{half_squares, minimum};
 use super::student::student_quantile;
 
 /// What is kept.
@@ -19,22 +19,25 @@ enum Kept {
 
 /// What is searched: the nonlinear parameters but the one that is kept, then what is held at the base rope's value and moves
 /// the others. Being off it costs what the base rope's own interval says.
-#[derive(Clone, Copy)]
-struct Constrained<'a> {
+struct Profile<'a> {
     model: &'a Model,
     held: &'a [usize],
-    kept: Kept,
+    least: f64,
+    threshold: f64,
 }
 
-impl Constrained<'_> {
+/// Most steps of a search.
+const STEPS: u64 = 40;
+
+impl Profile<'_> {
     /// Deviations from the base rope's value that are searched.
     const WIDEST: f64 = 4.0;
 
     /// The nonlinear parameters, and the deviations of all that is held.
-    fn full(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    fn full(&self, x: &[f64], kept: Kept) -> (Vec<f64>, Vec<f64>) {
         let (own, beside) = x.split_at(x.len() - self.held.len());
         let mut full = own.to_vec();
-        if let Kept::Shape { index, value } = self.kept {
+        if let Kept::Shape { index, value } = kept {
             full.insert(index, value);
         }
         let mut held_z = self.model.held_z.clone();
@@ -44,82 +47,59 @@ impl Constrained<'_> {
         (full, held_z)
     }
 
-    /// A coefficient where the rest is at `x`.
-    fn coefficient(&self, x: &[f64], block: usize, column: usize) -> f64 {
-        let (full, held_z) = self.full(x);
-        let values = self.model.values_held(&full, &held_z);
-        let noise = self.model.noise_at(&full);
-        self.model
-            .solve_values(&values, noise, false, None)
-            .solutions[block]
-            .beta[column]
-    }
-}
-
-impl Residuals for Constrained<'_> {
-    fn parameters(&self) -> usize {
-        self.model.dimension() + self.held.len()
-            - usize::from(matches!(self.kept, Kept::Shape { .. }))
-    }
-
-    fn residuals(&self, x: &[f64]) -> Vec<f64> {
-        let fixed = match self.kept {
+    fn residuals(&self, x: &[f64], kept: Kept) -> Vec<f64> {
+        let fixed = match kept {
             Kept::Coefficient(fixed) => Some(fixed),
             Kept::Nothing | Kept::Shape { .. } => None,
         };
-        let (full, held_z) = self.full(x);
-        self.model.held_residuals(&full, &held_z, fixed)
-    }
-}
-
-/// One parameter's profile.
-struct Profile<'a, K> {
-    free: Constrained<'a>,
-    /// What keeping the parameter at a value is.
-    kept: K,
-    /// Where all is best, without what is kept.
-    start: Vec<f64>,
-    least: f64,
-    threshold: f64,
-}
-
-impl<K: Fn(f64) -> Kept> Profile<'_, K> {
-    /// How much less likely, over the threshold: 1 at the interval's ends. `warm` follows.
-    fn excess(&self, value: f64, warm: &mut Vec<f64>) -> f64 {
-        let problem = Constrained {
-            kept: (self.kept)(value),
-            ..self.free
+        let (full, held_z) = self.full(x, kept);
+        let mut residuals = self.model.held_residuals(&full, &held_z, fixed);
+        // Being off takes `z²` from twice the logarithm of the likelihood: the squares `S` become `S exp(Σz²/n)`.
+        let off: f64 = held_z.iter().map(|z| z * z).sum();
+        let n = self.model.readings as f64;
+        let each = if off > 0.0 {
+            (off / n).exp_m1() / off
+        } else {
+            1.0 / n
         };
-        let solver = TrustRegion { steps: 40 };
-        let near = solver.minimum(&problem, warm);
-        let fresh = solver.minimum(&problem, &self.start);
+        let weight = (2.0 * half_squares(&residuals) * each).sqrt();
+        residuals.extend(self.held.iter().map(|index| weight * held_z[*index]));
+        residuals
+    }
+
+    /// How much less likely, over the threshold: 1 at the interval's ends. `warm` follows.
+    fn excess(&self, kept: Kept, start: &[f64], warm: &mut Vec<f64>) -> f64 {
+        let residuals = |x: &[f64]| self.residuals(x, kept);
+        let near = minimum(&residuals, warm, STEPS);
+        let fresh = minimum(&residuals, start, STEPS);
         let best = if fresh.cost < near.cost { fresh } else { near };
         *warm = best.x;
-        let n = self.free.model.readings as f64;
-        n * (best.cost / self.least).ln() / self.threshold
+        self.model.readings as f64 * (best.cost / self.least).ln() / self.threshold
     }
 
-    /// The end of the interval on one side, or the bound where even that is likely enough.
-    fn end(&self, centre: f64, first_step: f64, bound: f64) -> f64 {
+    /// The end of the interval on one side, or the bound where even that is likely enough. `start` is where all is best,
+    /// without what is kept.
+    fn end(
+        &self,
+        kept: impl Fn(f64) -> Kept,
+        start: &[f64],
+        centre: f64,
+        first_step: f64,
+        bound: f64,
+    ) -> f64 {
         /// Width of the last bracket over the half width.
         const FINE: f64 = 0.01;
         const MOST: usize = 30;
-        let mut warm = self.start.clone();
+        let mut warm = start.to_vec();
         let (mut inside, mut outside) = (centre, None);
         let mut step = first_step;
         for _ in 0..MOST {
             let tried = match outside {
-                None => {
-                    let next = inside + step;
-                    if (bound - next) * step <= 0.0 {
-                        bound
-                    } else {
-                        next
-                    }
-                }
+                None if (bound - inside - step) * step <= 0.0 => bound,
+                None => inside + step,
                 Some(outside) => 0.5 * (inside + outside),
             };
-            if self.excess(tried, &mut warm) < 1.0 {
+            if self.excess(kept(tried), start, &mut warm) < 1.0 {
                 inside = tried;
                 if tried == bound {
                     return bound;
@@ -128,9 +108,7 @@ impl<K: Fn(f64) -> Kept> Profile<'_, K> {
             } else {
                 outside = Some(tried);
             }
-            if let Some(outside) = outside
-                && (outside - inside).abs() < FINE * (outside - centre).abs()
-            {
+            if outside.is_some_and(|o| (o - inside).abs() < FINE * (o - centre).abs()) {
                 break;
             }
         }
@@ -144,58 +122,51 @@ impl<K: Fn(f64) -> Kept> Profile<'_, K> {
 /// with the noise fitted along. What is held at a base rope's value counts as one more reading each, by that rope's interval.
 pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw, level: f64) {
     let held = moving(model, &best.unit);
-    let free = Constrained {
+    let t = student_quantile(model.freedom(), level);
+    let mut profile = Profile {
         model,
         held: &held,
-        kept: Kept::Nothing,
+        least: f64::NAN,
+        threshold: model.readings as f64 * (t * t / model.freedom()).ln_1p(),
     };
     let mut likeliest = best.unit.clone();
-    likeliest.resize(free.parameters(), 0.5);
+    likeliest.resize(best.unit.len() + held.len(), 0.5);
+    let free = |x: &[f64]| profile.residuals(x, Kept::Nothing);
     if !held.is_empty() {
-        likeliest = TrustRegion { steps: 40 }.minimum(&free, &likeliest).x;
+        likeliest = minimum(&free, &likeliest, STEPS).x;
     }
-    let residuals = free.residuals(&likeliest);
-    let least = 0.5 * residuals.iter().map(|r| r * r).sum::<f64>();
-    let n = model.readings as f64;
-    let t = student_quantile(model.freedom(), level);
-    let threshold = n * (t * t / model.freedom()).ln_1p();
+    profile.least = half_squares(&free(&likeliest));
     let mut ends = Vec::new();
-    for index in 0..model.law_numbers() {
+    for (index, shape) in model.shapes[..model.law_numbers()].iter().enumerate() {
         let mut start = likeliest.clone();
         let centre = start.remove(index);
-        let profile = Profile {
-            free,
-            kept: |value| Kept::Shape { index, value },
-            start,
-            least,
-            threshold,
+        let end = |step, bound| {
+            let kept = |value| Kept::Shape { index, value };
+            shape.value(profile.end(kept, &start, centre, step, bound))
         };
-        let low = profile.end(centre, -0.05, 0.0);
-        let high = profile.end(centre, 0.05, 1.0);
-        let shape = &model.shapes[index];
-        ends.push((shape.value(low), shape.value(high)));
+        ends.push((end(-0.05, 0.0), end(0.05, 1.0)));
     }
+    let (full, held_z) = profile.full(&likeliest, Kept::Nothing);
+    let values = model.values_held(&full, &held_z);
+    let point = model.solve_values(&values, model.noise_at(&full), false, None);
     for (block, own) in model.blocks.iter().enumerate() {
-        for column in 0..own.positive.len() {
-            let profile = Profile {
-                free,
-                kept: |value| {
+        for (column, positive) in own.positive.iter().enumerate() {
+            let centre = point.solutions[block].beta[column];
+            let end = |step, bound| {
+                let kept = |value| {
                     Kept::Coefficient(Fixed {
                         block,
                         column,
                         value,
                     })
-                },
-                start: likeliest.clone(),
-                least,
-                threshold,
+                };
+                model.number(column, profile.end(kept, &likeliest, centre, step, bound))
             };
-            let centre = free.coefficient(&likeliest, block, column);
             let step = (0.1 * centre.abs()).max(1e-3);
-            let bound = if own.positive[column] { 0.0 } else { -1e9 };
-            let low = profile.end(centre, -step, bound);
-            let high = profile.end(centre, step, 1e9);
-            let (a, b) = (model.number(column, low), model.number(column, high));
+            let (a, b) = (
+                end(-step, if *positive { 0.0 } else { -1e9 }),
+                end(step, 1e9),
+            );
             ends.push((a.min(b), a.max(b)));
         }
     }

@@ -8,6 +8,7 @@
 
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
+use sinew_model::cholesky;
 
 /// Length of the ensemble's run.
 #[derive(Debug, Clone, Copy)]
@@ -30,44 +31,17 @@ impl Plan {
     }
 }
 
-/// Where walkers start: a normal distribution by the lower Cholesky factor of its precision.
+/// Where walkers start: a normal distribution by the lower Cholesky factor of its precision, row by row.
 pub(super) struct Around {
     pub(super) centre: Vec<f64>,
-    pub(super) factor: Vec<Vec<f64>>,
+    pub(super) factor: Vec<f64>,
 }
 
 impl Around {
-    /// Lower Cholesky factor of the covariance, row by row, with deviations so many times as large.
-    pub(super) fn spread(&self, times: f64) -> Vec<f64> {
-        let d = self.centre.len();
-        // Columns of L⁻ᵀ: covariance (L Lᵀ)⁻¹ = L⁻ᵀ L⁻¹.
-        let mut inverse = vec![vec![0.0; d]; d];
-        for (k, column) in inverse.iter_mut().enumerate() {
-            for i in (0..d).rev() {
-                let unit = if i == k { 1.0 } else { 0.0 };
-                let told: f64 = (i + 1..d).map(|j| self.factor[j][i] * column[j]).sum();
-                column[i] = (unit - told) / self.factor[i][i];
-            }
-        }
-        let mut covariance = vec![0.0; d * d];
-        for i in 0..d {
-            for j in 0..=i {
-                covariance[i * d + j] = inverse.iter().map(|column| column[i] * column[j]).sum();
-            }
-        }
-        super::cholesky::cholesky(&covariance, d, times * times)
-    }
-
     /// A point at so many standard deviations from a centre, within the box.
     fn point(&self, centre: &[f64], z: &[f64]) -> Vec<f64> {
-        let d = z.len();
         let mut x = z.to_vec();
-        for i in (0..d).rev() {
-            for k in i + 1..d {
-                x[i] -= self.factor[k][i] * x[k];
-            }
-            x[i] /= self.factor[i][i];
-        }
+        cholesky::backward(&self.factor, z.len(), &mut x);
         let within = |(c, x): (&f64, f64)| (c + x).clamp(1e-6, 1.0 - 1e-6);
         centre.iter().zip(x).map(within).collect()
     }
@@ -170,7 +144,7 @@ mod tests {
     fn points_are_slanted_as_the_density_is_and_stay_in_the_box() {
         let around = Around {
             centre: vec![0.5, 0.5],
-            factor: vec![vec![10.0, 0.0], vec![5.0, 20.0]],
+            factor: vec![10.0, 0.0, 5.0, 20.0],
         };
         let near = |z: [f64; 2], wanted: [f64; 2]| {
             let point = around.point(&around.centre, &z);
@@ -200,7 +174,7 @@ mod tests {
         // Starts a third as wide as it should and without the correlation.
         let start = Around {
             centre: vec![0.5, 0.5],
-            factor: vec![vec![30.0, 0.0], vec![0.0, 30.0]],
+            factor: vec![30.0, 0.0, 0.0, 30.0],
         };
         let draws = ensemble(&density, &start, &[], plan, &mut random);
         let n = draws.len() as f64;
@@ -215,5 +189,69 @@ mod tests {
         assert!((mean - 0.5).abs() < 0.01, "{mean}");
         assert!((variance.sqrt() - 0.1).abs() < 0.006, "{variance}");
         assert!((cross / variance - 0.9).abs() < 0.03, "{cross}");
+    }
+
+    fn around(d: usize, centre: f64, deviation: f64) -> Around {
+        let factor = (0..d * d).map(|k| {
+            if k % (d + 1) == 0 {
+                1.0 / deviation
+            } else {
+                0.0
+            }
+        });
+        Around {
+            centre: vec![centre; d],
+            factor: factor.collect(),
+        }
+    }
+
+    #[test]
+    fn a_second_optimum_and_a_plateau_are_found() {
+        // Two thirds at 0.2, one third at 0.8 of the first number; the second is anything.
+        let density = |p: &[f64]| {
+            if p.iter().any(|p| !(0.0..=1.0).contains(p)) {
+                return f64::NEG_INFINITY;
+            }
+            let at = |c: f64| (-0.5 * ((p[0] - c) / 0.03).powi(2)).exp();
+            (2.0 * at(0.2) + at(0.8)).ln()
+        };
+        let mut share = 0.0;
+        let mut middle = 0.0;
+        const SEEDS: u64 = 40;
+        for seed in 0..SEEDS {
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let mut start = around(2, 0.2, 0.05);
+            start.centre[1] = 0.5;
+            let draws = ensemble(&density, &start, &[], Plan::of(2), &mut random);
+            let n = draws.len() as f64 * SEEDS as f64;
+            share += draws.iter().filter(|d| d[0] > 0.5).count() as f64 / n;
+            middle += draws.iter().map(|d| d[1]).sum::<f64>() / n;
+        }
+        // 20 000 draws; the two optima are told by points that fell there.
+        assert!((share - 1.0 / 3.0).abs() < 0.03, "{share}");
+        assert!((middle - 0.5).abs() < 0.02, "{middle}");
+    }
+
+    /// Narrow optima of four numbers: points anywhere in the box never fall there, and no weight tells that one is missing.
+    #[test]
+    fn a_narrow_optimum_that_the_search_found_has_its_share() {
+        let density = |p: &[f64]| {
+            let at = |c: f64| {
+                let squares: f64 = p.iter().map(|x| ((x - c) / 0.03).powi(2)).sum();
+                (-0.5 * squares).exp()
+            };
+            (at(0.2) + at(0.8)).ln()
+        };
+        let mut share = 0.0;
+        const SEEDS: u64 = 20;
+        for seed in 0..SEEDS {
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let start = around(4, 0.2, 0.03);
+            let others = [vec![0.8; 4]];
+            let draws = ensemble(&density, &start, &others, Plan::of(4), &mut random);
+            let second = draws.iter().filter(|d| d[0] > 0.5).count();
+            share += second as f64 / draws.len() as f64 / SEEDS as f64;
+        }
+        assert!((share - 0.5).abs() < 0.05, "{share}");
     }
 }

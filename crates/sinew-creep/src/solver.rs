@@ -1,39 +1,16 @@
-//! Least squares within bounds, behind a trait so that the library can be changed.
+//! Least squares within the unit box: Levenberg and Marquardt's method with an active set of bounds.
+//!
+//! A step minimises `gᵀs + ½ sᵀ(JᵀJ + S + λD)s` within the box, `D` the largest diagonal of `JᵀJ` so far. `S` is a secant
+//! estimate of the curvature that `JᵀJ` leaves out: residuals of a fit aren't small, and the noise's own parameters have as much
+//! curvature in `S` as in `JᵀJ`. Steps go by that model of the two, with `S` or without, that foretold the last one better.
+//!
+//! # Source
+//! J. J. Moré, *The Levenberg–Marquardt Algorithm*, Lecture Notes in Mathematics 630, 1978 (scaling); H. B. Nielsen, *Damping
+//! Parameter in Marquardt's Method*, IMM-REP-1999-05 (damping); J. E. Dennis, D. M. Gay, R. E. Welsch, *An Adaptive Nonlinear
+//! Least-Squares Algorithm*, ACM TOMS 7, 1981 (secant estimate and its size).
 
 use serde::{Deserialize, Serialize};
-use std::convert::Infallible;
-
-use basin::{
-    BoxBounds, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, Jacobian,
-    Residual, TerminationCode, TrustRegionReflective,
-};
-
-/// Residuals of a model whose parameters lie between 0 and 1.
-pub trait Residuals {
-    /// Number of parameters.
-    fn parameters(&self) -> usize;
-    /// Residuals at `x`; their number doesn't change.
-    fn residuals(&self, x: &[f64]) -> Vec<f64>;
-
-    /// Their derivatives, parameter after parameter; central differences where nothing better is
-    /// known.
-    fn slopes(&self, x: &[f64]) -> Vec<f64> {
-        /// Step of the differences: the cube root of the rounding error balances truncation.
-        const STEP: f64 = 6e-6;
-        let mut at = x.to_vec();
-        let mut slopes = Vec::new();
-        for j in 0..x.len() {
-            let (low, high) = ((x[j] - STEP).max(0.0), (x[j] + STEP).min(1.0));
-            at[j] = high;
-            let up = self.residuals(&at);
-            at[j] = low;
-            let down = self.residuals(&at);
-            at[j] = x[j];
-            slopes.extend(up.iter().zip(&down).map(|(u, d)| (u - d) / (high - low)));
-        }
-        slopes
-    }
-}
+use sinew_model::cholesky::{dot, factorise, solve};
 
 /// Why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,25 +36,7 @@ pub enum Termination {
 impl Termination {
     /// Whether the search ended by a criterion of its own.
     pub fn converged(self) -> bool {
-        use Termination::{Cost, Gradient, Linear, NoProgress, Step};
-        matches!(self, Linear | Gradient | Step | Cost | NoProgress)
-    }
-}
-
-impl From<TerminationCode> for Termination {
-    fn from(code: TerminationCode) -> Self {
-        use TerminationCode as C;
-        match code {
-            C::GradientTolerance
-            | C::RelativeGradientTolerance
-            | C::ProjectedGradientTolerance
-            | C::SolverConverged => Termination::Gradient,
-            C::ParamTolerance | C::RelativeParamTolerance | C::RhoTolerance => Termination::Step,
-            C::CostTolerance | C::RelativeCostTolerance => Termination::Cost,
-            C::MaxIter => Termination::StepLimit,
-            C::NumericalNoProgress => Termination::NoProgress,
-            _ => Termination::Failed,
-        }
+        !matches!(self, Termination::StepLimit | Termination::Failed)
     }
 }
 
@@ -93,109 +52,289 @@ pub struct Ending {
 
 /// Where a search ended.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Minimum {
+pub(super) struct Minimum {
     /// Parameters, each between 0 and 1.
-    pub x: Vec<f64>,
+    pub(super) x: Vec<f64>,
     /// Half the sum of squares.
-    pub cost: f64,
-    /// How the search ended.
-    pub ending: Ending,
+    pub(super) cost: f64,
+    pub(super) ending: Ending,
 }
 
-/// A search for the least squares within the unit box.
-pub trait LeastSquares {
-    /// Searches from `start`.
-    fn minimum(&self, problem: &dyn Residuals, start: &[f64]) -> Minimum;
+/// Residuals at parameters that lie between 0 and 1; their number doesn't change.
+pub(super) type Residuals<'a> = dyn Fn(&[f64]) -> Vec<f64> + 'a;
+
+/// Derivatives of residuals, parameter by parameter, by central differences within the box.
+pub(super) fn slopes(residuals: &Residuals<'_>, x: &[f64], step: f64) -> Vec<Vec<f64>> {
+    let mut at = x.to_vec();
+    let slope = |j: usize| {
+        let (low, high) = ((x[j] - step).max(0.0), (x[j] + step).min(1.0));
+        let [down, up] = [low, high].map(|end| {
+            at[j] = end;
+            residuals(&at)
+        });
+        at[j] = x[j];
+        let pairs = up.iter().zip(&down);
+        pairs.map(|(u, d)| (u - d) / (high - low)).collect()
+    };
+    (0..x.len()).map(slope).collect()
 }
 
-/// Trust region reflective (Branch, Coleman and Li, SIAM J. Sci. Comput. 21, 1999), from `basin`.
-#[derive(Debug, Clone, Copy)]
-pub struct TrustRegion {
-    /// Most steps.
-    pub steps: u64,
+/// Half the sum of squares.
+pub(super) fn half_squares(residuals: &[f64]) -> f64 {
+    0.5 * dot(residuals, residuals)
 }
 
-impl Default for TrustRegion {
-    fn default() -> Self {
-        Self { steps: 60 }
-    }
-}
-
-struct Adapter<'a> {
-    problem: &'a dyn Residuals,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-}
-
-impl Constraints for Adapter<'_> {
-    type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
-
-    fn constraints(&self) -> <Self::Set as ConstraintDescription>::Borrowed<'_> {
-        ConstraintSet::new().with_bounds(BoxBounds::new(Some(&self.lower), Some(&self.upper)))
-    }
-}
-
-impl Residual for Adapter<'_> {
-    type Param = Vec<f64>;
-    type Output = Vec<f64>;
-    type Error = Infallible;
-
-    fn residual(&self, x: &Vec<f64>) -> Result<Vec<f64>, Infallible> {
-        Ok(self.problem.residuals(x))
-    }
-}
-
-impl Jacobian for Adapter<'_> {
-    type Jacobian = DenseMatrix;
-
-    fn jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, Infallible> {
-        let n = x.len();
-        let slopes = self.problem.slopes(x);
-        let rows = slopes.len() / n.max(1);
-        let mut flat = Vec::with_capacity(slopes.len());
-        for i in 0..rows {
-            flat.extend((0..n).map(|j| slopes[j * rows + i]));
-        }
-        Ok(DenseMatrix::from_row_slice(rows, n, &flat))
-    }
-}
-
-impl LeastSquares for TrustRegion {
-    fn minimum(&self, problem: &dyn Residuals, start: &[f64]) -> Minimum {
-        let n = start.len();
-        let cost = |x: &[f64]| 0.5 * problem.residuals(x).iter().map(|r| r * r).sum::<f64>();
-        let unmoved = |termination| Minimum {
-            x: start.to_vec(),
-            cost: cost(start),
-            ending: Ending {
-                termination,
-                steps: 0,
-            },
+/// Searches for the least squares from `start`, by so many steps at most.
+pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Minimum {
+    /// Width of the differences: the cube root of the rounding error balances truncation.
+    const WIDTH: f64 = 6e-6;
+    /// Change of the cost, and of any parameter, that counts as none.
+    const SAME_COST: f64 = 1e-10;
+    const SAME_PLACE: f64 = 1e-8;
+    /// Damping to begin with, and the most: nothing moves any more.
+    const DAMPING: f64 = 1e-3;
+    const DAMPING_MOST: f64 = 1e12;
+    let n = start.len();
+    let mut x = start.to_vec();
+    let mut left = residuals(&x);
+    let mut cost = half_squares(&left);
+    let end = |x, cost, termination, steps| Minimum {
+        x,
+        cost,
+        ending: Ending { termination, steps },
+    };
+    if n == 0 || !cost.is_finite() {
+        let linear = n == 0;
+        let why = if linear {
+            Termination::Linear
+        } else {
+            Termination::Failed
         };
-        if n == 0 {
-            return unmoved(Termination::Linear);
+        return end(x, cost, why, 0);
+    }
+    let along = |columns: &[Vec<f64>], left: &[f64]| -> Vec<f64> {
+        columns.iter().map(|column| dot(column, left)).collect()
+    };
+    let mut columns = slopes(residuals, &x, WIDTH);
+    let mut gradient = along(&columns, &left);
+    let mut scale = vec![f64::MIN_POSITIVE; n];
+    let mut secant = vec![0.0; n * n];
+    let mut with_secant = false;
+    let (mut damping, mut growth) = (DAMPING, 2.0);
+    // Whether the damping was let go since the cost last fell.
+    let mut let_go = false;
+    for steps in 0..most {
+        let normal: Vec<f64> = columns.iter().flat_map(|a| along(&columns, a)).collect();
+        for (j, scale) in scale.iter_mut().enumerate() {
+            *scale = scale.max(normal[j * n + j]);
         }
-        let adapter = Adapter {
-            problem,
-            lower: vec![0.0; n],
-            upper: vec![1.0; n],
+        // A parameter that nothing goes by stays.
+        let least = f64::EPSILON * scale.iter().copied().fold(0.0, f64::max);
+        // Damped until the cost falls.
+        let (step, tried) = loop {
+            let mut hessian = normal.clone();
+            if with_secant {
+                hessian.iter_mut().zip(&secant).for_each(|(h, s)| *h += s);
+            }
+            let undamped = hessian.clone();
+            for (j, scale) in scale.iter().enumerate() {
+                hessian[j * n + j] += damping * scale.max(least);
+            }
+            if let Some(step) = bounded_step(&hessian, &gradient, &x) {
+                let foretold = -foretold(&gradient, &undamped, &step);
+                if step.iter().all(|s| *s == 0.0) {
+                    return end(x, cost, Termination::Gradient, steps);
+                }
+                let tried: Vec<f64> = x
+                    .iter()
+                    .zip(&step)
+                    .map(|(x, s)| (x + s).clamp(0.0, 1.0))
+                    .collect();
+                let tried_left = residuals(&tried);
+                let gain = (cost - half_squares(&tried_left)) / foretold;
+                if gain > 1e-4 && foretold > 0.0 {
+                    // Nielsen's: a third where the model was right, twice where it was half right.
+                    damping =
+                        (damping * (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0)).max(1e-12);
+                    growth = 2.0;
+                    break (step, (tried, tried_left));
+                }
+            }
+            if damping > DAMPING_MOST {
+                return end(x, cost, Termination::NoProgress, steps);
+            }
+            damping *= growth;
+            growth *= 2.0;
         };
-        let solver = TrustRegionReflective::new()
-            .with_relative_cost_change_tolerance(1e-10)
-            .with_relative_step_tolerance(1e-8);
-        let run = Executor::from_start(adapter, solver, start.to_vec())
-            .max_iter(self.steps)
-            .run();
-        let Ok(result) = run else {
-            return unmoved(Termination::Failed);
-        };
-        Minimum {
-            x: result.param().clone(),
-            cost: result.cost(),
-            ending: Ending {
-                termination: result.report.code().into(),
-                steps: result.iter(),
-            },
+        let before = (cost, gradient, columns);
+        (x, left) = tried;
+        cost = half_squares(&left);
+        columns = slopes(residuals, &x, WIDTH);
+        gradient = along(&columns, &left);
+        let fell = before.0 - cost;
+        // The secant: what the change of the gradient has beyond JᵀJ s.
+        let bare = foretold(&before.1, &normal, &step);
+        let bent = 0.5 * quadratic(&secant, &step, &step);
+        with_secant = (bare + bent + fell).abs() < (bare + fell).abs();
+        update(
+            &mut secant,
+            &step,
+            &gradient,
+            &before.1,
+            &along(&before.2, &left),
+        );
+        let moved = step.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        let (small_cost, small_step) = (fell < SAME_COST * cost, moved < SAME_PLACE);
+        if small_cost || small_step {
+            // A damping that grew at a bend of the way makes short steps: without it there may be more.
+            if let_go || damping < DAMPING {
+                let why = if small_cost {
+                    Termination::Cost
+                } else {
+                    Termination::Step
+                };
+                return end(x, cost, why, steps + 1);
+            }
+            damping = 1e-6;
+            let_go = true;
+        } else {
+            let_go = false;
         }
+    }
+    end(x, cost, Termination::StepLimit, most)
+}
+
+/// `gᵀs + ½ sᵀHs`.
+fn foretold(gradient: &[f64], hessian: &[f64], step: &[f64]) -> f64 {
+    dot(gradient, step) + 0.5 * quadratic(hessian, step, step)
+}
+
+/// `aᵀHb`.
+fn quadratic(hessian: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    let rows = hessian.chunks_exact(b.len());
+    a.iter().zip(rows).map(|(a, row)| a * dot(row, b)).sum()
+}
+
+/// The step to the least of `gᵀs + ½ sᵀHs` within the box; none where `H` isn't positive definite.
+///
+/// What would leave the box stops at its bound, and the others make up for it.
+fn bounded_step(hessian: &[f64], gradient: &[f64], x: &[f64]) -> Option<Vec<f64>> {
+    const EDGE: f64 = 1e-6;
+    const SHARE: f64 = 0.9;
+    let n = x.len();
+    let mut step = vec![0.0; n];
+    let outward =
+        |j: usize| (x[j] <= 0.0 && gradient[j] >= 0.0) || (x[j] >= 1.0 && gradient[j] <= 0.0);
+    let mut free: Vec<usize> = (0..n).filter(|j| !outward(*j)).collect();
+    loop {
+        let m = free.len();
+        let mut of_free = Vec::with_capacity(m * m);
+        let mut to = Vec::with_capacity(m);
+        for &i in &free {
+            let row = &hessian[i * n..(i + 1) * n];
+            of_free.extend(free.iter().map(|j| row[*j]));
+            let stopped = (0..n).filter(|j| !free.contains(j));
+            to.push(-gradient[i] - stopped.map(|j| row[j] * step[j]).sum::<f64>());
+        }
+        let mut factor = vec![0.0; m * m];
+        factorise(&of_free, &mut factor, m).ok()?;
+        solve(&factor, m, &mut to);
+        let mut inside = Vec::with_capacity(m);
+        for (&j, to) in free.iter().zip(to) {
+            let room = |side: f64| if side < EDGE { side } else { SHARE * side };
+            step[j] = to.clamp(-room(x[j]), room(1.0 - x[j]));
+            if step[j] == to {
+                inside.push(j);
+            }
+        }
+        if inside.len() == m {
+            return Some(step);
+        }
+        free = inside;
+    }
+}
+
+/// Dennis, Gay and Welsch's update of the secant estimate `S`: `S s` becomes `J₁ᵀr₁ − J₀ᵀr₁`.
+fn update(secant: &mut [f64], step: &[f64], gradient: &[f64], before: &[f64], mixed: &[f64]) {
+    let n = step.len();
+    let y: Vec<f64> = gradient.iter().zip(before).map(|(g, b)| g - b).collect();
+    let wanted: Vec<f64> = gradient.iter().zip(mixed).map(|(g, m)| g - m).collect();
+    let along = dot(&y, step);
+    if along <= 0.0 {
+        return;
+    }
+    let size = (dot(step, &wanted) / quadratic(secant, step, step)).abs();
+    if size < 1.0 {
+        secant.iter_mut().for_each(|s| *s *= size);
+    }
+    let rows = secant.chunks_exact(n).zip(&wanted);
+    let apart: Vec<f64> = rows.map(|(row, w)| w - dot(row, step)).collect();
+    let share = dot(&apart, step) / along;
+    for i in 0..n {
+        for j in 0..n {
+            secant[i * n + j] += (apart[i] * y[j] + y[i] * apart[j] - share * y[i] * y[j]) / along;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(residuals: &Residuals<'_>, start: &[f64], wanted: &[f64], most: u64) {
+        let found = minimum(residuals, start, 60);
+        assert!(found.ending.termination.converged(), "{found:?}");
+        assert!(found.ending.steps <= most, "{found:?}");
+        for (x, wanted) in found.x.iter().zip(wanted) {
+            assert!((x - wanted).abs() < 1e-6, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_bent_valley_is_followed_to_its_end() {
+        // Rosenbrock's, x from −1 to 2.
+        let valley = |u: &[f64]| {
+            let [x, y] = [3.0 * u[0] - 1.0, 3.0 * u[1] - 1.0];
+            vec![10.0 * (y - x * x), 1.0 - x]
+        };
+        check(&valley, &[0.1, 0.8], &[2.0 / 3.0; 2], 30);
+    }
+
+    #[test]
+    fn bounds_are_reached_and_left_again() {
+        // Without bounds at (1.5, −0.5).
+        let corner = |u: &[f64]| vec![u[0] - 1.5, u[0] + u[1] - 1.0];
+        check(&corner, &[0.3, 0.4], &[1.0, 0.0], 20);
+        let inside = |u: &[f64]| vec![u[0] - 0.2, u[1] - 0.9, u[0] * u[1] - 0.18];
+        check(&inside, &[1.0, 0.0], &[0.2, 0.9], 20);
+    }
+
+    /// Two groups of readings whose variances are `exp(±a)`, as the noise of a fit: `JᵀJ` is half of the curvature. Best where `a`
+    /// is half the logarithm of the ratio of their squares.
+    #[test]
+    fn large_residuals_do_not_slow_it_down() {
+        let noise = |u: &[f64]| {
+            let a = 4.0 * u[0] - 2.0;
+            vec![3.0 * (-0.5 * a).exp(), 2.0 * (0.5 * a).exp()]
+        };
+        let best = 0.5 * (9.0_f64 / 4.0).ln();
+        check(&noise, &[0.05], &[(best + 2.0) / 4.0], 10);
+    }
+
+    #[test]
+    fn what_nothing_goes_by_stays() {
+        let one = |u: &[f64]| vec![u[0] - 0.25, 0.1];
+        let found = minimum(&one, &[0.9, 0.4], 60);
+        assert!(
+            (found.x[0] - 0.25).abs() < 1e-8 && found.x[1] == 0.4,
+            "{found:?}"
+        );
+        assert_eq!(
+            minimum(&|_| vec![1.0], &[], 60).ending.termination,
+            Termination::Linear
+        );
+        let never = minimum(&|_| vec![f64::NAN], &[0.5], 60);
+        assert_eq!(never.ending.termination, Termination::Failed);
     }
 }

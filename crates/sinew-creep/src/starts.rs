@@ -25,12 +25,10 @@ pub(super) fn starts(model: &Model) -> Vec<Vec<f64>> {
     match model.noise {
         NoiseKind::White => points.into_iter().map(|(_, x)| x).collect(),
         NoiseKind::Correlated => points
-            .into_iter()
+            .iter()
+            .cycle()
             .zip([(0.1, 0.5), (0.6, 0.5), (0.5, 0.8)])
-            .map(|((_, mut x), (share, memory))| {
-                x.extend([share, memory]);
-                x
-            })
+            .map(|((_, x), (share, memory))| [&x[..], &[share, memory]].concat())
             .collect(),
     }
 }

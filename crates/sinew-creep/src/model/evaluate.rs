@@ -184,26 +184,20 @@ impl Model {
 
     /// Residuals whose squares have their minimum where the likelihood has its maximum:
     /// `r̃ |K|^{1/2n}`, since `n ln(r̃ᵀr̃) + ln |K| = n ln(r̃ᵀr̃ |K|^{1/n})`.
-    pub(crate) fn likelihood_residuals(&self, x: &[f64], fixed: Option<Fixed>) -> Vec<f64> {
-        self.held_residuals(x, &self.held_z, fixed)
+    pub(crate) fn residuals(&self, x: &[f64]) -> Vec<f64> {
+        self.held_residuals(x, &self.held_z, None)
     }
 
-    /// The same with what is held so many deviations from the base rope's values, which takes `Σ z²` from twice the
-    /// logarithm of the likelihood: `r̃ exp(Σ z²/2n)`.
+    /// The same with what is held so many deviations from the base rope's values.
     pub(crate) fn held_residuals(
         &self,
         x: &[f64],
         held_z: &[f64],
         fixed: Option<Fixed>,
     ) -> Vec<f64> {
-        let mut point =
-            self.solve_values(&self.values_held(x, held_z), self.noise_at(x), false, fixed);
-        let beside: f64 = held_z
-            .iter()
-            .zip(&self.held_z)
-            .map(|(z, own)| z * z - own * own)
-            .sum();
-        let factor = (0.5 * (point.log_det_noise + beside) / self.readings as f64).exp();
+        let values = self.values_held(x, held_z);
+        let mut point = self.solve_values(&values, self.noise_at(x), false, fixed);
+        let factor = (0.5 * point.log_det_noise / self.readings as f64).exp();
         point.residuals.iter_mut().for_each(|r| *r *= factor);
         point.residuals
     }

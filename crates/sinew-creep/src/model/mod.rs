@@ -2,7 +2,6 @@
 
 mod evaluate;
 mod records;
-mod slopes;
 
 use crate::curve::Curve;
 use crate::error::CreepError;
@@ -103,7 +102,9 @@ fn moments(curves: &[Curve], shapes: &mut Vec<Shape>) -> Vec<Moment> {
                 step: window.step,
                 shape: shapes.len(),
             });
-            shapes.push(Shape::linear("step_s", "s", window.from_s, window.to_s));
+            // At the reading before it the step would count for that one.
+            let (from_s, to_s) = (window.from_s.next_up(), window.to_s);
+            shapes.push(Shape::linear("step_s", "s", from_s, to_s));
         }
     }
     moments

@@ -3,11 +3,11 @@
 use super::bench_test::strain;
 use super::coordinate::moved;
 use super::duty::Slopes;
-use crate::cholesky::lower_factor;
 use crate::curve::Curve;
 use crate::rope_base::RopeBase;
 use crate::rope_entry;
 use crate::rope_law::RopePlan;
+use sinew_model::cholesky;
 use sinew_rope::law::holds::Holds;
 use sinew_rope::law::{Parameter, Parameters};
 
@@ -50,7 +50,7 @@ pub(super) struct Design {
     free: Vec<usize>,
     held: Vec<usize>,
     /// Lower Cholesky factor of the information, row by row: fitted, held, ε₀ of every record.
-    factor: Vec<Vec<f64>>,
+    factor: Vec<f64>,
     curves: Vec<Curve>,
 }
 
@@ -77,27 +77,29 @@ impl Design {
         let held: Vec<usize> = plan.held.iter().map(|(p, _)| index(*p)).collect();
         let numbers: Vec<usize> = free.iter().chain(&held).copied().collect();
         let n = numbers.len() + records.len();
-        let mut information = vec![vec![0.0; n]; n];
+        let mut information = vec![0.0; n * n];
         for (r, record) in records.iter().enumerate() {
             let own = numbers.len() + r;
             for (i, a) in numbers.iter().enumerate() {
                 for (j, b) in numbers.iter().enumerate().take(i + 1) {
                     let pairs = record.slopes[*a].iter().zip(&record.slopes[*b]);
-                    information[i][j] += pairs.map(|(a, b)| a * b).sum::<f64>();
+                    information[i * n + j] += pairs.map(|(a, b)| a * b).sum::<f64>();
                 }
                 let along: f64 = record.slopes[*a].iter().sum();
-                information[own][i] += along * record.zero.0;
+                information[own * n + i] += along * record.zero.0;
             }
             let readings = record.curve.time_s.len() as f64;
-            information[own][own] += readings * record.zero.0.powi(2) + record.zero.1.powi(2);
+            information[own * n + own] += readings * record.zero.0.powi(2) + record.zero.1.powi(2);
         }
-        for (i, row) in information.iter_mut().enumerate().take(numbers.len()) {
-            row[i] += if i < free.len() { OPEN.powi(-2) } else { 1.0 };
+        for i in 0..numbers.len() {
+            information[i * n + i] += if i < free.len() { OPEN.powi(-2) } else { 1.0 };
         }
+        let mut factor = vec![0.0; n * n];
+        cholesky::factorise(&information, &mut factor, n).ok()?;
         Some(Self {
             free,
             held,
-            factor: lower_factor(information),
+            factor,
             curves,
         })
     }
@@ -108,10 +110,10 @@ impl Design {
     pub(super) fn variance(&self, duty: &Slopes) -> f64 {
         let touched: Vec<usize> = self.free.iter().chain(&self.held).copied().collect();
         let mut along: Vec<f64> = touched.iter().map(|i| duty.slopes[*i]).collect();
-        along.resize(self.factor.len(), 0.0);
+        along.resize(self.numbers(), 0.0);
         let together = self.variance_along(along);
         let alone = |(place, i): (usize, &usize)| {
-            let mut unit = vec![0.0; self.factor.len()];
+            let mut unit = vec![0.0; self.numbers()];
             unit[place] = duty.slopes[*i];
             self.variance_along(unit)
         };
@@ -120,12 +122,14 @@ impl Design {
         shrink * together + (1.0 - shrink) * apart + duty.variance_without(&touched)
     }
 
+    /// Fitted, held, and an ε₀ for every record.
+    fn numbers(&self) -> usize {
+        self.free.len() + self.held.len() + self.curves.len()
+    }
+
     /// `b' (L L')⁻¹ b = |L⁻¹ b|²`.
     fn variance_along(&self, mut b: Vec<f64>) -> f64 {
-        for i in 0..b.len() {
-            let told: f64 = (0..i).map(|j| self.factor[i][j] * b[j]).sum();
-            b[i] = (b[i] - told) / self.factor[i][i];
-        }
+        cholesky::forward(&self.factor, b.len(), &mut b);
         b.iter().map(|x| x * x).sum()
     }
 
@@ -146,7 +150,7 @@ mod tests {
         let design = Design {
             free: vec![2],
             held: vec![0],
-            factor: vec![vec![2.0, 0.0], vec![1.0, 3.0]],
+            factor: vec![2.0, 0.0, 1.0, 3.0],
             curves: Vec::new(),
         };
         let mut duty = Slopes {
