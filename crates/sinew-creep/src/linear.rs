@@ -55,6 +55,23 @@ fn factor(columns: &mut [f64], n: usize, p: usize) -> (Vec<f64>, f64) {
     (r, log_det)
 }
 
+/// Takes away from `y` its parts along an orthonormal basis and returns them; twice over, as [`factor`] does.
+fn project(basis: &[f64], r: &[f64], p: usize, y: &mut [f64]) -> Vec<f64> {
+    let n = y.len();
+    let mut along = vec![0.0; p];
+    for _ in 0..2 {
+        for j in (0..p).filter(|j| r[j * p + j] != 0.0) {
+            let column = &basis[j * n..(j + 1) * n];
+            let part = dot(column, y);
+            along[j] += part;
+            for (value, other) in y.iter_mut().zip(column) {
+                *value -= part * other;
+            }
+        }
+    }
+    along
+}
+
 /// ln |XᵀX| over columns that add something.
 pub(super) fn log_det(columns: &mut [f64], n: usize, p: usize) -> f64 {
     factor(columns, n, p).1
@@ -65,20 +82,7 @@ pub(super) fn log_det(columns: &mut [f64], n: usize, p: usize) -> f64 {
 pub(super) fn solve(columns: &mut [f64], y: &mut [f64], positive: &[bool]) -> Solution {
     let (n, p) = (y.len(), positive.len());
     let (r, log_det) = factor(columns, n, p);
-    let mut along = vec![0.0; p];
-    for _ in 0..2 {
-        for j in 0..p {
-            if r[j * p + j] == 0.0 {
-                continue;
-            }
-            let column = &columns[j * n..(j + 1) * n];
-            let part = dot(column, y);
-            along[j] += part;
-            for (value, other) in y.iter_mut().zip(column) {
-                *value -= part * other;
-            }
-        }
-    }
+    let along = project(columns, &r, p, y);
     let left = dot(y, y);
     let free = back(&r, &along, p);
     let mut solution = Solution {
@@ -139,20 +143,7 @@ impl Solution {
             .collect();
         let (r, _) = factor(&mut columns, p, kept.len());
         let mut left = along.to_vec();
-        let mut part = vec![0.0; kept.len()];
-        for _ in 0..2 {
-            for j in 0..kept.len() {
-                if r[j * kept.len() + j] == 0.0 {
-                    continue;
-                }
-                let column = &columns[j * p..(j + 1) * p];
-                let a = dot(column, &left);
-                part[j] += a;
-                for (value, other) in left.iter_mut().zip(column) {
-                    *value -= a * other;
-                }
-            }
-        }
+        let part = project(&columns, &r, kept.len(), &mut left);
         let small = back(&r, &part, kept.len());
         let mut beta = vec![0.0; p];
         for (&j, value) in kept.iter().zip(small) {

@@ -10,25 +10,6 @@ const GAS: f64 = 8.314_462_618_153_24;
 /// 0 °C in K.
 const ZERO_C_K: f64 = 273.15;
 
-/// Test conditions of a curve: what its load and temperature make of the law.
-pub(super) struct TestConditions {
-    /// Factor on time.
-    pub(super) shift: f64,
-    /// Exponent of the load.
-    power: f64,
-}
-
-impl TestConditions {
-    /// What a load counts.
-    pub(super) fn level(&self, load: f64) -> f64 {
-        if self.power == 1.0 {
-            load
-        } else {
-            load.signum() * load.abs().powf(self.power)
-        }
-    }
-}
-
 impl Model {
     /// Rows of a curve's columns at rising times, one after another: terms, elastic step; without
     /// the ε₀. `curve` is that with index `index`, or what it goes on as. Beside them the strain that no coefficient enters, m/m.
@@ -46,59 +27,41 @@ impl Model {
             let (rows, offset) = plan.rows(shapes, held, curve, &steps, times);
             return (rows, Some(offset));
         }
+        // Boltzmann's superposition of the law's answers to the steps before each time.
+        let terms = self.terms.len();
+        let shift = self.shift(values, curve);
+        let level = |load: f64| match self.exponent {
+            Some(index) => load.signum() * load.abs().powf(values[index]),
+            None => load,
+        };
+        let mut response = vec![0.0; terms];
         let mut rows = vec![0.0; times.len() * shared];
-        if shared > 0 {
-            let conditions = self.conditions(values, curve);
-            for (row, &t) in rows.chunks_mut(shared).zip(times) {
-                self.row(values, &steps, &conditions, t, row);
+        for (row, &t) in rows.chunks_mut(shared.max(1)).zip(times) {
+            let mut before = 0.0;
+            for &(start, load) in steps.iter().take_while(|step| step.0 <= t) {
+                let now = level(load);
+                let since = (t - start) * shift;
+                self.law
+                    .respond(&values[..self.law_shapes], since, &mut response);
+                for (out, r) in row.iter_mut().zip(&response) {
+                    *out += (now - before) * r;
+                }
+                if shared > terms {
+                    row[terms] += now - before;
+                }
+                before = now;
             }
         }
         (rows, None)
     }
 
-    /// What load and temperature of a curve make of the law.
-    pub(super) fn conditions(&self, values: &[f64], curve: &Curve) -> TestConditions {
-        let shift = match (self.activation, curve.temperature_c) {
+    /// Factor on time that the temperature of a curve makes.
+    fn shift(&self, values: &[f64], curve: &Curve) -> f64 {
+        match (self.activation, curve.temperature_c) {
             (Some(index), Some(celsius)) => {
                 (values[index] * 1e3 / GAS * (1.0 / REFERENCE_K - 1.0 / (celsius + ZERO_C_K))).exp()
             }
             _ => 1.0,
-        };
-        TestConditions {
-            shift,
-            power: self.exponent.map_or(1.0, |index| values[index]),
-        }
-    }
-
-    /// Boltzmann's superposition of the law's answers to the steps before `t`.
-    fn row(
-        &self,
-        values: &[f64],
-        steps: &[(f64, f64)],
-        conditions: &TestConditions,
-        t: f64,
-        out: &mut [f64],
-    ) {
-        let terms = self.terms.len();
-        out.fill(0.0);
-        let mut response = [0.0; 4];
-        let response = &mut response[..terms];
-        let mut before = 0.0;
-        for &(start, load) in steps {
-            if start > t {
-                break;
-            }
-            let now = conditions.level(load);
-            let since = (t - start) * conditions.shift;
-            self.law
-                .respond(&values[..self.law_shapes], since, response);
-            for (out, r) in out.iter_mut().zip(response.iter()) {
-                *out += (now - before) * r;
-            }
-            if out.len() > terms {
-                out[terms] += now - before;
-            }
-            before = now;
         }
     }
 
