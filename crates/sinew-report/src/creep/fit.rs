@@ -1,8 +1,8 @@
 //! Fits of creep laws: criteria, parameters, forecasts.
 
-use super::analyze::answer;
 use super::page::{self, READINGS_OF};
 use super::picture::plotted;
+use super::specimen::answer;
 use super::words::{
     ahead, bracketed, duration, interval_kind, not_converged, open, parameter_name, short,
     why_fixed,

@@ -10,6 +10,7 @@ mod picture;
 mod plan;
 mod series;
 mod shift;
+mod specimen;
 mod withhold;
 mod words;
 

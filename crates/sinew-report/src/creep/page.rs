@@ -1,7 +1,7 @@
 //! What every report of creep tests holds, for a customer.
 
-use super::analyze::{groups, readings as readings_of, recovery, specimens};
 use super::picture::{Plotted, figure};
+use super::specimen::{groups, readings as readings_of, recovery, specimens};
 use super::words::{duration, fault, short};
 use crate::text::or_dash;
 use sinew_creep::{Analysis, Conditions, Failure, Scatter, Source, Span, Tests};

@@ -1,6 +1,6 @@
 //! Creep curves in one figure, with slopes in the legend, as the paper's Figs. 1 and 2.
 
-use super::analyze::answer;
+use super::specimen::answer;
 use super::words::short;
 use sinew_creep::{Analysis, Curve, Forecast, PERCENT_PER_H, SLOPE_FROM_S, Tests};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
