@@ -26,8 +26,6 @@ pub struct Course {
     pub joints: Vec<JointCourse>,
     /// Slips in the order of time.
     pub slips: Vec<SlipCourse>,
-    /// Changes reported with a probability of 0.9 where there was none, each counted once.
-    pub false_changes: usize,
     /// Time judged, s.
     pub watched_s: f64,
     /// Processor time of all solutions and checks, s.
@@ -137,7 +135,6 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
         watched_s: recorded.duration_s,
         joints: judges.into_iter().map(Judge::finish).collect(),
         slips: slips.into_iter().map(|s| s.finish(names)).collect(),
-        false_changes: 0,
         processor_s,
     })
 }

@@ -49,9 +49,7 @@ pub struct CourseSummary {
     pub joints: Vec<CourseFigures>,
     /// All slips together.
     pub slips: SlipFigures,
-    /// Changes reported with a probability of at least 0.9 where there was none, per hour.
-    pub false_changes_per_hour: Option<f64>,
-    /// Processor time over the recordings' length.
+    /// Processor time over the recordings' length; `None` where several recordings ran at once (`--jobs`), whose times are one.
     pub processor_share: Option<f64>,
 }
 
@@ -176,6 +174,9 @@ pub fn run_courses(
             reason: line.outcome.as_ref().err()?.clone(),
         })
     };
+    if options.jobs > 1 {
+        scenarios.iter_mut().for_each(|s| s.processor_share = None);
+    }
     Ok(CourseReport {
         sinew_version: env!("CARGO_PKG_VERSION").into(),
         first_seed: options.first_seed,
@@ -202,7 +203,6 @@ fn summarise(scenario: &str, courses: &[&Course]) -> CourseSummary {
     };
     let watched_s: f64 = courses.iter().map(|c| c.watched_s).sum();
     let processor_s: f64 = courses.iter().map(|c| c.processor_s).sum();
-    let false_changes = courses.iter().map(|c| c.false_changes).sum::<usize>() as f64;
     CourseSummary {
         scenario: scenario.into(),
         recordings: courses.len(),
@@ -210,7 +210,6 @@ fn summarise(scenario: &str, courses: &[&Course]) -> CourseSummary {
             .chain(names.iter().map(|name| figures(name, &of(name))))
             .collect(),
         slips: slip_figures(&courses.iter().flat_map(|c| &c.slips).collect::<Vec<_>>()),
-        false_changes_per_hour: finite(3600.0 * false_changes / watched_s),
         processor_share: finite(processor_s / watched_s),
     }
 }
