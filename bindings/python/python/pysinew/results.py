@@ -232,7 +232,7 @@ class BaselineResult(Record):
     left_out_share: float
     """Share of the time left out as contact or disturbance."""
     live: LiveCourse | None
-    """What the form beside a running robot says of the same recording; `None` where nobody asked."""
+    """What the online estimate says of the same recording; `None` where nobody asked."""
     motor_torque: MotorTorque
     """Which torque of the motors was used as a second witness."""
     nuisance: list[NuisanceChange]
@@ -2515,16 +2515,16 @@ class LimitForecastRetension(Record):
 
 
 class LiveCourse(Record):
-    """What the form that goes on block by block says of a recording, as beside a running robot."""
+    """What the online estimate (`crate::online`) says of a recording, block by block."""
 
     __slots__ = ()
 
     doubts: list[Doubt]
-    """When they were: the first half minute, contacts, slips that had not settled."""
+    """When any was: until the first window is solved, and after steps that are suspected or may end."""
     external_force: ForceEstimate | None
     """A constant force from outside at the tool, as far as it is known at the end; `None`: none is looked for."""
     in_doubt: bool
-    """Whether the offsets are in doubt at the end."""
+    """Whether any offset is provisional at the end."""
     joints: list[LiveTendon]
     """One entry per elastic joint, at the end of the recording."""
 
@@ -4317,7 +4317,7 @@ class SessionEstimate(Record):
     left_out_share: float
     """Share of the time left out as contact or disturbance."""
     live: LiveCourse | None
-    """What the form beside a running robot says of the same recording; `None` where nobody asked."""
+    """What the online estimate says of the same recording; `None` where nobody asked."""
     motor_torque: MotorTorque
     """Which torque of the motors was used as a second witness."""
     nuisance: list[NuisanceChange]
