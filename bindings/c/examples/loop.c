@@ -1,24 +1,21 @@
-/* Offsets beside a running robot, in C:
+/* Offsets in a control loop, in C:
  *
  *     loop ROBOT_DIR BASELINE [SAVE] < samples
  *
  * Standard input stands in for the robot: a line per sample with its time, s, the joint positions and the motor
- * positions, rad, in the robot's order; `nan` is a motor position that isn't measured. SAVE is the next baseline.
+ * positions, rad, in the robot's order; `nan` is a motor position that is not measured. SAVE is the next baseline.
  *
- * Nothing between "Sample" and "Output" allocates, locks or prints: it may stand in a control thread. */
+ * Nothing between "Sample" and "Work" allocates, locks, waits or prints: it may stand in a control thread. */
 #include <sinew.h>
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #define MOST_JOINTS 64
-/* The longest time between samples, s: a step then does a small, fixed part of a block's work. */
-static const double PERIOD_MAX_S = 0.02;
 /* Between two lines, s. */
-static const double SAY_S = 10.0;
+static const double PRINT_S = 10.0;
 
 /* A whole file as a text to be freed; null where that fails. */
 static char *text_of(const char *path) {
@@ -45,19 +42,24 @@ static bool sample_of(FILE *robot, size_t joints, double *t_s, double *q, double
     return true;
 }
 
-static void say(const sinew_robot *robot, const sinew_offsets *offsets, double since_s) {
-    bool in_doubt = true;
+/* Offsets with their 95 % intervals, and why they are provisional where they are. */
+static void print(const sinew_robot *robot, sinew_offsets *offsets, double since_s) {
+    sinew_offset of_joints[MOST_JOINTS];
+    const size_t joints = sinew_robot_joints(robot);
+    if (sinew_offsets_read(offsets, NULL, of_joints, joints) != SINEW_STATUS_OK) return;
     printf("%6.1f s", since_s);
-    for (size_t i = 0; i < sinew_robot_joints(robot); i++) {
-        double offset_rad = NAN, deviation_rad = NAN;
-        sinew_offsets_read(offsets, i, &offset_rad, &deviation_rad, &in_doubt);
-        printf("  %s %+.2f ± %.2f", sinew_robot_joint_name(robot, i), 1e3 * offset_rad, 1.96e3 * deviation_rad);
+    for (size_t i = 0; i < joints; i++) {
+        const sinew_offset *offset = &of_joints[i];
+        const char *name = sinew_robot_joint_name(robot, i);
+        printf("  %s %+.2f ± %.2f", name, 1e3 * offset->offset_rad, 1.96e3 * offset->deviation_rad);
+        if (offset->provisional != SINEW_PROVISIONAL_NONE)
+            printf(" (%s)", sinew_provisional_text((int)offset->provisional));
     }
-    printf(" mrad%s\n", in_doubt ? ", in doubt" : "");
+    printf(" mrad\n");
 }
 
-/* Writes what is known now: the baseline of the next session. */
-static int save(const sinew_offsets *offsets, double end_s, const char *path) {
+/* Writes the last solution: the baseline of the next session. */
+static int save(sinew_offsets *offsets, double end_s, const char *path) {
     const int64_t end_ns = (int64_t)(end_s * 1e9);
     size_t length = 0;
     sinew_status status = sinew_offsets_save(offsets, "loop", end_ns, NULL, 0, &length);
@@ -68,7 +70,7 @@ static int save(const sinew_offsets *offsets, double end_s, const char *path) {
     const bool closed = file != NULL && fclose(file) == 0;
     free(text);
     if (written && closed) return EXIT_SUCCESS;
-    fprintf(stderr, "%s isn't written: %s\n", path, sinew_status_text((int)status));
+    fprintf(stderr, "%s is not written: %s\n", path, sinew_status_text((int)status));
     return EXIT_FAILURE;
 }
 
@@ -89,44 +91,44 @@ int main(int count, char **arguments) {
     }
     status = sinew_offsets_new(robot, baseline, NULL, &offsets, why, sizeof why);
     free(baseline);
-    if (status == SINEW_STATUS_OK) status = sinew_offsets_bound_work(offsets, PERIOD_MAX_S);
     const size_t joints = sinew_robot_joints(robot);
     if (status != SINEW_STATUS_OK || joints > MOST_JOINTS) {
-        const char *said = why[0] != '\0' ? why : sinew_status_text((int)status);
-        fprintf(stderr, "%s\n", status != SINEW_STATUS_OK ? said : "too many joints");
+        fprintf(stderr, "%s\n", status != SINEW_STATUS_OK ? why : "too many joints");
         sinew_offsets_free(offsets);
         sinew_robot_free(robot);
         return EXIT_FAILURE;
     }
 
     double q[MOST_JOINTS], theta[MOST_JOINTS];
-    double t_s = 0.0, first_s = NAN, before_s = NAN, say_s = SAY_S;
+    double t_s = 0.0, first_s = NAN, before_s = NAN, print_s = PRINT_S;
     int answer = EXIT_SUCCESS;
     while (sample_of(stdin, joints, &t_s, q, theta)) {
         if (isnan(first_s)) first_s = before_s = t_s;
 
-        /* Sample. What can't be used is refused, with a reason, and changes nothing. */
-        const sinew_status stepped = sinew_offsets_step(offsets, t_s - before_s, q, theta, NULL, NAN, joints, NULL);
+        /* Sample. What cannot be used is refused, with a reason, and changes nothing. */
+        sinew_stepped became = SINEW_STEPPED_TAKEN;
+        status = sinew_offsets_step(offsets, t_s - before_s, q, theta, NULL, NAN, joints, &became);
+
+        /* Work. A recording is faster than a robot: here the loop waits for the solution. Beside a robot it must not:
+         * call sinew_offsets_start_worker once instead, before the loop. */
+        if (status == SINEW_STATUS_OK && became == SINEW_STEPPED_BLOCK) status = sinew_offsets_work(offsets);
 
         /* Output. */
-        if (stepped != SINEW_STATUS_REFUSED && stepped != SINEW_STATUS_OK) {
-            fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text((int)stepped));
+        if (status != SINEW_STATUS_REFUSED && status != SINEW_STATUS_OK) {
+            fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text((int)status));
             answer = EXIT_FAILURE;
             break;
         }
         before_s = t_s;
-        if (t_s - first_s >= say_s) {
-            say_s += SAY_S;
-            say(robot, offsets, t_s - first_s);
+        if (t_s - first_s >= print_s) {
+            print_s += PRINT_S;
+            print(robot, offsets, t_s - first_s);
         }
     }
     if (answer == EXIT_SUCCESS && (isnan(first_s) || !feof(stdin))) {
         fprintf(stderr, isnan(first_s) ? "no samples\n" : "after %g s: no number where one is due\n", t_s);
         answer = EXIT_FAILURE;
     }
-    uint64_t left_out = 0;
-    if (sinew_offsets_left_out(offsets, &left_out) == SINEW_STATUS_OK && left_out > 0)
-        fprintf(stderr, "%" PRIu64 " blocks left out: samples come more than %g s apart\n", left_out, PERIOD_MAX_S);
     /* After a fault nothing is saved: the file from before stays. */
     if (answer == EXIT_SUCCESS && count > 3) answer = save(offsets, t_s, arguments[3]);
     sinew_offsets_free(offsets);

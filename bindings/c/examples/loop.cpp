@@ -1,4 +1,4 @@
-// Offsets and elongations beside a running robot, in C++:
+// Offsets and elongations in a control loop, in C++:
 //
 //     loop_cpp ROBOT_DIR BASELINE < samples
 //
@@ -16,17 +16,16 @@
 
 namespace {
 
-/// The longest time between samples, s: a step then does a small, fixed part of a block's work.
-constexpr double PERIOD_MAX_S = 0.02;
-constexpr double SAY_S = 10.0;
+/// Between two lines, s.
+constexpr double PRINT_S = 10.0;
 
 std::string text_of(const char *path) {
     std::ifstream file(path);
-    if (!file) throw std::runtime_error(std::string(path) + " can't be read");
+    if (!file) throw std::runtime_error(std::string(path) + " cannot be read");
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What a call answered that can't go on.
+/// Throws what a call answered, unless all is well.
 void need(sinew_status status, const char *what) {
     if (status != SINEW_STATUS_OK) throw sinew::error(status, std::string(what) + ": " + sinew_status_text(status));
 }
@@ -49,39 +48,45 @@ void run(const char *folder, const char *baseline) {
     sinew::require_version();
     const auto robot = sinew::robot::open(folder);
     sinew::offsets offsets(robot, text_of(baseline));
-    need(offsets.bound_work(PERIOD_MAX_S), "bound_work");
     sinew::observer observer(robot);
     const std::size_t n = robot.joints();
     std::vector<double> t_s(1), q_rad(n), theta_rad(n), delta_e_rad(n);
+    std::vector<sinew_offset> of_joints(n);
     constexpr double absent = std::numeric_limits<double>::quiet_NaN();
-    double first_s = absent, before_s = absent, say_s = SAY_S;
+    double first_s = absent, before_s = absent, print_s = PRINT_S;
     while (read(std::cin, t_s) && read(std::cin, q_rad) && read(std::cin, theta_rad)) {
         if (!(first_s <= t_s[0])) first_s = before_s = t_s[0];
         const double dt_s = t_s[0] - before_s;
         before_s = t_s[0];
 
         // Realtime from here …
-        const sinew_status stepped = offsets.step(dt_s, q_rad.data(), theta_rad.data(), nullptr, absent);
+        sinew_stepped became = SINEW_STEPPED_TAKEN;
+        const sinew_status stepped = offsets.step(dt_s, q_rad.data(), theta_rad.data(), nullptr, absent, &became);
         const sinew_status observed = observer.step(dt_s, q_rad.data(), theta_rad.data());
-        const sinew_status read_out = observer.delta_e(delta_e_rad.data());
+        const sinew_status observer_read = observer.delta_e(delta_e_rad.data());
+        const sinew_status read_out = offsets.read(nullptr, of_joints.data());
         // … to here.
 
         // A sample that lacks something is refused and changes nothing: the next one goes on.
         if (!lacks_something(stepped)) need(stepped, "offsets");
         if (!lacks_something(observed)) need(observed, "observer");
-        need(read_out, "delta_e");
+        need(observer_read, "delta_e");
+        need(read_out, "read");
 
-        if (t_s[0] - first_s < say_s) continue;
-        say_s += SAY_S;
+        // A recording is faster than a robot: here the loop waits. Beside a robot call start_worker() before the loop.
+        if (stepped == SINEW_STATUS_OK && became == SINEW_STEPPED_BLOCK) need(offsets.work(), "work");
+
+        if (t_s[0] - first_s < print_s) continue;
+        print_s += PRINT_S;
         std::printf("%6.1f s", t_s[0] - first_s);
         for (std::size_t i = 0; i < n; ++i) {
-            const auto offset = offsets.read(i);
-            std::printf("  %s %+.3f mm", robot.joint_name(i).c_str(), 1e3 * robot.elongation_m(i, offset.mean_rad));
+            const sinew_offset &offset = of_joints[i];
+            const double mean_mm = 1e3 * robot.elongation_m(i, offset.offset_rad);
+            const double deviation_mm = 1e3 * robot.elongation_m(i, offset.deviation_rad);
+            std::printf("  %s %+.3f ± %.3f mm", robot.joint_name(i).c_str(), mean_mm, 1.96 * deviation_mm);
+            if (offset.provisional != SINEW_PROVISIONAL_NONE) std::printf(" (%s)", sinew_provisional_text(offset.provisional));
         }
-        std::printf("%s\n", offsets.read(0).in_doubt ? ", in doubt" : "");
-    }
-    if (offsets.left_out() > 0) {
-        std::cerr << offsets.left_out() << " blocks left out: samples come more than " << PERIOD_MAX_S << " s apart\n";
+        std::printf("\n");
     }
 }
 

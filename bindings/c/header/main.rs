@@ -17,7 +17,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     if std::env::args().any(|argument| argument == "--check") {
-        eprintln!("include/sinew.h is not what the sources say: run bindings/c/header/write");
+        eprintln!("include/sinew.h is not what the sources give: run bindings/c/header/write");
         return ExitCode::FAILURE;
     }
     match std::fs::write(&header, written) {
@@ -39,6 +39,6 @@ fn written_header(here: &Path) -> Result<String, String> {
     let mut written = Vec::new();
     bindings.write(&mut written);
     let written = String::from_utf8(written).map_err(|error| error.to_string())?;
-    // A heading of Rust's pages, said as C does.
+    // A heading of Rust's pages, worded for C.
     Ok(written.replace("// # Safety\n// ", "// The caller sees to it: "))
 }

@@ -1,7 +1,9 @@
 /* Sinew: offsets of tendons inside a control loop.
  *
  * Handles are made by `_new` and freed by `_free`. A handle belongs to one thread at a time; a robot may be
- * read from several. Made by bindings/c/header/write: change the Rust sources, not this. */
+ * read from several, and a worker is a handle of its own.
+ *
+ * Made by bindings/c/header/write: change the Rust sources, not this. */
 
 #ifndef SINEW_H
 #define SINEW_H
@@ -11,9 +13,9 @@
 #include <stdint.h>
 
 // Version of this interface: raised when a program compiled against an older header may no longer be right.
-#define SINEW_ABI_VERSION 1
+#define SINEW_ABI_VERSION 2
 
-// What a call says.
+// What a call returns.
 typedef enum {
     // It was done.
     SINEW_STATUS_OK = 0,
@@ -23,9 +25,9 @@ typedef enum {
     SINEW_STATUS_LENGTH = 2,
     // An input is NaN or infinite. Nothing has changed.
     SINEW_STATUS_NOT_FINITE = 3,
-    // The time step can't be one. Nothing has changed.
+    // The time step is none. Nothing has changed.
     SINEW_STATUS_TIME_STEP = 4,
-    // A sample can't be used; what lacks stands beside. Nothing has changed.
+    // A sample cannot be used; what it lacks stands beside. Nothing has changed.
     SINEW_STATUS_REFUSED = 5,
     // A text or a value was refused; the sentence says why.
     SINEW_STATUS_INVALID = 6,
@@ -33,12 +35,14 @@ typedef enum {
     SINEW_STATUS_ENCODING = 7,
     // The buffer is too short; the length needed stands beside.
     SINEW_STATUS_SHORT = 8,
-    // The offsets are in doubt and can't be saved.
-    SINEW_STATUS_IN_DOUBT = 9,
+    // An offset is provisional: the offsets cannot be saved now.
+    SINEW_STATUS_PROVISIONAL = 9,
     // Sinew has a fault of its own. The handle must only be freed.
     SINEW_STATUS_PANIC = 10,
-    // It must be said before the first sample, and samples have come. Nothing has changed.
-    SINEW_STATUS_LATE = 11,
+    // The worker was started or taken before. Nothing has changed.
+    SINEW_STATUS_WORKER_TAKEN = 11,
+    // The system has no thread to give.
+    SINEW_STATUS_THREAD = 12,
 } sinew_status;
 
 // What became of a sample.
@@ -47,8 +51,8 @@ typedef enum {
     SINEW_STEPPED_TAKEN = 0,
     // It was taken as the first one: at the start, or after a pause.
     SINEW_STEPPED_RESTARTED = 1,
-    // It was taken, and the offsets are new: some five times a second.
-    SINEW_STEPPED_UPDATED = 2,
+    // It was taken and completed a block of some 0.2 s, which the worker may take.
+    SINEW_STEPPED_BLOCK = 2,
     // Refused: a joint position is missing or not finite.
     SINEW_STEPPED_NO_JOINT_POSITION = 3,
     // Refused: an elastic joint's motor position is missing or not finite.
@@ -58,6 +62,22 @@ typedef enum {
     // Refused: a value is too large to be one.
     SINEW_STEPPED_OUT_OF_RANGE = 6,
 } sinew_stepped;
+
+// Why an offset is provisional: its interval is wide, or may still move by more than it states.
+typedef enum {
+    // It is not: the offset is settled.
+    SINEW_PROVISIONAL_NONE = 0,
+    // No window has been solved yet.
+    SINEW_PROVISIONAL_STARTING = 1,
+    // A step of this offset explains the newest blocks. The interval is the hull of both hypotheses.
+    SINEW_PROVISIONAL_STEP = 2,
+    // The window contains a change so late that it may be a contact that has not ended.
+    SINEW_PROVISIONAL_CHANGE_MAY_END = 3,
+    // Too many blocks are rejected as outliers for the remaining ones to be representative.
+    SINEW_PROVISIONAL_REJECTED = 4,
+    // The window could not be solved: the estimate is the one before. `sinew_offsets_error` has the sentence.
+    SINEW_PROVISIONAL_REFUSED = 5,
+} sinew_provisional;
 
 // What the gripper holds.
 typedef enum {
@@ -75,11 +95,14 @@ typedef struct sinew_arm sinew_arm;
 // The observer of a robot. One thread at a time.
 typedef struct sinew_observer sinew_observer;
 
-// Offsets of a robot's tendons since a baseline. One thread at a time.
+// Offsets of a robot's tendons since a baseline: the control loop's side. One thread at a time.
 typedef struct sinew_offsets sinew_offsets;
 
 // A robot: joints, masses, stiffness, tendons. Never changes; may be read from several threads.
 typedef struct sinew_robot sinew_robot;
+
+// The worker of offsets, which solves windows. One thread at a time, which may be another than that of its offsets.
+typedef struct sinew_worker sinew_worker;
 
 // What is known of a session.
 typedef struct {
@@ -89,13 +112,57 @@ typedef struct {
     double payload_kg;
     // How well that is known, one standard deviation, kg; NaN: 2 %.
     double payload_deviation_kg;
-    // Temperature where samples don't carry it, °C; NaN: not stated.
+    // Temperature where samples do not carry it, °C; NaN: not stated.
     double temperature_c;
     // How well that is known, one standard deviation, K; NaN: 2 K.
     double temperature_deviation_k;
     // Whether a motor torque that samples carry is used.
     bool motor_torque;
+    // Whether ropes may creep within the session: not those of steel.
+    bool creep;
 } sinew_offsets_options;
+
+// What an answer states besides offsets. Times are in s since the first sample.
+typedef struct {
+    // Blocks that the worker has taken.
+    uint64_t blocks;
+    // Blocks that the loop has completed and that are neither in the answer nor dropped: one or two while the worker
+    // keeps up. Where it grows the answer is old.
+    uint64_t blocks_behind;
+    // Blocks that were dropped because the worker was late by more than ten seconds.
+    uint64_t blocks_dropped;
+    // Middle of the last block taken, s; NaN before the first one.
+    double time_s;
+    // Middle of the last block of the solution, s; NaN before the first one. The age is `time_s - solved_s`.
+    double solved_s;
+    // Probability, 0 to 1, that something touches the arm in the last block; 0 until a window has been solved.
+    double contact_probability;
+    // Probability, 0 to 1, of a constant external force at the tool, such as a hose; NaN where none was seen.
+    double external_force_probability;
+    // That force along the axes of the base, N, if it acts; the offsets account for it. NaN where none was seen.
+    double external_force_n[3];
+    // One standard deviation each, N; NaN where none was seen.
+    double external_force_deviation_n[3];
+} sinew_answer;
+
+// The offset of one joint's tendon.
+typedef struct {
+    // Posterior mean since the baseline, rad; NaN until a window has been solved, and of a rigid joint.
+    double offset_rad;
+    // One standard deviation, rad; NaN where the offset is. The 95 % interval is the offset ± 1.96 deviations.
+    double deviation_rad;
+    // What an unknown temperature, now or in the baseline, adds to the deviation, rad. The deviation contains it; 0
+    // where both are known, NaN of a rigid joint.
+    double unknown_temperature_rad;
+    // Probability, 0 to 1, that the stiffness has changed since the baseline; NaN where that is not sought.
+    double stiffness_changed_probability;
+    // Time of the step or of the change for which it is provisional, s since the first sample; NaN where there is none.
+    double since_s;
+    // Posterior probability of a step, 0 to 1; NaN where none is suspected.
+    double step_probability;
+    // Why it is provisional.
+    sinew_provisional provisional;
+} sinew_offset;
 
 #ifdef __cplusplus
 extern "C" {
@@ -171,21 +238,24 @@ sinew_status sinew_robot_joint_index(const sinew_robot *robot, const char *name,
 // The caller sees to it: `robot` is null or a robot.
 double sinew_robot_elongation_m(const sinew_robot *robot, size_t joint, double offset_rad);
 
-// Nothing stated: an unknown payload, temperatures as samples carry them, motor torque used.
+// Nothing stated: an unknown payload, temperatures as samples carry them, motor torque used, ropes that may creep.
 //
 // Realtime: yes.
 sinew_offsets_options sinew_offsets_options_default(void);
 
-// Makes the offsets of a robot since a baseline: the text of the file that `sinew baseline` writes. Free it with
+// Makes the offsets of a robot since a baseline: the text of the file that `sinew baseline` writes. Free them with
 // `sinew_offsets_free`; the robot may be freed before.
 //
-// `options` may be null: nothing is stated. `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be
-// null.
+// `baseline` may be null: offsets are then against the zero of the encoders. `options` may be null: nothing is stated.
+// `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be null.
 //
-// Realtime: no, it allocates: all memory that is ever needed.
+// Nothing is solved until a worker works. It is driven by `sinew_offsets_start_worker`, `sinew_offsets_work` or
+// `sinew_offsets_take_worker`.
 //
-// The caller sees to it: `robot` is a robot; `baseline` ends with a zero byte; `options` is null or points to options; `out` may be written;
-// `why` is null or has room for `why_len` bytes.
+// Realtime: no, it allocates: all memory that the loop ever needs.
+//
+// The caller sees to it: `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
+// written; `why` is null or has room for `why_len` bytes.
 sinew_status sinew_offsets_new(const sinew_robot *robot,
                                const char *baseline,
                                const sinew_offsets_options *options,
@@ -193,40 +263,22 @@ sinew_status sinew_offsets_new(const sinew_robot *robot,
                                char *why,
                                size_t why_len);
 
-// Frees offsets; null is nothing.
+// Frees offsets; null is nothing. Where `sinew_offsets_start_worker` started a thread, it ends the thread and waits for
+// the solution under way.
 //
 // Realtime: no.
 //
 // The caller sees to it: `offsets` is null or was made here and not freed before.
 void sinew_offsets_free(sinew_offsets *offsets);
 
-// Bounds the work of every step that follows: a small, fixed part of a block's, so that the same offsets come one block,
-// 0.2 s, later. Without it the sample that completes a block does all its work: milliseconds at seven joints.
+// Takes a sample, `dt_s` after the one before; of the first that does not matter.
 //
-// `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block that finds
-// the one before undone is left out; `sinew_offsets_left_out` counts these.
+// `q_rad`, `theta_rad`: joint and motor positions, rad, `joints` each, in the robot's order. `tau_m_nm`: motor torques,
+// N·m, or null; `temperature_c`: °C, NaN where it is not known. `stepped`, which may be null, gets what became of it. A
+// sample that lacks something is refused with `SINEW_STATUS_REFUSED` and changes nothing. Its time has passed all the
+// same: the next `dt_s` counts from it.
 //
-// Realtime: yes.
-//
-// The caller sees to it: `offsets` is used by nobody else meanwhile.
-sinew_status sinew_offsets_bound_work(sinew_offsets *offsets,
-                                      double period_max_s);
-
-// Blocks left out because work on the one before wasn't done; 0 unless samples come at longer times than
-// `sinew_offsets_bound_work` was told.
-//
-// Realtime: yes.
-//
-// The caller sees to it: `offsets` are offsets; `blocks` is null or may be written.
-sinew_status sinew_offsets_left_out(const sinew_offsets *offsets, uint64_t *blocks);
-
-// Takes a sample, `dt_s` after the one before; of the first that doesn't matter.
-//
-// `q_rad`, `theta_rad`: joint and motor positions, `joints` each, in the robot's order. `tau_m_nm`: motor torques, or null;
-// `temperature_c`: NaN where it isn't known. `stepped`, which may be null, says what became of it. A sample that lacks
-// something is refused and changes nothing. Its time has passed all the same: the next `dt_s` counts from it.
-//
-// Realtime: yes. No allocation, lock, log or clock.
+// Realtime: yes. No allocation, lock, wait, log or clock.
 //
 // The caller sees to it: `offsets` is used by nobody else meanwhile; arrays have `joints` numbers; `stepped` is null or may be written.
 sinew_status sinew_offsets_step(sinew_offsets *offsets,
@@ -238,75 +290,105 @@ sinew_status sinew_offsets_step(sinew_offsets *offsets,
                                 size_t joints,
                                 sinew_stepped *stepped);
 
-// The next sample doesn't go on where the last one was: the filters start anew, what is known stays.
+// The next sample does not go on where the last one was: the filters start anew, what is known stays.
 //
 // Realtime: yes.
 //
 // The caller sees to it: `offsets` is used by nobody else meanwhile.
 sinew_status sinew_offsets_interrupt(sinew_offsets *offsets);
 
-// Offset of a joint since the baseline, rad, with one standard deviation, and whether offsets are in doubt: in the first
-// half minute, while something leans on the arm, after a slip that hasn't settled. Any of the three may be null.
+// Reads the latest answer of the worker: `answer`, and the offset of every joint in `of_joints`, in the robot's order.
+//
+// Either may be null. Both come from the same answer, while two calls may come from two. `joints` is the number of the
+// robot's joints, else the status is `SINEW_STATUS_LENGTH`. A rigid joint's numbers are NaN.
+//
+// Realtime: yes. No allocation, lock, wait, log or clock. It is for the thread that steps, as it takes the answer out of
+// a triple buffer.
+//
+// The caller sees to it: `offsets` is used by nobody else meanwhile; `answer` is null or may be written; `of_joints` is null or has room for
+// `joints` offsets.
+sinew_status sinew_offsets_read(sinew_offsets *offsets,
+                                sinew_answer *answer,
+                                sinew_offset *of_joints,
+                                size_t joints);
+
+// Why an offset is provisional, in a word or two, such as `step`; never null, never freed. Of a number that is no
+// `sinew_provisional`: `unknown`.
 //
 // Realtime: yes.
-//
-// The caller sees to it: `offsets` are offsets; places are null or may be written.
-sinew_status sinew_offsets_read(const sinew_offsets *offsets,
-                                size_t joint,
-                                double *offset_rad,
-                                double *deviation_rad,
-                                bool *in_doubt);
+const char *sinew_provisional_text(int provisional);
 
-// Probability, 0 to 1, that a joint's stiffness has changed since the baseline: a strand may have failed.
+// Starts a thread that works until the offsets are freed: it takes blocks and solves windows. Once, before the loop.
 //
-// Realtime: yes.
-//
-// The caller sees to it: `offsets` are offsets; `probability` is null or may be written.
-sinew_status sinew_offsets_stiffness_changed(const sinew_offsets *offsets, size_t joint, double *probability);
-
-// What a temperature that isn't known, now or in the baseline, adds to the deviation of a joint's offset, rad; 0 where both are known.
-// The deviation that is read holds it: it is the tolerance of robot.toml, so warmth far beyond that reads as stretch.
-//
-// Realtime: yes.
-//
-// The caller sees to it: `offsets` are offsets; `deviation_rad` is null or may be written.
-sinew_status sinew_offsets_unknown_temperature(const sinew_offsets *offsets,
-                                               size_t joint,
-                                               double *deviation_rad);
-
-// A constant force from outside at the tool, as far as it is known: a hose, a cable that drags.
-//
-// `probability`, 0 to 1: that one acts. `force_n`, `deviation_n`: three each, along the axes of the base, N, if one does. Each may be
-// null. Where none is looked for (`external_force_n = 0` in robot.toml) all are NaN.
-//
-// Realtime: yes.
-//
-// The caller sees to it: `offsets` are offsets; `probability` is null or may be written; `force_n` and `deviation_n` are null or have room for three.
-sinew_status sinew_offsets_external_force(const sinew_offsets *offsets,
-                                          double *probability,
-                                          double *force_n,
-                                          double *deviation_n);
-
-// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute unless
-// this says otherwise, before the first sample.
+// The thread inherits the scheduling policy and priority of the one that calls: call it before the loop's thread becomes
+// a realtime one. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before. `SINEW_STATUS_THREAD`: the system
+// has no thread to give, and the worker is as before.
 //
 // Realtime: no.
 //
 // The caller sees to it: `offsets` is used by nobody else meanwhile.
-sinew_status sinew_offsets_expect_creep(sinew_offsets *offsets,
-                                        double deviation_rad_per_s);
+sinew_status sinew_offsets_start_worker(sinew_offsets *offsets);
 
-// Writes what is known now as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
+// Takes all blocks that are ready and solves the window where that is due, in the thread that calls: some hundredths of
+// a second every 2 s of samples.
 //
-// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero included; it
-// may be null. With `text` null or `capacity` too small nothing is written and the answer is `SINEW_STATUS_SHORT`. While the offsets
-// are in doubt the answer is `SINEW_STATUS_IN_DOUBT`.
+// For a program of a single thread, between samples. Beside a loop in another thread use `sinew_offsets_start_worker` or
+// `sinew_offsets_take_worker`. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 //
-// Realtime: no, it allocates.
+// Realtime: no.
 //
-// The caller sees to it: `offsets` are offsets; `recording` ends with a zero byte; `text` is null or has room for `capacity` bytes; `length` is null
-// or may be written.
-sinew_status sinew_offsets_save(const sinew_offsets *offsets,
+// The caller sees to it: `offsets` is used by nobody else meanwhile.
+sinew_status sinew_offsets_work(sinew_offsets *offsets);
+
+// Takes the worker out, for a thread of the caller's own: `sinew_worker_work` in it, while the loop's thread uses the
+// offsets. Free it with `sinew_worker_free`, before or after the offsets.
+//
+// `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
+//
+// Realtime: no.
+//
+// The caller sees to it: `offsets` is used by nobody else meanwhile; `out` is null or may be written.
+sinew_status sinew_offsets_take_worker(sinew_offsets *offsets,
+                                       sinew_worker **out);
+
+// Takes all blocks that are ready and solves the window where that is due: some hundredths of a second every 2 s of
+// samples. Call it some fifty times a second, such as with a pause of 20 ms between calls.
+//
+// After its offsets were freed it does nothing more.
+//
+// Realtime: no.
+//
+// The caller sees to it: `worker` is used by nobody else meanwhile; its offsets may be.
+sinew_status sinew_worker_work(sinew_worker *worker);
+
+// Frees a worker; null is nothing. Its offsets then keep their last answer, and blocks are dropped and counted.
+//
+// Realtime: no.
+//
+// The caller sees to it: `worker` is null or was taken from offsets and not freed before.
+void sinew_worker_free(sinew_worker *worker);
+
+// Why the window could not be solved last time: the sentence goes to `why`, cut at `why_len` bytes. It is empty where
+// the window was solved, or has never been tried.
+//
+// Realtime: no, it may wait for the worker.
+//
+// The caller sees to it: `offsets` is used by nobody else meanwhile; `why` is null or has room for `why_len` bytes.
+sinew_status sinew_offsets_error(const sinew_offsets *offsets,
+                                 char *why,
+                                 size_t why_len);
+
+// Writes the last solution as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
+//
+// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero
+// included; it may be null. With `text` null or `capacity` too small nothing is written and the status is
+// `SINEW_STATUS_SHORT`. While an offset is provisional the status is `SINEW_STATUS_PROVISIONAL`.
+//
+// Realtime: no, it allocates and may wait for the worker.
+//
+// The caller sees to it: `offsets` is used by nobody else meanwhile; `recording` ends with a zero byte; `text` is null or has room for
+// `capacity` bytes; `length` is null or may be written.
+sinew_status sinew_offsets_save(sinew_offsets *offsets,
                                 const char *recording,
                                 int64_t end_time_ns,
                                 char *text,

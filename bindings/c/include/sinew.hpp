@@ -9,8 +9,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -100,95 +100,78 @@ private:
     detail::owned<sinew_robot, sinew_robot_free> handle_;
 };
 
-/// Offset of a joint since the baseline.
-struct offset {
-    double mean_rad;
-    /// One standard deviation.
-    double deviation_rad;
-    /// In the first half minute, while something leans on the arm, after a slip that hasn't settled.
-    bool in_doubt;
-};
+/// The worker of offsets, for a thread of the caller's own. One thread at a time; it may outlive its offsets.
+class worker {
+public:
+    /// Takes blocks and solves windows: some hundredths of a second every 2 s. Some fifty times a second; not realtime.
+    [[nodiscard]] sinew_status work() noexcept { return sinew_worker_work(handle_.get()); }
 
-/// A constant force from outside at the tool, along the axes of the base.
-struct external_force {
-    /// That one acts, 0 to 1.
-    double probability;
-    double mean_n[3];
-    /// Standard deviations.
-    double deviation_n[3];
+private:
+    friend class offsets;
+    explicit worker(sinew_worker *handle) noexcept : handle_(handle) {}
+    detail::owned<sinew_worker, sinew_worker_free> handle_;
 };
 
 /// Absolute offsets since a baseline. One thread at a time.
 class offsets {
 public:
-    /// baseline: the text of the file that `sinew baseline` writes.
-    offsets(const robot &robot, const std::string &baseline,
-            const sinew_offsets_options &options = sinew_offsets_options_default())
+    /// baseline: the text of the file that `sinew baseline` writes; without one, against the zero of the encoders.
+    explicit offsets(const robot &robot, const std::optional<std::string> &baseline = std::nullopt,
+                     const sinew_offsets_options &options = sinew_offsets_options_default())
         : handle_(detail::made<sinew_offsets>([&](sinew_offsets **out, char *why, std::size_t room) {
-              return sinew_offsets_new(robot.get(), baseline.c_str(), &options, out, why, room);
+              return sinew_offsets_new(robot.get(), baseline ? baseline->c_str() : nullptr, &options, out, why, room);
           })),
           joints_(robot.joints()) {}
-    /// Realtime. tau_m_nm may be null, temperature_c NaN; stepped, which may be null, says what became of it.
+    /// Realtime. tau_m_nm may be null, temperature_c NaN; stepped, which may be null, gets what became of the sample.
     [[nodiscard]] sinew_status step(double dt_s, const double *q_rad, const double *theta_rad, const double *tau_m_nm,
                       double temperature_c, sinew_stepped *stepped = nullptr) noexcept {
         return sinew_offsets_step(handle_.get(), dt_s, q_rad, theta_rad, tau_m_nm, temperature_c, joints_, stepped);
     }
-    /// Bounds the work of a step; the longest time between samples. The offsets come 0.2 s later. Realtime.
-    [[nodiscard]] sinew_status bound_work(double period_max_s) noexcept {
-        return sinew_offsets_bound_work(handle_.get(), period_max_s);
-    }
-    /// Blocks left out, because samples came later than `bound_work` was told. Realtime.
-    std::uint64_t left_out() const noexcept {
-        std::uint64_t blocks = 0;
-        sinew_offsets_left_out(handle_.get(), &blocks);
-        return blocks;
-    }
-    /// Realtime. The next sample doesn't go on where the last one was.
+    /// Realtime. The next sample does not go on where the last one was.
     void interrupt() noexcept { sinew_offsets_interrupt(handle_.get()); }
-    /// Realtime. NaN where there is no such joint.
-    offset read(std::size_t joint) const noexcept {
-        offset read{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), true};
-        sinew_offsets_read(handle_.get(), joint, &read.mean_rad, &read.deviation_rad, &read.in_doubt);
-        return read;
+    /// Realtime. The latest answer, and the offset of every joint; either may be null, and both come from the same answer.
+    [[nodiscard]] sinew_status read(sinew_answer *answer, sinew_offset *of_joints) noexcept {
+        return sinew_offsets_read(handle_.get(), answer, of_joints, joints_);
     }
-    /// Realtime. Probability that a joint's stiffness has changed since the baseline; NaN where there is no such joint.
-    double stiffness_changed(std::size_t joint) const noexcept {
-        double probability = std::numeric_limits<double>::quiet_NaN();
-        sinew_offsets_stiffness_changed(handle_.get(), joint, &probability);
-        return probability;
+    /// Starts a thread that works until the end: once, before the loop. Throws where there is no thread.
+    void start_worker() { need(sinew_offsets_start_worker(handle_.get())); }
+    /// The worker, for a thread of the caller's own: once.
+    worker take_worker() {
+        sinew_worker *taken = nullptr;
+        need(sinew_offsets_take_worker(handle_.get(), &taken));
+        return worker(taken);
     }
-    /// Realtime. What a temperature that isn't known adds to a joint's deviation, rad; 0 where it is; NaN where there is no such joint.
-    double unknown_temperature_rad(std::size_t joint) const noexcept {
-        double deviation_rad = std::numeric_limits<double>::quiet_NaN();
-        sinew_offsets_unknown_temperature(handle_.get(), joint, &deviation_rad);
-        return deviation_rad;
+    /// Works in this thread, between samples: for a program of a single thread. Not realtime.
+    [[nodiscard]] sinew_status work() noexcept { return sinew_offsets_work(handle_.get()); }
+    /// Why the window could not be solved last time; empty where it was. It may wait.
+    std::string error() const {
+        char why[1024] = "";
+        sinew_offsets_error(handle_.get(), why, sizeof why);
+        return why;
     }
-    /// Realtime. A constant force from outside at the tool; all NaN where none is looked for.
-    external_force force() const noexcept {
-        external_force read{};
-        sinew_offsets_external_force(handle_.get(), &read.probability, read.mean_n, read.deviation_n);
-        return read;
-    }
-    /// How fast offsets may move, rad/s, a standard deviation; before the first sample. 0: ropes that don't creep.
-    [[nodiscard]] sinew_status expect_creep(double deviation_rad_per_s) noexcept {
-        return sinew_offsets_expect_creep(handle_.get(), deviation_rad_per_s);
-    }
-    /// The baseline of the next session, as text. Throws while the offsets are in doubt.
-    std::string save(const std::string &recording, std::int64_t end_time_ns) const {
+    /// The baseline of the next session, as text. Throws while an offset is provisional. It may wait.
+    std::string save(const std::string &recording, std::int64_t end_time_ns) {
         std::size_t length = 0;
-        const sinew_status asked =
-            sinew_offsets_save(handle_.get(), recording.c_str(), end_time_ns, nullptr, 0, &length);
-        if (asked != SINEW_STATUS_SHORT) throw error(asked, "");
-        std::string text(length, '\0');
-        const sinew_status status =
-            sinew_offsets_save(handle_.get(), recording.c_str(), end_time_ns, text.data(), text.size(), &length);
-        if (status != SINEW_STATUS_OK) throw error(status, "");
+        const auto saved = [&](char *text, std::size_t room) {
+            return sinew_offsets_save(handle_.get(), recording.c_str(), end_time_ns, text, room, &length);
+        };
+        // A worker may have solved the window anew in between: the text may then be longer.
+        std::string text;
+        sinew_status status = saved(nullptr, 0);
+        while (status == SINEW_STATUS_SHORT) {
+            text.resize(length);
+            status = saved(text.data(), text.size());
+        }
+        need(status);
         text.resize(length - 1);
         return text;
     }
     std::size_t joints() const noexcept { return joints_; }
 
 private:
+    static void need(sinew_status status) {
+        if (status != SINEW_STATUS_OK) throw sinew::error(status, "");
+    }
     detail::owned<sinew_offsets, sinew_offsets_free> handle_;
     std::size_t joints_;
 };

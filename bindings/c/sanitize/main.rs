@@ -4,21 +4,29 @@
 #![feature(sanitize)]
 
 use sinew_c::observer::{SinewObserver, sinew_observer_new, sinew_observer_step};
-use sinew_c::offsets::{SinewOffsets, sinew_offsets_new, sinew_offsets_read, sinew_offsets_step};
+use sinew_c::offsets::{
+    SinewAnswer, SinewOffset, SinewOffsets, sinew_offsets_free, sinew_offsets_new, sinew_offsets_read,
+    sinew_offsets_start_worker, sinew_offsets_step,
+};
 use sinew_c::robot::{sinew_robot_joints, sinew_robot_open};
 use sinew_c::status::Status;
 use std::ffi::CString;
+use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 use std::time::{Duration, Instant};
 
 const STEPS: u32 = 1_000_000;
 const DT_S: f64 = 1e-3;
+/// So long the loop waits for the worker, outside of its cycles; later it is late, and blocks are dropped.
+const WAITS: u32 = 60_000;
 
 struct Loop {
     offsets: *mut SinewOffsets,
     observer: *mut SinewObserver,
     q: Vec<f64>,
     theta: Vec<f64>,
+    answer: MaybeUninit<SinewAnswer>,
+    of_joints: Vec<MaybeUninit<SinewOffset>>,
 }
 
 /// One cycle at `t`: what a control loop would do.
@@ -29,17 +37,27 @@ fn cycle(state: &mut Loop, t: f64, allocate: bool) -> f64 {
         *theta = *q + 0.01 * (0.3 * t).sin();
     }
     let (q, theta, n) = (state.q.as_ptr(), state.theta.as_ptr(), state.q.len());
-    let mut mean = 0.0;
-    // SAFETY: handles that are there, arrays of `n` numbers.
-    unsafe {
+    // SAFETY: handles that are there, arrays of `n` numbers; what is read was written.
+    let mut mean = unsafe {
         sinew_offsets_step(state.offsets, DT_S, q, theta, null(), f64::NAN, n, null_mut());
         sinew_observer_step(state.observer, DT_S, q, theta, null(), n);
-        sinew_offsets_read(state.offsets, 0, &mut mean, null_mut(), null_mut());
-    }
+        let of_joints = state.of_joints.as_mut_ptr().cast();
+        sinew_offsets_read(state.offsets, state.answer.as_mut_ptr(), of_joints, n);
+        state.of_joints[0].assume_init().offset_rad
+    };
     if allocate {
         mean += std::hint::black_box(vec![t; 100])[3];
     }
     mean
+}
+
+fn behind(state: &mut Loop) -> u64 {
+    let n = state.q.len();
+    // SAFETY: a handle and a place, which is written.
+    unsafe {
+        sinew_offsets_read(state.offsets, state.answer.as_mut_ptr(), null_mut(), n);
+        state.answer.assume_init().blocks_behind
+    }
 }
 
 fn main() {
@@ -54,6 +72,8 @@ fn main() {
         observer: null_mut(),
         q: Vec::new(),
         theta: Vec::new(),
+        answer: MaybeUninit::uninit(),
+        of_joints: Vec::new(),
     };
     let mut robot = null_mut();
     // SAFETY: texts and places.
@@ -66,12 +86,25 @@ fn main() {
         assert_eq!(made, Status::Ok);
         state.q = vec![0.0; sinew_robot_joints(robot)];
         state.theta = state.q.clone();
+        state.of_joints = vec![MaybeUninit::uninit(); state.q.len()];
+        // It solves meanwhile, and is late: blocks are dropped.
+        assert_eq!(sinew_offsets_start_worker(state.offsets), Status::Ok);
     }
-    let (mut sum, mut longest) = (0.0, Duration::ZERO);
+    let (mut last_rad, mut longest) = (f64::NAN, Duration::ZERO);
     for step in 0..STEPS {
         let start = Instant::now();
-        sum += cycle(&mut state, DT_S * f64::from(step), rest.len() == 1 && step == 999);
+        last_rad = cycle(&mut state, DT_S * f64::from(step), rest.len() == 1 && step == 999);
         longest = longest.max(start.elapsed());
+        while step < WAITS && behind(&mut state) > 5 {
+            std::thread::yield_now();
+        }
     }
-    println!("{STEPS} cycles, none allocated or locked; the longest took {longest:?}; sum {sum:.3}");
+    // SAFETY: read in the last cycle; freed once.
+    let answer = unsafe {
+        sinew_offsets_free(state.offsets);
+        state.answer.assume_init()
+    };
+    let (taken, dropped) = (answer.blocks, answer.blocks_dropped);
+    println!("{taken} blocks taken, {dropped} dropped");
+    println!("{STEPS} cycles, none allocated or locked; the longest took {longest:?}; offset {last_rad:.3} rad");
 }

@@ -33,7 +33,7 @@ pub(crate) unsafe fn text<'a>(text: *const c_char) -> Result<&'a str, Status> {
 /// # Safety
 /// `handle` is null or was given out by a constructor and not freed.
 pub(crate) unsafe fn shared<'a, T>(handle: *const T) -> Result<&'a T, Status> {
-    // SAFETY: the caller's promise; null is told.
+    // SAFETY: the caller's promise; null becomes a status.
     unsafe { handle.as_ref() }.ok_or(Status::Null)
 }
 
@@ -42,7 +42,7 @@ pub(crate) unsafe fn shared<'a, T>(handle: *const T) -> Result<&'a T, Status> {
 /// # Safety
 /// As [`shared`], and nobody else uses it during the call.
 pub(crate) unsafe fn unique<'a, T>(handle: *mut T) -> Result<&'a mut T, Status> {
-    // SAFETY: the caller's promise; null is told.
+    // SAFETY: the caller's promise; null becomes a status.
     unsafe { handle.as_mut() }.ok_or(Status::Null)
 }
 
@@ -120,6 +120,26 @@ pub(crate) unsafe fn take<T>(handle: *mut T) {
     }
 }
 
+/// Writes a text into a buffer of the caller, cut at `room` bytes with its zero.
+///
+/// # Safety
+/// `into` is null or has room for `room` bytes.
+pub(crate) unsafe fn write(into: *mut c_char, room: usize, text: &str) {
+    if into.is_null() || room == 0 {
+        return;
+    }
+    let mut end = text.len().min(room - 1);
+    // Never half a letter.
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    // SAFETY: `end + 1` bytes at most `room`; the caller's promise.
+    unsafe {
+        std::ptr::copy_nonoverlapping(text.as_ptr().cast(), into, end);
+        into.add(end).write(0);
+    }
+}
+
 /// Why a constructor refused.
 pub(crate) enum Refusal {
     /// By a status alone.
@@ -159,22 +179,12 @@ pub(crate) unsafe fn explained(
             }
         })
     });
-    // Never without a word.
+    // Never without a sentence.
     if sentence.is_empty() && status != Status::Ok {
         sentence = status.text().to_string_lossy().into_owned();
     }
-    if !why.is_null() && why_len > 0 {
-        let mut end = sentence.len().min(why_len - 1);
-        // Never half a letter.
-        while !sentence.is_char_boundary(end) {
-            end -= 1;
-        }
-        // SAFETY: `end + 1` bytes at most `why_len`; the caller's promise.
-        unsafe {
-            std::ptr::copy_nonoverlapping(sentence.as_ptr().cast(), why, end);
-            why.add(end).write(0);
-        }
-    }
+    // SAFETY: the caller's promise.
+    unsafe { write(why, why_len, &sentence) };
     status
 }
 

@@ -1,18 +1,27 @@
-//! Absolute offsets since a baseline, sample by sample.
+//! Absolute offsets since a baseline: samples in by a control loop, windows solved by a worker.
 
 use crate::borrow::{
-    Refusal, array, explained, give, guarded, optional, put, shared, take, text, unique,
+    Refusal, array, explained, give, guarded, optional, put, shared, take, text, unique, write,
 };
 use crate::robot::SinewRobot;
 use crate::status::Status;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::feeder;
-use sinew_estimate::live::{LiveOffsets, Stepped};
+use sinew_estimate::online::{
+    OnlineAnswer, OnlineEstimator, OnlineJoint, OnlineWorker, Provisional, StepOutcome,
+};
 use sinew_estimate::session::{Payload, SessionError, SessionOptions, stated};
-use std::ffi::c_char;
+use std::ffi::{CStr, c_char, c_int};
 
-/// Offsets of a robot's tendons since a baseline. One thread at a time.
-pub struct SinewOffsets(LiveOffsets);
+/// Offsets of a robot's tendons since a baseline: the control loop's side. One thread at a time.
+pub struct SinewOffsets {
+    online: OnlineEstimator,
+    /// Whether the worker runs elsewhere.
+    worker_taken: bool,
+}
+
+/// The worker of offsets, which solves windows. One thread at a time, which may be another than that of its offsets.
+pub struct SinewWorker(Box<OnlineWorker>);
 
 /// What the gripper holds.
 #[repr(C)]
@@ -41,12 +50,14 @@ pub struct SinewOffsetsOptions {
     pub payload_kg: f64,
     /// How well that is known, one standard deviation, kg; NaN: 2 %.
     pub payload_deviation_kg: f64,
-    /// Temperature where samples don't carry it, °C; NaN: not stated.
+    /// Temperature where samples do not carry it, °C; NaN: not stated.
     pub temperature_c: f64,
     /// How well that is known, one standard deviation, K; NaN: 2 K.
     pub temperature_deviation_k: f64,
     /// Whether a motor torque that samples carry is used.
     pub motor_torque: bool,
+    /// Whether ropes may creep within the session: not those of steel.
+    pub creep: bool,
 }
 
 /// What became of a sample.
@@ -57,8 +68,8 @@ pub enum SinewStepped {
     Taken = 0,
     /// It was taken as the first one: at the start, or after a pause.
     Restarted = 1,
-    /// It was taken, and the offsets are new: some five times a second.
-    Updated = 2,
+    /// It was taken and completed a block of some 0.2 s, which the worker may take.
+    Block = 2,
     /// Refused: a joint position is missing or not finite.
     NoJointPosition = 3,
     /// Refused: an elastic joint's motor position is missing or not finite.
@@ -80,7 +91,129 @@ impl From<feeder::Refusal> for SinewStepped {
     }
 }
 
-/// Nothing stated: an unknown payload, temperatures as samples carry them, motor torque used.
+/// Why an offset is provisional: its interval is wide, or may still move by more than it states.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SinewProvisional {
+    /// It is not: the offset is settled.
+    None = 0,
+    /// No window has been solved yet.
+    Starting = 1,
+    /// A step of this offset explains the newest blocks. The interval is the hull of both hypotheses.
+    Step = 2,
+    /// The window contains a change so late that it may be a contact that has not ended.
+    ChangeMayEnd = 3,
+    /// Too many blocks are rejected as outliers for the remaining ones to be representative.
+    Rejected = 4,
+    /// The window could not be solved: the estimate is the one before. `sinew_offsets_error` has the sentence.
+    Refused = 5,
+}
+
+/// The offset of one joint's tendon.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SinewOffset {
+    /// Posterior mean since the baseline, rad; NaN until a window has been solved, and of a rigid joint.
+    pub offset_rad: f64,
+    /// One standard deviation, rad; NaN where the offset is. The 95 % interval is the offset ± 1.96 deviations.
+    pub deviation_rad: f64,
+    /// What an unknown temperature, now or in the baseline, adds to the deviation, rad. The deviation contains it; 0
+    /// where both are known, NaN of a rigid joint.
+    pub unknown_temperature_rad: f64,
+    /// Probability, 0 to 1, that the stiffness has changed since the baseline; NaN where that is not sought.
+    pub stiffness_changed_probability: f64,
+    /// Time of the step or of the change for which it is provisional, s since the first sample; NaN where there is none.
+    pub since_s: f64,
+    /// Posterior probability of a step, 0 to 1; NaN where none is suspected.
+    pub step_probability: f64,
+    /// Why it is provisional.
+    pub provisional: SinewProvisional,
+}
+
+impl SinewOffset {
+    const RIGID: Self = Self {
+        offset_rad: f64::NAN,
+        deviation_rad: f64::NAN,
+        unknown_temperature_rad: f64::NAN,
+        stiffness_changed_probability: f64::NAN,
+        since_s: f64::NAN,
+        step_probability: f64::NAN,
+        provisional: SinewProvisional::None,
+    };
+}
+
+impl From<&OnlineJoint> for SinewOffset {
+    fn from(joint: &OnlineJoint) -> Self {
+        let nan = f64::NAN;
+        let (provisional, since_s, step_probability) = match joint.provisional {
+            None => (SinewProvisional::None, nan, nan),
+            Some(Provisional::Starting) => (SinewProvisional::Starting, nan, nan),
+            Some(Provisional::Step {
+                since_s,
+                probability,
+            }) => (SinewProvisional::Step, since_s, probability),
+            Some(Provisional::ChangeMayEnd { since_s }) => {
+                (SinewProvisional::ChangeMayEnd, since_s, nan)
+            }
+            Some(Provisional::Rejected { .. }) => (SinewProvisional::Rejected, nan, nan),
+            Some(Provisional::Refused) => (SinewProvisional::Refused, nan, nan),
+        };
+        Self {
+            offset_rad: joint.offset_rad.mean,
+            deviation_rad: joint.offset_rad.deviation,
+            unknown_temperature_rad: joint.unknown_temperature_rad,
+            stiffness_changed_probability: joint.stiffness_changed_probability.unwrap_or(nan),
+            since_s,
+            step_probability,
+            provisional,
+        }
+    }
+}
+
+/// What an answer states besides offsets. Times are in s since the first sample.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SinewAnswer {
+    /// Blocks that the worker has taken.
+    pub blocks: u64,
+    /// Blocks that the loop has completed and that are neither in the answer nor dropped: one or two while the worker
+    /// keeps up. Where it grows the answer is old.
+    pub blocks_behind: u64,
+    /// Blocks that were dropped because the worker was late by more than ten seconds.
+    pub blocks_dropped: u64,
+    /// Middle of the last block taken, s; NaN before the first one.
+    pub time_s: f64,
+    /// Middle of the last block of the solution, s; NaN before the first one. The age is `time_s - solved_s`.
+    pub solved_s: f64,
+    /// Probability, 0 to 1, that something touches the arm in the last block; 0 until a window has been solved.
+    pub contact_probability: f64,
+    /// Probability, 0 to 1, of a constant external force at the tool, such as a hose; NaN where none was seen.
+    pub external_force_probability: f64,
+    /// That force along the axes of the base, N, if it acts; the offsets account for it. NaN where none was seen.
+    pub external_force_n: [f64; 3],
+    /// One standard deviation each, N; NaN where none was seen.
+    pub external_force_deviation_n: [f64; 3],
+}
+
+impl SinewAnswer {
+    fn new(answer: &OnlineAnswer, [blocks_behind, blocks_dropped]: [u64; 2]) -> Self {
+        let force = answer.external_force.as_ref();
+        Self {
+            blocks: answer.blocks,
+            blocks_behind,
+            blocks_dropped,
+            time_s: answer.time_s,
+            solved_s: answer.solved_s,
+            contact_probability: answer.contact_probability,
+            external_force_probability: force.map_or(f64::NAN, |f| f.probability),
+            external_force_n: force.map_or([f64::NAN; 3], |f| f.force_n.map(|n| n.mean)),
+            external_force_deviation_n: force
+                .map_or([f64::NAN; 3], |f| f.force_n.map(|n| n.deviation)),
+        }
+    }
+}
+
+/// Nothing stated: an unknown payload, temperatures as samples carry them, motor torque used, ropes that may creep.
 ///
 /// Realtime: yes.
 #[unsafe(no_mangle)]
@@ -92,6 +225,7 @@ pub extern "C" fn sinew_offsets_options_default() -> SinewOffsetsOptions {
         temperature_c: f64::NAN,
         temperature_deviation_k: f64::NAN,
         motor_torque: true,
+        creep: true,
     }
 }
 
@@ -110,22 +244,26 @@ impl SinewOffsetsOptions {
             },
             motor_torque: self.motor_torque,
             temperature_c: temperature.transpose()?,
+            creep: self.creep,
             ..SessionOptions::default()
         })
     }
 }
 
-/// Makes the offsets of a robot since a baseline: the text of the file that `sinew baseline` writes. Free it with
+/// Makes the offsets of a robot since a baseline: the text of the file that `sinew baseline` writes. Free them with
 /// `sinew_offsets_free`; the robot may be freed before.
 ///
-/// `options` may be null: nothing is stated. `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be
-/// null.
+/// `baseline` may be null: offsets are then against the zero of the encoders. `options` may be null: nothing is stated.
+/// `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be null.
 ///
-/// Realtime: no, it allocates: all memory that is ever needed.
+/// Nothing is solved until a worker works. It is driven by `sinew_offsets_start_worker`, `sinew_offsets_work` or
+/// `sinew_offsets_take_worker`.
+///
+/// Realtime: no, it allocates: all memory that the loop ever needs.
 ///
 /// # Safety
-/// `robot` is a robot; `baseline` ends with a zero byte; `options` is null or points to options; `out` may be written;
-/// `why` is null or has room for `why_len` bytes.
+/// `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
+/// written; `why` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_new(
     robot: *const SinewRobot,
@@ -144,18 +282,22 @@ pub unsafe extern "C" fn sinew_offsets_new(
                     Some(options) => options.session()?,
                     None => SessionOptions::default(),
                 };
-                let known = Baseline::parse(text(baseline)?, "baseline")?;
-                Ok(SinewOffsets(LiveOffsets::new(
-                    robot,
-                    (known, "baseline"),
-                    &options,
-                )?))
+                let baseline = match baseline.is_null() {
+                    true => None,
+                    false => Some(Baseline::parse(text(baseline)?, "baseline")?),
+                };
+                let baseline = baseline.map(|known| (known, "baseline".to_owned()));
+                Ok(SinewOffsets {
+                    online: OnlineEstimator::new(robot, baseline, &options, "session")?,
+                    worker_taken: false,
+                })
             })
         })
     }
 }
 
-/// Frees offsets; null is nothing.
+/// Frees offsets; null is nothing. Where `sinew_offsets_start_worker` started a thread, it ends the thread and waits for
+/// the solution under way.
 ///
 /// Realtime: no.
 ///
@@ -167,54 +309,14 @@ pub unsafe extern "C" fn sinew_offsets_free(offsets: *mut SinewOffsets) {
     unsafe { take(offsets) }
 }
 
-/// Bounds the work of every step that follows: a small, fixed part of a block's, so that the same offsets come one block,
-/// 0.2 s, later. Without it the sample that completes a block does all its work: milliseconds at seven joints.
+/// Takes a sample, `dt_s` after the one before; of the first that does not matter.
 ///
-/// `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block that finds
-/// the one before undone is left out; `sinew_offsets_left_out` counts these.
+/// `q_rad`, `theta_rad`: joint and motor positions, rad, `joints` each, in the robot's order. `tau_m_nm`: motor torques,
+/// N·m, or null; `temperature_c`: °C, NaN where it is not known. `stepped`, which may be null, gets what became of it. A
+/// sample that lacks something is refused with `SINEW_STATUS_REFUSED` and changes nothing. Its time has passed all the
+/// same: the next `dt_s` counts from it.
 ///
-/// Realtime: yes.
-///
-/// # Safety
-/// `offsets` is used by nobody else meanwhile.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_offsets_bound_work(
-    offsets: *mut SinewOffsets,
-    period_max_s: f64,
-) -> Status {
-    // SAFETY: the caller's promise.
-    guarded(|| unsafe {
-        unique(offsets)?.0.bound_work(period_max_s)?;
-        Ok(())
-    })
-}
-
-/// Blocks left out because work on the one before wasn't done; 0 unless samples come at longer times than
-/// `sinew_offsets_bound_work` was told.
-///
-/// Realtime: yes.
-///
-/// # Safety
-/// `offsets` are offsets; `blocks` is null or may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_offsets_left_out(
-    offsets: *const SinewOffsets,
-    blocks: *mut u64,
-) -> Status {
-    // SAFETY: the caller's promises, handed on.
-    guarded(|| unsafe {
-        put(blocks, shared(offsets)?.0.blocks_left_out());
-        Ok(())
-    })
-}
-
-/// Takes a sample, `dt_s` after the one before; of the first that doesn't matter.
-///
-/// `q_rad`, `theta_rad`: joint and motor positions, `joints` each, in the robot's order. `tau_m_nm`: motor torques, or null;
-/// `temperature_c`: NaN where it isn't known. `stepped`, which may be null, says what became of it. A sample that lacks
-/// something is refused and changes nothing. Its time has passed all the same: the next `dt_s` counts from it.
-///
-/// Realtime: yes. No allocation, lock, log or clock.
+/// Realtime: yes. No allocation, lock, wait, log or clock.
 ///
 /// # Safety
 /// `offsets` is used by nobody else meanwhile; arrays have `joints` numbers; `stepped` is null or may be written.
@@ -231,14 +333,14 @@ pub unsafe extern "C" fn sinew_offsets_step(
 ) -> Status {
     // SAFETY: the caller's promises, handed on.
     guarded(|| unsafe {
-        let live = &mut unique(offsets)?.0;
+        let online = &mut unique(offsets)?.online;
         let (q, theta) = (array(q_rad, joints)?, array(theta_rad, joints)?);
         let tau_m = optional(tau_m_nm, joints);
-        let became = match live.step(dt_s, q, theta, tau_m, temperature_c)? {
-            Stepped::Taken => SinewStepped::Taken,
-            Stepped::Restarted => SinewStepped::Restarted,
-            Stepped::Updated => SinewStepped::Updated,
-            Stepped::Refused(why) => {
+        let became = match online.step(dt_s, q, theta, tau_m, temperature_c)? {
+            StepOutcome::Taken => SinewStepped::Taken,
+            StepOutcome::Restarted => SinewStepped::Restarted,
+            StepOutcome::Block => SinewStepped::Block,
+            StepOutcome::Refused(why) => {
                 put(stepped, why.into());
                 return Err(Status::Refused);
             }
@@ -248,7 +350,7 @@ pub unsafe extern "C" fn sinew_offsets_step(
     })
 }
 
-/// The next sample doesn't go on where the last one was: the filters start anew, what is known stays.
+/// The next sample does not go on where the last one was: the filters start anew, what is known stays.
 ///
 /// Realtime: yes.
 ///
@@ -258,153 +360,212 @@ pub unsafe extern "C" fn sinew_offsets_step(
 pub unsafe extern "C" fn sinew_offsets_interrupt(offsets: *mut SinewOffsets) -> Status {
     // SAFETY: the caller's promise.
     guarded(|| unsafe {
-        unique(offsets)?.0.interrupt();
+        unique(offsets)?.online.interrupt();
         Ok(())
     })
 }
 
-/// Offset of a joint since the baseline, rad, with one standard deviation, and whether offsets are in doubt: in the first
-/// half minute, while something leans on the arm, after a slip that hasn't settled. Any of the three may be null.
+/// Reads the latest answer of the worker: `answer`, and the offset of every joint in `of_joints`, in the robot's order.
 ///
-/// Realtime: yes.
+/// Either may be null. Both come from the same answer, while two calls may come from two. `joints` is the number of the
+/// robot's joints, else the status is `SINEW_STATUS_LENGTH`. A rigid joint's numbers are NaN.
+///
+/// Realtime: yes. No allocation, lock, wait, log or clock. It is for the thread that steps, as it takes the answer out of
+/// a triple buffer.
 ///
 /// # Safety
-/// `offsets` are offsets; places are null or may be written.
+/// `offsets` is used by nobody else meanwhile; `answer` is null or may be written; `of_joints` is null or has room for
+/// `joints` offsets.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_read(
-    offsets: *const SinewOffsets,
-    joint: usize,
-    offset_rad: *mut f64,
-    deviation_rad: *mut f64,
-    in_doubt: *mut bool,
+    offsets: *mut SinewOffsets,
+    answer: *mut SinewAnswer,
+    of_joints: *mut SinewOffset,
+    joints: usize,
 ) -> Status {
     // SAFETY: the caller's promises, handed on.
     guarded(|| unsafe {
-        let live = &shared(offsets)?.0;
-        if joint >= live.robot().arm.dof() {
+        let online = &mut unique(offsets)?.online;
+        if joints != online.robot().arm.dof() {
             return Err(Status::Length);
         }
-        let offset = live.offset(joint);
-        put(offset_rad, offset.mean);
-        put(deviation_rad, offset.deviation);
-        put(in_doubt, live.is_provisional());
-        Ok(())
-    })
-}
-
-/// Probability, 0 to 1, that a joint's stiffness has changed since the baseline: a strand may have failed.
-///
-/// Realtime: yes.
-///
-/// # Safety
-/// `offsets` are offsets; `probability` is null or may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_offsets_stiffness_changed(
-    offsets: *const SinewOffsets,
-    joint: usize,
-    probability: *mut f64,
-) -> Status {
-    // SAFETY: the caller's promises, handed on.
-    guarded(|| unsafe {
-        let live = &shared(offsets)?.0;
-        if joint >= live.robot().arm.dof() {
-            return Err(Status::Length);
-        }
-        put(probability, live.stiffness_changed(joint));
-        Ok(())
-    })
-}
-
-/// What a temperature that isn't known, now or in the baseline, adds to the deviation of a joint's offset, rad; 0 where both are known.
-/// The deviation that is read holds it: it is the tolerance of robot.toml, so warmth far beyond that reads as stretch.
-///
-/// Realtime: yes.
-///
-/// # Safety
-/// `offsets` are offsets; `deviation_rad` is null or may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_offsets_unknown_temperature(
-    offsets: *const SinewOffsets,
-    joint: usize,
-    deviation_rad: *mut f64,
-) -> Status {
-    // SAFETY: the caller's promises, handed on.
-    guarded(|| unsafe {
-        let live = &shared(offsets)?.0;
-        if joint >= live.robot().arm.dof() {
-            return Err(Status::Length);
-        }
-        put(deviation_rad, live.unknown_temperature_rad(joint));
-        Ok(())
-    })
-}
-
-/// A constant force from outside at the tool, as far as it is known: a hose, a cable that drags.
-///
-/// `probability`, 0 to 1: that one acts. `force_n`, `deviation_n`: three each, along the axes of the base, N, if one does. Each may be
-/// null. Where none is looked for (`external_force_n = 0` in robot.toml) all are NaN.
-///
-/// Realtime: yes.
-///
-/// # Safety
-/// `offsets` are offsets; `probability` is null or may be written; `force_n` and `deviation_n` are null or have room for three.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_offsets_external_force(
-    offsets: *const SinewOffsets,
-    probability: *mut f64,
-    force_n: *mut f64,
-    deviation_n: *mut f64,
-) -> Status {
-    // SAFETY: the caller's promises, handed on.
-    guarded(|| unsafe {
-        let force = shared(offsets)?.0.external_force();
-        put(probability, force.map_or(f64::NAN, |f| f.probability));
-        for axis in 0..3 {
-            let along = force.and_then(|f| f.force_n.get(axis).copied());
-            let (mean, deviation) = along.map_or((f64::NAN, f64::NAN), |f| (f.mean, f.deviation));
-            for (to, value) in [(force_n, mean), (deviation_n, deviation)] {
-                if !to.is_null() {
-                    put(to.add(axis), value);
-                }
+        // Before the answer: a newer one may come in between, and the count is then high rather than low.
+        let behind = online.blocks_behind();
+        let dropped = online.blocks_dropped();
+        let latest = online.answer();
+        put(answer, SinewAnswer::new(latest, [behind, dropped]));
+        if !of_joints.is_null() {
+            for joint in 0..joints {
+                let of = latest.joint(joint);
+                put(
+                    of_joints.add(joint),
+                    of.map_or(SinewOffset::RIGID, Into::into),
+                );
             }
         }
         Ok(())
     })
 }
 
-/// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute unless
-/// this says otherwise, before the first sample.
+/// Why an offset is provisional, in a word or two, such as `step`; never null, never freed. Of a number that is no
+/// `sinew_provisional`: `unknown`.
+///
+/// Realtime: yes.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_provisional_text(provisional: c_int) -> *const c_char {
+    const TEXTS: [&CStr; 6] = [
+        c"settled",
+        c"starting",
+        c"step",
+        c"change may end",
+        c"rejected",
+        c"refused",
+    ];
+    let at = usize::try_from(provisional).ok();
+    let text = at.and_then(|at| TEXTS.get(at).copied());
+    text.unwrap_or(c"unknown").as_ptr()
+}
+
+/// Starts a thread that works until the offsets are freed: it takes blocks and solves windows. Once, before the loop.
+///
+/// The thread inherits the scheduling policy and priority of the one that calls: call it before the loop's thread becomes
+/// a realtime one. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before. `SINEW_STATUS_THREAD`: the system
+/// has no thread to give, and the worker is as before.
 ///
 /// Realtime: no.
 ///
 /// # Safety
 /// `offsets` is used by nobody else meanwhile.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_offsets_expect_creep(
-    offsets: *mut SinewOffsets,
-    deviation_rad_per_s: f64,
-) -> Status {
+pub unsafe extern "C" fn sinew_offsets_start_worker(offsets: *mut SinewOffsets) -> Status {
     // SAFETY: the caller's promise.
     guarded(|| unsafe {
-        unique(offsets)?.0.expect_creep(deviation_rad_per_s)?;
+        let offsets = unique(offsets)?;
+        if offsets.worker_taken {
+            return Err(Status::WorkerTaken);
+        }
+        (offsets.online.start_worker()).map_err(|_| Status::Thread)?;
+        offsets.worker_taken = true;
         Ok(())
     })
 }
 
-/// Writes what is known now as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
+/// Takes all blocks that are ready and solves the window where that is due, in the thread that calls: some hundredths of
+/// a second every 2 s of samples.
 ///
-/// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero included; it
-/// may be null. With `text` null or `capacity` too small nothing is written and the answer is `SINEW_STATUS_SHORT`. While the offsets
-/// are in doubt the answer is `SINEW_STATUS_IN_DOUBT`.
+/// For a program of a single thread, between samples. Beside a loop in another thread use `sinew_offsets_start_worker` or
+/// `sinew_offsets_take_worker`. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 ///
-/// Realtime: no, it allocates.
+/// Realtime: no.
 ///
 /// # Safety
-/// `offsets` are offsets; `recording` ends with a zero byte; `text` is null or has room for `capacity` bytes; `length` is null
-/// or may be written.
+/// `offsets` is used by nobody else meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_work(offsets: *mut SinewOffsets) -> Status {
+    // SAFETY: the caller's promise.
+    guarded(|| unsafe {
+        let offsets = unique(offsets)?;
+        if offsets.worker_taken {
+            return Err(Status::WorkerTaken);
+        }
+        offsets.online.work();
+        Ok(())
+    })
+}
+
+/// Takes the worker out, for a thread of the caller's own: `sinew_worker_work` in it, while the loop's thread uses the
+/// offsets. Free it with `sinew_worker_free`, before or after the offsets.
+///
+/// `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
+///
+/// Realtime: no.
+///
+/// # Safety
+/// `offsets` is used by nobody else meanwhile; `out` is null or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_take_worker(
+    offsets: *mut SinewOffsets,
+    out: *mut *mut SinewWorker,
+) -> Status {
+    // SAFETY: the caller's promises, handed on. No sentence is asked for.
+    unsafe {
+        explained(std::ptr::null_mut(), 0, || {
+            give(out, || {
+                let offsets = unique(offsets)?;
+                let worker = offsets.online.take_worker();
+                offsets.worker_taken = true;
+                Ok(SinewWorker(worker.ok_or(Status::WorkerTaken)?))
+            })
+        })
+    }
+}
+
+/// Takes all blocks that are ready and solves the window where that is due: some hundredths of a second every 2 s of
+/// samples. Call it some fifty times a second, such as with a pause of 20 ms between calls.
+///
+/// After its offsets were freed it does nothing more.
+///
+/// Realtime: no.
+///
+/// # Safety
+/// `worker` is used by nobody else meanwhile; its offsets may be.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_worker_work(worker: *mut SinewWorker) -> Status {
+    // SAFETY: the caller's promise.
+    guarded(|| unsafe {
+        unique(worker)?.0.work();
+        Ok(())
+    })
+}
+
+/// Frees a worker; null is nothing. Its offsets then keep their last answer, and blocks are dropped and counted.
+///
+/// Realtime: no.
+///
+/// # Safety
+/// `worker` is null or was taken from offsets and not freed before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_worker_free(worker: *mut SinewWorker) {
+    // SAFETY: the caller's promise.
+    unsafe { take(worker) }
+}
+
+/// Why the window could not be solved last time: the sentence goes to `why`, cut at `why_len` bytes. It is empty where
+/// the window was solved, or has never been tried.
+///
+/// Realtime: no, it may wait for the worker.
+///
+/// # Safety
+/// `offsets` is used by nobody else meanwhile; `why` is null or has room for `why_len` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_error(
+    offsets: *const SinewOffsets,
+    why: *mut c_char,
+    why_len: usize,
+) -> Status {
+    // SAFETY: the caller's promises, handed on.
+    guarded(|| unsafe {
+        let error = shared(offsets)?.online.error();
+        let sentence = error.map_or_else(String::new, |error| error.to_string());
+        write(why, why_len, &sentence);
+        Ok(())
+    })
+}
+
+/// Writes the last solution as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
+///
+/// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero
+/// included; it may be null. With `text` null or `capacity` too small nothing is written and the status is
+/// `SINEW_STATUS_SHORT`. While an offset is provisional the status is `SINEW_STATUS_PROVISIONAL`.
+///
+/// Realtime: no, it allocates and may wait for the worker.
+///
+/// # Safety
+/// `offsets` is used by nobody else meanwhile; `recording` ends with a zero byte; `text` is null or has room for
+/// `capacity` bytes; `length` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_save(
-    offsets: *const SinewOffsets,
+    offsets: *mut SinewOffsets,
     recording: *const c_char,
     end_time_ns: i64,
     text: *mut c_char,
@@ -414,9 +575,9 @@ pub unsafe extern "C" fn sinew_offsets_save(
     // SAFETY: the caller's promises, handed on.
     guarded(|| unsafe {
         let recording = crate::borrow::text(recording)?;
-        let saved = shared(offsets)?.0.save(recording, end_time_ns);
+        let saved = unique(offsets)?.online.save(recording, end_time_ns);
         let saved = saved.map_err(|error| match error {
-            SessionError::Provisional { .. } => Status::InDoubt,
+            SessionError::Provisional { .. } => Status::Provisional,
             _ => Status::Invalid,
         })?;
         let saved = saved.to_text();
@@ -425,8 +586,7 @@ pub unsafe extern "C" fn sinew_offsets_save(
         if text.is_null() || capacity < needed {
             return Err(Status::Short);
         }
-        std::ptr::copy_nonoverlapping(saved.as_ptr().cast(), text, saved.len());
-        text.add(saved.len()).write(0);
+        write(text, capacity, &saved);
         Ok(())
     })
 }

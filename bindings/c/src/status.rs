@@ -1,11 +1,11 @@
-//! What a call says, and the version of the interface.
+//! What a call returns, and the version of the interface.
 
 use std::ffi::{CStr, c_char, c_int};
 
 /// Version of this interface: raised when a program compiled against an older header may no longer be right.
-pub const SINEW_ABI_VERSION: u32 = 1;
+pub const SINEW_ABI_VERSION: u32 = 2;
 
-/// What a call says.
+/// What a call returns.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -17,9 +17,9 @@ pub enum Status {
     Length = 2,
     /// An input is NaN or infinite. Nothing has changed.
     NotFinite = 3,
-    /// The time step can't be one. Nothing has changed.
+    /// The time step is none. Nothing has changed.
     TimeStep = 4,
-    /// A sample can't be used; what lacks stands beside. Nothing has changed.
+    /// A sample cannot be used; what it lacks stands beside. Nothing has changed.
     Refused = 5,
     /// A text or a value was refused; the sentence says why.
     Invalid = 6,
@@ -27,12 +27,14 @@ pub enum Status {
     Encoding = 7,
     /// The buffer is too short; the length needed stands beside.
     Short = 8,
-    /// The offsets are in doubt and can't be saved.
-    InDoubt = 9,
+    /// An offset is provisional: the offsets cannot be saved now.
+    Provisional = 9,
     /// Sinew has a fault of its own. The handle must only be freed.
     Panic = 10,
-    /// It must be said before the first sample, and samples have come. Nothing has changed.
-    Late = 11,
+    /// The worker was started or taken before. Nothing has changed.
+    WorkerTaken = 11,
+    /// The system has no thread to give.
+    Thread = 12,
 }
 
 /// Version of the interface that the library was built with: compare with `SINEW_ABI_VERSION`.
@@ -63,7 +65,7 @@ pub extern "C" fn sinew_status_text(status: c_int) -> *const c_char {
 }
 
 impl Status {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::Ok,
         Self::Null,
         Self::Length,
@@ -73,9 +75,10 @@ impl Status {
         Self::Invalid,
         Self::Encoding,
         Self::Short,
-        Self::InDoubt,
+        Self::Provisional,
         Self::Panic,
-        Self::Late,
+        Self::WorkerTaken,
+        Self::Thread,
     ];
 
     /// In words.
@@ -88,12 +91,13 @@ impl Status {
             }
             Self::NotFinite => c"an input is NaN or infinite",
             Self::TimeStep => c"the time step must be 1e-9 s to 1e9 s",
-            Self::Refused => c"the sample can't be used",
+            Self::Refused => c"the sample cannot be used",
             Self::Invalid => c"a text or a value was refused",
             Self::Encoding => c"a text is not UTF-8",
             Self::Short => c"the buffer is too short",
-            Self::InDoubt => c"the offsets are in doubt and can't be saved",
-            Self::Late => c"it must be said before the first sample",
+            Self::Provisional => c"an offset is provisional: the offsets cannot be saved now",
+            Self::WorkerTaken => c"the worker was started or taken before",
+            Self::Thread => c"the system has no thread to give",
             Self::Panic => c"Sinew has a fault of its own; the handle can only be freed",
         }
     }
@@ -104,7 +108,6 @@ impl From<sinew_model::StepError> for Status {
         match error {
             sinew_model::StepError::Length => Self::Length,
             sinew_model::StepError::TimeStep => Self::TimeStep,
-            sinew_model::StepError::Started => Self::Late,
             _ => Self::NotFinite,
         }
     }

@@ -3,10 +3,12 @@
 use crate::support::{N, Opened, biorob_like, recorded, text};
 use sinew_c::observer::{sinew_observer_free, sinew_observer_new, sinew_observer_step};
 use sinew_c::offsets::{
-    sinew_offsets_free, sinew_offsets_new, sinew_offsets_read, sinew_offsets_step,
+    SinewOffset, SinewStepped, sinew_offsets_free, sinew_offsets_interrupt, sinew_offsets_new,
+    sinew_offsets_read, sinew_offsets_step, sinew_offsets_work,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
 struct Counting;
@@ -16,7 +18,7 @@ thread_local! {
 }
 
 fn count_one() {
-    // Threads that are going away have no counter any more; nobody asks for theirs.
+    // Threads that are going away have no counter any more; nobody reads theirs.
     let _ = COUNT.try_with(|c| c.set(c.get() + 1));
 }
 
@@ -63,28 +65,41 @@ fn steps_allocate_nothing_and_handles_give_their_memory_back() {
         );
         sinew_observer_new(robot.0, 20.0, 40.0, &mut observer, null_mut(), 0);
         assert!(!offsets.is_null() && !observer.is_null());
-        let made = COUNT.get();
-        assert!(made > before, "the counter counts");
-        let (mut mean, mut in_doubt) = (0.0, false);
+        assert!(COUNT.get() > before, "the counter counts");
+        let (mut answer, mut of_joints) = (
+            MaybeUninit::uninit(),
+            [MaybeUninit::<SinewOffset>::uninit(); N],
+        );
+        let (to, into) = (answer.as_mut_ptr(), of_joints.as_mut_ptr());
+        let mut worked = 0;
         for (i, frame) in frames.iter().enumerate() {
             let (q, theta) = (frame.q.as_ptr(), frame.theta.as_ptr());
             // Now and then one that is refused.
             let joints = if i % 999 == 7 { N - 1 } else { N };
-            sinew_offsets_step(
-                offsets,
-                0.004,
-                q,
-                theta,
-                null(),
-                f64::NAN,
-                joints,
-                null_mut(),
-            );
+            let nan = f64::NAN;
+            let mut became = SinewStepped::Taken;
+            let before = COUNT.get();
+            sinew_offsets_step(offsets, 0.004, q, theta, null(), nan, joints, &mut became);
             sinew_observer_step(observer, 0.004, q, theta, null(), joints);
-            sinew_offsets_read(offsets, i % N, &mut mean, null_mut(), &mut in_doubt);
+            sinew_offsets_read(offsets, to, into.cast(), N);
+            if i % 9000 == 8999 {
+                sinew_offsets_interrupt(offsets);
+            }
+            assert_eq!(COUNT.get(), before, "sample {i}");
+            // In the first half the worker keeps up; then blocks are dropped.
+            if became == SinewStepped::Block && i < frames.len() / 2 {
+                sinew_offsets_work(offsets);
+                worked += COUNT.get() - before;
+            }
         }
-        assert!(mean.is_finite());
-        assert_eq!(COUNT.get(), made, "{} samples", frames.len());
+        assert!(worked > 0, "the work was counted");
+        let answer = answer.assume_init();
+        assert!(
+            answer.blocks > 100 && answer.blocks_dropped > 0,
+            "{answer:?}"
+        );
+        assert!(of_joints[0].assume_init().offset_rad.is_finite());
+        let made = COUNT.get();
         sinew_offsets_free(offsets);
         sinew_observer_free(observer);
         assert!(COUNT.get() > made);

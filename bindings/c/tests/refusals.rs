@@ -9,10 +9,11 @@ use sinew_c::status::{
     SINEW_ABI_VERSION, Status, sinew_abi_version, sinew_status_text, sinew_version,
 };
 use std::ffi::{CStr, c_char};
+use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
 #[test]
-fn null_is_told_everywhere() {
+fn null_is_refused_everywhere() {
     let numbers = [0.0; N];
     let at = numbers.as_ptr();
     let mut room = [0.0; N];
@@ -20,7 +21,7 @@ fn null_is_told_everywhere() {
     let (mut robot, mut offsets, mut observer, mut arm) =
         (null_mut(), null_mut(), null_mut(), null_mut());
     let opened = Opened::biorob_like();
-    // SAFETY: null is allowed to be told.
+    // SAFETY: null is allowed, and refused.
     unsafe {
         assert_eq!(
             sinew_robot_new(null(), null(), &mut robot, null_mut(), 0),
@@ -49,26 +50,22 @@ fn null_is_told_everywhere() {
 
         let made = sinew_offsets_new(null(), c"".as_ptr(), null(), &mut offsets, null_mut(), 0);
         assert_eq!(made, Status::Null);
-        let made = sinew_offsets_new(opened.0, null(), null(), &mut offsets, null_mut(), 0);
+        let made = sinew_offsets_new(opened.0, null(), null(), null_mut(), null_mut(), 0);
         assert_eq!(made, Status::Null);
+        assert!(offsets.is_null());
         let stepped = sinew_offsets_step(null_mut(), 0.1, at, at, null(), 0.0, N, null_mut());
         assert_eq!(stepped, Status::Null);
         assert_eq!(sinew_offsets_interrupt(null_mut()), Status::Null);
-        assert_eq!(sinew_offsets_bound_work(null_mut(), 1e-3), Status::Null);
-        assert_eq!(sinew_offsets_left_out(null(), null_mut()), Status::Null);
-        let read = sinew_offsets_read(null(), 0, null_mut(), null_mut(), null_mut());
+        let read = sinew_offsets_read(null_mut(), null_mut(), null_mut(), N);
         assert_eq!(read, Status::Null);
-        assert_eq!(
-            sinew_offsets_stiffness_changed(null(), 0, null_mut()),
-            Status::Null
-        );
-        let read = sinew_offsets_unknown_temperature(null(), 0, null_mut());
-        assert_eq!(read, Status::Null);
-        let none = null_mut();
-        let read = sinew_offsets_external_force(null(), none, none, none);
-        assert_eq!(read, Status::Null);
-        assert_eq!(sinew_offsets_expect_creep(null_mut(), 1e-5), Status::Null);
-        let saved = sinew_offsets_save(null(), c"".as_ptr(), 0, null_mut(), 0, null_mut());
+        assert_eq!(sinew_offsets_start_worker(null_mut()), Status::Null);
+        assert_eq!(sinew_offsets_work(null_mut()), Status::Null);
+        let mut worker = null_mut();
+        let taken = sinew_offsets_take_worker(null_mut(), &mut worker);
+        assert_eq!((taken, worker), (Status::Null, null_mut()));
+        assert_eq!(sinew_worker_work(null_mut()), Status::Null);
+        assert_eq!(sinew_offsets_error(null(), null_mut(), 0), Status::Null);
+        let saved = sinew_offsets_save(null_mut(), c"".as_ptr(), 0, null_mut(), 0, null_mut());
         assert_eq!(saved, Status::Null);
 
         let made = sinew_observer_new(null(), 20.0, 40.0, &mut observer, null_mut(), 0);
@@ -110,6 +107,7 @@ fn null_is_told_everywhere() {
 
         sinew_robot_free(null_mut());
         sinew_offsets_free(null_mut());
+        sinew_worker_free(null_mut());
         sinew_observer_free(null_mut());
         sinew_arm_free(null_mut());
         sinew_observer_free(observer);
@@ -174,7 +172,7 @@ fn sentences_are_rusts_and_cut_at_a_letter() {
 }
 
 #[test]
-fn options_and_samples_that_cant_be_are_refused() {
+fn options_and_samples_that_cannot_be_are_refused() {
     let (_, baseline) = recorded(&biorob_like());
     let baseline = text(&baseline.to_text());
     let robot = Opened::biorob_like();
@@ -231,6 +229,7 @@ fn options_and_samples_that_cant_be_are_refused() {
         payload_kg: 0.5,
         temperature_c: 22.0,
         motor_torque: false,
+        creep: false,
         ..default
     };
     assert_eq!(make(stated, &mut offsets), (Status::Ok, String::new()));
@@ -285,21 +284,61 @@ fn options_and_samples_that_cant_be_are_refused() {
     );
     // SAFETY: handles, places, texts.
     unsafe {
-        let read = sinew_offsets_read(offsets, N, null_mut(), null_mut(), null_mut());
-        assert_eq!(read, Status::Length);
-        let read = sinew_offsets_read(offsets, 0, null_mut(), null_mut(), null_mut());
+        for joints in [0, N - 1, N + 1, usize::MAX] {
+            let read = sinew_offsets_read(offsets, null_mut(), null_mut(), joints);
+            assert_eq!(read, Status::Length, "{joints}");
+        }
+        let read = sinew_offsets_read(offsets, null_mut(), null_mut(), N);
         assert_eq!(read, Status::Ok);
         let saved = sinew_offsets_save(offsets, c"x".as_ptr(), 0, null_mut(), 0, null_mut());
-        assert_eq!(saved, Status::InDoubt);
+        assert_eq!(saved, Status::Provisional);
         assert_eq!(sinew_offsets_interrupt(offsets), Status::Ok);
-        for period_s in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
-            let bound = sinew_offsets_bound_work(offsets, period_s);
-            assert_eq!(bound, Status::TimeStep, "{period_s} s");
+        assert_eq!(sinew_offsets_work(offsets), Status::Ok);
+        let mut why = Why::new();
+        assert_eq!(
+            sinew_offsets_error(offsets, why.at(), why.room()),
+            Status::Ok
+        );
+        assert_eq!(why.text(), "");
+        sinew_offsets_free(offsets);
+    }
+}
+
+/// The stretch of the ropes changes its sign: no window can be solved any more.
+#[test]
+fn a_window_that_is_refused_has_its_sentence() {
+    let (frames, baseline) = recorded(&biorob_like());
+    let baseline = text(&baseline.to_text());
+    let robot = Opened::biorob_like();
+    let mut offsets = null_mut();
+    let mut why = Why::new();
+    // SAFETY: handles, places, room as stated.
+    unsafe {
+        let (known, no_room) = (baseline.as_ptr(), null_mut());
+        let made = sinew_offsets_new(robot.0, known, null(), &mut offsets, no_room, 0);
+        assert_eq!(made, Status::Ok);
+        for (i, frame) in frames.iter().enumerate() {
+            let [q, theta] = match i < frames.len() / 3 {
+                true => [&frame.q, &frame.theta],
+                false => [&frame.theta, &frame.q],
+            };
+            let (q, theta) = (q.as_ptr(), theta.as_ptr());
+            sinew_offsets_step(offsets, 0.002, q, theta, null(), f64::NAN, N, null_mut());
+            assert_eq!(sinew_offsets_work(offsets), Status::Ok);
         }
-        assert_eq!(sinew_offsets_bound_work(offsets, 1e-3), Status::Ok);
-        let mut left_out = 1;
-        let read = sinew_offsets_left_out(offsets, &mut left_out);
-        assert_eq!((read, left_out), (Status::Ok, 0));
+        let mut of_joints = [MaybeUninit::<SinewOffset>::uninit(); N];
+        let read = sinew_offsets_read(offsets, null_mut(), of_joints.as_mut_ptr().cast(), N);
+        assert_eq!(read, Status::Ok);
+        let reasons = of_joints.map(|of| of.assume_init().provisional);
+        assert!(reasons.contains(&SinewProvisional::Refused), "{reasons:?}");
+        assert!(!reasons.contains(&SinewProvisional::None), "{reasons:?}");
+        assert_eq!(
+            sinew_offsets_error(offsets, why.at(), why.room()),
+            Status::Ok
+        );
+        assert!(why.text().len() > 20, "{}", why.text());
+        let saved = sinew_offsets_save(offsets, c"x".as_ptr(), 0, null_mut(), 0, null_mut());
+        assert_eq!(saved, Status::Provisional);
         sinew_offsets_free(offsets);
     }
 }
@@ -313,13 +352,18 @@ fn every_status_has_words_and_versions_are_stated() {
             .to_str()
             .unwrap()
     };
-    let none = Status::Late as i32 + 1;
+    let none = Status::Thread as i32 + 1;
     for status in 0..none {
-        let said = words(status);
-        assert!(said == "done" || said.len() > 10, "{said}");
-        assert_ne!(said, words(none));
+        let text = words(status);
+        assert!(text == "done" || text.len() > 10, "{text}");
+        assert_ne!(text, words(none));
     }
     assert_eq!(words(-1), words(none));
+    // SAFETY: as above.
+    let reason = |reason| unsafe { CStr::from_ptr(sinew_provisional_text(reason)) };
+    assert_eq!(reason(SinewProvisional::None as i32), c"settled");
+    assert_eq!(reason(SinewProvisional::Refused as i32), c"refused");
+    assert_eq!((reason(-1), reason(6)), (c"unknown", c"unknown"));
     // SAFETY: as above.
     let version = unsafe { CStr::from_ptr(sinew_version()) };
     assert_eq!(version.to_str().unwrap(), env!("CARGO_PKG_VERSION"));

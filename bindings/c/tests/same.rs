@@ -6,13 +6,15 @@ use sinew_c::observer::*;
 use sinew_c::offsets::*;
 use sinew_c::robot::*;
 use sinew_c::status::Status;
-use sinew_estimate::live::{LiveOffsets, Stepped};
+use sinew_estimate::online::{OnlineEstimator, Provisional, StepOutcome};
 use sinew_estimate::session::SessionOptions;
 use sinew_log::Frame;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::offset::{OffsetConfig, OffsetObserver, Sample, VelocityFilter};
-use std::ffi::CStr;
+use std::ffi::{CStr, c_char};
+use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Time since the sample before, s.
 fn step_s(frames: &[Frame], at: usize) -> f64 {
@@ -21,7 +23,7 @@ fn step_s(frames: &[Frame], at: usize) -> f64 {
 }
 
 #[test]
-fn a_robot_says_what_rust_says() {
+fn a_robot_is_that_of_the_libraries() {
     let known = biorob_like();
     let opened = Opened::biorob_like();
     let folder = repository().join("robots/biorob-like");
@@ -35,10 +37,10 @@ fn a_robot_says_what_rust_says() {
         for robot in [opened.0, of_texts] {
             assert_eq!(sinew_robot_joints(robot), N);
             for (i, name) in known.joint_names().iter().enumerate() {
-                let said = CStr::from_ptr(sinew_robot_joint_name(robot, i));
-                assert_eq!(said.to_str().unwrap(), name);
+                let name_of = CStr::from_ptr(sinew_robot_joint_name(robot, i));
+                assert_eq!(name_of.to_str().unwrap(), name);
                 let mut index = 99;
-                let asked = sinew_robot_joint_index(robot, said.as_ptr(), &mut index);
+                let asked = sinew_robot_joint_index(robot, name_of.as_ptr(), &mut index);
                 assert_eq!((asked, index), (Status::Ok, i));
                 let tendon = known.transmissions[i].as_ref().unwrap().tendon.as_ref();
                 let elongation_m = sinew_robot_elongation_m(robot, i, 0.01);
@@ -49,101 +51,184 @@ fn a_robot_says_what_rust_says() {
     }
 }
 
-#[test]
-fn offsets_and_what_is_saved_are_those_of_the_libraries() {
-    let known = biorob_like();
-    let (frames, baseline) = recorded(&known);
-    let options = SessionOptions::default();
-    let saved = text(&baseline.to_text());
-    let mut live = LiveOffsets::new(known, (baseline, "baseline"), &options).unwrap();
-    let robot = Opened::biorob_like();
+/// Bits of what was read, as NaN is no number.
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The offsets of the arm, for C.
+fn made(robot: &Opened, baseline: *const c_char) -> *mut SinewOffsets {
     let mut offsets = null_mut();
     let mut why = Why::new();
-    // SAFETY: a robot, a text, places.
-    let made = unsafe {
+    // SAFETY: a robot, a text or null, places.
+    let status = unsafe {
         sinew_offsets_new(
             robot.0,
-            saved.as_ptr(),
+            baseline,
             null(),
             &mut offsets,
             why.at(),
             why.room(),
         )
     };
-    assert_eq!(made, Status::Ok, "{}", why.text());
+    assert_eq!(status, Status::Ok, "{}", why.text());
+    offsets
+}
+
+/// Takes a sample.
+///
+/// # Safety
+/// `offsets` are used by nobody else.
+unsafe fn stepped(offsets: *mut SinewOffsets, frames: &[Frame], at: usize) -> SinewStepped {
+    let (frame, dt_s) = (&frames[at], step_s(frames, at));
+    let mut became = SinewStepped::OutOfRange;
+    let (q, theta, tau_m) = (&frame.q, &frame.theta, &frame.tau_m);
+    // SAFETY: arrays of four numbers.
+    let status = unsafe {
+        sinew_offsets_step(
+            offsets,
+            dt_s,
+            q.as_ptr(),
+            theta.as_ptr(),
+            tau_m.as_ptr(),
+            frame.temperature_c,
+            N,
+            &mut became,
+        )
+    };
+    assert_eq!(status, Status::Ok, "frame {at}");
+    became
+}
+
+/// Reads an answer.
+///
+/// # Safety
+/// `offsets` are used by nobody else.
+unsafe fn read(offsets: *mut SinewOffsets) -> (SinewAnswer, [SinewOffset; N]) {
+    let mut answer = MaybeUninit::uninit();
+    let mut of_joints = MaybeUninit::<[SinewOffset; N]>::uninit();
+    // SAFETY: handles and places, which are written where the status is OK.
+    unsafe {
+        let read = sinew_offsets_read(
+            offsets,
+            answer.as_mut_ptr(),
+            of_joints.as_mut_ptr().cast(),
+            N,
+        );
+        assert_eq!(read, Status::Ok);
+        (answer.assume_init(), of_joints.assume_init())
+    }
+}
+
+/// Holds an answer for the one that Rust gives.
+fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut OnlineEstimator) {
+    let (behind, dropped) = (rust.blocks_behind(), rust.blocks_dropped());
+    let known = rust.answer();
+    assert_eq!(
+        [answer.blocks, answer.blocks_behind, answer.blocks_dropped],
+        [known.blocks, behind, dropped]
+    );
+    assert_eq!(
+        bits(&[answer.time_s, answer.solved_s, answer.contact_probability]),
+        bits(&[known.time_s, known.solved_s, known.contact_probability])
+    );
+    match &known.external_force {
+        Some(force) => {
+            assert_eq!(answer.external_force_probability, force.probability);
+            let [mean, deviation] = [
+                force.force_n.map(|n| n.mean),
+                force.force_n.map(|n| n.deviation),
+            ];
+            assert_eq!(answer.external_force_n, mean);
+            assert_eq!(answer.external_force_deviation_n, deviation);
+        }
+        None => assert!(
+            answer.external_force_probability.is_nan() && answer.external_force_n[2].is_nan()
+        ),
+    }
+    for own in &known.joints {
+        let of = &of_joints[own.joint];
+        let changed = own.stiffness_changed_probability.unwrap_or(f64::NAN);
+        assert_eq!(
+            bits(&[
+                of.offset_rad,
+                of.deviation_rad,
+                of.unknown_temperature_rad,
+                of.stiffness_changed_probability
+            ]),
+            bits(&[
+                own.offset_rad.mean,
+                own.offset_rad.deviation,
+                own.unknown_temperature_rad,
+                changed
+            ])
+        );
+        let nan = f64::NAN;
+        let (provisional, since) = match own.provisional {
+            None => (SinewProvisional::None, [nan; 2]),
+            Some(Provisional::Starting) => (SinewProvisional::Starting, [nan; 2]),
+            Some(Provisional::Step {
+                since_s,
+                probability,
+            }) => (SinewProvisional::Step, [since_s, probability]),
+            Some(Provisional::ChangeMayEnd { since_s }) => {
+                (SinewProvisional::ChangeMayEnd, [since_s, nan])
+            }
+            Some(Provisional::Rejected { .. }) => (SinewProvisional::Rejected, [nan; 2]),
+            Some(Provisional::Refused) => (SinewProvisional::Refused, [nan; 2]),
+        };
+        assert_eq!(of.provisional, provisional);
+        assert_eq!(bits(&[of.since_s, of.step_probability]), bits(&since));
+    }
+}
+
+#[test]
+fn offsets_and_what_is_saved_are_those_of_the_libraries() {
+    let known = biorob_like();
+    let (frames, baseline) = recorded(&known);
+    let saved = text(&baseline.to_text());
+    let baseline = Some((baseline, "baseline".into()));
+    let mut rust =
+        OnlineEstimator::new(known, baseline, &SessionOptions::default(), "session").unwrap();
+    let robot = Opened::biorob_like();
+    let offsets = made(&robot, saved.as_ptr());
     // What was made goes on without the robot.
     drop(robot);
-    let mut updates = 0;
+    // SAFETY: a handle.
+    compare(&unsafe { read(offsets) }, &mut rust);
+    let (mut blocks, mut reasons) = (0, Vec::new());
     for (i, frame) in frames.iter().enumerate() {
-        let dt_s = step_s(&frames, i);
-        let (q, theta) = (frame.q.as_slice(), frame.theta.as_slice());
-        let stepped = live
-            .step(dt_s, q, theta, &frame.tau_m, frame.temperature_c)
+        let (q, theta, tau_m) = (&frame.q, &frame.theta, &frame.tau_m);
+        let outcome = rust
+            .step(step_s(&frames, i), q, theta, tau_m, frame.temperature_c)
             .unwrap();
-        updates += usize::from(stepped == Stepped::Updated);
-        let mut became = SinewStepped::OutOfRange;
-        // SAFETY: arrays of four numbers.
-        let status = unsafe {
-            sinew_offsets_step(
-                offsets,
-                dt_s,
-                q.as_ptr(),
-                theta.as_ptr(),
-                frame.tau_m.as_ptr(),
-                frame.temperature_c,
-                N,
-                &mut became,
-            )
-        };
-        assert_eq!(status, Status::Ok);
-        let as_c = match stepped {
-            Stepped::Taken => SinewStepped::Taken,
-            Stepped::Restarted => SinewStepped::Restarted,
-            Stepped::Updated => SinewStepped::Updated,
-            Stepped::Refused(why) => panic!("{why:?}"),
+        // SAFETY: a handle.
+        let became = unsafe { stepped(offsets, &frames, i) };
+        let as_c = match outcome {
+            StepOutcome::Taken => SinewStepped::Taken,
+            StepOutcome::Restarted => SinewStepped::Restarted,
+            StepOutcome::Block => SinewStepped::Block,
+            StepOutcome::Refused(why) => panic!("{why:?}"),
         };
         assert_eq!(became, as_c, "frame {i}");
-    }
-    assert!(updates > 100, "{updates}");
-    // SAFETY: a handle.
-    let late = unsafe { sinew_offsets_expect_creep(offsets, 1e-5) };
-    assert_eq!(late, Status::Late);
-    for joint in 0..N {
-        let (mut mean, mut deviation, mut in_doubt, mut changed) = (0.0, 0.0, false, 0.0);
-        // SAFETY: handles and places.
-        unsafe {
-            let read = sinew_offsets_read(offsets, joint, &mut mean, &mut deviation, &mut in_doubt);
-            assert_eq!(read, Status::Ok);
-            let read = sinew_offsets_stiffness_changed(offsets, joint, &mut changed);
-            assert_eq!(read, Status::Ok);
+        if outcome == StepOutcome::Block {
+            rust.work();
+            // SAFETY: a handle.
+            let now = unsafe {
+                assert_eq!(sinew_offsets_work(offsets), Status::Ok);
+                read(offsets)
+            };
+            compare(&now, &mut rust);
+            blocks += 1;
+            let reason = now.1[0].provisional;
+            if !reasons.contains(&reason) {
+                reasons.push(reason);
+            }
         }
-        let offset = live.offset(joint);
-        assert_eq!((mean, deviation), (offset.mean, offset.deviation));
-        assert_eq!(
-            (in_doubt, changed),
-            (live.is_provisional(), live.stiffness_changed(joint))
-        );
-        let mut unknown = f64::NAN;
-        // SAFETY: handles and places.
-        let read = unsafe { sinew_offsets_unknown_temperature(offsets, joint, &mut unknown) };
-        assert_eq!(read, Status::Ok);
-        assert_eq!(unknown, live.unknown_temperature_rad(joint));
     }
-    let (mut likely, mut force_n, mut deviation_n) = (0.0, [0.0; 3], [0.0; 3]);
-    let (to, and) = (force_n.as_mut_ptr(), deviation_n.as_mut_ptr());
-    // SAFETY: handles and places.
-    unsafe {
-        let read = sinew_offsets_external_force(offsets, &mut likely, to, and);
-        assert_eq!(read, Status::Ok);
-        let read = sinew_offsets_external_force(offsets, null_mut(), null_mut(), null_mut());
-        assert_eq!(read, Status::Ok);
-    }
-    let force = live.external_force().unwrap();
-    assert_eq!(likely, force.probability);
-    assert_eq!(force_n, force.force_n.map(|f| f.mean));
-    assert_eq!(deviation_n, force.force_n.map(|f| f.deviation));
+    assert!(blocks > 100 && reasons.len() > 1, "{blocks} {reasons:?}");
     let end_ns = frames.last().unwrap().time_ns;
-    let next = live.save("run", end_ns).unwrap().to_text();
+    let next = rust.save("run", end_ns).unwrap().to_text();
     let mut length = 0;
     let mut written = vec![1_u8; 1 << 20];
     // SAFETY: room as stated.
@@ -165,6 +250,90 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
     }
     let text = CStr::from_bytes_until_nul(&written).unwrap();
     assert_eq!(text.to_str().unwrap(), next);
+}
+
+/// A handle for another thread.
+struct Sent(*mut SinewWorker);
+// SAFETY: a worker belongs to one thread at a time, which may be any.
+unsafe impl Send for Sent {}
+
+#[test]
+fn a_worker_in_another_thread_gives_the_same() {
+    let (mut frames, baseline) = recorded(&biorob_like());
+    frames.truncate(10_000);
+    let baseline = text(&baseline.to_text());
+    let robot = Opened::biorob_like();
+    let [alone, beside, started] = [0; 3].map(|_| made(&robot, baseline.as_ptr()));
+    let mut worker = null_mut();
+    // SAFETY: handles and a place.
+    unsafe {
+        assert_eq!(
+            sinew_offsets_take_worker(beside, null_mut()),
+            Status::Null,
+            "it is not taken"
+        );
+        assert_eq!(sinew_offsets_take_worker(beside, &mut worker), Status::Ok);
+        assert_eq!(sinew_offsets_start_worker(started), Status::Ok);
+        for offsets in [beside, started] {
+            let mut again = null_mut();
+            let taken = sinew_offsets_take_worker(offsets, &mut again);
+            assert_eq!((taken, again), (Status::WorkerTaken, null_mut()));
+            assert_eq!(sinew_offsets_start_worker(offsets), Status::WorkerTaken);
+            assert_eq!(sinew_offsets_work(offsets), Status::WorkerTaken);
+        }
+    }
+    let ends = AtomicBool::new(false);
+    let sent = Sent(worker);
+    std::thread::scope(|scope| {
+        let ends = &ends;
+        scope.spawn(move || {
+            let worker = { sent }.0;
+            while !ends.load(Ordering::Acquire) {
+                // SAFETY: this thread's alone.
+                let worked = unsafe { sinew_worker_work(worker) };
+                assert_eq!(worked, Status::Ok);
+                std::thread::yield_now();
+            }
+        });
+        for at in 0..frames.len() {
+            // SAFETY: this thread's alone.
+            unsafe {
+                let became = stepped(alone, &frames, at);
+                for offsets in [beside, started] {
+                    assert_eq!(stepped(offsets, &frames, at), became);
+                }
+                if became != SinewStepped::Block {
+                    continue;
+                }
+                assert_eq!(sinew_offsets_work(alone), Status::Ok);
+                // Every second they are waited for; in between they may be late. Of more than eight blocks the loop hands
+                // over the last ones with a later one only.
+                if !read(alone).0.blocks.is_multiple_of(5) {
+                    continue;
+                }
+                let known = format!("{:?}", read(alone));
+                for offsets in [beside, started] {
+                    while read(offsets).0.blocks_behind > 0 {
+                        std::thread::yield_now();
+                    }
+                    assert_eq!(format!("{:?}", read(offsets)), known);
+                }
+            }
+        }
+        ends.store(true, Ordering::Release);
+    });
+    // A worker may be freed after its offsets, and before them.
+    // SAFETY: each is freed once.
+    unsafe {
+        sinew_offsets_free(beside);
+        assert_eq!(sinew_worker_work(worker), Status::Ok);
+        sinew_worker_free(worker);
+        assert_eq!(sinew_offsets_take_worker(alone, &mut worker), Status::Ok);
+        sinew_worker_free(worker);
+        stepped(alone, &frames, 1);
+        sinew_offsets_free(alone);
+        sinew_offsets_free(started);
+    }
 }
 
 #[test]

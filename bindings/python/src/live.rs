@@ -7,11 +7,14 @@ use crate::robot::RobotArg;
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
 use pyo3::prelude::*;
 use sinew_estimate::feeder::Refusal;
-use sinew_estimate::live::{self, Stepped};
+use sinew_estimate::online::{OnlineEstimator, OnlineJoint, OnlineWorker, StepOutcome};
 use sinew_estimate::session::SessionOptions;
 use sinew_model::Gaussian;
 use sinew_model::offset::{self, Comparison, OffsetConfig, Sample, VelocityFilter};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What the session is called in messages until it is saved.
+const NAME: &str = "live offsets";
 
 /// A value per joint; lists and other numbers are converted.
 type PerJoint<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
@@ -22,13 +25,6 @@ type LiveForce<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>
 /// The values in order, whatever the array's steps are.
 fn values(array: &PerJoint<'_>) -> Vec<f64> {
     array.as_array().to_vec()
-}
-
-/// Absolute offsets beside a running robot, sample by sample.
-#[pyclass(module = "pysinew._core")]
-pub(crate) struct LiveOffsets {
-    live: live::LiveOffsets,
-    names: Vec<String>,
 }
 
 fn refusal(why: Refusal) -> &'static str {
@@ -43,74 +39,131 @@ fn refusal(why: Refusal) -> &'static str {
     }
 }
 
+/// An object of a class of the package over plain data.
+fn record<'py>(
+    py: Python<'py>,
+    (module, class): (&str, &str),
+    json: serde_json::Result<String>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let data = (py.import("json")?).call_method1("loads", (json.map_err(Failure::from)?,))?;
+    py.import(module)?.getattr(class)?.call1((data,))
+}
+
+/// Offsets of the tendons of a running robot, sample by sample: ``delta_e = (theta_measured − q) − tau_el / K``.
+///
+/// ``step`` belongs into the control loop: it averages samples to blocks of 0.2 s and solves nothing. A worker solves the blocks of
+/// the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with what that solution predicts. It
+/// is a thread of its own with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
+///
+/// * ``robot``: its folder or a ``Robot``.
+/// * ``baseline``: offsets since then: a file or a ``Baseline``. ``None``: against the zero of the encoders.
+/// * ``empty``, ``payload_kg``: what the gripper holds, kg, known to 2 % or as ``(mean, deviation)``.
+/// * ``temperature_c``: °C where samples do not carry it, known to 2 K or as ``(mean, deviation)``.
+/// * ``external_force_n``: a constant force from outside at the tool, as ``((x, y, z), deviation)`` along the axes of the base, N.
+/// * ``motor_torque``: whether the motor torque of the samples is used.
+/// * ``creep``: whether ropes may creep within the session; ``False`` for steel.
+/// * ``worker``: whether a thread inside solves.
+///
+/// Objects may be used from several threads. Raises ``ValueError`` where the baseline is of another robot or a value is out of range.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct LiveOffsets {
+    names: Vec<String>,
+    /// Never held while Python runs.
+    online: Mutex<OnlineEstimator>,
+    /// `None`: a thread has it.
+    worker: Option<Mutex<Box<OnlineWorker>>>,
+}
+
 impl LiveOffsets {
-    fn index(&self, joint: &str) -> Result<usize, Failure> {
+    fn online(&self) -> MutexGuard<'_, OnlineEstimator> {
+        self.online.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The answer for a joint; `None`: it is rigid.
+    fn joint(&self, joint: &str) -> Result<Option<OnlineJoint>, Failure> {
         let found = self.names.iter().position(|name| name == joint);
-        found.ok_or_else(|| {
+        let index = found.ok_or_else(|| {
             let hint = sinew_files::names::hint(joint, &self.names);
             let known = self.names.join(", ");
             Failure::new(format!("no joint '{joint}'{hint} joints are {known}"))
-        })
+        })?;
+        Ok(self.online().answer().joint(index).copied())
     }
+
+    /// A value of every joint, all of one answer.
+    fn each<T>(&self, value: impl Fn(Option<&OnlineJoint>) -> T) -> Vec<T> {
+        let mut online = self.online();
+        let answer = online.answer();
+        (0..self.names.len())
+            .map(|joint| value(answer.joint(joint)))
+            .collect()
+    }
+}
+
+/// Mean and standard deviation; NaN of a rigid joint.
+fn offset_of(own: Option<&OnlineJoint>) -> (f64, f64) {
+    own.map_or((f64::NAN, f64::NAN), |own| {
+        (own.offset_rad.mean, own.offset_rad.deviation)
+    })
 }
 
 #[pymethods]
 impl LiveOffsets {
     #[new]
     #[pyo3(signature = (
-        robot, baseline, *, empty=false, payload_kg=None, temperature_c=None, external_force_n=None, motor_torque=true,
-        creep_rad_per_s=None
+        robot, baseline=None, *, empty=false, payload_kg=None, temperature_c=None, external_force_n=None, motor_torque=true,
+        creep=true, worker=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn new(
         robot: RobotArg<'_>,
-        baseline: BaselineArg<'_>,
+        baseline: Option<BaselineArg<'_>>,
         empty: bool,
         payload_kg: Option<Stated>,
         temperature_c: Option<Stated>,
         external_force_n: Option<([f64; 3], f64)>,
         motor_torque: bool,
-        creep_rad_per_s: Option<f64>,
+        creep: bool,
+        worker: bool,
     ) -> PyResult<Self> {
         let loaded = robot.load()?;
-        let (known, file) = baseline.read()?;
+        let baseline = baseline.as_ref().map(BaselineArg::read).transpose()?;
+        let baseline = baseline.map(|(known, file)| (Arc::unwrap_or_clone(known), file));
         let options = SessionOptions {
             payload: payload(empty, payload_kg)?,
             motor_torque,
             temperature_c: temperature(temperature_c)?,
             external_force_n: external_force(external_force_n)?,
+            creep,
             ..SessionOptions::default()
         };
-        let known = (baseline_of(&known), file.as_str());
-        let live = live::LiveOffsets::new(loaded.robot.clone(), known, &options);
-        let mut live = live.map_err(Failure::from)?;
-        if let Some(deviation) = creep_rad_per_s {
-            let expected = live.expect_creep(deviation);
-            expected.map_err(|_| {
-                Failure::new(format!(
-                    "creep_rad_per_s = {deviation}: how fast offsets may move, a standard deviation of at least 0 rad/s"
-                ))
-            })?;
+        let online = OnlineEstimator::new(loaded.robot.clone(), baseline, &options, NAME);
+        let mut online = online.map_err(Failure::from)?;
+        if worker {
+            online.start_worker()?;
         }
         Ok(Self {
-            live,
             names: loaded.robot.joint_names().to_vec(),
+            worker: online.take_worker().map(Mutex::new),
+            online: Mutex::new(online),
         })
     }
 
-    /// Names of the joints, in the order of `q`.
+    /// Names of the joints, in the order of ``q``.
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.names.clone()
     }
 
-    /// Takes a sample, `dt` seconds after the one before, and says what became of it: `"taken"`, `"restarted"`,
-    /// `"updated"` (the offsets are new), or `"refused: …"` with the reason (nothing has changed).
+    /// Takes a sample, ``dt`` seconds after the one before; of the first sample ``dt`` does not matter.
     ///
-    /// `q`, `theta`, `tau_m`: `(n,)`, rad, rad, N·m; `celsius`: °C. What isn't known is NaN, or left out.
+    /// ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. What is not known is NaN or left out. Returns
+    /// ``"taken"``; ``"restarted"`` (the first sample, or the first after a pause); ``"block"`` (it completed a block, which the worker
+    /// may take); or ``"refused: …"`` with the reason (only the clock went on). Raises ``ValueError`` for a wrong number of values or a
+    /// ``dt`` that is not above zero; the state is then unchanged.
     #[pyo3(signature = (dt, q, theta, tau_m=None, celsius=f64::NAN))]
     fn step(
-        &mut self,
+        &self,
         dt: f64,
         q: PerJoint<'_>,
         theta: PerJoint<'_>,
@@ -119,107 +172,164 @@ impl LiveOffsets {
     ) -> PyResult<&'static str> {
         let (q, theta) = (values(&q), values(&theta));
         let tau_m = tau_m.as_ref().map(values).unwrap_or_default();
-        let stepped = self.live.step(dt, &q, &theta, &tau_m, celsius);
-        Ok(match stepped.map_err(Failure::from)? {
-            Stepped::Taken => "taken",
-            Stepped::Restarted => "restarted",
-            Stepped::Updated => "updated",
-            Stepped::Refused(why) => refusal(why),
+        let outcome = self.online().step(dt, &q, &theta, &tau_m, celsius);
+        Ok(match outcome.map_err(Failure::from)? {
+            StepOutcome::Taken => "taken",
+            StepOutcome::Restarted => "restarted",
+            StepOutcome::Block => "block",
+            StepOutcome::Refused(why) => refusal(why),
         })
     }
 
-    /// Bounds the work of every `step` that follows: a small, fixed part of a block's, so that the same offsets come one
-    /// block, 0.2 s, later. Without it the sample that completes a block does all its work: milliseconds at seven joints.
-    /// Returns how many slices of a block's work a step does.
+    /// Takes all blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s.
     ///
-    /// `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block
-    /// that finds the one before undone is left out; `blocks_left_out` counts these. `ValueError`: no time step.
-    fn bound_work(&mut self, period_max_s: f64) -> PyResult<usize> {
-        Ok(self.live.bound_work(period_max_s).map_err(Failure::from)?)
+    /// Not for a control loop: call it after a ``"block"``, or from another thread. Other threads of Python go on meanwhile. Blocks wait
+    /// for ten seconds; then they are dropped. With ``worker=True`` it does nothing.
+    fn work(&self, py: Python<'_>) {
+        if let Some(worker) = &self.worker {
+            py.detach(|| {
+                let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
+                worker.work();
+            });
+        }
     }
 
-    /// Blocks left out because work on the one before wasn't done: 0 unless samples come at longer times than
-    /// `bound_work` was told.
-    #[getter]
-    fn blocks_left_out(&self) -> u64 {
-        self.live.blocks_left_out()
+    /// The next sample does not go on where the last one was: the filters start anew, what is known stays.
+    fn interrupt(&self) {
+        self.online().interrupt();
     }
 
-    /// The next sample doesn't go on where the last one was: the filters start anew, what is known stays.
-    fn interrupt(&mut self) {
-        self.live.interrupt();
-    }
-
-    /// Offset of a joint since the baseline: mean and standard deviation, rad.
+    /// Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 deviations.
+    ///
+    /// NaN before the first solution, and of a rigid joint. Raises ``ValueError`` where there is no such joint.
     fn offset(&self, joint: &str) -> PyResult<(f64, f64)> {
-        let offset = self.live.offset(self.index(joint)?);
-        Ok((offset.mean, offset.deviation))
+        Ok(offset_of(self.joint(joint)?.as_ref()))
     }
 
-    /// Offsets of all joints: means and standard deviations, `(n,)` each, rad.
+    /// Offsets of all joints, of one answer: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``.
     fn offsets<'py>(
         &self,
         py: Python<'py>,
     ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
-        let all = (0..self.names.len()).map(|joint| self.live.offset(joint));
-        let (means, deviations): (Vec<f64>, Vec<f64>) =
-            all.map(|offset| (offset.mean, offset.deviation)).unzip();
+        let (means, deviations) = self.each(offset_of).into_iter().unzip();
         (
             PyArray1::from_vec(py, means),
             PyArray1::from_vec(py, deviations),
         )
     }
 
-    /// Whether the offsets are in doubt: the first half minute, a contact, a slip not settled yet.
+    /// Why the offset of a joint is provisional: a ``Provisional``. ``None``: it is settled, or the joint is rigid.
+    ///
+    /// Raises ``ValueError`` where there is no such joint.
+    fn provisional<'py>(
+        &self,
+        py: Python<'py>,
+        joint: &str,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let why = self.joint(joint)?.and_then(|own| own.provisional);
+        let class = ("pysinew._live", "Provisional");
+        why.map(|why| record(py, class, serde_json::to_string(&why)))
+            .transpose()
+    }
+
+    /// Whether the offset of any joint is provisional.
     #[getter]
-    fn in_doubt(&self) -> bool {
-        self.live.is_provisional()
+    fn is_provisional(&self) -> bool {
+        self.online().answer().is_provisional()
     }
 
-    /// Probability, 0 to 1, that a joint's stiffness has changed since the baseline.
-    fn stiffness_changed(&self, joint: &str) -> PyResult<f64> {
-        Ok(self.live.stiffness_changed(self.index(joint)?))
+    /// Middle of the last block that the answer holds, s since the first sample; NaN before the first block.
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.online().answer().time_s
     }
 
-    /// What a temperature that isn't known, now or in the baseline, adds to the standard deviation of every joint's offset, `(n,)`,
-    /// rad; 0 where both are known. The intervals hold it: it is the tolerance of robot.toml, so warmth far beyond that reads
-    /// as stretch.
+    /// Middle of the last block of the solution, s since the first sample; NaN before the first solution.
+    #[getter]
+    fn solved_s(&self) -> f64 {
+        self.online().answer().solved_s
+    }
+
+    /// Age of the solution, ``time_s − solved_s``, s; NaN before the first one. At most 2 while the arm moves; it grows in a
+    /// long stand, whose blocks replace each other.
+    #[getter]
+    fn age_s(&self) -> f64 {
+        let mut online = self.online();
+        let answer = online.answer();
+        answer.time_s - answer.solved_s
+    }
+
+    /// Blocks completed that are neither in the answer nor dropped. Where the number grows, the worker is too slow or is
+    /// not called, and the answer is old, whatever it says.
+    #[getter]
+    fn blocks_behind(&self) -> u64 {
+        self.online().blocks_behind()
+    }
+
+    /// Blocks lost because the worker was late by more than ten seconds.
+    #[getter]
+    fn blocks_dropped(&self) -> u64 {
+        self.online().blocks_dropped()
+    }
+
+    /// Probability, 0 to 1, that something touches the arm in the last block; 0 before the first solution.
+    #[getter]
+    fn contact_probability(&self) -> f64 {
+        self.online().answer().contact_probability
+    }
+
+    /// Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` where that is not sought.
+    ///
+    /// Raises ``ValueError`` where there is no such joint.
+    fn stiffness_changed(&self, joint: &str) -> PyResult<Option<f64>> {
+        let own = self.joint(joint)?;
+        Ok(own.and_then(|own| own.stiffness_changed_probability))
+    }
+
+    /// What a temperature that is not known, now or in the baseline, adds to the standard deviation of every joint's offset, ``(n,)``,
+    /// rad; 0 where both are known. The deviations hold it. It is the tolerance of robot.toml: warmth beyond that reads as stretch.
     #[getter]
     fn unknown_temperature_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let joints = 0..self.names.len();
-        PyArray1::from_iter(
-            py,
-            joints.map(|joint| self.live.unknown_temperature_rad(joint)),
-        )
+        let unknown_rad = self.each(|own| own.map_or(0.0, |own| own.unknown_temperature_rad));
+        PyArray1::from_vec(py, unknown_rad)
     }
 
-    /// A constant force from outside at the tool, as far as it is known: probability that one acts, 0 to 1, then mean and
-    /// standard deviation along the axes of the base, `(3,)` each, N, if one does. `None`: none is looked for
-    /// (`external_force_n = 0` in robot.toml).
+    /// A constant force from outside at the tool: the posterior probability that one acts, 0 to 1, then mean and standard deviation
+    /// along the axes of the base, ``(3,)`` each, N, if one does. ``None``: there was none to be seen.
     #[getter]
     fn external_force<'py>(&self, py: Python<'py>) -> Option<LiveForce<'py>> {
-        let force = self.live.external_force()?;
+        let force = self.online().answer().external_force?;
         let of = |part: fn(Gaussian) -> f64| PyArray1::from_iter(py, force.force_n.map(part));
         Some((force.probability, of(|f| f.mean), of(|f| f.deviation)))
     }
 
-    /// What is known now, as the baseline of the next session; refused while in doubt.
+    /// Why the last window could not be solved; ``None``: it was. The offsets are then those of the solution before, and provisional.
+    #[getter]
+    fn error(&self) -> Option<String> {
+        self.online().error().map(|why| why.to_string())
+    }
+
+    /// What ``estimate`` gives as ``session`` for a recording of the window's blocks, as of the last solution: a ``SessionEstimate``.
+    /// ``None`` before the first one.
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let estimate = self.online().estimate();
+        let class = ("pysinew.results", "SessionEstimate");
+        estimate
+            .map(|estimate| record(py, class, serde_json::to_string(&estimate)))
+            .transpose()
+    }
+
+    /// What the last solution knows, as the baseline of the next session.
     ///
-    /// `recording` names this session, which ended at `end_time_ns` of its clock.
+    /// ``recording`` names this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset is
+    /// provisional.
     fn save(&self, recording: &str, end_time_ns: i64) -> PyResult<Baseline> {
-        let saved = self.live.save(recording, end_time_ns);
+        let saved = self.online().save(recording, end_time_ns);
         Ok(Baseline {
             baseline: Arc::new(saved.map_err(Failure::from)?),
             name: recording.to_owned(),
         })
     }
-}
-
-/// A copy to own.
-fn baseline_of(
-    shared: &Arc<sinew_estimate::baseline::Baseline>,
-) -> sinew_estimate::baseline::Baseline {
-    sinew_estimate::baseline::Baseline::clone(shared)
 }
 
 /// The paper's observer: elastic torque and offset of every joint, sample by sample.

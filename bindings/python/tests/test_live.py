@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import threading
+import time
 from pathlib import Path
+from typing import Any, Callable, Iterator
 
 import numpy as np
 import pytest
@@ -12,47 +17,112 @@ import pysinew as sn
 from conftest import ROBOT
 
 
-def test_live_offsets_follow_a_session(work: Path, learned: sn.Learned) -> None:
+def samples(work: Path, from_s: float, to_s: float) -> Iterator[tuple[float, tuple[Any, ...]]]:
+    """Samples as ``step`` takes them, each after its time since the start of the recording."""
+    arrays = sn.Recording(work).arrays(joints=sn.Robot(ROBOT).joints)
+    time_s = (arrays["time_ns"] - arrays["time_ns"][0]) * 1e-9
+    rows = np.flatnonzero((time_s >= from_s) & (time_s < to_s))
+    dt = np.diff(arrays["time_ns"][rows], prepend=arrays["time_ns"][rows][0]) * 1e-9
+    celsius = arrays.get("temperature_c", np.full(len(time_s), np.nan))
+    for i, row in enumerate(rows):
+        sample = (arrays["q"][row], arrays["theta"][row], arrays["tau_m"][row], float(celsius[row]))
+        yield float(time_s[row]), (float(dt[i]), *sample)
+
+
+def drive(live: sn.LiveOffsets, work: Path, to_s: float, each: Callable[[float], object] = lambda _: None) -> int:
+    """Steps from 60 s on, solving after every block; how many blocks there were."""
+    blocks = 0
+    for now_s, sample in samples(work, 60.0, to_s):
+        if live.step(*sample) == "block":
+            blocks += 1
+            live.work()
+            each(now_s)
+    return blocks
+
+
+def test_live_offsets_are_those_of_the_recording_so_far(work: Path, learned: sn.Learned) -> None:
     robot = sn.Robot(ROBOT)
     live = sn.LiveOffsets(robot, learned.learned_baseline)
-    arrays = sn.Recording(work).arrays(joints=robot.joints)
-    later = arrays["time_ns"] - arrays["time_ns"][0] >= 60e9
-    late = arrays["time_ns"] - arrays["time_ns"][0] < 120e9
-    rows = np.flatnonzero(later & late)
-    dt = np.diff(arrays["time_ns"][rows], prepend=arrays["time_ns"][rows][0]) * 1e-9
-    updates = 0
-    assert live.in_doubt
-    with pytest.raises(ValueError, match="in doubt"):
+    assert live.is_provisional and live.result() is None and live.error is None
+    assert np.isnan([live.time_s, live.solved_s, live.age_s, *live.offset("elbow")]).all()
+    assert {live.provisional(joint).reason for joint in robot.joints} == {"starting"}
+    assert live.provisional("elbow").since_s is None and live.provisional("elbow").probability is None
+    with pytest.raises(sn.SinewError, match="^early: an offset is provisional"):
         live.save("early", 0)
-    for i, row in enumerate(rows):
-        celsius = float(arrays["temperature_c"][row]) if "temperature_c" in arrays else float("nan")
-        told = live.step(float(dt[i]), arrays["q"][row], arrays["theta"][row], arrays["tau_m"][row], celsius)
-        updates += told == "updated"
+
+    ages_s: list[float] = []
+    solved_at_s: list[float] = []
+
+    def each(now_s: float) -> None:
+        assert (live.blocks_behind, live.blocks_dropped) == (0, 0)
+        if not np.isnan(live.solved_s):
+            ages_s.append(live.age_s)
+            if live.age_s == 0.0:
+                solved_at_s.append(now_s)
+
     # Five blocks a second, once the filters have settled.
-    assert 230 < updates < 300, updates
-    batch = sn.estimate(work, robot, baseline=learned.learned_baseline, from_s=60.0, to_s=120.0)
+    blocks = drive(live, work, 120.0, each)
+    assert 250 < blocks < 300, blocks
+    assert len(solved_at_s) == blocks // 10 and max(ages_s) < 2.0
+    assert live.error is None
+
+    # As of the last solution: the estimate of a recording that ends there.
+    batch = sn.estimate(
+        work, robot, baseline=learned.learned_baseline, from_s=60.0, to_s=solved_at_s[-1] + 1e-4
+    ).session
+    now = live.result()
+    assert batch is not None and isinstance(now, sn.results.SessionEstimate) and type(now) is type(batch)
+    assert [joint.name for joint in now.joints] == robot.joints
     means, deviations = live.offsets()
-    for i, joint in enumerate(robot.joints):
-        mean, deviation = live.offset(joint)
-        assert (mean, deviation) == (means[i], deviations[i])
-        wanted = batch.joint(joint).offset_rad
-        assert abs(mean - wanted.mean) < 2.0 * max(1.96 * deviation, wanted.half_width_95), joint
+    for i, (own, wanted) in enumerate(zip(now.joints, batch.joints)):
+        # Times of blocks are rounded on another clock.
+        assert abs(own.offset_rad.mean - wanted.offset_rad.mean) < 1e-9, own.name
+        assert abs(own.offset_rad.deviation - wanted.offset_rad.deviation) < 1e-9, own.name
+        assert (own.verdict, len(own.changes)) == (wanted.verdict, len(wanted.changes))
+        assert live.offset(own.name) == (means[i], deviations[i])
+        if live.provisional(own.name) is None:
+            assert live.offset(own.name) == (own.offset_rad.mean, own.offset_rad.deviation)
+        changed = live.stiffness_changed(own.name)
+        assert changed is None or 0.0 <= changed <= 1.0
     # Unknown where the recording holds no temperature, and nowhere else.
+    is_recorded = "temperature_c" in sn.Recording(work).arrays()
     unknown_rad = live.unknown_temperature_rad
     assert unknown_rad.shape == (len(robot.joints),) and (unknown_rad <= deviations).all()
-    assert (unknown_rad > 0.0).any() == ("temperature_c" not in arrays)
-    force = live.external_force
-    assert force is not None
-    probability, force_n, deviation_n = force
-    assert 0.0 <= probability < 0.3, "nothing pulls"
-    assert force_n.shape == deviation_n.shape == (3,) and (deviation_n > 0.0).all()
-    if not live.in_doubt:
-        saved = live.save("session", int(arrays["time_ns"][rows[-1]]))
-        assert saved.recordings[-1] == "session"
-        sn.LiveOffsets(robot, saved)
+    assert (unknown_rad > 0.0).any() != is_recorded
+    assert 0.0 <= live.contact_probability <= 1.0
+    assert (live.external_force is None) == (batch.external_force is None)
+    if live.external_force is not None:
+        probability, force_n, deviation_n = live.external_force
+        assert 0.0 <= probability < 0.3, "nothing pulls"
+        assert force_n.shape == deviation_n.shape == (3,) and (deviation_n > 0.0).all()
 
 
-def test_an_estimate_says_what_the_form_beside_the_robot_makes_of_it(work: Path, learned: sn.Learned) -> None:
+def test_a_session_is_saved_where_no_offset_is_provisional(work: Path, learned: sn.Learned) -> None:
+    live = sn.LiveOffsets(ROBOT, learned.learned_baseline)
+    saved: list[sn.Baseline] = []
+    reasons: set[str] = set()
+
+    def each(now_s: float) -> None:
+        whys = [live.provisional(joint) for joint in live.joints]
+        assert live.is_provisional == any(whys)
+        for why in filter(None, whys):
+            reasons.add(why.reason)
+            assert (why.reason == "step") == (why.probability is not None)
+            assert (why.since_s is not None) == (why.reason in ("step", "change-may-end"))
+            assert type(why)(why.to_dict()) == why
+        if live.is_provisional:
+            with pytest.raises(sn.SinewError, match="^session: an offset is provisional"):
+                live.save("session", 0)
+        else:
+            saved.append(live.save("session", int(now_s * 1e9)))
+
+    drive(live, work, 80.0, each)
+    assert "starting" in reasons and saved
+    assert saved[-1].recordings[-1] == "session" and len(saved[-1].recordings) == 2
+    sn.LiveOffsets(ROBOT, saved[-1])
+
+
+def test_the_online_estimate_is_replayed_over_a_recording(work: Path, learned: sn.Learned) -> None:
     asked = {"baseline": learned.learned_baseline, "from_s": 60.0, "to_s": 120.0}
     answer = sn.estimate(work, ROBOT, **asked, live=True)
     assert answer.session is not None and answer.session.live is not None
@@ -65,39 +135,75 @@ def test_an_estimate_says_what_the_form_beside_the_robot_makes_of_it(work: Path,
         sn.estimate(work, ROBOT, method="paper", live=True)
 
 
-def test_what_is_stated_of_a_running_robot(learned: sn.Learned) -> None:
-    stated = sn.LiveOffsets(ROBOT, learned.learned_baseline, external_force_n=((0.0, 1.0, 0.0), 0.1), creep_rad_per_s=0.0)
-    for wrong in (-1.0, float("nan")):
-        with pytest.raises(ValueError, match="creep_rad_per_s"):
-            sn.LiveOffsets(ROBOT, learned.learned_baseline, creep_rad_per_s=wrong)
-    assert stated.external_force is None or stated.external_force[0] == 1.0
+def test_what_is_stated_of_a_running_robot(work: Path, learned: sn.Learned) -> None:
+    force_n = ((0.0, 0.0, 0.0), 0.1)
+    stated = sn.LiveOffsets(ROBOT, learned.learned_baseline, external_force_n=force_n, empty=True, creep=False)
+    drive(stated, work, 120.0)
+    assert stated.external_force is not None and stated.external_force[0] == 1.0
+    with pytest.raises(ValueError, match="exclude each other"):
+        sn.LiveOffsets(ROBOT, learned.learned_baseline, empty=True, payload_kg=1.0)
+    with pytest.raises(ValueError, match="not_there"):
+        sn.LiveOffsets(ROBOT, "not_there.baseline")
 
 
-def test_bounded_work_gives_the_same_offsets_one_block_later(work: Path, learned: sn.Learned) -> None:
-    arrays = sn.Recording(work).arrays(joints=sn.Robot(ROBOT).joints)
-    time_s = (arrays["time_ns"] - arrays["time_ns"][0]) * 1e-9
-    rows = np.flatnonzero(time_s < 20.0)
-    whole, bounded = (sn.LiveOffsets(ROBOT, learned.learned_baseline) for _ in range(2))
-    for period_s in (0.0, -1e-3, float("nan")):
-        with pytest.raises(ValueError, match="time step"):
-            bounded.bound_work(period_s)
-    dt = np.diff(time_s[rows], prepend=time_s[rows][0])
-    assert bounded.bound_work(float(dt.max())) > 1
-    told: list[list[list[np.ndarray]]] = [[], []]
-    for i, row in enumerate(rows):
-        for live, updates in zip((whole, bounded), told):
-            if live.step(float(dt[i]), arrays["q"][row], arrays["theta"][row]) == "updated":
-                updates.append([array.copy() for array in live.offsets()])
-    assert len(told[0]) > 50 and len(told[0]) - len(told[1]) in (0, 1)
-    for a, b in zip(*told):
-        np.testing.assert_array_equal(a, b)
-    assert (whole.blocks_left_out, bounded.blocks_left_out) == (0, 0)
-    # A step for samples every ten microseconds does a slice or two: those at a fiftieth of a second find work undone.
-    late = sn.LiveOffsets(ROBOT, learned.learned_baseline)
-    late.bound_work(1e-5)
-    for i, row in enumerate(rows[::10]):
-        late.step(float(np.sum(dt[10 * i : 10 * i + 10])), arrays["q"][row], arrays["theta"][row])
-    assert late.blocks_left_out > 0
+def test_without_a_baseline_offsets_count_from_the_zero_of_the_encoders(work: Path, learned: sn.Learned) -> None:
+    fresh, since = sn.LiveOffsets(ROBOT), sn.LiveOffsets(ROBOT, learned.learned_baseline)
+    for live in (fresh, since):
+        drive(live, work, 70.0)
+    assert fresh.result().baseline is None and since.result().baseline is not None
+    assert fresh.offset("elbow")[1] > since.offset("elbow")[1]
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_thread_solves(work: Path, learned: sn.Learned, inside: bool) -> None:
+    live = sn.LiveOffsets(ROBOT, learned.learned_baseline, worker=inside)
+    ends = threading.Event()
+
+    def solve() -> None:
+        while not ends.wait(0.01):
+            live.work()
+
+    thread = threading.Thread(target=solve)
+    if not inside:
+        thread.start()
+    patience = time.monotonic() + 60.0
+
+    def wait(most: int) -> None:
+        while live.blocks_behind > most:
+            assert time.monotonic() < patience, "no answer"
+            time.sleep(0.01)
+
+    try:
+        # As fast as the worker takes blocks, which is faster than a robot makes them.
+        for _, sample in samples(work, 60.0, 66.0):
+            if live.step(*sample) == "block":
+                wait(3)
+        wait(0)
+    finally:
+        ends.set()
+        if not inside:
+            thread.join()
+    assert live.blocks_dropped == 0 and np.isfinite(live.offsets()).all()
+    assert isinstance(live.result(), sn.results.SessionEstimate)
+
+
+def test_a_worker_that_is_late_loses_blocks_and_goes_on(work: Path, learned: sn.Learned) -> None:
+    live = sn.LiveOffsets(ROBOT, learned.learned_baseline)
+    for now_s, sample in samples(work, 60.0, 90.0):
+        if live.step(*sample) == "block" and now_s > 85.0:
+            live.work()
+    assert live.blocks_dropped > 0 and live.blocks_behind == live.blocks_dropped
+    assert np.isfinite(live.offset("elbow")).all() and live.error is None
+
+
+def test_stubs_and_help_say_the_same() -> None:
+    stub = Path(sn.__file__).parent / "_core.pyi"
+    classes = [node for node in ast.parse(stub.read_text("utf-8")).body if isinstance(node, ast.ClassDef)]
+    own = next(node for node in classes if node.name == "LiveOffsets")
+    assert ast.get_docstring(own) == inspect.getdoc(sn.LiveOffsets)
+    for member in own.body:
+        if isinstance(member, ast.FunctionDef) and member.name != "__new__":
+            assert ast.get_docstring(member) == inspect.getdoc(getattr(sn.LiveOffsets, member.name)), member.name
 
 
 def test_a_baseline_is_a_text(learned: sn.Learned) -> None:
@@ -123,8 +229,9 @@ def test_samples_that_can_not_be_used_change_nothing(learned: sn.Learned) -> Non
     assert live.step(0.002, q, q) == "taken"
     live.interrupt()
     assert live.step(0.002, q, q) == "restarted"
-    with pytest.raises(ValueError, match="joints are shoulder_yaw"):
-        live.offset("hip")
+    for asked in (live.offset, live.provisional, live.stiffness_changed):
+        with pytest.raises(ValueError, match="joints are shoulder_yaw"):
+            asked("hip")
 
 
 def test_the_observer_finds_a_longer_rope() -> None:

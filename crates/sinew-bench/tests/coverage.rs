@@ -42,9 +42,9 @@ fn offsets_of_loaded_joints_are_known_better_than_is_said_by_as_much_as_is_docum
     scores("S5", 30, loaded).hold_as("S5, shoulder pitch and elbow", 0.7 * 0.7);
 }
 
-/// Of recordings from a seed on, block by block: root mean square of the errors at the end of a session, rad, how many offsets are outside
-/// their interval without doubt, and of how many.
-fn block_by_block(scenario: &str, (first_seed, n): (u64, u64), at: End) -> (f64, usize, usize) {
+/// Of recordings from a seed on, by the online estimate: root mean square of the errors at the end of a session, rad, how many offsets are outside
+/// their interval and settled, and of how many.
+fn online_ends(scenario: &str, (first_seed, n): (u64, u64), at: End) -> (f64, usize, usize) {
     let options = Options {
         scenarios: vec![scenario.into()],
         robot: None,
@@ -76,7 +76,7 @@ fn block_by_block(scenario: &str, (first_seed, n): (u64, u64), at: End) -> (f64,
 /// silent in six of 32.
 #[test]
 fn slips_of_an_arm_that_picks_and_places_are_followed_beside_it() {
-    let (rms_rad, silent, count) = block_by_block("S9", (5000, 8), End::Chain);
+    let (rms_rad, silent, count) = online_ends("S9", (5000, 8), End::Chain);
     assert!(rms_rad < 8e-3, "{rms_rad} rad");
     assert!(silent <= 3, "{silent} of {count}");
 }
@@ -84,14 +84,14 @@ fn slips_of_an_arm_that_picks_and_places_are_followed_beside_it() {
 /// Somebody leans on an arm that stands, until the session's end. A filter that believes it is 65 mrad off and sure.
 #[test]
 fn what_leans_on_an_arm_that_stands_is_not_believed() {
-    let (rms_rad, silent, _) = block_by_block("S9c", (5011, 1), End::B);
+    let (rms_rad, silent, _) = online_ends("S9c", (5011, 1), End::B);
     assert!(rms_rad < 10e-3 && silent == 0, "{rms_rad} rad, {silent}");
 }
 
 /// Stiffness drops by 8 % while the arm works. A filter that expects slips alone takes it for one, and is 2.6 mrad off.
 #[test]
 fn stiffness_lost_on_the_way_is_no_slip_beside_a_running_robot() {
-    let (rms_rad, silent, count) = block_by_block("U3b", (3000, 6), End::B);
+    let (rms_rad, silent, count) = online_ends("U3b", (3000, 6), End::B);
     assert!(rms_rad < 1e-3, "{rms_rad} rad");
     assert!(silent <= 3, "{silent} of {count}");
 }

@@ -5,7 +5,7 @@ mod control;
 mod coverage;
 mod excitation;
 mod forecasts;
-mod live;
+mod online;
 mod paper_figures;
 mod paper_sentences;
 mod rope_figures;

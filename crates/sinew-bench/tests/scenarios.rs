@@ -504,10 +504,10 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
             [Form::Batch, Form::Online].map(|form| [(form, End::B, 4), (form, End::Chain, 4)]);
         assert_eq!(ends, wanted.concat());
         // Two estimates of the same recording, and not one twice.
-        let [batch, recursive] = [&scenario.ends[0], &scenario.ends[2]];
+        let [batch, online] = [&scenario.ends[0], &scenario.ends[2]];
         assert!(
-            batch.rmse_rad != recursive.rmse_rad && recursive.rmse_rad < 5e-3,
-            "{batch:?} {recursive:?}"
+            batch.rmse_rad != online.rmse_rad && online.rmse_rad < 5e-3,
+            "{batch:?} {online:?}"
         );
     }
     assert!(variants().any(|name| name == "creep-1"));
@@ -628,11 +628,11 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
         }
         assert!(inside + 2 >= offsets, "{name}: {inside} of {offsets}");
         assert!(named >= 12, "{name}: {named}");
-        // Block by block it isn't named, but followed: where offsets were taken for fixed, a third to four fifths were outside.
+        // The online estimate follows it, too: where offsets were taken for fixed, a third to four fifths were outside.
         let inside = (read - silent) as f64;
         assert!(
             inside >= least(read as f64),
-            "{name}: {silent} of {read} block by block"
+            "{name}: {silent} of {read} online"
         );
     }
     // One that keeps its length is not suspected, whatever else differs.

@@ -4,12 +4,12 @@
 //! `cargo bench -p sinew-estimate --bench session` prints, for 250 Hz and 1 kHz, CSV and MCAP (and
 //! Parquet, 250 Hz, where `../shared` is there), what every stage of
 //! `sinew estimate LOG --baseline FILE` takes, of processors and by the clock, and its ratio to reading
-//! the log; then the cost of a feature step, of a block of the recursive form, and batch over
-//! recursive. A word after `--` leaves out recordings that are called otherwise (`-- eventful`).
+//! the log; then the cost of a feature step, of the batch, and of the online estimate over it. A word after `--` leaves out recordings that are called otherwise (`-- eventful`).
 
 use cpu_time::ProcessTime;
 use sinew_estimate::Request;
 use sinew_estimate::baseline::Baseline;
+use sinew_estimate::online;
 use sinew_estimate::replay;
 use sinew_estimate::robot_dir;
 use sinew_estimate::session;
@@ -197,7 +197,7 @@ fn stages(
                 window,
                 with,
                 &options,
-                &|_, _, _| (),
+                &|_, _, _| Ok(()),
                 &mut |_| {},
             );
             drop(black_box(said.expect("estimate")));
@@ -288,7 +288,7 @@ fn parquet(root: &Path, place: &Path, robot: &Robot, rounds: usize) {
     stages("Parquet", &log, place, robot, b, &baseline, rounds);
 }
 
-/// Cost of a step of the features, of a block of the recursive form, and of the batch.
+/// Cost of a step of the features, of the batch, and of the online estimate.
 fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
     let options = SessionOptions::default();
     let blocks = recorded(robot, frames);
@@ -301,11 +301,10 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
                 let _ = black_box(observer.step(dt_s, &f.q, &f.theta, &f.tau_m, f.temperature_c));
             }
         });
-        let mut filter = session::live(robot, (baseline, "A"), &options).expect("filter");
         stage[1].run(|| {
-            for block in &blocks.blocks {
-                let _ = black_box(filter.step(block));
-            }
+            let with = Some((baseline, "A"));
+            let window = online::replay(robot, &blocks, with, &options, "B", &mut |_| {});
+            drop(black_box(window));
         });
         stage[2].run(|| {
             let with = Some((baseline, "A"));
@@ -313,13 +312,13 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
             drop(black_box(said.expect("estimate")));
         });
     }
-    let [[features, _], [recursive, _], [batch, _]] = stage.each_ref().map(Stage::median);
+    let [[features, _], [online, _], [batch, _]] = stage.each_ref().map(Stage::median);
     println!(
-        "feature step {:.2} µs a frame; recursive form {:.1} µs a block of 0.2 s, {:.2} ms a minute; batch {:.1} ms a minute, {:.1} times the recursive form",
+        "feature step {:.2} µs a frame; batch {:.1} ms a minute; online estimate {:.1} ms a minute, {:.1} times the batch, {:.2} % of a core",
         1e6 * features / frames.len() as f64,
-        1e6 * recursive / blocks.blocks.len() as f64,
-        1e3 * recursive,
         1e3 * batch,
-        batch / recursive
+        1e3 * online,
+        online / batch,
+        1e2 * online / SESSION_S
     );
 }

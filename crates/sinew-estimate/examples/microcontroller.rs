@@ -13,15 +13,14 @@
 
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::feeder::{Feeder, FeederOptions};
+use sinew_estimate::online::Window;
 use sinew_estimate::robot_dir;
-use sinew_estimate::session::{self, SessionOptions};
+use sinew_estimate::session::{Recorded, Recorder, SessionOptions, estimate_recorded};
 use sinew_log::{Frame, OpenOptions};
 use sinew_model::Gaussian;
 use sinew_model::arm::Arm;
 use sinew_model::arm::urdf::{self, UrdfOptions};
-use sinew_model::offset::{
-    Block, FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, RecursiveOffsets,
-};
+use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
 use sinew_model::wire::{BlockReceiver, BlockSender, RobotImage};
@@ -164,18 +163,20 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
     /// Blocks between two lines of text.
     const SAY: u64 = 50;
     let robot = robot_dir::load(Path::new(place), None)?.robot;
-    let options = SessionOptions::default();
-    let mut filter = match baseline {
-        None => session::live_without_baseline(&robot, &options)?,
-        Some(file) => session::live(&robot, (&Baseline::read(Path::new(file))?, file), &options)?,
+    let baseline = match baseline {
+        None => None,
+        Some(file) => Some((Baseline::read(Path::new(file))?, file.to_owned())),
     };
+    let mut window = Window::new(robot.clone(), baseline, &SessionOptions::default(), line)?;
     let mut receiver = BlockReceiver::new(&robot.arm, &FeatureConfig::default());
+    // The time at which the chip began, on the window's clock.
+    let mut start_s = 0.0;
     for byte in BufReader::new(File::open(line)?).bytes() {
         match receiver.push(byte?) {
             Ok(None) => {}
             Ok(Some(received)) => {
-                filter.step(&received.block)?;
                 if received.restarted {
+                    start_s = window.answer().time_s;
                     eprintln!(
                         "the chip began anew: encoders that don't keep their zero without power must be zeroed again"
                     );
@@ -183,8 +184,12 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
                 if received.lost_before > 0 {
                     eprintln!("{} blocks were lost", received.lost_before);
                 }
+                window.push(&part(received.block, start_s));
+                if window.is_due() {
+                    window.solve();
+                }
                 if receiver.counts().blocks.is_multiple_of(SAY) {
-                    say(robot.joint_names(), &filter, receiver.counts().blocks);
+                    say(robot.joint_names(), &window);
                 }
             }
             Err(why) => eprintln!("a block was refused: {why}"),
@@ -195,26 +200,43 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
         "{} blocks taken, {} lost, {} refused",
         counts.blocks, counts.lost, counts.refused
     );
-    say(robot.joint_names(), &filter, counts.blocks);
+    say(robot.joint_names(), &window);
     Ok(())
 }
 
-fn say(names: &[String], filter: &RecursiveOffsets, blocks: u64) {
-    let doubt = if filter.is_provisional() {
-        ", in doubt"
-    } else {
-        ""
-    };
-    let offsets = names.iter().enumerate().map(|(i, name)| {
-        let offset = filter.offset(i).scaled(1e3);
-        format!(
-            "  {name} {:+.3} ± {:.3}",
-            offset.mean,
-            1.96 * offset.deviation
-        )
+/// A block of a chip that began at `start_s`, as a window takes it.
+fn part(mut block: Block, start_s: f64) -> Recorded {
+    block.time_s += start_s;
+    let half_s = 0.5 * FeatureConfig::default().block_s;
+    let time_ns = |s: f64| (s * 1e9).round() as i64;
+    Recorded {
+        start_time_ns: time_ns(block.time_s - half_s),
+        end_time_ns: time_ns(block.time_s + half_s),
+        blocks: vec![block],
+        ..Recorded::default()
+    }
+}
+
+fn say(names: &[String], window: &Window) {
+    let answer = window.answer();
+    if let Some(why) = window.error() {
+        println!("not solved: {why}");
+    }
+    if window.estimate().is_none() {
+        println!("{:5} blocks, no window solved yet", answer.blocks);
+        return;
+    }
+    let offsets = answer.joints.iter().map(|own| {
+        let (name, offset) = (&names[own.joint], own.offset_rad.scaled(1e3));
+        let half_width = offset.half_width_95();
+        format!("  {name} {:+.3} ± {half_width:.3}", offset.mean)
     });
     let offsets: String = offsets.collect();
-    println!("{blocks:5} blocks{offsets} mrad{doubt}");
+    let provisional = match answer.is_provisional() {
+        true => ", provisional",
+        false => "",
+    };
+    println!("{:5} blocks{offsets} mrad{provisional}", answer.blocks);
 }
 
 /// How far offsets move when samples, or blocks, are rounded to single precision: the least that it would cost.
@@ -242,7 +264,9 @@ fn rounded(place: &str, log: &str, seconds: &str) -> Outcome {
         let own = own.chain([&mut block.motor_stood]);
         own.flatten().for_each(single);
     })?;
-    for (i, name) in robot.joint_names().iter().enumerate() {
+    let names = robot.joint_names().iter().zip(&robot.transmissions);
+    let elastic = names.filter(|(_, spring)| spring.is_some());
+    for (i, (name, _)) in elastic.enumerate() {
         let apart = |other: &[Gaussian]| 1e6 * (other[i].mean - exact[i].mean).abs();
         println!(
             "{name}: rounded samples move the offset by {:.5} µrad, rounded blocks by {:.5} µrad",
@@ -255,17 +279,17 @@ fn rounded(place: &str, log: &str, seconds: &str) -> Outcome {
 
 /// Offsets of a recording whose blocks `change` does something to.
 fn offsets(robot: &Robot, frames: &[Frame], change: impl Fn(&mut Block)) -> Outcome<Vec<Gaussian>> {
-    let mut filter = session::live_without_baseline(robot, &SessionOptions::default())?;
-    let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
-    let mut features = Feeder::new(features, &robot.transmissions, FeederOptions::default());
+    let gap_s = FeederOptions::default().gap_s;
+    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), gap_s);
+    let start_ns = frames.first().map_or(0, |frame| frame.time_ns);
     for frame in frames {
-        if features.frame(frame).output() == Some(true) {
-            let mut block = features.observer().block().clone();
-            change(&mut block);
-            filter.step(&block)?;
-        }
+        recorder.push(frame, (frame.time_ns - start_ns) as f64 * 1e-9);
     }
-    Ok((0..robot.arm.dof()).map(|i| filter.offset(i)).collect())
+    let mut recorded = recorder.finish();
+    recorded.blocks.iter_mut().for_each(change);
+    let options = SessionOptions::default();
+    let (estimate, _) = estimate_recorded(robot, &recorded, "rounded", None, &options)?;
+    Ok(estimate.joints.iter().map(|own| own.offset_rad).collect())
 }
 
 /// What the program on the chip counted, in words. Ticks are 40 ns of virtual time, an instruction 128 ns (`-icount

@@ -40,7 +40,8 @@ pub fn estimate(
             let also = |robot: &Robot, recorded: &Recorded, session: &mut SessionEstimate| {
                 let name = &session.recording;
                 let course = || trajectory(robot, recorded, baseline, options, name);
-                session.live = plan.live.then(course);
+                session.live = plan.live.then(course).transpose()?;
+                Ok(())
             };
             let (reading, session, next) = session::estimate_with_replay(
                 request,

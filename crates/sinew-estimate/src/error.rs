@@ -63,9 +63,9 @@ pub enum SessionError {
         /// Why.
         error: MapError,
     },
-    /// The recursive form can't be saved.
+    /// An online estimate that is provisional is not saved.
     #[error(
-        "{recording}: the offsets are in doubt (the first half minute, a contact, a slip not settled yet); save when they are not, or keep the file from before"
+        "{recording}: an offset is provisional (no window solved yet, or a change that has not settled); save when none is, or keep the file from before"
     )]
     Provisional {
         /// The recording, or what stands for it.

@@ -19,6 +19,8 @@ pub struct SessionOptions {
     pub temperature_c: Option<Gaussian>,
     /// A constant force from outside at the tool, along the axes of the base, N, where it is stated.
     pub external_force_n: Option<[Gaussian; 3]>,
+    /// Whether ropes may creep within the recording: not those of steel.
+    pub creep: bool,
 }
 
 impl Default for SessionOptions {
@@ -29,6 +31,7 @@ impl Default for SessionOptions {
             motor_current: false,
             temperature_c: None,
             external_force_n: None,
+            creep: true,
         }
     }
 }

@@ -25,6 +25,7 @@
 use crate::cause::{Cause, UnknownCause};
 use sinew_model::Gaussian;
 use sinew_model::arm::{Arm, ArmWorkspace};
+use std::ops::Range;
 
 /// Samples on either side of a jump.
 const SIDE: usize = 4;
@@ -133,6 +134,68 @@ impl Jumps {
             self.mark_blind(*from_s, *to_s);
         }
         (self.sum_s, self.steps, self.last_s) = (next.sum_s, next.steps, next.last_s);
+    }
+
+    /// Appends slots and gaps of `from` that ended after a time, s, or are under way, `by_s` later on another clock. Those there are already
+    /// are brought up to date.
+    ///
+    /// # Realtime
+    /// No allocation where there is [room](Jumps::reserve), lock, panic or clock.
+    pub(crate) fn append_since(&mut self, from: &Self, since_s: f64, by_s: f64) {
+        let width = 2 * self.joints;
+        let slots = from
+            .slots_s
+            .iter()
+            .zip(from.largest.chunks_exact(width.max(1)));
+        for (slot_s, own) in slots.filter(|(slot_s, _)| **slot_s + SLOT_S > since_s) {
+            let slot_s = slot_s + by_s;
+            if self.slots_s.last() != Some(&slot_s) {
+                self.slots_s.push(slot_s);
+                let length = self.largest.len() + width;
+                self.largest.resize(length, Jump::default());
+            }
+            let at = self.largest.len() - width;
+            for (known, jump) in self.largest[at..].iter_mut().zip(own) {
+                if jump.size_rad.abs() > known.size_rad.abs() {
+                    *known = Jump {
+                        time_s: jump.time_s + by_s,
+                        ..*jump
+                    };
+                }
+            }
+        }
+        for [from_s, to_s] in from.blind.iter().filter(|[_, to_s]| *to_s > since_s) {
+            self.mark_blind(from_s + by_s, to_s + by_s);
+        }
+        (self.sum_s, self.steps) = (from.sum_s, from.steps);
+        self.last_s = from.last_s.map(|last_s| last_s + by_s);
+    }
+
+    /// Whether another slot and another gap have [room](Jumps::reserve).
+    pub(crate) fn has_room(&self) -> bool {
+        let fits = |length: usize, more: usize, capacity: usize| length + more <= capacity;
+        fits(self.slots_s.len(), 1, self.slots_s.capacity())
+            && fits(self.largest.len(), 2 * self.joints, self.largest.capacity())
+            && fits(self.blind.len(), 1, self.blind.capacity())
+    }
+
+    /// Forgets slots and gaps that lie within a time, s.
+    pub(crate) fn forget_within(&mut self, time_s: Range<f64>) {
+        let is_within = |from_s: f64, to_s: f64| from_s >= time_s.start && to_s < time_s.end;
+        let width = 2 * self.joints;
+        let slots = std::mem::take(&mut self.slots_s);
+        let kept = slots.iter().enumerate();
+        let kept: Vec<usize> = kept
+            .filter(|(_, from_s)| !is_within(**from_s, **from_s + SLOT_S))
+            .map(|(k, _)| k)
+            .collect();
+        if kept.len() < slots.len() {
+            let own = |k: &usize| self.largest[k * width..(k + 1) * width].iter().copied();
+            self.largest = kept.iter().flat_map(own).collect();
+        }
+        self.slots_s = kept.iter().map(|k| slots[*k]).collect();
+        self.blind
+            .retain(|[from_s, to_s]| !is_within(*from_s, *to_s));
     }
 
     /// Forgets slots and gaps that ended before a time, s.
@@ -305,4 +368,46 @@ pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option
         return f64::NAN;
     };
     stiffness * (1.0 / inertia).max(b - a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings that jump now and then, with a pause, as one record and as parts that go on from each other.
+    #[test]
+    fn parts_put_together_are_the_whole() {
+        let mut whole = Jumps::new(2);
+        let mut together = Jumps::new(2);
+        let mut part = Jumps::new(2);
+        for k in 0..3000_u32 {
+            let pause_s = if k >= 1700 { 0.3 } else { 0.0 };
+            let time_s = 4e-3 * f64::from(k) + pause_s;
+            let jumped = f64::from(k / 331) * 2e-3;
+            let theta = [(0.7 * time_s).sin() + jumped, 0.1];
+            let q = [(0.7 * time_s).sin(), 0.3 * (1.1 * time_s).cos()];
+            whole.push(time_s, &theta, &q);
+            part.push(time_s, &theta, &q);
+            if k % 53 == 52 {
+                let mut next = Jumps::new(2);
+                next.go_on_from(&mut part);
+                together.append(&part);
+                part = next;
+            }
+        }
+        together.append(&part);
+        assert!(whole.slots_s.len() > 10 && !whole.blind.is_empty());
+        assert_eq!(together.slots_s, whole.slots_s);
+        assert_eq!(together.largest, whole.largest);
+        assert_eq!(together.blind, whole.blind);
+        assert_eq!((together.sum_s, together.steps), (whole.sum_s, whole.steps));
+        // What is forgotten leaves the rest as it was.
+        let (from_s, to_s) = (whole.slots_s[3], whole.slots_s[6]);
+        let [before, after] = [whole.slots_s[..3].to_vec(), whole.slots_s[6..].to_vec()];
+        whole.forget_within(from_s..to_s);
+        let is_within = |slot_s: &f64| *slot_s >= from_s && slot_s + SLOT_S < to_s;
+        assert!(!whole.slots_s.iter().any(is_within));
+        assert!(whole.slots_s.starts_with(&before) && whole.slots_s.ends_with(&after));
+        assert_eq!(whole.largest.len(), 4 * whole.slots_s.len());
+    }
 }

@@ -4,8 +4,8 @@ use crate::support;
 
 use sinew_estimate::session;
 use sinew_estimate::session::{MotorTorque, Payload, SessionOptions, TendonChangeKind, Warning};
-use sinew_model::{Gaussian, Interval95};
-use support::{biorob_like, block_by_block, seeds, work_session};
+use sinew_model::Interval95;
+use support::{biorob_like, online_answer, seeds, work_session};
 
 const PITCH: usize = 1;
 const ELBOW: usize = 2;
@@ -340,21 +340,12 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
         let change = since(PITCH).change_ratio;
         let (loss, unsure) = (100.0 * change.mean, 100.0 * change.half_width_95());
         assert!((loss + 3.0).abs() < 1.5 * unsure, "{loss} ± {unsure}");
-        let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
-        let Gaussian {
-            mean: offset,
-            deviation,
-        } = filter.offset(PITCH).scaled(1e3);
-        let (apart, half) = (
-            (offset - 1e3 * said.joints[PITCH].offset_rad.mean).abs(),
-            1.96 * deviation,
-        );
-        println!(
-            "block by block {offset:.2} ± {half:.2}, {:.2}",
-            filter.stiffness_changed(PITCH)
-        );
-        assert!((offset - truth[PITCH]).abs() < 1.7 * half, "{offset}");
-        assert!(apart < 0.5 * half, "{apart} apart");
+        let online = online_answer(&robot, &baseline, &options, &parts[1]).joints[PITCH];
+        assert_eq!(online.offset_rad, said.joints[PITCH].offset_rad);
+        let probability = said.joints[PITCH]
+            .stiffness_since_before
+            .map(|s| s.probability);
+        assert_eq!(online.stiffness_changed_probability, probability);
         let about = |w: &Warning| matches!(w, Warning::StiffnessChangedBefore { joint, .. } if joint == "shoulder_pitch");
         warned += u64::from(said.warnings.iter().any(about));
         println!("{:?}", said.warnings);

@@ -6,7 +6,7 @@ mod flat;
 use crate::anchor::{ELBOW, STOP_RAD, simulate, with_anchor};
 use crate::answers::Answers;
 use crate::stands;
-use crate::support::{biorob_like, biorob_like_folder, block_by_block, repository, work_session};
+use crate::support::{biorob_like, biorob_like_folder, repository, work_session};
 use flat::document;
 use sinew_estimate::baseline::{MergeOptions, merge};
 use sinew_estimate::feeder::Injection;
@@ -122,12 +122,6 @@ fn what_sessions_say_is_what_they_said() {
         document(&mut answers, name, &said);
         blocks(&mut answers, name, &said.blocks);
         before = next;
-        let (filter, weights) = block_by_block(&robot, &first, &options, part);
-        answers.about(&format!("{name} block by block"));
-        answers.number("weights", weights);
-        for joint in 0..4 {
-            answers.gaussian(&format!("{joint}"), filter.offset(joint));
-        }
     }
     document(&mut answers, "saved", &before);
     let (again, _) = session::learn_recorded(&robot, &recorded[1], "B", &learning).unwrap();
@@ -148,7 +142,7 @@ fn what_sessions_say_is_what_they_said() {
 }
 
 /// A stop that is pushed against and marks that are passed, an arm that slips and then stands, one that works for minutes; and what
-/// the form that goes on block by block says of each on the way.
+/// the online estimate says of each on the way.
 #[test]
 fn what_touches_and_stands_say_is_what_they_said() {
     let mut answers = Answers::default();
@@ -196,7 +190,7 @@ fn what_touches_and_stands_say_is_what_they_said() {
         said.nuisance.clear();
         document(&mut answers, name, &said);
         blocks(&mut answers, name, &said.blocks);
-        let live = trajectory(&plain, &recorded, with, &options, name);
+        let live = trajectory(&plain, &recorded, with, &options, name).unwrap();
         document(&mut answers, &format!("{name} live"), &live);
         for (k, block) in live.blocks.iter().enumerate().skip(59).step_by(60) {
             answers.about(&format!("{name} live over time, {k}"));

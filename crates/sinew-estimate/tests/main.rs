@@ -18,7 +18,6 @@ mod offset_scenarios;
 mod online;
 mod real_absolute;
 mod real_data;
-mod recursive;
 mod robot_check;
 mod simulated_recordings;
 mod slip_cause;

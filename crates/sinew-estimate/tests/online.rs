@@ -7,7 +7,8 @@ use sinew_estimate::online::{
     OnlineAnswer, OnlineEstimator, Provisional, StepOutcome, Window, replay,
 };
 use sinew_estimate::session::{
-    Learning, Recorded, Recorder, SessionOptions, estimate_recorded, learn_recorded,
+    Learning, Recorded, Recorder, SessionEstimate, SessionOptions, estimate_recorded,
+    learn_recorded,
 };
 use sinew_model::StepError;
 use sinew_model::offset::FeatureConfig;
@@ -46,7 +47,8 @@ fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
         Some((baseline.clone(), "A".into())),
         &options,
         "B",
-    );
+    )
+    .unwrap();
     let mut compared = 0;
     for count in [10, 40, 150, b.blocks.len() / 10 * 10] {
         let part = until(&b, count);
@@ -54,7 +56,8 @@ fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
         window = replay(robot, &part, with, &options, "B", &mut |answer| {
             seen += 1;
             assert_eq!(answer.blocks, seen);
-        });
+        })
+        .unwrap();
         let (estimate, _) = estimate_recorded(robot, &part, "B", with, &options).unwrap();
         let online = window.estimate().unwrap();
         assert_eq!(online.joints.len(), 4);
@@ -115,7 +118,7 @@ fn a_slip_is_suspected_at_once_and_then_followed() {
         }
     };
     let with = Some((&baseline, "A"));
-    let window = replay(&robot, &parts[1], with, &options, "B", &mut each);
+    let window = replay(&robot, &parts[1], with, &options, "B", &mut each).unwrap();
     println!("suspected after {suspected_s:.1?} s, silently outside until {silent_s:.1?} s");
     println!("{provisional} of {calm} answers provisional where nothing happens");
     assert!(suspected_s.iter().all(|s| *s < 2.0), "{suspected_s:?}");
@@ -143,7 +146,7 @@ fn a_stand_of_minutes_replaces_no_motion() {
     let worked = until(&recorded, moves.count());
     let options = SessionOptions::default();
     let [worked, stood] = [&worked, &recorded]
-        .map(|recorded| replay(&robot, recorded, with, &options, "B", &mut |_| ()));
+        .map(|recorded| replay(&robot, recorded, with, &options, "B", &mut |_| ()).unwrap());
     let [(before, _), (blocks, bytes)] = [&worked, &stood].map(Window::size);
     println!(
         "{before}, then {blocks} blocks, {:.2} MB",
@@ -179,7 +182,8 @@ fn a_window_slides_by_whole_blocks() {
         &SessionOptions::default(),
         "B",
         &mut |_| (),
-    );
+    )
+    .unwrap();
     let (blocks, _) = window.size();
     assert!(twice.blocks.len() > 800 && blocks == 600, "{blocks}");
     let estimate = window.estimate().unwrap();
@@ -214,7 +218,7 @@ fn samples_one_by_one_give_what_a_replay_gives() {
     let recorded = recorder.finish();
     let baseline = learned(&robot, &recorded);
     let with = Some((&baseline, "A"));
-    let replayed = replay(&robot, &recorded, with, &options, "B", &mut |_| ());
+    let replayed = replay(&robot, &recorded, with, &options, "B", &mut |_| ()).unwrap();
     let online = || {
         let baseline = Some((baseline.clone(), "A".into()));
         OnlineEstimator::new(robot.clone(), baseline, &options, "B").unwrap()
@@ -250,6 +254,15 @@ fn samples_one_by_one_give_what_a_replay_gives() {
         );
         assert!(close(now.offset_rad.deviation, then.offset_rad.deviation));
     }
+    assert_eq!((own.blocks_behind(), own.error().is_none()), (0, true));
+    // Which reading jumped is found across the parts that were handed over.
+    let causes = |estimate: &SessionEstimate| -> Vec<_> {
+        let changes = estimate.joints.iter().flat_map(|joint| &joint.changes);
+        changes.map(|change| change.cause).collect()
+    };
+    let found = causes(&own.estimate().unwrap());
+    assert_eq!(found, causes(replayed.estimate().unwrap()));
+    assert!(found.iter().any(Option::is_some), "{found:?}");
     let saved = own.save("today", 5).unwrap();
     assert_eq!((&*saved.recordings[1], saved.end_time_ns), ("today", 5));
     // What can't be a sample changes nothing.
@@ -281,7 +294,8 @@ fn spans_of_a_trajectory_hold_what_is_provisional() {
     let (parts, _) = work_session(&robot, 40, |text| text, &[60.0, 120.0]);
     let baseline = learned(&robot, &parts[0]);
     let with = Some((&baseline, "A"));
-    let course = sinew_estimate::online::trajectory(&robot, &parts[1], with, &options, "B");
+    let course =
+        sinew_estimate::online::trajectory(&robot, &parts[1], with, &options, "B").unwrap();
     assert_eq!(course.blocks.len(), parts[1].blocks.len());
     assert!(course.blocks[0].in_doubt && !course.in_doubt);
     for block in &course.blocks {
@@ -291,7 +305,42 @@ fn spans_of_a_trajectory_hold_what_is_provisional() {
         assert_eq!(inside.count(), expected, "{}", block.time_s);
     }
     // Against the zero of the encoders, too.
-    let fresh = sinew_estimate::online::trajectory(&robot, &parts[1], None, &options, "B");
+    let fresh = sinew_estimate::online::trajectory(&robot, &parts[1], None, &options, "B").unwrap();
     let [fresh, since] = [&fresh, &course].map(|c| c.joints[PITCH].offset_rad.deviation);
     assert!(fresh > since, "{fresh} {since}");
+}
+
+/// Motor and joint side are exchanged from a time on: the window can no longer be solved, and every answer from then on says so.
+#[test]
+fn a_window_that_is_refused_leaves_no_settled_answer() {
+    let robot = biorob_like();
+    let (parts, _) = work_session(&robot, 43, |text| text, &[60.0]);
+    let baseline = learned(&robot, &parts[0]);
+    let mut swapped = parts[1].clone();
+    let from = swapped.blocks.len() / 3;
+    for block in &mut swapped.blocks[from..] {
+        block.y.iter_mut().for_each(|y| *y = -*y);
+    }
+    let (mut refused, mut after) = (false, 0);
+    let with = Some((&baseline, "A"));
+    let options = SessionOptions::default();
+    let window = replay(&robot, &swapped, with, &options, "B", &mut |answer| {
+        let is_refused = |own: &sinew_estimate::online::OnlineJoint| {
+            own.provisional == Some(Provisional::Refused)
+        };
+        refused |= answer.joints.iter().any(is_refused);
+        if refused {
+            after += 1;
+            assert!(
+                answer.joints.iter().all(|own| own.provisional.is_some()),
+                "{answer:?}"
+            );
+        }
+    })
+    .unwrap();
+    let error = window
+        .error()
+        .expect("a window that was refused")
+        .to_string();
+    assert!(after > 20 && error.contains("B"), "{after} {error}");
 }

@@ -27,9 +27,6 @@ pub enum StepError {
         /// Index of the joint.
         joint: usize,
     },
-    /// What must be said before the first block came after it.
-    #[error("it must be said before the first block, and blocks have come")]
-    Started,
     /// No link of that name.
     #[error("the arm has no link of that name")]
     UnknownLink,

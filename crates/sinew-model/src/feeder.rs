@@ -349,7 +349,6 @@ impl<O: FrameObserver> Feeder<O> {
                 | StepError::NotFinite
                 | StepError::NotPositiveDefinite { .. }
                 | StepError::Spring { .. }
-                | StepError::Started
                 | StepError::UnknownLink => Refusal::Range,
             })?;
         Ok(match self.accepted_ns.replace(reading.time_ns) {

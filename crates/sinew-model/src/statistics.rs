@@ -1,5 +1,8 @@
 //! Order statistics.
 
+/// Standard deviation of a normal distribution over the median absolute deviation of a sample of it, `1/Φ⁻¹(3/4)`.
+pub const DEVIATION_PER_MEDIAN: f64 = 1.4826;
+
 /// Quantile of sorted numbers by linear interpolation; `share` of them lie below it. NaN of none.
 ///
 /// `x₍ₖ₎ + (h − k)(x₍ₖ₊₁₎ − x₍ₖ₎)` with `h = share (n − 1)` and `k = ⌊h⌋`.

@@ -31,7 +31,7 @@ pub(crate) fn per_rad(of: Option<Gaussian>, offset_rad: Gaussian) -> Option<f64>
 
 /// The estimate of a recording over time: a row per joint and time, of the absolute method every 0.2 s and of the
 /// paper's in at most [`Series::POINTS`](sinew_estimate::replay::Series::POINTS) intervals, told apart by `method`. With `--live` the rows
-/// of the form beside a running robot are `live`; while it is in doubt its interval is wide.
+/// of the online estimate are `live`; while it is provisional its interval is wide.
 ///
 /// `time_s` counts from the start of the recording. Intervals are half a 95 % interval; the paper's reading has none.
 pub fn estimate_series(document: &EstimateDocument) -> Table {

@@ -80,9 +80,9 @@ pub(crate) fn told(out: &mut Told, session: &SessionEstimate, along: bool) {
     }
 }
 
-/// What the form beside a running robot made of it.
+/// The online estimate of it.
 fn live(out: &mut Told, course: &LiveCourse, session: &SessionEstimate) {
-    out.say("Block by block, as beside the running robot, at the end");
+    out.say("Online estimate at the end of the recording");
     let heads = of_heads(session.joints.iter().map(|j| j.slides));
     let pairs = || course.joints.iter().zip(&session.joints);
     let table = Columns::of(pairs())
@@ -123,12 +123,12 @@ fn live(out: &mut Told, course: &LiveCourse, session: &SessionEstimate) {
     if !apart.is_empty() {
         let joints = names::list(&apart);
         out.say(format!(
-            "At {joints} it contradicts the estimate above. Believe that: this form sees no later data"
+            "At {joints} the online estimate contradicts the estimate above, which uses the whole recording: use that one"
         ));
     }
 }
 
-/// When a course was in doubt, in a sentence.
+/// When the online estimate was provisional, in a sentence.
 pub fn doubts(course: &LiveCourse) -> String {
     let spans = course.doubts.iter().map(|d| {
         let [from, to] = [d.from_s, d.to_s].map(|s| rounded(s, 3));
@@ -136,12 +136,15 @@ pub fn doubts(course: &LiveCourse) -> String {
     });
     let spans: Vec<String> = spans.collect();
     match (&spans[..], course.in_doubt) {
-        ([], _) => "It was never in doubt".into(),
+        ([], _) => "The online estimate was never provisional".into(),
         (_, true) => format!(
-            "In doubt from {}, and so at the end: the batch above goes over all of it",
+            "The online estimate was provisional from {}, which includes the end: use the estimate above",
             spans.join(", ")
         ),
-        (_, false) => format!("In doubt from {}", spans.join(", ")),
+        (_, false) => format!(
+            "The online estimate was provisional from {}",
+            spans.join(", ")
+        ),
     }
 }
 

@@ -17,7 +17,7 @@ pub enum Condition {
     RetensionLimit,
     /// A limit may be passed within two weeks.
     LimitNear,
-    /// A jump that isn't confirmed, or ten minutes in doubt.
+    /// A jump that isn't confirmed, or ten minutes of a provisional offset.
     Suspicion,
     /// The data can't be what they should: missing, swapped, degrees, lost.
     Data,

@@ -43,7 +43,7 @@ pub struct Record {
     pub source: String,
     /// Which clock its dates are of.
     pub clock: Clock,
-    /// Whether the estimate was in doubt at the end.
+    /// Whether an offset was provisional at the end.
     pub in_doubt: bool,
     /// Why there is no offset.
     pub reason: Option<NoOffset>,

@@ -3,6 +3,7 @@
 use crate::alarm::{Alarm, Level, LimitOrigin};
 use crate::record::{Clock, NoOffset, Record};
 use serde::{Deserialize, Serialize};
+use sinew_estimate::online::Provisional;
 use sinew_model::Gaussian;
 use sinew_model::offset::ForceEstimate;
 use sinew_trend::{JointTrend, PassageTimes};
@@ -102,8 +103,11 @@ pub struct TendonSnapshot {
     pub joint: String,
     /// The worst of its alarms.
     pub level: Level,
-    /// Offset now, rad, from the recursive estimate; `None`: it isn't known now, and `reason` says why.
+    /// Offset now, rad, from the online estimate; `None`: it is not known now, and `reason` says why.
     pub offset_rad: Option<Gaussian>,
+    /// Why the offset is provisional, with times in s since 1970 UTC; `None`: it is settled, or not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provisional: Option<Provisional>,
     /// What a temperature that isn't known, now or when it was tensioned, adds to the deviation of `offset_rad`, rad; `None`: it is known,
     /// or there is no offset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -137,8 +141,8 @@ pub struct TendonSnapshot {
 pub enum NotNow {
     /// No data come.
     NoData,
-    /// The estimate is in doubt: it began anew, or something doesn't fit.
-    InDoubt,
+    /// No window of data has been solved since data came.
+    Starting,
     /// It can't tell stretch from nothing.
     CannotTell {
         /// The reason.

@@ -3,9 +3,8 @@
 use crate::support::{
     HZ, Watched, biorob_like, config, frames, nothing_happens, recorded, seconds, tensioned,
 };
-use sinew_estimate::feeder::{Feeder, FeederOptions};
+use sinew_estimate::online::{self, OnlineAnswer, Provisional};
 use sinew_estimate::session::{self, Learning, SessionOptions};
-use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use sinew_watch_core::snapshot::NotNow;
 
 #[test]
@@ -83,47 +82,64 @@ fn a_force_that_stays_is_said_with_its_size() {
 }
 
 #[test]
-fn the_number_of_now_is_the_recursive_form_s() {
+fn the_offsets_of_now_are_the_online_estimate_s() {
     let robot = biorob_like();
-    let all = frames(&robot, 42, 105.0, |text| text);
-    let (a, b) = all.split_at(60 * 250);
+    let all = frames(&robot, 42, 125.0, |text| text);
+    let (a, b) = all.split_at(60 * HZ);
     let (baseline, _) =
         session::learn_recorded(&robot, &recorded(&robot, a), "A", &Learning::default()).unwrap();
     let options = SessionOptions::default();
-    let mut filter = session::live(&robot, (&baseline, "A"), &options).unwrap();
-    let observer = FeatureObserver::new(&robot.arm, FeatureConfig::default());
-    let mut feeder = Feeder::new(observer, &robot.transmissions, FeederOptions::default());
+    let mut answers = Vec::new();
+    let with = Some((&baseline, "A"));
+    online::replay(
+        &robot,
+        &recorded(&robot, b),
+        with,
+        &options,
+        "B",
+        &mut |answer| answers.push(answer.clone()),
+    )
+    .unwrap();
 
     let mut config = config(&robot);
-    config.baseline = Some(baseline);
+    config.baseline = Some(baseline.clone());
     let mut watched = Watched::new(config);
-    let (mut numbers, mut doubts) = (0, 0);
-    for second in b.chunks(250) {
-        watched.play(second);
-        for frame in second {
-            if feeder.frame(frame).output() == Some(true) {
-                filter.step(feeder.observer().block()).unwrap();
-            }
-        }
+    let (mut settled, mut provisional, mut without) = (0, 0, 0);
+    for tenth in b.chunks(HZ / 10) {
+        watched.play(tenth);
         // The next frame comes a sample later.
         watched.now = watched.now.after_s(0.004);
-        for (i, tendon) in watched.snapshot().tendons.iter().enumerate() {
-            match tendon.offset_rad {
-                Some(offset) => {
-                    assert_eq!(offset, filter.offset(i));
-                    let unknown_rad = filter.unknown_temperature_rad(i);
-                    let told = Some(unknown_rad).filter(|unknown| *unknown > 0.0);
-                    assert_eq!(tendon.unknown_temperature_rad, told);
-                    numbers += 1;
-                }
-                None => {
-                    let is_doubt = tendon.reason == Some(NotNow::InDoubt);
-                    assert_eq!(is_doubt, filter.is_provisional(), "{tendon:?}");
-                    doubts += 1;
+        watched.tick();
+        let tendons = watched.snapshot().tendons;
+        let offsets = |answer: &OnlineAnswer| -> Vec<_> {
+            let joints = answer.joints.iter();
+            joints.map(|own| Some(own.offset_rad)).collect()
+        };
+        let shown: Vec<_> = tendons.iter().map(|tendon| tendon.offset_rad).collect();
+        if shown.iter().all(Option::is_some) {
+            let same = answers.iter().find(|answer| offsets(answer) == shown);
+            let same = same.expect("an answer of the replay");
+            for (tendon, own) in tendons.iter().zip(&same.joints) {
+                assert_eq!(tendon.provisional.is_some(), own.provisional.is_some());
+                let unknown_rad = Some(own.unknown_temperature_rad).filter(|added| *added > 0.0);
+                assert_eq!(tendon.unknown_temperature_rad, unknown_rad);
+                match tendon.provisional {
+                    None => settled += 1,
+                    Some(Provisional::Step { since_s, .. }) => {
+                        let ago_s = watched.now.utc_s() - since_s;
+                        assert!((0.0..20.0).contains(&ago_s), "{ago_s}");
+                        provisional += 1;
+                    }
+                    Some(_) => provisional += 1,
                 }
             }
         }
+        for tendon in tendons.iter().filter(|tendon| tendon.offset_rad.is_none()) {
+            let can_not_tell = |why| matches!(why, NotNow::Starting | NotNow::CannotTell { .. });
+            assert!(tendon.reason.is_some_and(can_not_tell), "{tendon:?}");
+            without += 1;
+        }
     }
-    println!("{numbers} numbers, {doubts} without");
-    assert!(numbers > 20 && doubts > 20, "{numbers} {doubts}");
+    println!("{settled} settled, {provisional} provisional, {without} without");
+    assert!(settled > 1000 && provisional > 20 && without > 20);
 }

@@ -8,7 +8,7 @@ use sinew_watch_core::snapshot::{Freshness, NotNow};
 const ELBOW: usize = 2;
 
 #[test]
-fn after_a_restart_nothing_is_known_until_the_estimate_is_out_of_doubt() {
+fn after_a_restart_nothing_is_known_until_a_window_has_been_solved() {
     let mut watched = Watched::new(tensioned());
     watched.play(&longer(seconds(60, 130), ELBOW, 5e-3));
     assert!(watched.snapshot().tendons[ELBOW].offset_rad.is_some());
@@ -38,11 +38,11 @@ fn after_a_restart_nothing_is_known_until_the_estimate_is_out_of_doubt() {
         );
         seen.push(tendon.offset_rad.is_some());
     }
-    let doubt_s = seen
+    let known_s = seen
         .iter()
         .position(|known| *known)
         .expect("it is known in the end");
-    assert!((20..40).contains(&doubt_s), "{doubt_s} s");
+    assert!((2..12).contains(&known_s), "{known_s} s");
 }
 
 #[test]

@@ -166,7 +166,7 @@ fn the_estimate_over_time_has_both_methods_and_utc() {
     assert_eq!(frames[0][..2], ["time_ns", "time_s"]);
 }
 
-/// With `--live` the form beside a running robot answers, too: at the end, over time, and when it was in doubt.
+/// With `--live` the online estimate answers, too: at the end, over time, and when it was provisional.
 #[test]
 fn a_recording_is_gone_over_as_beside_the_robot() {
     let folder = tempfile::tempdir().unwrap();
@@ -187,12 +187,12 @@ fn a_recording_is_gone_over_as_beside_the_robot() {
     assert!((tendon["offset_rad"]["mean"].as_f64().unwrap() - mean).abs() < 1e-9);
     let text = ok(&estimate);
     assert!(
-        text.contains("Block by block, as beside the running robot"),
+        text.contains("Online estimate at the end of the recording"),
         "{text}"
     );
-    assert!(text.contains("n doubt from "), "{text}");
+    assert!(text.contains("was provisional from "), "{text}");
     // Not unless asked.
-    assert!(!ok(&estimate[..5]).contains("Block by block"));
+    assert!(!ok(&estimate[..5]).contains("Online estimate"));
 }
 
 #[test]

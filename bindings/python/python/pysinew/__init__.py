@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from ._estimate import learn_baseline as learn_baseline
     from ._estimate import merge_baselines as merge_baselines
     from ._lerobot import lerobot as lerobot
+    from ._live import Provisional as Provisional
     from ._look import check_robot as check_robot
     from ._look import recording_info as recording_info
     from ._plot import curves as curves
@@ -74,6 +75,7 @@ _HOMES = {
         "merge_baselines",
     ),
     "_lerobot": ("lerobot",),
+    "_live": ("Provisional",),
     "_look": ("check_robot", "recording_info"),
     "_plot": ("curves", "plot"),
     "_rope": ("Guide", "describe_rope", "list_ropes", "plan_pretension", "predict_rope", "select_rope"),
@@ -96,6 +98,7 @@ __all__ = [
     "Merged",
     "OffsetObserver",
     "Poses",
+    "Provisional",
     "Recording",
     "Robot",
     "RopeLaw",

@@ -4,6 +4,9 @@ from typing import Any, Callable, Iterable, Literal, Mapping, Sequence, Union, f
 import numpy as np
 import numpy.typing as npt
 
+from ._live import Provisional
+from .results import SessionEstimate
+
 _Path = Union[str, os.PathLike[str]]
 _Progress = Callable[[float, str], object]
 _Stated = Union[float, tuple[float, float]]
@@ -162,20 +165,41 @@ class Baseline:
 
 @final
 class LiveOffsets:
+    """Offsets of the tendons of a running robot, sample by sample: ``delta_e = (theta_measured − q) − tau_el / K``.
+
+    ``step`` belongs into the control loop: it averages samples to blocks of 0.2 s and solves nothing. A worker solves the blocks of
+    the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with what that solution predicts. It
+    is a thread of its own with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
+
+    * ``robot``: its folder or a ``Robot``.
+    * ``baseline``: offsets since then: a file or a ``Baseline``. ``None``: against the zero of the encoders.
+    * ``empty``, ``payload_kg``: what the gripper holds, kg, known to 2 % or as ``(mean, deviation)``.
+    * ``temperature_c``: °C where samples do not carry it, known to 2 K or as ``(mean, deviation)``.
+    * ``external_force_n``: a constant force from outside at the tool, as ``((x, y, z), deviation)`` along the axes of the base, N.
+    * ``motor_torque``: whether the motor torque of the samples is used.
+    * ``creep``: whether ropes may creep within the session; ``False`` for steel.
+    * ``worker``: whether a thread inside solves.
+
+    Objects may be used from several threads. Raises ``ValueError`` where the baseline is of another robot or a value is out of range.
+    """
+
     def __new__(
         cls,
         robot: _Path | Robot,
-        baseline: _Path | Baseline,
+        baseline: _Path | Baseline | None = None,
         *,
         empty: bool = False,
         payload_kg: _Stated | None = None,
         temperature_c: _Stated | None = None,
         external_force_n: tuple[Sequence[float], float] | None = None,
         motor_torque: bool = True,
-        creep_rad_per_s: float | None = None,
+        creep: bool = True,
+        worker: bool = False,
     ) -> LiveOffsets: ...
     @property
-    def joints(self) -> list[str]: ...
+    def joints(self) -> list[str]:
+        """Names of the joints, in the order of ``q``."""
+
     def step(
         self,
         dt: float,
@@ -183,21 +207,105 @@ class LiveOffsets:
         theta: npt.ArrayLike,
         tau_m: npt.ArrayLike | None = None,
         celsius: float = ...,
-    ) -> str: ...
-    def bound_work(self, period_max_s: float) -> int: ...
+    ) -> str:
+        """Takes a sample, ``dt`` seconds after the one before; of the first sample ``dt`` does not matter.
+
+        ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. What is not known is NaN or left out. Returns
+        ``"taken"``; ``"restarted"`` (the first sample, or the first after a pause); ``"block"`` (it completed a block, which the worker
+        may take); or ``"refused: …"`` with the reason (only the clock went on). Raises ``ValueError`` for a wrong number of values or a
+        ``dt`` that is not above zero; the state is then unchanged.
+        """
+
+    def work(self) -> None:
+        """Takes all blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s.
+
+        Not for a control loop: call it after a ``"block"``, or from another thread. Other threads of Python go on meanwhile. Blocks wait
+        for ten seconds; then they are dropped. With ``worker=True`` it does nothing.
+        """
+
+    def interrupt(self) -> None:
+        """The next sample does not go on where the last one was: the filters start anew, what is known stays."""
+
+    def offset(self, joint: str) -> tuple[float, float]:
+        """Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 deviations.
+
+        NaN before the first solution, and of a rigid joint. Raises ``ValueError`` where there is no such joint.
+        """
+
+    def offsets(self) -> tuple[_Floats, _Floats]:
+        """Offsets of all joints, of one answer: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``."""
+
+    def provisional(self, joint: str) -> Provisional | None:
+        """Why the offset of a joint is provisional: a ``Provisional``. ``None``: it is settled, or the joint is rigid.
+
+        Raises ``ValueError`` where there is no such joint.
+        """
+
     @property
-    def blocks_left_out(self) -> int: ...
-    def interrupt(self) -> None: ...
-    def offset(self, joint: str) -> tuple[float, float]: ...
-    def offsets(self) -> tuple[_Floats, _Floats]: ...
+    def is_provisional(self) -> bool:
+        """Whether the offset of any joint is provisional."""
+
     @property
-    def in_doubt(self) -> bool: ...
-    def stiffness_changed(self, joint: str) -> float: ...
+    def time_s(self) -> float:
+        """Middle of the last block that the answer holds, s since the first sample; NaN before the first block."""
+
     @property
-    def unknown_temperature_rad(self) -> _Floats: ...
+    def solved_s(self) -> float:
+        """Middle of the last block of the solution, s since the first sample; NaN before the first solution."""
+
     @property
-    def external_force(self) -> tuple[float, _Floats, _Floats] | None: ...
-    def save(self, recording: str, end_time_ns: int) -> Baseline: ...
+    def age_s(self) -> float:
+        """Age of the solution, ``time_s − solved_s``, s; NaN before the first one. At most 2 while the arm moves; it grows in a
+        long stand, whose blocks replace each other.
+        """
+
+    @property
+    def blocks_behind(self) -> int:
+        """Blocks completed that are neither in the answer nor dropped. Where the number grows, the worker is too slow or is
+        not called, and the answer is old, whatever it says.
+        """
+
+    @property
+    def blocks_dropped(self) -> int:
+        """Blocks lost because the worker was late by more than ten seconds."""
+
+    @property
+    def contact_probability(self) -> float:
+        """Probability, 0 to 1, that something touches the arm in the last block; 0 before the first solution."""
+
+    def stiffness_changed(self, joint: str) -> float | None:
+        """Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` where that is not sought.
+
+        Raises ``ValueError`` where there is no such joint.
+        """
+
+    @property
+    def unknown_temperature_rad(self) -> _Floats:
+        """What a temperature that is not known, now or in the baseline, adds to the standard deviation of every joint's offset, ``(n,)``,
+        rad; 0 where both are known. The deviations hold it. It is the tolerance of robot.toml: warmth beyond that reads as stretch.
+        """
+
+    @property
+    def external_force(self) -> tuple[float, _Floats, _Floats] | None:
+        """A constant force from outside at the tool: the posterior probability that one acts, 0 to 1, then mean and standard deviation
+        along the axes of the base, ``(3,)`` each, N, if one does. ``None``: there was none to be seen.
+        """
+
+    @property
+    def error(self) -> str | None:
+        """Why the last window could not be solved; ``None``: it was. The offsets are then those of the solution before, and provisional."""
+
+    def result(self) -> SessionEstimate | None:
+        """What ``estimate`` gives as ``session`` for a recording of the window's blocks, as of the last solution: a ``SessionEstimate``.
+        ``None`` before the first one.
+        """
+
+    def save(self, recording: str, end_time_ns: int) -> Baseline:
+        """What the last solution knows, as the baseline of the next session.
+
+        ``recording`` names this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset is
+        provisional.
+        """
 
 @final
 class OffsetObserver:

@@ -124,7 +124,7 @@ def estimate(
     * ``inject``: offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
     * The paper's settings: ``source`` of the elastic torque, ``comparison``, ``gain_per_s`` (K_I, 1/s, 20),
       ``velocity_filter`` (rad/s, 40, or ``"recorded"``), ``tau_ext`` (use the recorded external torque).
-    * ``live``: whether the form beside a running robot goes over the recording, too: ``session.live``.
+    * ``live``: whether the online estimate is replayed over the recording, too: ``session.live``.
     * ``progress``: called with the share done and what is being done.
 
     Raises ``ValueError`` with the sentence of the command; ``LocatedError`` where it is about a place in a file.

@@ -1,5 +1,6 @@
 //! The online estimate over two sessions, judged at every block.
 
+use super::outcome::Judged;
 use super::simulated::Simulated;
 use super::{ScenarioError, estimator};
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,10 @@ const FAR: f64 = 3.0;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Course {
+    /// Scenario.
+    pub scenario: String,
+    /// Seed of everything drawn.
+    pub seed: u64,
     /// One entry per elastic joint.
     pub joints: Vec<JointCourse>,
     /// Slips in the order of time.
@@ -128,15 +133,24 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
         &options,
         "sessions B and C",
         &mut each,
-    );
+    )
+    .map_err(refused)?;
     let processor_s = begun.elapsed().as_secs_f64();
     drop(window);
     Ok(Course {
+        scenario: plan.name.clone(),
+        seed,
         watched_s: recorded.duration_s,
         joints: judges.into_iter().map(Judge::finish).collect(),
         slips: slips.into_iter().map(|s| s.finish(names)).collect(),
         processor_s,
     })
+}
+
+impl Judged for Course {
+    fn key(&self) -> (&str, u64) {
+        (&self.scenario, self.seed)
+    }
 }
 
 /// Judges one joint.

@@ -1,10 +1,9 @@
 //! Courses of many recordings together.
 
 use super::course::{Course, JointCourse, SlipCourse, course};
-use super::run::plans;
+use super::run::{everything, plans, study};
 use super::{Options, Refusal, ScenarioError};
-use crate::jobs;
-use crate::journal::{Journal, Kind, Setting, checksum};
+use crate::journal::{Kind, Setting, checksum};
 use crate::numbers::{finite, quantile_of};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
@@ -93,15 +92,6 @@ pub struct SlipFigures {
     pub right_s: [Option<f64>; 3],
 }
 
-/// A line of a study's file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Line {
-    scenario: String,
-    seed: u64,
-    outcome: Result<Course, String>,
-}
-
 /// Runs all recordings; `progress` is told how many of how many are done.
 ///
 /// # Errors
@@ -111,55 +101,16 @@ pub fn run_courses(
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<CourseReport, ScenarioError> {
     let plans = plans(options)?;
-    let everything: String = plans.iter().map(|plan| plan.text.as_str()).collect();
     let settings: [Setting; 1] = [(
         "scenarios",
-        checksum(&everything),
+        checksum(&everything(&plans)),
         "of another robot, or of other scenarios than this program's",
     )];
-    let (mut journal, done) = Journal::open::<Line>(options.out.as_deref(), &COURSES, &settings)?;
-    let wanted: Vec<(usize, u64)> = (0..options.n)
-        .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
-        .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))
-        .collect();
-    let is = |line: &Line, (plan, seed): (usize, u64)| {
-        (&line.scenario, line.seed) == (&plans[plan].name, seed)
-    };
-    let mut lines: Vec<Line> = (wanted.iter())
-        .filter_map(|&w| done.iter().find(|line| is(line, w)).cloned())
-        .collect();
-    let missing: Vec<(usize, u64)> = (wanted.iter().copied())
-        .filter(|&w| !lines.iter().any(|line| is(line, w)))
-        .collect();
-    progress(lines.len(), wanted.len());
-    jobs::each(
-        &missing,
-        options.jobs,
-        |&(plan, seed), give| {
-            let outcome = match course(&plans[plan], seed) {
-                Ok(course) => Ok(course),
-                Err(ScenarioError::Session { error, .. }) => Err(error.to_string()),
-                Err(error) => return Err(error),
-            };
-            give(Line {
-                scenario: plans[plan].name.clone(),
-                seed,
-                outcome,
-            });
-            Ok::<_, ScenarioError>(())
-        },
-        |line| {
-            journal.add(&line)?;
-            lines.push(line);
-            progress(lines.len(), wanted.len());
-            Ok(())
-        },
-    )?;
+    let (courses, refusals) = study(options, &plans, &COURSES, &settings, course, progress)?;
     let of = |name: Option<&String>| -> Vec<&Course> {
-        let own = lines
-            .iter()
-            .filter(|line| name.is_none_or(|name| *name == line.scenario));
-        own.filter_map(|line| line.outcome.as_ref().ok()).collect()
+        let own = courses.iter();
+        own.filter(|c| name.is_none_or(|name| *name == c.scenario))
+            .collect()
     };
     let mut scenarios: Vec<CourseSummary> = (plans.iter())
         .map(|plan| summarise(&plan.name, &of(Some(&plan.name))))
@@ -167,13 +118,6 @@ pub fn run_courses(
     if scenarios.len() > 1 {
         scenarios.push(summarise("all", &of(None)));
     }
-    let refusal = |line: &Line| {
-        Some(Refusal {
-            scenario: line.scenario.clone(),
-            seed: line.seed,
-            reason: line.outcome.as_ref().err()?.clone(),
-        })
-    };
     if options.jobs > 1 {
         scenarios.iter_mut().for_each(|s| s.processor_share = None);
     }
@@ -182,7 +126,7 @@ pub fn run_courses(
         first_seed: options.first_seed,
         recordings: options.n,
         scenarios,
-        refusals: lines.iter().filter_map(refusal).collect(),
+        refusals,
     })
 }
 

@@ -50,7 +50,7 @@ pub enum End {
 pub enum Form {
     /// The estimate of a whole recording.
     Batch,
-    /// The same on a sliding window, with a check of the newest blocks, as beside a running robot. It warns by being provisional, too.
+    /// The same on a sliding window, with a check of the newest blocks. It warns by being provisional, too.
     Online,
 }
 

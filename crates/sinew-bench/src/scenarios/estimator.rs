@@ -35,7 +35,11 @@ pub(super) fn options(payload: bool) -> SessionOptions {
 }
 
 /// The online estimate since A's baseline.
-pub(super) fn online(robot: &Robot, baseline: &Baseline, payload: bool) -> Window {
+pub(super) fn online(
+    robot: &Robot,
+    baseline: &Baseline,
+    payload: bool,
+) -> Result<Window, SessionError> {
     let baseline = Some((baseline.clone(), "session A".to_owned()));
     Window::new(
         robot.clone(),

@@ -1,8 +1,7 @@
 //! What became of a recording: it was judged, or the estimate refused it.
 
-use super::{Recording, ScenarioError, Sessions, record};
+use super::ScenarioError;
 use serde::{Deserialize, Serialize};
-use sinew_sim::protocol::Plan;
 
 /// A recording that the estimate refused: it is in none of the figures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,22 +16,28 @@ pub struct Refusal {
     pub reason: String,
 }
 
+/// What was judged of one recording.
+pub(super) trait Judged {
+    /// Of which scenario, drawn with which seed.
+    fn key(&self) -> (&str, u64);
+}
+
 /// A line of a study's file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub(super) enum Outcome {
-    Judged(Box<Recording>),
+pub(super) enum Outcome<T> {
+    Judged(Box<T>),
     Refused(Refusal),
 }
 
-impl Outcome {
-    /// Simulates and judges one. A refusal is an outcome: one recording must not end a study of thousands.
+impl<T: Judged> Outcome<T> {
+    /// What came of one. A refusal is an outcome: one recording must not end a study of thousands.
     ///
     /// # Errors
     /// [`ScenarioError`] of what is no recording's: the scenario, the robot, the simulator.
-    pub(super) fn of(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Self, ScenarioError> {
-        match record(plan, seed, sessions) {
-            Ok(recording) => Ok(Self::Judged(Box::new(recording))),
+    pub(super) fn of(judged: Result<T, ScenarioError>) -> Result<Self, ScenarioError> {
+        match judged {
+            Ok(judged) => Ok(Self::Judged(Box::new(judged))),
             Err(ScenarioError::Session {
                 scenario,
                 seed,
@@ -49,7 +54,7 @@ impl Outcome {
     /// Of which scenario, drawn with which seed.
     pub(super) fn key(&self) -> (&str, u64) {
         match self {
-            Self::Judged(recording) => (&recording.scenario, recording.seed),
+            Self::Judged(judged) => judged.key(),
             Self::Refused(refusal) => (&refusal.scenario, refusal.seed),
         }
     }

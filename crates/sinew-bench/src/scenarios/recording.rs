@@ -165,7 +165,7 @@ pub fn record(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Recording, S
         watch_c(plan, &simulated, &after_b, sessions, &mut out).map_err(refused)?;
     }
     if sessions == Sessions::Chain {
-        let mut window = estimator::online(robot, &baseline, payload);
+        let mut window = estimator::online(robot, &baseline, payload).map_err(refused)?;
         let ends = [
             (End::B, &simulated.truth_rad),
             (End::Chain, &simulated.truth_at_end_rad),

@@ -1,11 +1,13 @@
 //! Many recordings, in parallel, resumable.
 
-use super::outcome::Outcome;
+use super::outcome::{Judged, Outcome};
 use super::result::ScenarioReport;
 use super::summary::summarise;
-use super::{Options, Recording, ScenarioError};
-use crate::journal::Journal;
+use super::{Options, Recording, Refusal, ScenarioError, record};
+use crate::journal::{Journal, Setting};
 use crate::{jobs, journal};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sinew_estimate::robot_dir;
 use sinew_sim::protocol::{Plan, PlanError, plan_adapted, plan_named};
 use sinew_sim::{Scenario, SimulateError};
@@ -61,15 +63,34 @@ pub fn run_recordings(
             "of another robot, or of other scenarios than this program's",
         ),
     ];
-    let (mut journal, done) = Journal::open(options.out.as_deref(), &RECORDINGS, &settings)?;
+    let judge = |plan: &Plan, seed: u64| record(plan, seed, options.sessions);
+    let (recordings, refusals) = study(options, &plans, &RECORDINGS, &settings, judge, progress)?;
+    let report = summarise(&plans, &recordings, refusals, options);
+    Ok((report, recordings))
+}
+
+/// Judges every plan with every seed, but for those that are in the file of results. What was judged, in the order of seeds, and what
+/// was refused; `progress` is told how many of how many are done.
+///
+/// # Errors
+/// [`ScenarioError`]; what was finished before is in the file of results.
+pub(super) fn study<T: Judged + Clone + Send + Serialize + DeserializeOwned>(
+    options: &Options,
+    plans: &[Plan],
+    kind: &journal::Kind,
+    settings: &[Setting],
+    judge: impl Fn(&Plan, u64) -> Result<T, ScenarioError> + Sync,
+    progress: &mut (dyn FnMut(usize, usize) + Send),
+) -> Result<(Vec<T>, Vec<Refusal>), ScenarioError> {
+    let (mut journal, done) = Journal::open::<Outcome<T>>(options.out.as_deref(), kind, settings)?;
     let wanted: Vec<(usize, u64)> = (0..options.n)
         .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
         .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))
         .collect();
-    let is = |o: &Outcome, (plan, seed): (usize, u64)| o.key() == (&plans[plan].name, seed);
+    let is = |o: &Outcome<T>, (plan, seed): (usize, u64)| o.key() == (&plans[plan].name, seed);
     // Two runs at once may have kept the same recording: it counts once.
     let mut seen = BTreeSet::new();
-    let mut outcomes: Vec<Outcome> = done
+    let mut outcomes: Vec<Outcome<T>> = done
         .into_iter()
         .filter(|o| wanted.iter().any(|&w| is(o, w)))
         .filter(|o| seen.insert((o.key().0.to_owned(), o.key().1)))
@@ -85,7 +106,7 @@ pub fn run_recordings(
         &missing,
         options.jobs,
         |&(plan, seed), give| {
-            give(Outcome::of(&plans[plan], seed, options.sessions)?);
+            give(Outcome::of(judge(&plans[plan], seed))?);
             Ok::<_, ScenarioError>(())
         },
         |outcome| {
@@ -97,15 +118,14 @@ pub fn run_recordings(
     )?;
     // In the order of seeds, whoever was first: sums come out the same to the last bit.
     outcomes.sort_by(|a, b| (a.key().1, a.key().0).cmp(&(b.key().1, b.key().0)));
-    let (mut recordings, mut refusals) = (Vec::new(), Vec::new());
+    let (mut judged, mut refusals) = (Vec::new(), Vec::new());
     for outcome in outcomes {
         match outcome {
-            Outcome::Judged(recording) => recordings.push(*recording),
+            Outcome::Judged(one) => judged.push(*one),
             Outcome::Refused(refusal) => refusals.push(refusal),
         }
     }
-    let report = summarise(&plans, &recordings, refusals, options);
-    Ok((report, recordings))
+    Ok((judged, refusals))
 }
 
 /// What is to be run, each by a name of its own.
@@ -154,7 +174,13 @@ fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, Sc
 }
 
 /// All that recordings depend on.
-fn everything(plans: &[Plan]) -> String {
+pub(super) fn everything(plans: &[Plan]) -> String {
     let own: BTreeSet<&str> = plans.iter().map(|p| p.rests_on.as_str()).collect();
     sinew_sim::protocol::everything() + &own.into_iter().collect::<String>()
+}
+
+impl Judged for Recording {
+    fn key(&self) -> (&str, u64) {
+        (&self.scenario, self.seed)
+    }
 }

@@ -13,14 +13,14 @@ pub enum Provisional {
     Starting,
     /// The newest blocks are explained by a step of this offset. The interval is the hull of both hypotheses.
     Step {
-        /// Likeliest time of the step, s.
+        /// Likeliest time of the step, s on the clock of the result.
         since_s: f64,
         /// Posterior probability of a step.
         probability: f64,
     },
     /// The window contains a change so late that it may be a contact that has not ended.
     ChangeMayEnd {
-        /// Time of the change, s.
+        /// Time of the change, s on the clock of the result.
         since_s: f64,
     },
     /// Too many blocks are rejected as outliers for the remaining ones to be representative.
@@ -32,6 +32,17 @@ pub enum Provisional {
     Refused,
 }
 
+impl Provisional {
+    /// The same reason on a clock that reads `by_s` more.
+    #[must_use]
+    pub fn on_clock(mut self, by_s: f64) -> Self {
+        if let Self::Step { since_s, .. } | Self::ChangeMayEnd { since_s } = &mut self {
+            *since_s += by_s;
+        }
+        self
+    }
+}
+
 /// One tendon, at the time of an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnlineJoint {
@@ -39,6 +50,9 @@ pub struct OnlineJoint {
     pub joint: usize,
     /// Offset, rad; not a number until a window has been solved.
     pub offset_rad: Gaussian,
+    /// What a temperature that is not known, now or in the baseline, adds to the deviation of the offset, rad, which holds it; 0 where both
+    /// are known.
+    pub unknown_temperature_rad: f64,
     /// Probability that the stiffness has changed since the baseline; `None` where that is not sought.
     pub stiffness_changed_probability: Option<f64>,
     /// Why the offset is provisional; `None`: it is settled.
@@ -73,6 +87,7 @@ impl OnlineAnswer {
                 .map(|joint| OnlineJoint {
                     joint: *joint,
                     offset_rad: nothing,
+                    unknown_temperature_rad: 0.0,
                     stiffness_changed_probability: None,
                     provisional: Some(Provisional::Starting),
                 })

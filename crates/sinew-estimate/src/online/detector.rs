@@ -159,6 +159,8 @@ pub(super) struct ChangeDetector {
     ln_nothing: [f64; 2],
     onsets: Vec<Onset>,
     started: bool,
+    /// Whether the last block could not be taken.
+    is_broken: bool,
 }
 
 /// `ln Σ exp`.
@@ -200,11 +202,18 @@ impl ChangeDetector {
             ln_nothing: [0.0, f64::NEG_INFINITY],
             onsets: Vec::new(),
             started: false,
+            is_broken: false,
         }
     }
 
     /// Takes the innovations of the next block.
     pub(super) fn step(&mut self, block: &Innovations<'_>) {
+        let values = block.residual_rad.iter().chain(block.unknown_rad2);
+        if !values.into_iter().all(|x| x.is_finite()) {
+            // Nothing is predicted of such a block, and the next one does not follow on it.
+            self.is_broken = true;
+            return;
+        }
         let n = self.levels.len();
         let rho = self.noise.rho;
         let gain = 1.0 - rho;
@@ -226,7 +235,7 @@ impl ChangeDetector {
         let white = |i: usize| white[i];
         let stationary = |i: usize| white(i) / (1.0 - rho * rho);
         // Without a contact: as the last block went on, and after a contact or a gap, when it did not.
-        let fresh = !self.started || block.after_gap;
+        let fresh = !self.started || block.after_gap || self.is_broken;
         let of = |level: &Level, i: usize| {
             let alone = level.ln_density(e[i], 1.0, stationary(i));
             match fresh {
@@ -300,7 +309,7 @@ impl ChangeDetector {
             }
         }
         self.before_rad.copy_from_slice(e);
-        self.started = true;
+        (self.started, self.is_broken) = (true, false);
     }
 
     /// Probability that there is no contact in the last block.
@@ -363,7 +372,7 @@ impl ChangeDetector {
         // What differs between poses is not the step's.
         let pose = self.noise.slow_rad2[joint];
         Some(SuspectedStep {
-            probability,
+            probability: probability.min(1.0),
             since_s: likeliest.since_s,
             mean_rad: mean,
             deviation_rad: (square - mean * mean + pose).max(0.0).sqrt(),

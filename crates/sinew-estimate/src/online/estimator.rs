@@ -2,7 +2,7 @@
 //!
 //! The loop's side turns samples into blocks and hands them over by a ring; a worker holds the [`Window`] and hands answers back by a
 //! triple buffer. The worker is a thread of its own ([`OnlineEstimator::start_worker`]), or the caller's, which calls
-//! [`OnlineEstimator::work`] outside its loop.
+//! [`OnlineWorker::work`] outside its loop.
 
 use super::answer::OnlineAnswer;
 use super::window::Window;
@@ -10,8 +10,8 @@ use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::SessionOptions;
 use crate::feeder::{Fed, FeederOptions, Refusal};
+use crate::sample::SampleFrame;
 use crate::session::{Recorded, Recorder, SessionEstimate};
-use sinew_log::Frame;
 use sinew_model::StepError;
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
@@ -40,18 +40,18 @@ const ROOM_S: f64 = 10.0;
 /// How often a worker's thread looks for blocks.
 const LOOKS_EVERY: Duration = Duration::from_millis(20);
 
-/// The result of the last solution, for readers that may wait.
-#[derive(Debug)]
+/// The last solution that worked, and why the last one did not, for readers that may wait.
+#[derive(Debug, Clone, Default)]
 struct Latest {
-    estimate: SessionEstimate,
-    next: Baseline,
+    solved: Option<Arc<(SessionEstimate, Baseline)>>,
+    error: Option<Arc<SessionError>>,
 }
 
-type SharedLatest = Arc<Mutex<Option<Arc<Latest>>>>;
+type SharedLatest = Arc<Mutex<Latest>>;
 
-/// The worker's side.
+/// The worker's side of an [`OnlineEstimator`]: it holds the window and solves it.
 #[derive(Debug)]
-struct Worker {
+pub struct OnlineWorker {
     window: Window,
     ready: rtrb::Consumer<Recorded>,
     empty: rtrb::Producer<Recorded>,
@@ -59,9 +59,10 @@ struct Worker {
     latest: SharedLatest,
 }
 
-impl Worker {
-    /// Takes all blocks that are ready, and solves the window where that is due.
-    fn work(&mut self) {
+impl OnlineWorker {
+    /// Takes all blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s. Not for a
+    /// control loop.
+    pub fn work(&mut self) {
         let mut is_new = false;
         while let Ok(mut part) = self.ready.pop() {
             self.window.push(&part);
@@ -80,19 +81,20 @@ impl Worker {
         }
     }
 
+    /// The window.
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
     fn solve(&mut self) {
         if !self.window.is_due() {
             return;
         }
         self.window.solve();
-        let latest = self.window.estimate().zip(self.window.next());
-        let latest = latest.map(|(estimate, next)| {
-            Arc::new(Latest {
-                estimate: estimate.clone(),
-                next: next.clone(),
-            })
-        });
-        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = latest;
+        let solved = self.window.estimate().zip(self.window.next());
+        let solved = solved.map(|(estimate, next)| Arc::new((estimate.clone(), next.clone())));
+        let error = self.window.error().cloned();
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Latest { solved, error };
     }
 }
 
@@ -100,7 +102,7 @@ impl Worker {
 #[derive(Debug)]
 struct Thread {
     ends: Arc<AtomicBool>,
-    handle: Option<JoinHandle<Worker>>,
+    handle: Option<JoinHandle<()>>,
 }
 
 impl Drop for Thread {
@@ -119,17 +121,18 @@ impl Drop for Thread {
 /// [`OnlineEstimator::step`], [`OnlineEstimator::interrupt`] and [`OnlineEstimator::answer`]: no allocation, lock, panic, wait or clock.
 #[derive(Debug)]
 pub struct OnlineEstimator {
-    robot: Robot,
+    robot: Arc<Robot>,
     recorder: Recorder,
-    frame: Frame,
-    started: bool,
+    sample: SampleFrame,
     ready: rtrb::Producer<Recorded>,
     empty: rtrb::Consumer<Recorded>,
     answers: triple_buffer::Output<OnlineAnswer>,
     latest: SharedLatest,
+    /// Blocks completed.
+    blocks: u64,
     blocks_dropped: u64,
     /// Its own, until a thread has taken it.
-    worker: Option<Box<Worker>>,
+    worker: Option<Box<OnlineWorker>>,
     thread: Option<Thread>,
 }
 
@@ -140,35 +143,32 @@ impl OnlineEstimator {
     /// # Errors
     /// [`SessionError`] when the baseline is of another robot.
     pub fn new(
-        robot: Robot,
+        robot: impl Into<Arc<Robot>>,
         baseline: Option<(Baseline, String)>,
         options: &SessionOptions,
         name: &str,
     ) -> Result<Self, SessionError> {
-        if let Some((baseline, file)) = &baseline {
-            let estimator = crate::estimator::estimator(&robot, options);
-            baseline.belief(&robot, estimator.prior(), file)?;
-        }
+        let robot = robot.into();
+        let window = Window::new(Arc::clone(&robot), baseline, options, name)?;
         let gap_s = FeederOptions::default().gap_s;
         let mut recorder = Recorder::new(&robot, &FeatureConfig::default(), gap_s);
         recorder.make_room(ROOM_S);
         let (ready, take) = rtrb::RingBuffer::new(PARTS);
         let (mut give, empty) = rtrb::RingBuffer::new(PARTS);
         while give.push(recorder.room(ROOM_S)).is_ok() {}
-        let window = Window::new(robot.clone(), baseline, options, name);
         let (input, answers) = triple_buffer::triple_buffer(window.answer());
         let latest = SharedLatest::default();
         Ok(Self {
-            frame: Frame::new(robot.arm.dof()),
+            sample: SampleFrame::new(robot.arm.dof()),
             robot,
             recorder,
-            started: false,
             ready,
             empty,
             answers,
             latest: Arc::clone(&latest),
+            blocks: 0,
             blocks_dropped: 0,
-            worker: Some(Box::new(Worker {
+            worker: Some(Box::new(OnlineWorker {
                 window,
                 ready: take,
                 empty: give,
@@ -203,36 +203,17 @@ impl OnlineEstimator {
         tau_m: &[f64],
         temperature_c: f64,
     ) -> Result<StepOutcome, StepError> {
-        const NS_PER_S: f64 = 1e9;
-        let n = self.frame.q.len();
-        let torque_fits = tau_m.is_empty() || tau_m.len() == n;
-        if q.len() != n || theta.len() != n || !torque_fits {
-            return Err(StepError::Length);
-        }
-        if self.started {
-            if !(dt_s > 0.0 && dt_s <= NS_PER_S) {
-                return Err(StepError::TimeStep);
-            }
-            let step_ns = ((dt_s * NS_PER_S).round() as i64).max(1);
-            self.frame.time_ns = self.frame.time_ns.saturating_add(step_ns);
-        }
-        self.started = true;
-        self.frame.q.copy_from_slice(q);
-        self.frame.theta.copy_from_slice(theta);
-        match tau_m {
-            [] => self.frame.tau_m.fill(f64::NAN),
-            stated => self.frame.tau_m.copy_from_slice(stated),
-        }
-        self.frame.temperature_c = temperature_c;
-        let time_s = self.frame.time_ns as f64 / NS_PER_S;
+        let frame = self.sample.fill(dt_s, [q, theta, tau_m], temperature_c)?;
+        let time_s = frame.time_ns as f64 * 1e-9;
         if !self.recorder.has_room() {
             // The worker is later than there is room for: what waits is lost, and counted.
             let waiting = self.recorder.recorded().blocks.len();
             self.blocks_dropped = self.blocks_dropped.saturating_add(waiting as u64);
             self.recorder.clear();
         }
-        let fed = self.recorder.push(&self.frame, time_s);
+        let fed = self.recorder.push(frame, time_s);
         if fed.output() == Some(true) {
+            self.blocks = self.blocks.saturating_add(1);
             self.hand_over();
         }
         Ok(match fed {
@@ -254,35 +235,42 @@ impl OnlineEstimator {
 
     /// Samples that follow do not go on where the last one was: the filters start anew, what is known stays.
     pub fn interrupt(&mut self) {
-        self.recorder.restart();
+        self.sample.interrupt();
     }
 
-    /// Starts a thread that takes blocks and solves windows; [`OnlineEstimator::work`] does nothing from then on.
+    /// Starts a thread that takes blocks and solves windows.
     ///
     /// # Errors
     /// The system's, when it has no thread to give.
     pub fn start_worker(&mut self) -> std::io::Result<()> {
-        let Some(worker) = self.worker.take() else {
+        if self.worker.is_none() {
             return Ok(());
-        };
+        }
         let ends = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&ends);
+        let (give, take) = std::sync::mpsc::channel::<Box<OnlineWorker>>();
         let thread = std::thread::Builder::new().name("sinew-online".into());
+        // The worker follows once there is a thread: one that can't be started loses nothing.
         let handle = thread.spawn(move || {
-            let mut worker = *worker;
+            let Ok(mut worker) = take.recv() else { return };
             while !seen.load(Ordering::Acquire) {
                 worker.work();
                 std::thread::sleep(LOOKS_EVERY);
             }
-            worker
         })?;
+        let given = self.take_worker().map(|worker| give.send(worker));
+        debug_assert!(matches!(given, Some(Ok(()))), "the thread waits for it");
         let handle = Some(handle);
         self.thread = Some(Thread { ends, handle });
         Ok(())
     }
 
-    /// Takes the blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s. Not for a
-    /// control loop.
+    /// The worker, for a thread of the caller's own that calls [`OnlineWorker::work`]; `None`: it has been taken.
+    pub fn take_worker(&mut self) -> Option<Box<OnlineWorker>> {
+        self.worker.take()
+    }
+
+    /// [`OnlineWorker::work`] of a worker that has not been taken, in this thread; nothing otherwise.
     pub fn work(&mut self) {
         if let Some(worker) = &mut self.worker {
             worker.work();
@@ -302,15 +290,31 @@ impl OnlineEstimator {
         self.blocks_dropped
     }
 
-    fn latest(&self) -> Option<Arc<Latest>> {
+    /// Blocks that the loop has completed and that are neither dropped nor in the latest answer. It stays at one or two where the worker keeps up; where
+    /// it grows, the answer is old, whatever its state.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic, wait or clock.
+    pub fn blocks_behind(&mut self) -> u64 {
+        let answered = self.answers.read().blocks;
+        self.blocks
+            .saturating_sub(answered.saturating_add(self.blocks_dropped))
+    }
+
+    fn latest(&self) -> Latest {
         let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         latest.clone()
+    }
+
+    /// Why the window could not be solved last time; `None`: it was. It may wait.
+    pub fn error(&self) -> Option<Arc<SessionError>> {
+        self.latest().error
     }
 
     /// What [`crate::session::estimate`] gives for the window's blocks, as of the last solution: the same value that
     /// `sinew estimate` prints for a recording that ends there. `None` until a window has been solved. It may wait.
     pub fn estimate(&self) -> Option<SessionEstimate> {
-        self.latest().map(|latest| latest.estimate.clone())
+        self.latest().solved.map(|solved| solved.0.clone())
     }
 
     /// The next baseline of the chain: `recording` names this session, which ended at `end_time_ns`. It may wait.
@@ -319,11 +323,11 @@ impl OnlineEstimator {
     /// [`SessionError::Provisional`] while an offset is provisional.
     pub fn save(&mut self, recording: &str, end_time_ns: i64) -> Result<Baseline, SessionError> {
         let provisional = self.answer().is_provisional();
-        let latest = self.latest().filter(|_| !provisional);
-        let latest = latest.ok_or_else(|| SessionError::Provisional {
+        let solved = self.latest().solved.filter(|_| !provisional);
+        let solved = solved.ok_or_else(|| SessionError::Provisional {
             recording: recording.into(),
         })?;
-        let mut next = latest.next.clone();
+        let mut next = solved.1.clone();
         if let Some(last) = next.recordings.last_mut() {
             recording.clone_into(last);
         }

@@ -14,6 +14,6 @@ mod trajectory;
 mod window;
 
 pub use answer::{OnlineAnswer, OnlineJoint, Provisional};
-pub use estimator::{OnlineEstimator, StepOutcome};
+pub use estimator::{OnlineEstimator, OnlineWorker, StepOutcome};
 pub use trajectory::{replay, trajectory};
 pub use window::Window;

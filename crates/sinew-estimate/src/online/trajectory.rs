@@ -3,6 +3,7 @@
 use super::answer::{OnlineAnswer, OnlineJoint};
 use super::window::Window;
 use crate::baseline::Baseline;
+use crate::error::SessionError;
 use crate::estimator::SessionOptions;
 use crate::session::{Doubt, LiveBlock, LiveCourse, LiveTendon, Recorded};
 use sinew_model::robot::Robot;
@@ -10,6 +11,9 @@ use sinew_model::robot::Robot;
 /// The online estimate over a recording: `each` sees the answer after every block; the window is as it is after the last one.
 ///
 /// The window's schedule counts blocks, not seconds of a clock: a replay gives what the worker of a running robot gives that keeps up.
+///
+/// # Errors
+/// [`SessionError`] when the baseline is of another robot.
 pub fn replay(
     robot: &Robot,
     recorded: &Recorded,
@@ -17,9 +21,9 @@ pub fn replay(
     options: &SessionOptions,
     name: &str,
     each: &mut dyn FnMut(&OnlineAnswer),
-) -> Window {
+) -> Result<Window, SessionError> {
     let baseline = baseline.map(|(baseline, file)| (baseline.clone(), file.to_owned()));
-    let mut window = Window::new(robot.clone(), baseline, options, name);
+    let mut window = Window::new(robot.clone(), baseline, options, name)?;
     for part in recorded.parts() {
         window.push(&part);
         if window.is_due() {
@@ -27,17 +31,20 @@ pub fn replay(
         }
         each(window.answer());
     }
-    window
+    Ok(window)
 }
 
 /// [`replay`], as the result of a session holds it.
+///
+/// # Errors
+/// [`SessionError`] where no window could be solved.
 pub fn trajectory(
     robot: &Robot,
     recorded: &Recorded,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
     name: &str,
-) -> LiveCourse {
+) -> Result<LiveCourse, SessionError> {
     let mut out = LiveCourse {
         joints: Vec::new(),
         external_force: None,
@@ -67,21 +74,22 @@ pub fn trajectory(
             in_doubt,
         });
     };
-    let mut window = replay(robot, recorded, baseline, options, name, &mut each);
+    let mut window = replay(robot, recorded, baseline, options, name, &mut each)?;
     if window.estimate().is_none() {
         // A recording shorter than the first window.
         window.solve();
     }
+    let window = window.solved()?;
     let answer = window.answer();
     let tendon = |own: &OnlineJoint| LiveTendon {
         name: robot.joint_names()[own.joint].clone(),
         offset_rad: own.offset_rad,
         stiffness_changed_probability: own.stiffness_changed_probability,
     };
-    LiveCourse {
+    Ok(LiveCourse {
         joints: answer.joints.iter().map(tendon).collect(),
         external_force: answer.external_force,
         in_doubt: answer.is_provisional(),
         ..out
-    }
+    })
 }

@@ -4,14 +4,15 @@ use super::answer::{OnlineAnswer, OnlineJoint, Provisional, hull};
 use super::detector::{ChangeDetector, Innovations, Noise};
 use crate::baseline::Baseline;
 use crate::error::SessionError;
-use crate::estimator::SessionOptions;
+use crate::estimator::{SessionOptions, estimator};
 use crate::session::{
     OUTLIER_WEIGHT, Recorded, SessionEstimate, Since, Solved, Warning, continues, solve_stretch,
 };
 use sinew_model::Gaussian;
 use sinew_model::offset::{Block, FeatureConfig, Prediction};
 use sinew_model::robot::Robot;
-use sinew_model::statistics::upper_median;
+use sinew_model::statistics::{DEVIATION_PER_MEDIAN, upper_median};
+use std::sync::Arc;
 
 /// Blocks that a window holds, s of them.
 const WINDOW_S: f64 = 120.0;
@@ -19,15 +20,12 @@ const WINDOW_S: f64 = 120.0;
 const STAND_S: f64 = 10.0;
 /// A window is solved every so many blocks: 2 s.
 const SOLVE_EVERY: u64 = 10;
-/// A solution does not accept a change within its last seconds, so that the newest blocks of it are checked again, s.
+/// The newest blocks of a solution are checked again, s: it does not accept a change within its last five seconds, and does not call one
+/// settled for eight.
 const RECENT_S: f64 = 8.0;
 /// Where it is likelier that a step has moved the offset out of its 95 % interval, the interval is widened: as likely as what the
 /// interval leaves outside anyway.
 const SUSPECTED: f64 = 0.05;
-/// A share of rejected blocks above this makes what remains unrepresentative.
-const MUCH_REJECTED: f64 = 0.35;
-/// Standard deviation over the median size of normal errors.
-const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
 /// A solved window, as the next blocks are checked against it.
 #[derive(Debug, Clone)]
@@ -48,42 +46,59 @@ struct Solution {
 /// allocate: a worker's, not a control loop's.
 #[derive(Debug)]
 pub struct Window {
-    robot: Robot,
+    robot: Arc<Robot>,
     baseline: Option<(Baseline, String)>,
     options: SessionOptions,
     name: String,
     recorded: Recorded,
+    /// How the session follows on the baseline, where that is known better than from their times.
+    since: Option<Since>,
     /// Whether blocks have left the window.
     slid: bool,
     is_due: bool,
     since_solved: u64,
     solution: Option<Box<Solution>>,
-    error: Option<SessionError>,
+    error: Option<Arc<SessionError>>,
     answer: OnlineAnswer,
 }
 
 impl Window {
     /// Since `baseline`, with the name of its file, or against the zero of the encoders. `name`: of the session.
+    ///
+    /// # Errors
+    /// [`SessionError`] when the baseline is of another robot.
     pub fn new(
-        robot: Robot,
+        robot: impl Into<Arc<Robot>>,
         baseline: Option<(Baseline, String)>,
         options: &SessionOptions,
         name: &str,
-    ) -> Self {
+    ) -> Result<Self, SessionError> {
+        let robot = robot.into();
+        if let Some((baseline, file)) = &baseline {
+            baseline.belief(&robot, estimator(&robot, options).prior(), file)?;
+        }
         let recorded = Recorded::empty(&robot);
-        Self {
+        Ok(Self {
             answer: OnlineAnswer::starting(&recorded.elastic),
             recorded,
             robot,
             baseline,
             options: *options,
             name: name.into(),
+            since: None,
             slid: false,
             is_due: false,
             since_solved: 0,
             solution: None,
             error: None,
-        }
+        })
+    }
+
+    /// The window of a session of which it is known how it follows on the baseline.
+    #[must_use]
+    pub fn following(mut self, since: Since) -> Self {
+        self.since = Some(since);
+        self
     }
 
     /// The latest answer.
@@ -102,8 +117,20 @@ impl Window {
     }
 
     /// Why the last window could not be solved; `None`: it was.
-    pub fn error(&self) -> Option<&SessionError> {
+    pub fn error(&self) -> Option<&Arc<SessionError>> {
         self.error.as_ref()
+    }
+
+    /// The window, if it has been solved.
+    ///
+    /// # Errors
+    /// Why it could not be.
+    pub(super) fn solved(mut self) -> Result<Self, SessionError> {
+        let unsolved = self.error.take_if(|_| self.solution.is_none());
+        match unsolved.and_then(Arc::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(self),
+        }
     }
 
     /// Whether a solution is due.
@@ -141,7 +168,12 @@ impl Window {
         let repeats =
             block.stood_s > STAND_S && blocks.last().is_some_and(|last| last.stood_s > STAND_S);
         match blocks.last_mut() {
-            Some(last) if repeats => *last = block,
+            Some(last) if repeats => {
+                // Nor do jumps of readings meanwhile say anything: memory stays bounded.
+                let stood = last.time_s..block.time_s;
+                self.recorded.jumps.forget_within(stood);
+                *last = block;
+            }
             _ => {
                 blocks.push(block);
                 self.since_solved += 1;
@@ -151,7 +183,7 @@ impl Window {
         self.slide();
         if let Some(solution) = &mut self.solution {
             solution.check(&self.recorded.blocks, 1);
-            Self::update(&mut self.answer, solution);
+            Self::update(&mut self.answer, solution, self.error.is_some());
         }
     }
 
@@ -177,9 +209,11 @@ impl Window {
         (self.is_due, self.since_solved) = (false, 0);
         let baseline = self.baseline.as_ref().map(|(b, file)| (b, file.as_str()));
         // What was known when the session began may have changed before the window begins.
-        let since = match !self.slid && continues(baseline.map(|(b, _)| b), &self.recorded) {
-            true => Since::Now,
-            false => Since::Days(1.0),
+        let continues = || continues(baseline.map(|(b, _)| b), &self.recorded);
+        let since = match self.since {
+            Some(since) => since,
+            None if !self.slid && continues() => Since::Now,
+            None => Since::Days(1.0),
         };
         let solved = solve_stretch(
             &self.robot,
@@ -195,24 +229,25 @@ impl Window {
                 let end_s = self.recorded.end_s();
                 let recent = blocks.partition_point(|b| end_s - b.time_s > RECENT_S);
                 solution.check(blocks, blocks.len() - recent);
-                Self::update(&mut self.answer, &solution);
+                Self::update(&mut self.answer, &solution, false);
                 (self.solution, self.error) = (Some(solution), None);
             }
             Err(error) => {
-                self.error = Some(error);
+                self.error = Some(Arc::new(error));
                 for joint in &mut self.answer.joints {
-                    let settled = joint.offset_rad.is_finite() && joint.provisional.is_none();
-                    if settled {
-                        joint.provisional = Some(Provisional::Refused);
-                    }
+                    joint.provisional = Some(Provisional::Refused);
                 }
             }
         }
     }
 
-    /// The answer from a solution and the blocks checked against it.
-    fn update(answer: &mut OnlineAnswer, solution: &Solution) {
-        let estimate = &solution.solved.estimate;
+    /// The answer from a solution and the blocks checked against it; `refused`: a later window could not be solved.
+    fn update(answer: &mut OnlineAnswer, solution: &Solution, refused: bool) {
+        let Solved {
+            estimate,
+            unknown_temperature_rad: unknown_rad,
+            ..
+        } = &solution.solved;
         answer.solved_s = solution.time_s;
         answer.external_force = estimate.external_force;
         answer.contact_probability = (1.0 - solution.detector.free()).clamp(0.0, 1.0);
@@ -223,15 +258,19 @@ impl Window {
                 }
                 _ => None,
             });
-            let share = estimate.left_out_share;
-            let rejected = (share > MUCH_REJECTED).then_some(Provisional::Rejected { share });
+            let rejected = estimate.warnings.iter().find_map(|warning| match warning {
+                Warning::MuchLeftOut { share } => Some(Provisional::Rejected { share: *share }),
+                _ => None,
+            });
+            let refused = refused.then_some(Provisional::Refused);
             *own = OnlineJoint {
                 joint: own.joint,
                 offset_rad: tendon.offset_rad,
+                unknown_temperature_rad: unknown_rad.get(own.joint).copied().unwrap_or(0.0),
                 stiffness_changed_probability: tendon
                     .stiffness_since_before
                     .map(|since| since.probability),
-                provisional: may_end.or(rejected),
+                provisional: may_end.or(rejected).or(refused),
             };
             let Some(step) = solution.detector.suspected(k) else {
                 continue;

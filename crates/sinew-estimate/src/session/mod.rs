@@ -7,8 +7,7 @@
 //! unknown payload estimated along, contacts left out, slips found. Without a baseline the data-sheet
 //! priors stand in, and the interval is as wide as that makes it.
 //!
-//! The estimator is [`sinew_model::offset::MapEstimator`]; [`live`] gives its recursive form, for a
-//! robot that runs.
+//! The estimator is [`sinew_model::offset::MapEstimator`]; [`crate::online`] runs it on the last two minutes of a running robot.
 //!
 //! Reading order: `recorder` (frames to blocks), `poses`, `witness` and `temperature` (what of them can be
 //! believed), `segments` (blocks to posteriors), `changes`,
@@ -19,7 +18,6 @@ mod changes;
 mod checks;
 mod context;
 mod inflation;
-mod live;
 mod poses;
 mod recorder;
 mod result;
@@ -40,7 +38,6 @@ pub use crate::anchored::{AnchorReading, AnchoredOffset};
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
 pub use crate::touch::{Touch, TouchReading};
-pub use live::{live, live_saved, live_without_baseline};
 pub use poses::Poses;
 pub use recorder::{Recorded, Recorder, Window};
 pub(crate) use result::OUTLIER as OUTLIER_WEIGHT;

@@ -124,10 +124,32 @@ impl Recorded {
     }
 
     /// Forgets what was recorded, and keeps the room.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.room.append(&mut self.blocks);
         self.jumps.clear();
         (self.frames_missing, self.duration_s) = (0, 0.0);
+    }
+
+    /// Appends the last block of what `from` has recorded, and the jumps of readings in it, `by_s` later on another clock.
+    ///
+    /// # Realtime
+    /// No allocation where there is [room](Recorder::make_room_in), lock, panic or clock.
+    pub fn append_last(&mut self, from: &Self, by_s: f64) {
+        let Some(last) = from.blocks.last() else {
+            return;
+        };
+        let before_s = from.blocks.iter().rev().nth(1).map(|b| b.time_s);
+        let since_s = before_s.unwrap_or(f64::NEG_INFINITY);
+        self.jumps.append_since(&from.jumps, since_s, by_s);
+        let mut block = match self.room.pop() {
+            Some(mut block) => {
+                block.copy_from(last);
+                block
+            }
+            None => last.clone(),
+        };
+        block.time_s += by_s;
+        self.blocks.push(block);
     }
 
     /// Block by block, in order: what a recorder would have handed over as it came.
@@ -246,6 +268,11 @@ impl Recorder {
             .make_room(duration_s, self.block_s, self.feeder.observer().block());
     }
 
+    /// Makes room for `duration_s` more in another recording. Allocates.
+    pub fn make_room_in(&self, part: &mut Recorded, duration_s: f64) {
+        part.make_room(duration_s, self.block_s, self.feeder.observer().block());
+    }
+
     /// An empty recording with room for `duration_s`, to [exchange](Recorder::exchange). Allocates.
     pub fn room(&self, duration_s: f64) -> Recorded {
         let mut empty = Recorded {
@@ -259,7 +286,7 @@ impl Recorder {
 
     /// Whether the next block has [room](Recorder::make_room).
     pub(crate) fn has_room(&self) -> bool {
-        !self.out.room.is_empty()
+        !self.out.room.is_empty() && self.out.jumps.has_room()
     }
 
     /// Forgets what was recorded, and keeps the room. The filters go on.

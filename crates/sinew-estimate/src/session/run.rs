@@ -2,7 +2,6 @@
 
 use super::anchor;
 use super::context::Context;
-use super::live::open;
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
 use super::revisits;
@@ -18,8 +17,8 @@ use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use sinew_model::offset::{
-    Belief, JointParameter, MapError, MapEstimate, MapEstimator, Payload, SearchScope, SharedError,
-    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
+    Belief, JointParameter, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope,
+    SharedError, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -103,6 +102,7 @@ pub fn learn_recorded(
         motor_current: false,
         temperature_c: learning.temperature_c,
         external_force_n: None,
+        creep: false,
     };
     let session = Session::new(robot, recorded, &options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
@@ -144,6 +144,7 @@ pub fn learn_recorded(
     let nothing = SearchScope {
         offsets: false,
         payload: false,
+        creep: false,
         continues: false,
     };
     let payload = Payload::Empty;
@@ -217,7 +218,7 @@ pub fn estimate_with_replay(
     window: Window,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
-    also: &dyn Fn(&Robot, &Recorded, &mut SessionEstimate),
+    also: &dyn Fn(&Robot, &Recorded, &mut SessionEstimate) -> Result<(), SessionError>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Estimate, SessionEstimate, Baseline), SessionError> {
     let reference = replay::reference(request, progress)?;
@@ -233,7 +234,7 @@ pub fn estimate_with_replay(
     let file = request.name();
     let robot = &opened.loaded.robot;
     let (mut session, next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
-    also(robot, &recorded, &mut session);
+    also(robot, &recorded, &mut session)?;
     let mut paper = pass.finish(opened)?;
     if let Some(reference) = reference {
         replay::compare(&mut paper, &reference);
@@ -298,6 +299,8 @@ pub(crate) struct Solved {
     pub(crate) estimator: MapEstimator,
     /// Posterior of the last segment, with the index of its first block.
     pub(crate) last: (usize, MapEstimate),
+    /// What a temperature that is not known adds to the deviation of every joint's offset, rad; empty: it is known.
+    pub(crate) unknown_temperature_rad: Vec<f64>,
 }
 
 /// [`estimate_stretch`], with the posterior and the estimator that made it.
@@ -422,6 +425,7 @@ fn estimate_with_lag(
     let everything = SearchScope {
         offsets: true,
         payload: true,
+        creep: options.creep,
         continues: baseline.is_some() && since == Since::Now,
     };
     let payload = options.payload;
@@ -493,7 +497,20 @@ fn estimate_with_lag(
         next,
         last,
         estimator: session.estimator,
+        unknown_temperature_rad: match unknown {
+            true => added_rad,
+            false => Vec::new(),
+        },
     })
+}
+
+/// What a baseline knows, in another recording: offsets may be anything, the gripper hold something else, and the
+/// temperature be another by `change_k`, a standard deviation. Returns what that leaves unknown of every joint's
+/// offset, rad.
+fn open(prior: &Prior, belief: &mut Belief, options: &SessionOptions, change_k: f64) -> Vec<f64> {
+    prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+    prior.open_payload(belief, options.payload);
+    beliefs::unknown_temperature(prior, belief, change_k)
 }
 
 /// A recording as far as it can be believed, and the estimator that goes with it.

@@ -4,10 +4,10 @@
 #![allow(dead_code)]
 
 use sinew_estimate::baseline::Baseline;
+use sinew_estimate::online::{OnlineAnswer, Window};
 use sinew_estimate::robot_dir;
-use sinew_estimate::session;
 use sinew_estimate::session::{Payload, Recorded, Recorder, SessionOptions};
-use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
+use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 use sinew_sim::protocol::Plan;
 use sinew_sim::{Scenario, Simulation};
@@ -125,15 +125,17 @@ pub(crate) fn watching(plan: &Plan) -> SessionOptions {
     }
 }
 
-/// The recursive form after a recording, and the sum of its weights.
-pub(crate) fn block_by_block(
+/// The online estimate's answer for the blocks of a recording.
+pub(crate) fn online_answer(
     robot: &Robot,
     baseline: &Baseline,
     options: &SessionOptions,
     recorded: &Recorded,
-) -> (RecursiveOffsets, f64) {
-    let mut filter = session::live(robot, (baseline, "baseline"), options).unwrap();
-    let blocks = recorded.blocks.iter();
-    let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
-    (filter, weights)
+) -> OnlineAnswer {
+    let with = Some((baseline.clone(), "baseline".to_owned()));
+    let window = Window::new(robot.clone(), with, options, "session");
+    let mut window = window.unwrap();
+    window.push(recorded);
+    window.solve();
+    window.answer().clone()
 }

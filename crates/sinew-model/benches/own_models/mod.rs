@@ -39,3 +39,10 @@ pub(crate) fn moving_arms() -> impl Iterator<Item = (usize, Arm, Motion)> {
         (*n, arm, (0..SAMPLES).map(at).collect())
     })
 }
+
+/// The URDF of one of them, by its number of joints.
+#[allow(dead_code, reason = "not every bench needs the text")]
+pub(crate) fn urdf_of(joints: usize) -> Option<&'static str> {
+    let mut models = MODELS.iter();
+    models.find(|(n, _)| *n == joints).map(|(_, text)| *text)
+}

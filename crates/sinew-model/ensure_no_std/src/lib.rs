@@ -16,7 +16,7 @@ use sinew_model::correction::{
 };
 use sinew_model::feeder::{Feeder, Reading};
 use sinew_model::observer::MomentumObserver;
-use sinew_model::offset::{FeatureObserver, OffsetObserver, RecursiveOffsets, Sample};
+use sinew_model::offset::{FeatureObserver, OffsetObserver, Sample};
 use sinew_model::wire::BlockSender;
 
 unsafe extern "C" {
@@ -107,25 +107,19 @@ pub unsafe extern "C" fn sinew_offset_step(
     i32::from(offset.step(dt_s, sample).is_err())
 }
 
-/// Step of the absolute offset's features, and of its recursive form where a block is full, as
-/// [`sinew_step`]. `x` holds `q`, `theta` and the motor torque, of any lengths.
+/// Step of the absolute offset's features, as [`sinew_step`]. `x` holds `q`, `theta` and the motor torque, of any lengths.
 ///
 /// # Safety
 /// As [`sinew_step`].
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_absolute_step(
+pub unsafe extern "C" fn sinew_features_step(
     features: &mut FeatureObserver,
-    offsets: &mut RecursiveOffsets,
     dt_s: f64,
     x: &[&[f64]; 3],
     temperature_c: f64,
 ) -> i32 {
     let [q, theta, torque] = x;
-    match features.step(dt_s, q, theta, torque, temperature_c) {
-        Ok(true) => i32::from(offsets.step(features.block()).is_err()),
-        Ok(false) => 0,
-        Err(_) => 1,
-    }
+    i32::from((features.step(dt_s, q, theta, torque, temperature_c)).is_err())
 }
 
 /// What a microcontroller does with a sample: both observers, and a block into bytes, as [`sinew_step`].

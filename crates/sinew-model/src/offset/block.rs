@@ -112,13 +112,6 @@ impl Block {
         size_of::<Self>() + size_of::<f64>() * (numbers + self.q.len())
     }
 
-    /// Whether `other` is of an arm of the same size.
-    pub(crate) fn fits(&self, other: &Self) -> bool {
-        let columns = self.columns().into_iter().zip(other.columns());
-        let mut lengths = columns.map(|(a, b)| a.len() == b.len());
-        self.q.len() == other.q.len() && lengths.all(|same| same)
-    }
-
     /// Whether it is of an arm of `joints` with `columns` base parameters.
     #[cfg(feature = "wire")]
     pub(crate) fn is_of(&self, joints: usize, columns: usize) -> bool {
@@ -133,6 +126,7 @@ impl Block {
 
     /// Whether everything is a number, but for a motor torque and a temperature that were not
     /// recorded.
+    #[cfg(feature = "wire")]
     pub(crate) fn is_finite(&self) -> bool {
         let Self {
             time_s,

@@ -80,6 +80,8 @@ pub struct SearchScope {
     pub offsets: bool,
     /// Payloads picked up or put down.
     pub payload: bool,
+    /// Offsets that move evenly: ropes that creep. It takes `offsets`, too.
+    pub creep: bool,
     /// Whether the data goes on from where the belief ends: a change may come with its first
     /// block then.
     pub continues: bool,

@@ -29,8 +29,6 @@ const STANDS: f64 = 0.92;
 /// none. Contacts and friction made some of 9 to 14 N out of nothing, where 0 ± 2 N were believed.
 const HARDLY_MOVES: f64 = 0.75;
 const FAR: f64 = 4.0;
-/// Who states a force knows it no better than this, N: a starting guess.
-const STATED_N: f64 = 0.1;
 
 /// Whether an arm that is in its place for such a share of the time says little of what pulls at it.
 pub(crate) fn hardly_moves(in_its_place: f64) -> bool {
@@ -142,26 +140,6 @@ impl ForceModel {
             // Blocks have been checked; what is none is hidden by no estimate.
             out.fill([f64::NAN; 3]);
         }
-    }
-
-    /// The same for a filter that can't go back: it believes no statement better than to [`STATED_N`], so that blocks can contradict one.
-    pub(crate) fn filter_deviations(&self) -> [f64; FORCE] {
-        let [a, b, c, x, y, z] = self.deviations();
-        let least_n = if self.believed.is_stated {
-            STATED_N
-        } else {
-            0.0
-        };
-        let [a, b, c] = [a, b, c].map(|deviation| deviation.max(least_n));
-        [a, b, c, x, y, z]
-    }
-
-    /// Whether blocks contradict what was stated: they have moved the force further than any statement is off.
-    ///
-    /// * `force_n`: from what is believed.
-    pub(crate) fn contradicts(&self, force_n: Vec3) -> bool {
-        let mut pairs = force_n.iter().zip(self.filter_deviations());
-        self.believed.is_stated && pairs.any(|(x, deviation)| x.abs() > FAR * deviation)
     }
 
     /// What is believed of one that nobody stated.

@@ -3,7 +3,7 @@
 //!
 //! Reading order: `observer` (a sample to every joint's offset), `features` (samples to blocks),
 //! `parameter`, `layout` and `prior` (the state, and what is believed of it), `equations` (a block's
-//! rows over the state), `batch` (a whole recording), `recursive` (block by block), [`beliefs`]
+//! rows over the state), `batch` (a whole recording), [`beliefs`]
 //! (from one recording to the next), [`alike`] (from robots of a type to the next), `shared_error` (what sessions since one baseline get wrong together),
 //! [`misfit`] (what fits nothing).
 
@@ -31,7 +31,6 @@ mod observer;
 mod parameter;
 mod payload;
 mod prior;
-mod recursive;
 mod shared_error;
 mod state_entry;
 
@@ -54,6 +53,5 @@ pub use lag::lag_s;
 pub use observer::{OffsetObserver, Sample};
 pub use parameter::JointParameter;
 pub use prior::{JointPrior, PayloadRange, Prior};
-pub use recursive::RecursiveOffsets;
 pub use shared_error::{SharedError, shared_errors};
 pub use state_entry::StateEntry;

@@ -8,8 +8,7 @@ use sinew_model::offset::alike::{learn_type, pool_bodies};
 use sinew_model::offset::misfit::tempered;
 use sinew_model::offset::{
     Belief, Block, ExternalForce, FeatureConfig, FeatureObserver, MapEstimate, MapEstimator,
-    Payload, Prior, RecursiveOffsets, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
-    beliefs, shared_errors,
+    Payload, Prior, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs, shared_errors,
 };
 use sinew_model::robot::Robot;
 
@@ -94,26 +93,6 @@ impl Answers {
         self.number("cost", map.convergence.cost);
         self.number("steps", map.convergence.iterations as f64);
     }
-
-    fn filter(&mut self, filter: &RecursiveOffsets) {
-        for i in 0..N {
-            self.gaussian(&format!("offset {i}"), filter.offset(i));
-            self.probability(
-                &format!("stiffness changed {i}"),
-                filter.stiffness_changed(i),
-            );
-            let [link, motor] = filter.noise();
-            self.number(&format!("noise {i}"), link[i]);
-            self.number(&format!("motor noise {i}"), motor[i]);
-        }
-        if let Some(force) = filter.external_force() {
-            self.probability("force acts", force.probability);
-            for (axis, n) in ["x", "y", "z"].iter().zip(force.force_n) {
-                self.gaussian(&format!("force {axis}"), n);
-            }
-        }
-        self.probability("in doubt", f64::from(u8::from(filter.is_provisional())));
-    }
 }
 
 /// What a recording right after tensioning leaves for the next, ten days later.
@@ -124,6 +103,7 @@ fn learned(robot: &Robot, answers: &mut Answers) -> Belief {
     let scope = SearchScope {
         offsets: false,
         payload: false,
+        creep: false,
         continues: false,
     };
     let blocks = record(robot, CALM);
@@ -138,7 +118,7 @@ fn learned(robot: &Robot, answers: &mut Answers) -> Belief {
     belief
 }
 
-/// A recording estimated at once and block by block, from what was learned before.
+/// A recording estimated from what was learned before.
 fn estimated(
     name: &str,
     truth: Truth,
@@ -153,6 +133,7 @@ fn estimated(
     let scope = SearchScope {
         offsets: true,
         payload: true,
+        creep: true,
         continues: false,
     };
     let blocks = record(&robot, truth);
@@ -167,16 +148,6 @@ fn estimated(
         answers.number(&format!("shared {i}"), shared.baseline_rad);
         answers.number(&format!("shared drift {i}"), shared.drift_rad);
     }
-    let mut filter = RecursiveOffsets::new(estimator.clone(), start).expect("a filter");
-    for (k, block) in blocks.iter().enumerate() {
-        filter.step(block).expect("a block");
-        if k % 30 == 29 {
-            answers.about(&format!("{name}, after {} blocks,", k + 1));
-            answers.filter(&filter);
-        }
-    }
-    answers.about(&format!("{name}, block by block,"));
-    answers.belief(prior, &filter.belief().expect("a belief"));
     after
 }
 

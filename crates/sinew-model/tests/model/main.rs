@@ -4,7 +4,6 @@
 //! global allocator.
 
 mod answers;
-mod bounded_work;
 mod closed_forms;
 mod contact;
 mod correction;

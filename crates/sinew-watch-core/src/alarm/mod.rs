@@ -109,7 +109,7 @@ pub enum AlarmCause {
         /// Change of the stiffness with it, as a fraction; `None`: none was seen.
         stiffness_ratio: Option<f64>,
     },
-    /// The estimate has been in doubt for so long.
+    /// An offset has been provisional for so long.
     InDoubt {
         /// For so long, s.
         for_s: f64,

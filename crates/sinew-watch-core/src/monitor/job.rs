@@ -1,6 +1,6 @@
 //! Estimates, made away from the thread that takes frames.
 
-use super::online::Successor;
+use super::online::{OnlineMade, OnlineWork, Successor};
 use super::session::Stretch;
 use super::trend::{TrendMade, TrendWork};
 use sinew_estimate::baseline::Baseline;
@@ -21,6 +21,7 @@ pub struct Job {
 #[derive(Debug)]
 pub(super) enum Work {
     Stretch(Box<StretchWork>),
+    Online(Box<OnlineWork>),
     Trend(Box<TrendWork>),
 }
 
@@ -59,6 +60,8 @@ pub(super) enum Outcome {
         learned: bool,
         result: Result<Box<Estimated>, String>,
     },
+    /// `None`: the estimator failed.
+    Online(Option<Box<OnlineMade>>),
     Trend(TrendMade),
 }
 
@@ -72,9 +75,9 @@ pub(super) struct Estimated {
 }
 
 impl Job {
-    /// Whether it is a trend's: of what is stored already, so that nothing is lost without it.
-    pub fn is_trend(&self) -> bool {
-        matches!(self.work, Work::Trend(_))
+    /// Whether nothing is lost without it: a trend is of what is stored already, and the offsets of now are not stored.
+    pub fn may_be_left_out(&self) -> bool {
+        matches!(self.work, Work::Trend(_) | Work::Online(_))
     }
 
     /// Makes the estimate: some hundredths of a second for a few joints and a minute.
@@ -91,6 +94,10 @@ impl Job {
                     result: result.unwrap_or_else(|_| Err("the estimator failed".into())),
                 }
             }
+            Work::Online(work) => {
+                let made = catch_unwind(AssertUnwindSafe(|| Box::new(work.run())));
+                Outcome::Online(made.ok())
+            }
             Work::Trend(work) => {
                 let made = catch_unwind(AssertUnwindSafe(|| work.run(&robot)));
                 Outcome::Trend(made.unwrap_or_else(|_| work.nothing()))
@@ -103,7 +110,7 @@ impl Job {
 const NAMES: usize = 2;
 
 impl StretchWork {
-    fn estimate(&self, robot: &Robot) -> Result<Box<Estimated>, String> {
+    fn estimate(&self, robot: &Arc<Robot>) -> Result<Box<Estimated>, String> {
         let recorded = &self.stretch.recorded;
         let before = self.baseline.as_ref();
         let known = before.map(|baseline| (baseline, "what was learned before"));

@@ -1,7 +1,7 @@
 //! The monitor of one robot: inputs, each with the [`Instant`] it came; outputs, when asked.
 //!
 //! ```text
-//!  frame, dropped ─▶ ingest ─▶ block ─▶ online estimate ──────────────▶ snapshot (the number now)
+//!  frame, dropped ─▶ ingest ─▶ block ─▶ online ─▶ Job … Done ─▶ online ─▶ snapshot (the offsets of now)
 //!                                  └──▶ sessions ─▶ Job … Done ─▶ belief ─▶ records, trends, alarms
 //!  tick, troubles, door, command ─────────────────▶ alarms ─▶ outbox ─▶ Transaction … committed
 //! ```
@@ -105,10 +105,12 @@ impl Monitor {
         let config = &setup.config;
         let block_s = FeatureConfig::default().block_s;
         let begun = chain.belief().sessions;
+        let ingest = Ingest::new(&setup, now);
+        let recorder = &ingest.recorder;
         let mut monitor = Self {
-            ingest: Ingest::new(&setup, now),
             sessions: Sessions::new(setup.joints(), block_s, begun, config.times),
-            online: Online::new(&setup.robot, &config.estimate, chain.belief())?,
+            online: Online::new(&setup.robot, &config.estimate, chain.belief(), recorder)?,
+            ingest,
             outbox: Outbox::new(&config.name, &mut stored),
             trends: Trends::new(setup.names.len(), stored.history),
             alarms: AlarmJudge::new(stored.alarms, now),
@@ -187,7 +189,8 @@ impl Monitor {
         let from = self.ingest.recorded_from.unwrap_or(now);
         let moved = (self.sessions).block(block, &mut self.ingest.clocks, from, now);
         let block_s = self.sessions.block_s;
-        self.online.step(block, moved == Some(true), block_s);
+        let recorded = self.ingest.recorder.recorded();
+        (self.online).block(recorded, from, moved == Some(true), block_s);
         let Some(moved) = moved else {
             // Nobody needs what a standing arm says again and again.
             self.ingest.forget_recorded();
@@ -231,7 +234,7 @@ impl Monitor {
     fn end_stretch(&mut self, end: Option<SessionEnd>) {
         let how = StretchEnd {
             end,
-            in_doubt: !self.online.is_sure(),
+            in_doubt: !self.online.is_settled(),
             motor_current: self.setup.config.estimate.motor_current,
             baseline_of: self.chain.baseline_of(),
         };
@@ -254,6 +257,13 @@ impl Monitor {
             let changes = (self.chain).without_motion(&stretch, &self.setup, &self.sessions);
             self.pass_on(changes, self.ticked);
         }
+        if let Some(work) = self.online.work() {
+            self.working = true;
+            return Some(Job {
+                robot: Arc::clone(&self.setup.robot),
+                work: Work::Online(Box::new(work)),
+            });
+        }
         let (beliefs, tensionings) = (&self.chain.belief().tendons, self.chain.tensionings);
         let work = (self.trends).work(&self.setup, beliefs, tensionings, self.ticked)?;
         self.working = true;
@@ -267,6 +277,7 @@ impl Monitor {
     pub fn done(&mut self, done: Done, now: Instant) {
         self.working = false;
         match done.0 {
+            Outcome::Online(made) => return self.online.made(made.map(|made| *made)),
             Outcome::Trend(made) => self.trends.set(made, self.chain.tensionings),
             Outcome::Stretch {
                 stretch,
@@ -365,7 +376,7 @@ impl Monitor {
         self.time_passes(now);
         self.alarms.tick(&self.setup.config.alarms, now);
         self.sessions.make_room(&mut self.ingest.recorder);
-        self.online.tidy();
+        self.online.make_room(&self.ingest.recorder);
         let transitions = self.alarms.alarms.take_transitions();
         let alarms = || self.alarms.alarms.stored();
         (self.outbox).flush(self.chain.belief(), transitions, alarms, now);
@@ -394,7 +405,7 @@ impl Monitor {
         if self.ingest.health.verdict(&self.setup.names, now) {
             self.judge_data();
         }
-        if let Some(for_s) = self.online.doubt_s() {
+        if let Some(for_s) = self.online.provisional_s() {
             let cause = AlarmCause::InDoubt { for_s };
             let cause = (for_s >= self.setup.config.alarms.doubt_s).then_some(cause);
             self.alarms.set_robot(Condition::Suspicion, cause);

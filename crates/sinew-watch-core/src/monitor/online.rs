@@ -1,155 +1,320 @@
-//! The number of now: a recursive filter, and its successor. No other file of the monitor knows the filter.
+//! The offsets of now: a window over the last blocks, and its successor. No other file of the monitor knows windows.
 
-use super::config::MonitorError;
+use crate::instant::Instant;
 use crate::transaction::Belief;
 use sinew_estimate::baseline::Baseline;
-use sinew_estimate::session::{SessionError, SessionOptions, Verdict, live, live_without_baseline};
-use sinew_model::Gaussian;
-use sinew_model::offset::{Block, ForceEstimate, RecursiveOffsets};
+use sinew_estimate::online::{OnlineAnswer, OnlineJoint, Provisional, Window};
+use sinew_estimate::session::{Recorded, Recorder, SessionError, SessionOptions, Since, Verdict};
+use sinew_model::offset::ForceEstimate;
 use sinew_model::robot::Robot;
+use std::sync::Arc;
 
-/// An estimate of now that begins with what a session taught. Made away from the thread that takes frames.
+/// Room for blocks is made for so much time to come, s.
+const ROOM_S: f64 = 10.0;
+/// Blocks that wait for a job at most: a window holds no more.
+const MOST: usize = 600;
+
+fn window(
+    robot: &Arc<Robot>,
+    baseline: Option<&Baseline>,
+    options: &SessionOptions,
+) -> Result<Box<Window>, SessionError> {
+    let baseline = baseline.map(|known| (known.clone(), "what was learned".to_owned()));
+    let window = Window::new(Arc::clone(robot), baseline, options, "session")?;
+    // Each window begins with what is known of other sessions, and with no offset of theirs.
+    Ok(Box::new(window.following(Since::Days(1.0))))
+}
+
+/// A window that begins with what a session taught.
 #[derive(Debug)]
-pub(super) struct Successor(Box<RecursiveOffsets>);
+pub(super) struct Successor(Box<Window>);
 
 impl Successor {
     pub(super) fn new(
-        robot: &Robot,
+        robot: &Arc<Robot>,
         learned: &Baseline,
         options: &SessionOptions,
     ) -> Result<Self, SessionError> {
-        let filter = live(robot, (learned, "what was learned"), options)?;
-        Ok(Self(Box::new(filter)))
+        window(robot, Some(learned), options).map(Self)
     }
 }
 
-/// The number of now. A filter that runs for days grows surer than a rope is steady, so every session leaves a
-/// successor that begins with what its batch estimate taught, and takes over once it is out of doubt itself.
+/// The windows of a robot, where blocks are checked and windows solved.
+#[derive(Debug)]
+pub(super) struct Windows {
+    now: Box<Window>,
+    next: Option<Box<Window>>,
+}
+
+impl Windows {
+    fn push(&mut self, part: &Recorded) {
+        for window in [Some(&mut self.now), self.next.as_mut()]
+            .into_iter()
+            .flatten()
+        {
+            window.push(part);
+            if window.is_due() {
+                window.solve();
+            }
+        }
+        let Some(next) = &self.next else { return };
+        let (now, next) = (self.now.answer(), next.answer());
+        let can_tell = |joint: &OnlineJoint| Verdict::of(joint.offset_rad) != Verdict::CannotTell;
+        let joints = now.joints.iter().zip(&next.joints);
+        // An arm that stands teaches its successor nothing: the offset of before stays.
+        let tells_less = joints
+            .clone()
+            .any(|(now, next)| can_tell(now) && !can_tell(next));
+        if !next.is_provisional() && !tells_less {
+            self.replace(None);
+        }
+    }
+
+    /// Another window takes over: this one, or the one that waits.
+    fn replace(&mut self, by: Option<Box<Window>>) {
+        if let Some(next) = by.or_else(|| self.next.take()) {
+            self.now = next;
+        }
+    }
+}
+
+/// What is to be done with windows, away from the thread that takes frames.
+#[derive(Debug)]
+pub(super) struct OnlineWork {
+    windows: Windows,
+    successor: Option<(Successor, bool)>,
+    part: Recorded,
+    of: u32,
+}
+
+/// What became of an [`OnlineWork`].
+#[derive(Debug)]
+pub(super) struct OnlineMade {
+    windows: Windows,
+    part: Recorded,
+    of: u32,
+}
+
+impl OnlineWork {
+    /// Checks blocks that came, and solves the windows where that is due.
+    pub(super) fn run(self) -> OnlineMade {
+        let Self {
+            mut windows,
+            successor,
+            mut part,
+            of,
+        } = self;
+        match successor {
+            Some((Successor(next), true)) => {
+                windows.next = None;
+                windows.replace(Some(next));
+            }
+            Some((Successor(next), false)) => windows.next = Some(next),
+            None => {}
+        }
+        windows.push(&part);
+        part.clear();
+        OnlineMade { windows, part, of }
+    }
+}
+
+/// Where the windows are.
+#[derive(Debug)]
+enum Place {
+    /// There are none: a baseline is learned first.
+    None,
+    Here(Windows),
+    /// A job has them.
+    Away,
+}
+
+/// The offsets of now. Every session leaves a successor that begins with what it taught, and takes over once its offsets are settled.
 #[derive(Debug)]
 pub(super) struct Online {
-    filter: Option<Box<RecursiveOffsets>>,
-    next: Option<Box<RecursiveOffsets>>,
-    /// Joints of the robot.
-    joints: usize,
-    /// Freed at the next tick: not in a frame.
-    retired: Option<Box<RecursiveOffsets>>,
-    /// Whether the present filter has been out of doubt since data came.
-    known: bool,
-    /// Motion for which it has been in doubt, s.
-    doubt_s: f64,
+    place: Place,
+    /// A successor for the next job, and whether it takes over at once.
+    successor: Option<(Successor, bool)>,
+    /// Blocks since the last job, and the part to go on with.
+    part: Recorded,
+    empty: Option<Recorded>,
+    /// When the windows' clock began.
+    zero: Option<Instant>,
+    /// How often windows were given up: a job of before gives nothing.
+    given_up: u32,
+    answer: Option<OnlineAnswer>,
+    /// Time of the windows before which no solution counts, s.
+    from_s: f64,
+    /// Time of the last block, s.
+    last_s: f64,
+    /// Motion for which offsets have been provisional, s.
+    provisional_s: f64,
 }
 
 impl Online {
     pub(super) fn new(
-        robot: &Robot,
+        robot: &Arc<Robot>,
         options: &SessionOptions,
         belief: &Belief,
-    ) -> Result<Self, MonitorError> {
-        let filter = match (&belief.learns, &belief.baseline) {
-            (Some(_), _) => None,
-            (None, Some(baseline)) => Some(live(robot, (baseline, "what was stored"), options)?),
-            (None, None) => Some(live_without_baseline(robot, options)?),
+        recorder: &Recorder,
+    ) -> Result<Self, SessionError> {
+        let place = match &belief.learns {
+            Some(_) => Place::None,
+            None => Place::Here(Windows {
+                now: window(robot, belief.baseline.as_ref(), options)?,
+                next: None,
+            }),
         };
         Ok(Self {
-            filter: filter.map(Box::new),
-            next: None,
-            joints: robot.arm.dof(),
-            retired: None,
-            known: false,
-            doubt_s: 0.0,
+            place,
+            successor: None,
+            part: recorder.room(ROOM_S),
+            empty: Some(recorder.room(ROOM_S)),
+            zero: None,
+            given_up: 0,
+            answer: None,
+            from_s: f64::NEG_INFINITY,
+            last_s: f64::NEG_INFINITY,
+            provisional_s: 0.0,
         })
     }
 
-    /// Takes a block.
-    pub(super) fn step(&mut self, block: &Block, moved: bool, block_s: f64) {
-        if let Some(filter) = &mut self.filter {
-            // A block that isn't finite is refused, and changes nothing.
-            let _refused = filter.step(block);
-            match filter.is_provisional() {
-                true if moved => self.doubt_s += block_s,
-                true => {}
-                false => (self.known, self.doubt_s) = (true, 0.0),
+    /// Takes the last block of what is recorded since `from`.
+    ///
+    /// # Realtime
+    /// No allocation where there is room, lock or clock.
+    pub(super) fn block(&mut self, recorded: &Recorded, from: Instant, moved: bool, block_s: f64) {
+        if matches!(self.place, Place::None) {
+            return;
+        }
+        if self.part.blocks.len() >= MOST {
+            // Jobs are later than a window is long: what waits would be none of it any more.
+            self.part.clear();
+        }
+        let (is_first, begins) = (self.zero.is_none(), self.part.blocks.is_empty());
+        let zero = *self.zero.get_or_insert(from);
+        self.part.append_last(recorded, from.since_s(zero));
+        self.last_s = self.part.blocks.last().map_or(self.last_s, |b| b.time_s);
+        let utc_ns = |time_s: f64| zero.utc_ns.saturating_add((1e9 * time_s) as i64);
+        self.part.end_time_ns = utc_ns(self.last_s + 0.5 * block_s);
+        if begins {
+            // A successor's window begins here.
+            let begun_s = if is_first {
+                0.0
+            } else {
+                self.last_s - 0.5 * block_s
+            };
+            self.part.start_time_ns = utc_ns(begun_s);
+        }
+        match self.is_settled() {
+            true => self.provisional_s = 0.0,
+            false if moved => self.provisional_s += block_s,
+            false => {}
+        }
+    }
+
+    /// Makes room for what comes, off the path of frames.
+    pub(super) fn make_room(&mut self, recorder: &Recorder) {
+        recorder.make_room_in(&mut self.part, ROOM_S);
+        if self.empty.is_none() && !matches!(self.place, Place::Away) {
+            self.empty = Some(recorder.room(ROOM_S));
+        }
+    }
+
+    /// What is to be done, where blocks or a successor wait.
+    pub(super) fn work(&mut self) -> Option<OnlineWork> {
+        if self.part.blocks.is_empty() {
+            return None;
+        }
+        let (empty, windows) = match std::mem::replace(&mut self.place, Place::Away) {
+            Place::Here(windows) => (self.empty.take()?, windows),
+            none => {
+                self.place = none;
+                return None;
             }
-        }
-        let Some(next) = &mut self.next else { return };
-        let _refused = next.step(block);
-        let joints = 0..self.joints;
-        let is_told = |filter: &RecursiveOffsets, i: usize| {
-            Verdict::of(filter.offset(i)) != Verdict::CannotTell
         };
-        let tells_less = |now: &RecursiveOffsets| {
-            let mut joints = joints.clone();
-            joints.any(|i| is_told(now, i) && !is_told(next, i))
-        };
-        // An arm that stands tells its successor nothing: the number of before stays.
-        let ready = !next.is_provisional() && !self.filter.as_deref().is_some_and(tells_less);
-        // The room of a filter that waits to be freed is needed first.
-        if ready && self.retired.is_none() {
-            self.retired = std::mem::replace(&mut self.filter, self.next.take());
-            (self.known, self.doubt_s) = (true, 0.0);
+        Some(OnlineWork {
+            windows,
+            successor: self.successor.take(),
+            part: std::mem::replace(&mut self.part, empty),
+            of: self.given_up,
+        })
+    }
+
+    /// Takes what a job made; `None`: it failed, and there are no offsets until a session has left a successor.
+    pub(super) fn made(&mut self, made: Option<OnlineMade>) {
+        match made {
+            Some(made) if made.of == self.given_up => {
+                self.answer = Some(made.windows.now.answer().clone());
+                self.place = Place::Here(made.windows);
+                self.empty = Some(made.part);
+            }
+            Some(made) => self.empty = Some(made.part),
+            None => self.stop(),
         }
     }
 
-    /// A session left this successor. Where `at_once`, nothing is known until it is out of doubt.
-    pub(super) fn succeed(&mut self, Successor(next): Successor, at_once: bool) {
-        if at_once || self.filter.is_none() {
-            self.filter = Some(next);
-            self.next = None;
+    /// A session left this successor. Where `at_once`, nothing is known until it is settled.
+    pub(super) fn succeed(&mut self, successor: Successor, at_once: bool) {
+        if matches!(self.place, Place::None) {
+            self.place = Place::Here(Windows {
+                now: successor.0,
+                next: None,
+            });
+            return;
+        }
+        self.successor = Some((successor, at_once));
+        if at_once {
             self.forget();
-        } else {
-            self.next = Some(next);
         }
     }
 
-    /// Nothing is known until a filter is out of doubt.
+    /// Nothing is known until a window that ends later has been solved.
     pub(super) fn forget(&mut self) {
-        (self.known, self.doubt_s) = (false, 0.0);
+        (self.from_s, self.provisional_s) = (self.last_s, 0.0);
     }
 
-    /// A baseline is learned first: there is no number.
+    /// There are no windows, and no offsets: a baseline is learned first.
     pub(super) fn stop(&mut self) {
-        (self.filter, self.next) = (None, None);
+        self.place = Place::None;
+        self.given_up += 1;
+        (self.answer, self.successor, self.zero) = (None, None, None);
+        self.last_s = f64::NEG_INFINITY;
+        self.part.clear();
         self.forget();
     }
 
-    /// Frees what is no longer needed.
-    pub(super) fn tidy(&mut self) {
-        self.retired = None;
+    /// The answer, where one of now has been solved.
+    fn answer(&self) -> Option<&OnlineAnswer> {
+        self.answer
+            .as_ref()
+            .filter(|answer| answer.solved_s > self.from_s)
     }
 
-    /// Whether there is a number that can be believed.
-    pub(super) fn is_sure(&self) -> bool {
-        let filter = self.filter.as_ref();
-        self.known && filter.is_some_and(|filter| !filter.is_provisional())
+    /// Whether all offsets are known and none is provisional.
+    pub(super) fn is_settled(&self) -> bool {
+        self.answer().is_some_and(|answer| !answer.is_provisional())
     }
 
     /// Whether something has been known since data came.
     pub(super) fn is_known(&self) -> bool {
-        self.known
+        self.answer().is_some()
     }
 
-    /// Motion for which it has been in doubt, s; `None`: there is no estimate.
-    pub(super) fn doubt_s(&self) -> Option<f64> {
-        self.filter.is_some().then_some(self.doubt_s)
+    /// Motion for which offsets have been provisional, s; `None`: there are no windows.
+    pub(super) fn provisional_s(&self) -> Option<f64> {
+        (!matches!(self.place, Place::None)).then_some(self.provisional_s)
     }
 
     /// A constant force from outside at the tool, where one is likely.
     pub(super) fn external_force(&self) -> Option<ForceEstimate> {
-        let filter = self.filter.as_ref().filter(|_| self.is_sure())?;
-        filter
-            .external_force()
-            .filter(ForceEstimate::is_worth_a_word)
+        self.answer()?.external_force
     }
 
-    /// What a temperature that isn't known adds to the deviation of a joint's offset, rad; `None`: it is known.
-    pub(super) fn unknown_temperature_rad(&self, joint: usize) -> Option<f64> {
-        let filter = self.filter.as_ref()?;
-        Some(filter.unknown_temperature_rad(joint)).filter(|added| *added > 0.0)
-    }
-
-    /// Offset of a joint, rad.
-    pub(super) fn offset(&self, joint: usize) -> Option<Gaussian> {
-        let offset = self.filter.as_ref()?.offset(joint);
-        offset.is_finite().then_some(offset)
+    /// What is known of a joint's tendon, and why that is provisional, with times in s since 1970.
+    pub(super) fn joint(&self, joint: usize) -> Option<(&OnlineJoint, Option<Provisional>)> {
+        let own = self.answer()?.joint(joint)?;
+        let zero_utc_s = self.zero.map_or(0.0, Instant::utc_s);
+        let provisional = own.provisional.map(|why| why.on_clock(zero_utc_s));
+        own.offset_rad.is_finite().then_some((own, provisional))
     }
 }

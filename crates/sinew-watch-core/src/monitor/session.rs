@@ -55,7 +55,7 @@ pub(super) struct Stretch {
     pub(super) recorded: Recorded,
     /// Whether it is the session's last.
     pub(super) end: Option<SessionEnd>,
-    /// Whether the recursive estimate was in doubt at its end.
+    /// Whether an offset was provisional at its end.
     pub(super) in_doubt: bool,
     /// Whether there is motion enough in it to be estimated.
     pub(super) worth_it: bool,

@@ -105,6 +105,7 @@ impl<'a> View<'a> {
         let (name, belief) = (&setup.names[i], &chain.belief().tendons[i]);
         let offset = self.offset_now(i);
         let known = offset.ok();
+        let own = online.joint(setup.elastic[i]).filter(|_| known.is_some());
         let stretched = setup.stretch(i, belief.before_m, known);
         let made = trends.get(i);
         let follows = self.is_fresh() && (online.is_known() || chain.baseline.is_some());
@@ -112,7 +113,9 @@ impl<'a> View<'a> {
             joint: name.clone(),
             level: self.level(Some(name), follows),
             offset_rad: known,
-            unknown_temperature_rad: known.and(online.unknown_temperature_rad(setup.elastic[i])),
+            unknown_temperature_rad: (own.map(|(own, _)| own.unknown_temperature_rad))
+                .filter(|added_rad| *added_rad > 0.0),
+            provisional: own.and_then(|(_, why)| why),
             elongation_m: stretched.map(|s| s.0),
             strain_ratio: stretched.map(|s| s.1),
             reason: offset.err(),
@@ -134,8 +137,8 @@ impl<'a> View<'a> {
         if chain.baseline.is_some() {
             return Err(NotNow::LearnsBaseline);
         }
-        let own = online.offset(self.monitor.setup.elastic[i]);
-        let offset = own.filter(|_| online.is_sure()).ok_or(NotNow::InDoubt)?;
+        let own = online.joint(self.monitor.setup.elastic[i]);
+        let offset = own.map(|(own, _)| own.offset_rad).ok_or(NotNow::Starting)?;
         match Verdict::of(offset) {
             Verdict::CannotTell => Err(NotNow::CannotTell {
                 why: NoOffset::TooWide,

@@ -26,7 +26,7 @@ export const pull = ({ probability, force_n, is_stated }) => {
 };
 
 const WHY = {
-  "no-data": "no data", "in-doubt": "in doubt: it begins anew, or something doesn't fit", "learns-baseline": "learns its baseline",
+  "no-data": "no data", starting: "the estimate begins", "learns-baseline": "learns its baseline",
 };
 const WHY_NOT = { "too-wide": "too uncertain to tell", "too-short": "moved too little to tell", refused: "the data don't fit the robot" };
 export const whyNot = reason => reason ? (reason.kind === "cannot-tell" ? WHY_NOT[reason.why] : WHY[reason.kind]) : "";
@@ -67,7 +67,7 @@ function Tendon({ robot, tendon, said, old }) {
         <span class="says">{said}</span>
       </th>
       <td data-name="now" class={tendon.offset_rad && !old ? "" : "none"}>
-        {tendon.offset_rad && !old ? <>{plusMinus(tendon.offset_rad, 1e3)} <small>mrad</small></> : whyNot(tendon.reason) || "no data"}
+        {tendon.offset_rad && !old ? <>{plusMinus(tendon.offset_rad, 1e3)} <small>mrad{tendon.provisional && ", provisional"}</small></> : whyNot(tendon.reason) || "no data"}
       </td>
       <td data-name="last record">
         {last ? <>{lastOffset ? <>{plusMinus(lastOffset, 1e3)} <small>mrad</small></> : whyNoOffset(last.reason)}

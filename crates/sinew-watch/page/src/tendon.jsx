@@ -76,7 +76,7 @@ export function Tendon({ robot, joint, live }) {
       <section>
         <table class="facts"><tbody>
           <tr><th scope="row">offset now</th><td class={tendon.offset_rad && !old ? "" : "none"}>
-            {tendon.offset_rad && !old ? `${plusMinus(tendon.offset_rad, 1e3)} mrad` : whyNot(tendon.reason) || "no data"}</td></tr>
+            {tendon.offset_rad && !old ? `${plusMinus(tendon.offset_rad, 1e3)} mrad${tendon.provisional ? ", provisional" : ""}` : whyNot(tendon.reason) || "no data"}</td></tr>
           {tendon.elongation_m && !old && <tr><th scope="row">stretch now</th><td>{plusMinus(tendon.elongation_m, 1e3)} mm</td></tr>}
           {tendon.strain_ratio && !old && <tr><th scope="row">strain since it was new</th><td>{plusMinus(tendon.strain_ratio, 100)} %</td></tr>}
           <tr><th scope="row">tensioned</th><td>{tendon.tensioned_utc_s ? dayAndTime(tendon.tensioned_utc_s) : "nobody said when"}</td></tr>

@@ -331,7 +331,7 @@ impl CoreThread {
         if !robot.working
             && let Some(job) = monitor
                 .job()
-                .filter(|job| !(robot.leaves && job.is_trend()))
+                .filter(|job| !(robot.leaves && job.may_be_left_out()))
         {
             let core = self.handle.clone();
             robot.working = self

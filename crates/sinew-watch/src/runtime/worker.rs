@@ -24,7 +24,7 @@ pub(super) fn start(
             .name(format!("estimate-{i}"))
             .spawn(move || {
                 while let Some(work) = next(&receiver) {
-                    if work.job.is_trend() && health.ends.load(Ordering::Relaxed) {
+                    if work.job.may_be_left_out() && health.ends.load(Ordering::Relaxed) {
                         work.core.tell(Control::LeftOut { robot: work.robot });
                         continue;
                     }

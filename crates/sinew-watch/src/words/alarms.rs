@@ -27,7 +27,7 @@ pub(super) fn condition_name(condition: Condition) -> &'static str {
 pub fn title(alarm: &Alarm) -> &'static str {
     match (&alarm.cause, alarm.key.condition) {
         (AlarmCause::Jump { .. }, Condition::Suspicion) => "it may have jumped",
-        (AlarmCause::InDoubt { .. }, _) => "the estimate is in doubt",
+        (AlarmCause::InDoubt { .. }, _) => "the offset stays provisional",
         (_, condition) => condition_name(condition),
     }
 }
@@ -102,7 +102,7 @@ pub fn said(alarm: &Alarm) -> String {
             )
         }
         AlarmCause::InDoubt { for_s } => format!(
-            "for {} of motion something has not fitted what was learned; no number is shown.",
+            "for {} of motion an offset has been provisional, or the data could not be solved.",
             span(*for_s)
         ),
         AlarmCause::Data { trouble } => format!("{}.", data(trouble)),

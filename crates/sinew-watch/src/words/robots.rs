@@ -1,7 +1,8 @@
 //! A robot and a tendon in one sentence.
 
 use super::alarms::{is_over, title};
-use super::{plus_minus, span};
+use super::{percent, plus_minus, span, when};
+use sinew_estimate::online::Provisional;
 use sinew_files::date::day_of;
 use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState};
 use sinew_watch_core::alarm::{Alarm, Level};
@@ -69,6 +70,10 @@ pub fn tendon(tendon: &TendonSnapshot, alarms: &[Alarm]) -> String {
         (Some(offset), None, _) => format!("{} mrad", plus_minus(offset, 1e3)),
         (None, _, reason) => why_not(reason).into(),
     };
+    let now = match tendon.provisional {
+        Some(why) => format!("{now}, provisional: {}", provisional(why)),
+        None => now,
+    };
     let what = worst.map(|alarm| match is_over(alarm) {
         true => format!("{}: over, waits for somebody", title(alarm)),
         false => title(alarm).to_owned(),
@@ -89,7 +94,29 @@ fn why_not(reason: Option<NotNow>) -> &'static str {
             why: NoOffset::Refused,
         }) => "the data don't fit the robot",
         Some(NotNow::CannotTell { .. }) => "too uncertain to tell",
-        Some(NotNow::InDoubt) | None => "not known now: the estimate is in doubt",
+        Some(NotNow::Starting) | None => "not known yet: the estimate begins",
+    }
+}
+
+/// Why an offset may still move by more than its interval says.
+fn provisional(why: Provisional) -> String {
+    match why {
+        Provisional::Starting => "the estimate begins".into(),
+        Provisional::Step {
+            since_s,
+            probability,
+        } => format!(
+            "a step at {} is {} probable",
+            when(since_s),
+            percent(probability)
+        ),
+        Provisional::ChangeMayEnd { since_s } => {
+            format!("the change at {} may be a contact", when(since_s))
+        }
+        Provisional::Rejected { share } => {
+            format!("{} of the data are outliers", percent(share))
+        }
+        Provisional::Refused => "the newest data do not fit the robot".into(),
     }
 }
 

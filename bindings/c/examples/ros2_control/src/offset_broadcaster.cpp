@@ -23,7 +23,7 @@ std::string text_of(const std::string & path)
 {
   std::ifstream file(path);
   if (!file) {
-    throw std::runtime_error(path + " can't be read");
+    throw std::runtime_error(path + " cannot be read");
   }
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -52,12 +52,8 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
     motor_interface_ = parameter("motor_interface");
     robot_.emplace(sinew::robot::of(text_of(parameter("robot_toml")), get_robot_description()));
     offsets_.emplace(*robot_, text_of(parameter("baseline")));
-    // The longest time between updates, s: an update then does a fixed part of a block's work. A controller that runs below
-    // 50 Hz needs more, or blocks are left out.
-    constexpr double PERIOD_MAX_S = 0.02;
-    if (const auto status = offsets_->bound_work(PERIOD_MAX_S); status != SINEW_STATUS_OK) {
-      throw sinew::error(status, "");
-    }
+    // Solves beside the updates, in a thread that is no realtime one, as this is none.
+    offsets_->start_worker();
   } catch (const std::exception & error) {
     RCLCPP_ERROR(get_node()->get_logger(), "%s", error.what());
     return CallbackReturn::ERROR;
@@ -65,11 +61,12 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
   const std::size_t joints = robot_->joints();
   q_rad_.assign(joints, ABSENT);
   theta_rad_.assign(joints, ABSENT);
+  of_joints_.resize(joints);
   message_ = Message();
   for (std::size_t i = 0; i < joints; ++i) {
     message_.joint_names.push_back(robot_->joint_name(i));
     auto & values = message_.interface_values.emplace_back();
-    values.interface_names = {"offset", "offset_deviation", "elongation", "in_doubt"};
+    values.interface_names = {"offset", "offset_deviation", "elongation", "provisional", "age"};
     values.values.assign(values.interface_names.size(), ABSENT);
   }
   publisher_ = get_node()->create_publisher<Message>("~/offsets", rclcpp::SystemDefaultsQoS());
@@ -138,17 +135,25 @@ return_type OffsetBroadcaster::update(const rclcpp::Time & time, const rclcpp::D
   if (status != SINEW_STATUS_OK && status != SINEW_STATUS_REFUSED) {
     return return_type::ERROR;
   }
-  if (stepped != SINEW_STEPPED_UPDATED) {
+  if (stepped != SINEW_STEPPED_BLOCK) {
     return return_type::OK;
   }
+  sinew_answer answer;
+  if (offsets_->read(&answer, of_joints_.data()) != SINEW_STATUS_OK) {
+    return return_type::ERROR;
+  }
+  // Blocks that the answer does not contain yet add to its age.
+  constexpr double BLOCK_S = 0.2;
+  const double age_s = answer.time_s - answer.solved_s + BLOCK_S * static_cast<double>(answer.blocks_behind);
   message_.header.stamp = time;
   for (std::size_t i = 0; i < q_rad_.size(); ++i) {
-    const sinew::offset offset = offsets_->read(i);
+    const sinew_offset & offset = of_joints_[i];
     auto & values = message_.interface_values[i].values;
-    values[0] = offset.mean_rad;
+    values[0] = offset.offset_rad;
     values[1] = offset.deviation_rad;
-    values[2] = robot_->elongation_m(i, offset.mean_rad);
-    values[3] = offset.in_doubt ? 1.0 : 0.0;
+    values[2] = robot_->elongation_m(i, offset.offset_rad);
+    values[3] = offset.provisional;
+    values[4] = age_s;
   }
   realtime_publisher_->try_publish(message_);
   return return_type::OK;

@@ -2,11 +2,13 @@
 //
 //     drive ROBOT_TOML URDF BASELINE < samples
 //
-// Samples as of loop.c; says what the broadcaster publishes, every ten seconds.
+// Samples as of loop.c, some ten times as fast as they came; prints what the broadcaster publishes, every ten seconds.
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <thread>
 
 #include "sinew_broadcaster/offset_broadcaster.hpp"
 
@@ -33,7 +35,11 @@ int main(int count, char ** arguments)
   }
   Message last;
   auto publisher = std::static_pointer_cast<rclcpp::Publisher<Message>>(broadcaster.get_node()->publisher);
-  publisher->heard = [&last](const Message & message) { last = message; };
+  publisher->on_message = [&last](const Message & message) {
+    last = message;
+    // The broadcaster's worker keeps up.
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  };
 
   // The joint side and the motor side of a joint stand beside each other.
   const auto wanted = broadcaster.state_interface_configuration().names;
@@ -46,7 +52,7 @@ int main(int count, char ** arguments)
   }
   const std::size_t joints = wanted.size() / 2;
   std::string word;
-  double first_s = -1.0, before_s = 0.0, say_s = 10.0;
+  double first_s = -1.0, before_s = 0.0, print_s = 10.0;
   while (std::cin >> word) {
     const double t_s = std::stod(word);
     for (std::size_t side = 0; side < 2; ++side) {
@@ -62,16 +68,19 @@ int main(int count, char ** arguments)
       return 1;
     }
     before_s = t_s;
-    if (t_s - first_s < say_s || last.joint_names.empty()) {
+    if (t_s - first_s < print_s || last.joint_names.empty()) {
       continue;
     }
-    say_s += 10.0;
+    print_s += 10.0;
     std::printf("%6.1f s", t_s - first_s);
     for (std::size_t i = 0; i < joints; ++i) {
       const auto & of_joint = last.interface_values[i].values;
       std::printf("  %s %+.2f ± %.2f", last.joint_names[i].c_str(), 1e3 * of_joint[0], 1.96e3 * of_joint[1]);
+      if (of_joint[3] > 0.0) {
+        std::printf(" (%s)", sinew_provisional_text(static_cast<int>(of_joint[3])));
+      }
     }
-    std::printf(" mrad%s\n", last.interface_values[0].values[3] > 0.0 ? ", in doubt" : "");
+    std::printf(" mrad, %.1f s old\n", last.interface_values[0].values[4]);
   }
   return 0;
 }

@@ -103,11 +103,6 @@ impl MapEstimator {
         self.model.share(block)
     }
 
-    /// What the recursive form shares.
-    pub(crate) fn into_model(self) -> EstimationModel {
-        self.model
-    }
-
     /// The estimate from `blocks` with changes at known times.
     ///
     /// `payload` is what was opened in `start`; it sets what a change of payload may be.
@@ -172,7 +167,6 @@ impl MapEstimator {
             let how = Linearisation {
                 reference_c: at.temperature_c,
                 changes: &at.changes,
-                creep: None,
                 motor: model.motor_torque,
                 force: force.zip(forces),
                 content: Content::Residuals,

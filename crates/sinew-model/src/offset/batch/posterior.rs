@@ -170,6 +170,7 @@ mod tests {
     const SCOPE: SearchScope = SearchScope {
         offsets: true,
         payload: false,
+        creep: true,
         continues: false,
     };
 

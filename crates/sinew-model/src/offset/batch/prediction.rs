@@ -66,7 +66,6 @@ impl MapEstimator {
             let how = Linearisation {
                 reference_c: from.temperature_c,
                 changes: &from.changes,
-                creep: None,
                 motor: false,
                 force: force.zip(forces.get(b * n..(b + 1) * n)),
                 content: Content::Rows,

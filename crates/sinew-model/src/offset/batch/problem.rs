@@ -136,7 +136,6 @@ impl<'a> Problem<'a> {
         let how = Linearisation {
             reference_c: at.temperature_c,
             changes: &at.changes,
-            creep: None,
             motor: self.model.motor_torque,
             force: (self.model.force.as_ref()).zip(self.forces.get(b * n..(b + 1) * n)),
             content,

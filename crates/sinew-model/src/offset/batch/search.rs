@@ -116,7 +116,7 @@ impl ChangePointSearch<'_> {
     /// With the changes that are found beside those of `first`, and creep where there is any.
     fn with_slips_and_creep(&self, first: Solution) -> Result<Solution, MapError> {
         let best = self.with_changes(first.clone())?;
-        match self.scope.offsets {
+        match self.scope.offsets && self.scope.creep {
             true => creep::told_apart(self.problem, &first, best, |s| self.with_changes(s)),
             false => Ok(best),
         }
@@ -340,6 +340,7 @@ pub(super) fn searched(
     let scope = SearchScope {
         offsets: true,
         payload: false,
+        creep: true,
         continues: false,
     };
     let search = ChangePointSearch {

@@ -47,15 +47,6 @@ impl Equation {
     }
 }
 
-/// Offsets that move evenly: the state has what they are at a time, and how fast they move.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Creeping<'a> {
-    /// Of these joints, in the order of their rates.
-    pub(crate) joints: &'a [usize],
-    /// The time, s.
-    pub(crate) at_s: f64,
-}
-
 /// A change that has happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Active {
@@ -114,11 +105,6 @@ impl Equations {
             width,
             active: Vec::with_capacity(changes.len()),
         }
-    }
-
-    /// Of the state.
-    pub(crate) fn layout(&self) -> Layout {
-        self.layout
     }
 
     /// How the torque of a joint moves with bodies and load.
@@ -227,8 +213,8 @@ impl Equations {
         }
     }
 
-    /// The changes that have happened by now; returns the column after theirs. Never allocates.
-    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64) -> usize {
+    /// The changes that have happened by now. Never allocates.
+    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64) {
         self.active.clear();
         let mut column = self.layout.dimension();
         for change in changes {
@@ -240,20 +226,6 @@ impl Equations {
                 });
             }
             column += change.kind.columns();
-        }
-        column
-    }
-
-    /// Offsets creep as well, at the rates from column `first` on. Never allocates.
-    pub(crate) fn creep(&mut self, creep: Creeping<'_>, first: usize, time_s: f64) {
-        for (k, joint) in creep.joints.iter().enumerate() {
-            if self.active.len() < self.active.capacity() {
-                self.active.push(Active {
-                    first: first + k,
-                    kind: ChangeKind::Creep(*joint),
-                    factor: time_s - creep.at_s,
-                });
-            }
         }
     }
 

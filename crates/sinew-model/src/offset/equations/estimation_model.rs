@@ -1,17 +1,12 @@
 //! What an estimate from blocks rests on: the robot's prior and what blocks are like.
 
-use super::equation::{Creeping, Equations};
-use super::linearise::{Content, Linearisation, linearise};
-use super::measured::Measured;
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
-use crate::offset::change::ChangePoint;
 use crate::offset::config::FeatureConfig;
-use crate::offset::external_force::{ForceModel, ForceTorque};
+use crate::offset::external_force::ForceModel;
 use crate::offset::prior::Prior;
 
-/// Prior of a robot, and noise and lag of blocks made of its recordings. Batch and recursive form
-/// share it.
+/// Prior of a robot, and noise and lag of blocks made of its recordings.
 #[derive(Debug, Clone)]
 pub(crate) struct EstimationModel {
     pub(crate) prior: Prior,
@@ -56,30 +51,6 @@ impl EstimationModel {
         }
     }
 
-    /// Equations of a block around a state of the reduced model, then the changes, then the rates of what creeps. Never
-    /// allocates.
-    ///
-    /// * `forces`: what a force from outside does to every joint in this block; nothing where none is looked for.
-    pub(crate) fn linearise(
-        &self,
-        (block, forces): (&Block, &[ForceTorque]),
-        reference_c: f64,
-        (changes, creep): (&[ChangePoint], Creeping<'_>),
-        x: &[f64],
-        out: &mut Equations,
-    ) {
-        let joints = (0..self.reduced.layout.joints).map(|i| Measured::of(&self.reduced, block, i));
-        let how = Linearisation {
-            reference_c,
-            changes,
-            creep: Some(creep),
-            motor: self.motor_torque,
-            force: self.force.as_ref().map(|model| (model, forces)),
-            content: Content::Rows,
-        };
-        linearise(&self.reduced, block, joints, &how, x, out);
-    }
-
     /// Least noise of a motor equation, N·m: ripple and what a friction law leaves.
     pub(crate) fn motor_floor(&self, i: usize) -> f64 {
         const PART: f64 = 0.1;
@@ -98,11 +69,6 @@ impl EstimationModel {
         let travelled = speeds.fold(0.0, f64::max) * self.block_s / NEWS_RAD;
         let passed = self.block_s / NEWS_S;
         travelled.max(passed).min(1.0 / self.inflation)
-    }
-
-    /// So many blocks of a stand count, each for the least share there is.
-    pub(crate) fn blocks_of_a_stand(&self) -> f64 {
-        NEWS_S / self.block_s
     }
 }
 
@@ -126,6 +92,5 @@ mod tests {
             block.dq.copy_from_slice(&dq);
             assert!((model.share(&block) - share).abs() < 1e-12, "{dq:?}");
         }
-        assert!((model.blocks_of_a_stand() - 50.0).abs() < 1e-9);
     }
 }

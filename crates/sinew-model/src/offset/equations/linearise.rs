@@ -1,6 +1,6 @@
 //! A block's equations around a state: what is expected, and how it moves with the state.
 
-use super::equation::{Creeping, Equation, Equations, Side};
+use super::equation::{Equation, Equations, Side};
 use super::measured::Measured;
 use super::reduced_model::ReducedModel;
 use crate::cholesky::dot;
@@ -27,8 +27,6 @@ pub(crate) struct Linearisation<'a> {
     pub(crate) reference_c: f64,
     /// Changes whose entries stand after the model's in the state.
     pub(crate) changes: &'a [ChangePoint],
-    /// Offsets that creep, their rates after those entries.
-    pub(crate) creep: Option<Creeping<'a>>,
     /// Whether the motor's torque is used.
     pub(crate) motor: bool,
     /// A force from outside, and what it does to every joint.
@@ -60,10 +58,7 @@ pub(crate) fn linearise(
     out: &mut Equations,
 ) {
     out.list.clear();
-    let rates = out.activate(how.changes, block.time_s);
-    if let Some(creep) = how.creep {
-        out.creep(creep, rates, block.time_s);
-    }
+    out.activate(how.changes, block.time_s);
     let reference_c = how.reference_c;
     let common = Common {
         x,
@@ -255,7 +250,6 @@ mod tests {
         let how = Linearisation {
             reference_c: 20.0,
             changes: &[],
-            creep: None,
             motor: true,
             force: None,
             content: Content::Rows,

@@ -1,8 +1,5 @@
 //! Weights and noise that outliers do not spoil.
 
-/// Standard deviation of a normal distribution over the median size of its errors.
-pub(crate) const DEVIATION_PER_MEDIAN: f64 = 1.4826;
-
 /// Redescending weight of a block whose mean normalised square residual is `chi`:
 /// `(c²/(c² + χ))²` (Geman and McClure).
 ///

@@ -16,8 +16,8 @@
 
 namespace sinew_broadcaster
 {
-/// Publishes `~/offsets`: per joint the offset since the baseline, rad, its deviation, rad, the elongation, m, and
-/// whether offsets are in doubt.
+/// Publishes `~/offsets` with every block, five times a second: per joint the offset since the baseline, rad, its
+/// deviation, rad, the elongation, m, `provisional`, a `sinew_provisional` (0: settled), and the age of the solution, s.
 ///
 /// Parameters: `robot_toml` and `baseline`, paths; `joint_interface` (position) and `motor_interface`
 /// (motor_position), names of the state interfaces on both sides of the tendon. The URDF is the controller manager's.
@@ -38,6 +38,7 @@ private:
   std::optional<sinew::robot> robot_;
   std::optional<sinew::offsets> offsets_;
   std::vector<double> q_rad_, theta_rad_;
+  std::vector<sinew_offset> of_joints_;
   /// Where the controller manager lends the interfaces: by joint, of the joint side and of the motor side.
   std::vector<std::size_t> q_at_, theta_at_;
   Message message_;

@@ -38,8 +38,8 @@ class Publisher
 {
 public:
   using SharedPtr = std::shared_ptr<Publisher>;
-  void publish(const MessageT & message) { heard(message); }
-  std::function<void(const MessageT &)> heard = [](const MessageT &) {};
+  void publish(const MessageT & message) { on_message(message); }
+  std::function<void(const MessageT &)> on_message = [](const MessageT &) {};
 };
 class Parameter
 {

@@ -1,4 +1,4 @@
-// A stand-in for realtime_tools where ROS is not installed: no thread, the message is heard at once.
+// A stand-in for realtime_tools where ROS is not installed: no thread, the message arrives at once.
 #pragma once
 
 #include <memory>

@@ -1,0 +1,122 @@
+//! The online estimate beside a loop at 1 kHz: how long single steps take at 1 to 17 joints, what share of a core the worker takes, and
+//! how much memory the window and the program hold.
+//!
+//! `cargo bench -p sinew-estimate --bench online [-- JOINTS …]`
+//!
+//! The worker runs between steps, in the same thread, and is not part of a step's time. Times hold the clock's 20 to 50 ns, and whatever
+//! else the machine did meanwhile.
+
+#[path = "../../sinew-model/benches/own_models/mod.rs"]
+mod own_models;
+
+use cpu_time::ProcessTime;
+use sinew_estimate::online::{OnlineEstimator, StepOutcome};
+use sinew_estimate::robot_dir;
+use sinew_estimate::session::SessionOptions;
+use sinew_model::arm::Arm;
+use sinew_model::robot::Robot;
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+/// Period of the loop, s.
+const DT_S: f64 = 1e-3;
+/// Motion of a measurement, s: longer than a window.
+const LASTS_S: f64 = 150.0;
+/// Enough to see that the bench runs, s.
+const SHORT_S: f64 = 3.0;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let lasts_s = match arguments.iter().any(|a| a == "--bench") {
+        true => LASTS_S,
+        false => SHORT_S,
+    };
+    let wanted: Vec<usize> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
+    println!(
+        "{:>6} | {:>10} {:>8} {:>8} {:>8} | {:>10} {:>10} {:>10}",
+        "joints",
+        "median, µs",
+        "99.99 %",
+        "slowest",
+        "worker",
+        "blocks",
+        "window, MB",
+        "in all, MB"
+    );
+    for (n, arm, motion) in own_models::moving_arms() {
+        if n <= 17 && (wanted.is_empty() || wanted.contains(&n)) {
+            measure(&robot(&arm), &motion, lasts_s);
+        }
+    }
+}
+
+/// A robot with a tendon at every joint.
+fn robot(arm: &Arm) -> Robot {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut toml = String::from("urdf = \"arm.urdf\"\n");
+    for name in arm.joint_names() {
+        let _written = writeln!(
+            toml,
+            "[joints.{name}]\nstiffness_nm_per_rad = 40.0\nmotor_inertia_kg_m2 = 0.1"
+        );
+    }
+    std::fs::write(folder.path().join("robot.toml"), toml).expect("written");
+    let urdf = own_models::urdf_of(arm.dof()).expect("our own model");
+    std::fs::write(folder.path().join("arm.urdf"), urdf).expect("written");
+    robot_dir::load(folder.path(), None).expect("a robot").robot
+}
+
+fn measure(robot: &Robot, motion: &own_models::Motion, lasts_s: f64) {
+    let n = robot.arm.dof();
+    let before = resident_bytes();
+    let options = SessionOptions::default();
+    let online = OnlineEstimator::new(robot.clone(), None, &options, "loop");
+    let mut online = online.expect("an estimator");
+    let mut worker = online.take_worker().expect("its worker");
+    let samples = (lasts_s / DT_S) as usize;
+    let mut times = Vec::with_capacity(samples);
+    let mut theta = vec![0.0; n];
+    let mut worked = Duration::ZERO;
+    for k in 0..samples {
+        let (q, _) = &motion[k % motion.len()];
+        for (i, (theta, q)) in theta.iter_mut().zip(q).enumerate() {
+            *theta = q + 0.005 + 1e-4 * (0.07 * k as f64 * (1.0 + 0.3 * i as f64)).sin();
+        }
+        let start = Instant::now();
+        let outcome = online
+            .step(DT_S, q, &theta, &[], 20.0)
+            .expect("a good sample");
+        std::hint::black_box(online.answer());
+        times.push(start.elapsed().as_nanos() as u64);
+        if outcome == StepOutcome::Block {
+            let start = ProcessTime::now();
+            worker.work();
+            worked += start.elapsed();
+        }
+    }
+    assert_eq!(online.blocks_dropped(), 0);
+    times.sort_unstable();
+    let at = |share: f64| {
+        let place = ((times.len() - 1) as f64 * share) as usize;
+        times.get(place).copied().unwrap_or(0) as f64 * 1e-3
+    };
+    let (blocks, window_bytes) = worker.window().size();
+    let all_bytes = resident_bytes().saturating_sub(before);
+    println!(
+        "{n:>6} | {:>10.2} {:>8.2} {:>8.2} {:>6.2} % | {blocks:>10} {:>10.2} {:>10.2}",
+        at(0.5),
+        at(0.9999),
+        at(1.0),
+        1e2 * worked.as_secs_f64() / lasts_s,
+        1e-6 * window_bytes as f64,
+        1e-6 * all_bytes as f64,
+    );
+}
+
+/// Memory of this program, as Linux counts it; 0 elsewhere.
+fn resident_bytes() -> u64 {
+    const PAGE: u64 = 4096;
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let pages = text.split_whitespace().nth(1).and_then(|p| p.parse().ok());
+    PAGE * pages.unwrap_or(0_u64)
+}
