@@ -190,7 +190,7 @@ impl Monitor {
         let moved = (self.sessions).block(block, &mut self.ingest.clocks, from, now);
         let block_s = self.sessions.block_s;
         let recorded = self.ingest.recorder.recorded();
-        (self.online).block(recorded, from, moved == Some(true), block_s);
+        (self.online).block(recorded, [from, now], moved == Some(true), block_s);
         let Some(moved) = moved else {
             // Nobody needs what a standing arm says again and again.
             self.ingest.forget_recorded();

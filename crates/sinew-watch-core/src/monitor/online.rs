@@ -144,8 +144,9 @@ pub(super) struct Online {
     answer: Option<OnlineAnswer>,
     /// Time of the windows before which no solution counts, s.
     from_s: f64,
-    /// Time of the last block, s.
+    /// Time of the last block, s, and the same since 1970.
     last_s: f64,
+    last_utc_s: f64,
     /// Motion for which offsets have been provisional, s.
     provisional_s: f64,
 }
@@ -174,15 +175,22 @@ impl Online {
             answer: None,
             from_s: f64::NEG_INFINITY,
             last_s: f64::NEG_INFINITY,
+            last_utc_s: 0.0,
             provisional_s: 0.0,
         })
     }
 
-    /// Takes the last block of what is recorded since `from`.
+    /// Takes the last block of what is recorded since `from`, which is complete `now`.
     ///
     /// # Realtime
     /// No allocation where there is room, lock or clock.
-    pub(super) fn block(&mut self, recorded: &Recorded, from: Instant, moved: bool, block_s: f64) {
+    pub(super) fn block(
+        &mut self,
+        recorded: &Recorded,
+        [from, now]: [Instant; 2],
+        moved: bool,
+        block_s: f64,
+    ) {
         if matches!(self.place, Place::None) {
             return;
         }
@@ -194,6 +202,7 @@ impl Online {
         let zero = *self.zero.get_or_insert(from);
         self.part.append_last(recorded, from.since_s(zero));
         self.last_s = self.part.blocks.last().map_or(self.last_s, |b| b.time_s);
+        self.last_utc_s = now.utc_s() - 0.5 * block_s;
         let utc_ns = |time_s: f64| zero.utc_ns.saturating_add((1e9 * time_s) as i64);
         self.part.end_time_ns = utc_ns(self.last_s + 0.5 * block_s);
         if begins {
@@ -313,8 +322,9 @@ impl Online {
     /// What is known of a joint's tendon, and why that is provisional, with times in s since 1970.
     pub(super) fn joint(&self, joint: usize) -> Option<(&OnlineJoint, Option<Provisional>)> {
         let own = self.answer()?.joint(joint)?;
-        let zero_utc_s = self.zero.map_or(0.0, Instant::utc_s);
-        let provisional = own.provisional.map(|why| why.on_clock(zero_utc_s));
+        // From now back: a clock that stepped, or that runs faster than stamps, is right for what is recent.
+        let by_s = self.last_utc_s - self.last_s;
+        let provisional = own.provisional.map(|why| why.on_clock(by_s));
         own.offset_rad.is_finite().then_some((own, provisional))
     }
 }
