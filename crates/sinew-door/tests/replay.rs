@@ -5,6 +5,7 @@ use sinew_door::replay::{Alter, Played, ReplayOptions, open};
 use sinew_door::{Clock, Inbox, Intake, QueueLimits, Route, Routes, Trouble};
 use sinew_log::live::LiveOptions;
 use sinew_log::{Frame, OpenOptions, Quantity, Recording};
+use std::cell::Cell;
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -48,10 +49,11 @@ fn as_fast_as_it_is_taken_nothing_is_lost_or_changed() {
     let routes = Routes::new(vec![Route::new(sender, &live)]);
     let door = open(&options(bytes), &routes, Clock::start(), None).unwrap();
     let mut intake = Intake::new(&live).unwrap();
-    // All but what waits for later messages.
-    let held = 400;
+    // Until nothing has come since the reader was seen to have ended: the queue may hold its last messages.
+    let ended = Cell::new(None);
     let mut came = frames(&inbox, robot, &mut intake, |frames| {
-        frames.len() + held >= expected.len() && door.status().ended
+        let now = door.status().ended.then_some(frames.len());
+        ended.replace(now).is_some_and(|before| now == Some(before))
     });
     intake.silence(Default::default(), |taken| {
         if let sinew_door::Taken::Frame { frame, .. } = taken {

@@ -277,7 +277,13 @@ impl Monitor {
     pub fn done(&mut self, done: Done, now: Instant) {
         self.working = false;
         match done.0 {
-            Outcome::Online(made) => return self.online.made(made.map(|made| *made)),
+            Outcome::Online(made) => {
+                if made.is_none() {
+                    self.chain.refusal = Some("the estimator failed".into());
+                    self.judge_data();
+                }
+                return self.online.made(made.map(|made| *made));
+            }
             Outcome::Trend(made) => self.trends.set(made, self.chain.tensionings),
             Outcome::Stretch {
                 stretch,

@@ -229,17 +229,14 @@ impl Online {
         }
     }
 
-    /// What is to be done, where blocks or a successor wait.
+    /// What is to be done, where blocks wait.
     pub(super) fn work(&mut self) -> Option<OnlineWork> {
-        if self.part.blocks.is_empty() {
+        if self.part.blocks.is_empty() || !matches!(self.place, Place::Here(_)) {
             return None;
         }
-        let (empty, windows) = match std::mem::replace(&mut self.place, Place::Away) {
-            Place::Here(windows) => (self.empty.take()?, windows),
-            none => {
-                self.place = none;
-                return None;
-            }
+        let empty = self.empty.take()?;
+        let Place::Here(windows) = std::mem::replace(&mut self.place, Place::Away) else {
+            return None;
         };
         Some(OnlineWork {
             windows,
