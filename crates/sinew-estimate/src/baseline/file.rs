@@ -56,9 +56,7 @@ pub struct Baseline {
     pub mean: Vec<f64>,
     /// Lower triangle of their covariance, row by row.
     pub covariance_lower: Vec<f64>,
-    /// Noise the last recording left at every joint, rad, where
-    /// [`RecursiveOffsets::expect_noise`](sinew_model::offset::RecursiveOffsets::expect_noise)
-    /// begins; empty: unknown.
+    /// Noise the last recording left at every joint, rad; empty: unknown. No estimate reads it.
     pub noise_rad: Vec<f64>,
     /// The same of the motor's torque, N·m.
     pub motor_noise_nm: Vec<f64>,
