@@ -176,7 +176,7 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
             Ok(None) => {}
             Ok(Some(received)) => {
                 if received.restarted {
-                    start_s = window.answer().time_s;
+                    start_s = window.answer().time_s.max(0.0);
                     eprintln!(
                         "the chip began anew: encoders that don't keep their zero without power must be zeroed again"
                     );

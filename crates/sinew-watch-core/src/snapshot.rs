@@ -141,7 +141,7 @@ pub struct TendonSnapshot {
 pub enum NotNow {
     /// No data come.
     NoData,
-    /// No window of data has been solved since data came.
+    /// No window of the newest data has been solved yet.
     Starting,
     /// It can't tell stretch from nothing.
     CannotTell {

@@ -143,3 +143,25 @@ fn the_offsets_of_now_are_the_online_estimate_s() {
     println!("{settled} settled, {provisional} provisional, {without} without");
     assert!(settled > 1000 && provisional > 20 && without > 20);
 }
+
+/// Blocks that no job has taken for ten seconds: the answer of before is none of now.
+#[test]
+fn an_answer_that_is_late_is_not_shown() {
+    let mut watched = Watched::new(tensioned());
+    watched.play(seconds(60, 80));
+    let offsets = |watched: &Watched| {
+        let tendons = watched.snapshot().tendons;
+        tendons.iter().filter(|t| t.offset_rad.is_some()).count()
+    };
+    assert!(offsets(&watched) > 0);
+    for frame in seconds(80, 92) {
+        watched.now = watched.now.after_s(1.0 / HZ as f64);
+        watched.monitor.frame(frame, watched.now);
+        watched.monitor.tick(watched.now);
+    }
+    assert_eq!(offsets(&watched), 0);
+    let reason = watched.snapshot().tendons[0].reason;
+    assert_eq!(reason, Some(NotNow::Starting));
+    watched.tick();
+    assert!(offsets(&watched) > 0);
+}

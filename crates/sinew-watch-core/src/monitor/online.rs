@@ -13,6 +13,8 @@ use std::sync::Arc;
 const ROOM_S: f64 = 10.0;
 /// Blocks that wait for a job at most: a window holds no more.
 const MOST: usize = 600;
+/// Where so many blocks wait, the answer is not one of now: as many as [`ROOM_S`] has.
+const LATE: usize = 50;
 
 fn window(
     robot: &Arc<Robot>,
@@ -291,9 +293,9 @@ impl Online {
 
     /// The answer, where one of now has been solved.
     fn answer(&self) -> Option<&OnlineAnswer> {
-        self.answer
-            .as_ref()
-            .filter(|answer| answer.solved_s > self.from_s)
+        let is_late = self.part.blocks.len() >= LATE;
+        let answer = self.answer.as_ref().filter(|_| !is_late);
+        answer.filter(|answer| answer.solved_s > self.from_s)
     }
 
     /// Whether all offsets are known and none is provisional.

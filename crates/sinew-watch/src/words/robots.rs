@@ -94,7 +94,7 @@ fn why_not(reason: Option<NotNow>) -> &'static str {
             why: NoOffset::Refused,
         }) => "the data don't fit the robot",
         Some(NotNow::CannotTell { .. }) => "too uncertain to tell",
-        Some(NotNow::Starting) | None => "not known yet: the estimate begins",
+        Some(NotNow::Starting) | None => "not known yet: the newest data are being estimated",
     }
 }
 
