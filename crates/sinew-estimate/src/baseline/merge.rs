@@ -19,9 +19,7 @@ use crate::estimator::{SessionOptions, estimator};
 use crate::nuisance::NuisanceChange;
 use sinew_files::JsonDocument;
 use sinew_model::offset::alike::{self, Alike};
-use sinew_model::offset::{
-    Belief, JointParameter, MapError, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs,
-};
+use sinew_model::offset::{Belief, MapError, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs};
 use sinew_model::robot::Robot;
 
 /// How beliefs are put together.
@@ -326,19 +324,12 @@ fn reference(
 fn nuisance(prior: &Prior, robot: &Robot, before: &Belief, after: &Belief) -> Vec<NuisanceChange> {
     /// What is held fixed isn't estimated.
     const FIXED: f64 = 1e-8;
-    let of_recording = [
-        JointParameter::Offset,
-        JointParameter::Slack,
-        JointParameter::Stuck,
-        JointParameter::Zero,
-    ];
     (0..prior.payload_place())
         .filter_map(|k| {
             let entry = prior.describe(k)?;
-            let joint = entry.joint?;
+            entry.joint?;
             let (prior_, posterior) = (before.entry(k), after.entry(k));
-            if of_recording.iter().any(|p| k == prior.place(joint, *p)) || prior_.deviation < FIXED
-            {
+            if prior.parameter(k)?.kind.is_none() || prior_.deviation < FIXED {
                 return None;
             }
             Some(NuisanceChange::new(&entry, robot, [prior_, posterior]))

@@ -16,70 +16,12 @@
 //! `L_k − L_k (L_k + S⁻¹)⁻¹ L_k`, `S` diagonal with `ρ²`.
 
 use super::belief::{Belief, Payload, UNKNOWN_OFFSET_RAD};
+pub use super::effects::Kind;
 use super::error::MapError;
-use super::parameter::{JointParameter as P, PER_JOINT};
 use super::prior::Prior;
 use crate::arm::PARAMETERS_PER_BODY;
 use crate::cholesky;
 use alloc::vec::Vec;
-
-/// Kinds of parameters whose robots are alike to one degree.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Masses, first moments and inertias of the links.
-    Bodies,
-    /// Stiffness, stiffening, and what it changes by with temperature.
-    Stiffness,
-    /// Friction of joints.
-    Friction,
-    /// Friction of drives.
-    DriveFriction,
-    /// Scale and zero of the motor's torque.
-    MotorTorque,
-    /// Errors of encoders and gears.
-    Encoders,
-    /// Drift of the zero with temperature.
-    Drift,
-    /// Viscoelastic share.
-    Viscoelasticity,
-}
-
-impl Kind {
-    /// All of them.
-    pub const ALL: [Self; 8] = [
-        Self::Bodies,
-        Self::Stiffness,
-        Self::Friction,
-        Self::DriveFriction,
-        Self::MotorTorque,
-        Self::Encoders,
-        Self::Drift,
-        Self::Viscoelasticity,
-    ];
-
-    /// Of an entry of the state; `None`: it belongs to a recording or a tensioning.
-    fn of(prior: &Prior, k: usize) -> Option<Self> {
-        if k >= prior.body_start() {
-            return (k < prior.payload_place()).then_some(Self::Bodies);
-        }
-        let within = k % PER_JOINT;
-        let is = |p: P| within == p as usize;
-        if [P::Offset, P::Slack, P::Stuck, P::Zero].into_iter().any(is) {
-            return None;
-        }
-        Some(match within {
-            _ if is(P::Compliance) || is(P::Stiffening) || is(P::Thermal) => Self::Stiffness,
-            _ if is(P::Coulomb) || is(P::Viscous) || is(P::LoadFriction) => Self::Friction,
-            _ if is(P::MotorScale) || is(P::MotorBias) => Self::MotorTorque,
-            _ if is(P::MotorCoulomb) || is(P::MotorViscous) || is(P::MotorLoadFriction) => {
-                Self::DriveFriction
-            }
-            _ if is(P::Drift) => Self::Drift,
-            _ if is(P::Viscoelastic) => Self::Viscoelasticity,
-            _ => Self::Encoders,
-        })
-    }
-}
 
 /// How alike robots of a type are in one kind of parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,7 +61,7 @@ pub fn learn_type(prior: &Prior, parts: &[[Belief; 2]]) -> Result<(Belief, Vec<A
     let is_open = |k: &usize| fresh.covariance[k * d + k] > FIXED * FIXED;
     let kinds: Vec<(usize, Kind)> = (0..d)
         .filter(is_open)
-        .filter_map(|k| Some((k, Kind::of(prior, k)?)))
+        .filter_map(|k| Some((k, prior.parameter(k)?.kind?)))
         .collect();
     let places: Vec<usize> = kinds.iter().map(|(k, _)| *k).collect();
     let model = Shared::of(&fresh, d, &places, parts)?;

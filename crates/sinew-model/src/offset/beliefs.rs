@@ -1,15 +1,15 @@
 //! Beliefs between recordings: aged, merged, at another temperature.
 
 use super::belief::{Belief, Payload, UNKNOWN_OFFSET_RAD};
+use super::effects::JointParameter as P;
+use super::effects::thermal::Thermal;
 use super::error::MapError;
-use super::parameter::{JointParameter as P, PER_JOINT};
 use super::prior::Prior;
 use crate::cholesky;
 use alloc::vec::Vec;
 
-/// Widens the belief for what changes from one day to the next: friction by a tenth of its
-/// tolerance, everything else but offsets and payload by a hundredth. A stiffness that fell
-/// by more is found as a change.
+/// Widens the belief for what changes from one day to the next, by the [lifetime](super::effects::Lifetime) of every
+/// parameter. A stiffness that fell by more is found as a change.
 ///
 /// Variances add and stop at the prior's: a chain of recordings can't become surer of
 /// friction than friction is constant.
@@ -20,8 +20,6 @@ pub fn age(prior: &Prior, belief: &mut Belief) {
 /// [`age`] for a number of days, of which parts count: variances grow with time, however often they are told.
 /// What is no number of days leaves the belief as it is.
 pub fn age_by(prior: &Prior, belief: &mut Belief, days: f64) {
-    const FRICTION: f64 = 0.1;
-    const OTHER: f64 = 0.01;
     if !(days > 0.0) {
         return;
     }
@@ -31,19 +29,10 @@ pub fn age_by(prior: &Prior, belief: &mut Belief, days: f64) {
     }
     let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     for k in 0..prior.payload_place() {
-        let within = k % PER_JOINT;
-        let in_joint = k < prior.body_start();
-        // The zero is what it was when the ropes were tensioned: what comes later is an offset.
-        let of_recording = [P::Offset, P::Slack, P::Stuck, P::Zero];
-        if in_joint && of_recording.iter().any(|p| within == *p as usize) {
+        let parameter = prior.parameter(k);
+        let Some(share) = parameter.and_then(|p| p.lifetime.daily_share()) else {
             continue;
-        }
-        let friction = in_joint
-            && (within == P::Coulomb as usize
-                || within == P::Viscous as usize
-                || within == P::LoadFriction as usize
-                || (P::MotorBias as usize..P::Slack as usize).contains(&within));
-        let share = if friction { FRICTION } else { OTHER };
+        };
         let most = fresh.covariance[k * d + k];
         let room = (most - belief.covariance[k * d + k]).max(0.0);
         belief.covariance[k * d + k] += (share * share * days * most).min(room);
@@ -124,7 +113,7 @@ pub fn refer_to(prior: &Prior, belief: &mut Belief, temperature_c: f64) {
         return;
     }
     for i in (0..prior.joints()).filter(|&i| prior.is_elastic(i)) {
-        for (to, from) in [(P::Compliance, P::Thermal), (P::Offset, P::Drift)] {
+        for (to, from) in Thermal::CHANGES {
             let (to, from) = (prior.place(i, to), prior.place(i, from));
             belief.mean[to] += warmer * belief.mean[from];
             for k in 0..d {

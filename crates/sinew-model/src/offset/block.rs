@@ -1,6 +1,6 @@
 //! What a fifth of a second of samples says, averaged.
 
-use super::parameter::ENCODER;
+use super::effects::ENCODER;
 use alloc::vec::Vec;
 
 /// Signals that are averaged.

@@ -1,7 +1,7 @@
 //! Sudden changes within a recording.
 
+use super::effects::{FORCE, JointParameter, PAYLOAD};
 use super::layout::Layout;
-use super::parameter::{FORCE, JointParameter, PAYLOAD};
 use alloc::vec::Vec;
 
 /// What changes.

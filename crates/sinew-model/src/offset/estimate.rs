@@ -230,8 +230,8 @@ impl MapEstimate {
 mod tests {
     use super::*;
     use crate::offset::change::ChangeKind;
+    use crate::offset::effects::JointParameter;
     use crate::offset::fixtures::turntable;
-    use crate::offset::parameter::JointParameter;
 
     const CREEP: ChangePoint = ChangePoint {
         kind: ChangeKind::Creep(0),

@@ -11,8 +11,9 @@
 //! low-pass: `LP[J]`, from the positions at the ends of the blocks and a straight line between them.
 
 use super::block::Block;
+use super::effects::FORCE;
+use super::effects::external_force::{AppliedForce, ForceTorque};
 use super::mixture::{Occurrence, PriorOdds};
-use super::parameter::FORCE;
 use crate::Gaussian;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::vec3::{Vec3, add};
@@ -64,40 +65,6 @@ pub(crate) struct ForceModel {
     at: Vec3,
     /// How far from there it may act, m.
     pub(crate) reach_m: f64,
-}
-
-/// A force as a state has it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct AppliedForce {
-    force_n: [f64; 3],
-    away_m: [f64; 3],
-}
-
-/// What a force does to the spring of a joint.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct ForceTorque {
-    /// Torque per newton along each axis of the base, N·m.
-    at: Vec3,
-    /// What that changes by for every metre along each axis of the body.
-    away: [Vec3; 3],
-}
-
-impl ForceTorque {
-    /// The torque, N·m, and its change with force and place.
-    pub(crate) fn torque(&self, applied: &AppliedForce) -> (f64, [f64; FORCE]) {
-        let mut per_newton = self.at;
-        let mut slope = [0.0; FORCE];
-        let (of_force, of_place) = slope.split_at_mut(3);
-        for ((away, place), of_place) in self.away.iter().zip(applied.away_m).zip(of_place) {
-            for ((to, x), force) in per_newton.iter_mut().zip(away).zip(applied.force_n) {
-                *to += place * x;
-                *of_place += force * x;
-            }
-        }
-        of_force.copy_from_slice(&per_newton);
-        let pairs = per_newton.iter().zip(applied.force_n);
-        (pairs.map(|(x, force)| x * force).sum(), slope)
-    }
 }
 
 impl ForceModel {

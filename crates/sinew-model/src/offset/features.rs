@@ -21,8 +21,8 @@
 
 use super::block::{Block, STAND_RAD, copy};
 use super::config::FeatureConfig;
+use super::effects::ENCODER;
 use super::joint_signals::{JointSignals, Lags};
-use super::parameter::ENCODER;
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor, PARAMETERS_PER_BODY};
 use crate::error::{is_input, is_time_step};

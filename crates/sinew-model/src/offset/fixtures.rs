@@ -2,11 +2,12 @@
 
 use super::block::Block;
 use super::config::FeatureConfig;
+use super::effects::{JOINT_PARAMETERS, JointParameter as P, PER_JOINT};
 use super::equations::equation::Side;
 use super::equations::estimation_model::EstimationModel;
 use super::external_force::{ExternalForce, ForceModel};
-use super::parameter::{JointParameter as P, PER_JOINT};
-use super::prior::{JointPrior, Prior};
+use super::joint_prior::JointPrior;
+use super::prior::Prior;
 use crate::arm::{Arm, ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 use crate::tolerances::Tolerances;
 use alloc::vec::Vec;
@@ -14,10 +15,12 @@ use alloc::vec::Vec;
 /// A joint's own entries of an equation: what only the other side knows is nothing, the zero is an
 /// offset too.
 pub(crate) fn own(side: Side, seed: &mut u64) -> [f64; PER_JOINT] {
-    let of_motor = P::MotorScale as usize..P::Slack as usize;
-    let both = [P::Coulomb, P::Viscous, P::LoadFriction, P::Stuck].map(|p| p as usize);
     let mut own = core::array::from_fn(|k| {
-        let is_there = both.contains(&k) || of_motor.contains(&k) == (side == Side::Motor);
+        let term = JOINT_PARAMETERS[k].term;
+        let is_there = match side {
+            Side::Link => term.is_of_link(),
+            Side::Motor => term.is_of_motor(),
+        };
         if is_there { random(seed) } else { 0.0 }
     });
     own[P::Zero as usize] = own[P::Offset as usize];

@@ -1,6 +1,6 @@
 //! What is filtered of one joint on the way to a block.
 
-use super::parameter::ENCODER;
+use super::effects::ENCODER;
 use crate::observer::{ExactPole, FirstOrder, StateVariableFilter};
 
 /// Memory of a viscoelastic rope within a session, s.

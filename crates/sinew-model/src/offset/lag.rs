@@ -1,7 +1,7 @@
 //! How late the motor side is stamped against the joint side.
 
 use super::belief::Belief;
-use super::parameter::JointParameter;
+use super::effects::JointParameter;
 use super::prior::Prior;
 use crate::Gaussian;
 use crate::cholesky::{self, dot};

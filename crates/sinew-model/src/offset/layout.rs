@@ -1,6 +1,6 @@
 //! Where what is in a state.
 
-use super::parameter::{JointParameter, PAYLOAD, PER_JOINT};
+use super::effects::{JointParameter, PAYLOAD, PER_JOINT};
 use core::ops::Range;
 
 /// A state: the parameters of every joint, then what is unknown of the bodies, then the payload.

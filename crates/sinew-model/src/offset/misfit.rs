@@ -1,7 +1,7 @@
 //! What fits nothing: a model error, which no number of samples averages away.
 
 use super::belief::Belief;
-use super::parameter::JointParameter;
+use super::effects::JointParameter;
 use super::prior::Prior;
 
 /// More than this left unexplained is a wrong model, rad: a joint's friction may stand either way, which is

@@ -2,67 +2,19 @@
 
 use super::belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 use super::block::Block;
+use super::effects::bodies::Bodies;
+use super::effects::payload::{HeldPayload, point_mass};
+use super::effects::{
+    FIXED, JOINT_PARAMETERS, JointParameter, Lifetime, PAYLOAD, Parameter, PriorInputs, about_zero,
+};
+use super::joint_prior::JointPrior;
 use super::layout::Layout;
-use super::parameter::{ENCODER, JointParameter, PAYLOAD, PER_JOINT};
-use super::payload::point_mass;
-use super::state_entry::StateEntry;
+use super::state_entry::{self, StateEntry};
 use crate::Gaussian;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
 use crate::tolerances::Tolerances;
-use crate::transmission::{Friction, Transmission};
+use crate::transmission::Transmission;
 use alloc::vec::Vec;
-
-/// Nominal values of one joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointPrior {
-    /// Nominal stiffness, N·m/rad.
-    pub stiffness_nm_per_rad: f64,
-    /// Reflected motor inertia, kg·m²; `None`: the motor's torque is no witness.
-    pub motor_inertia_kg_m2: Option<f64>,
-    /// Nominal Coulomb friction, N·m; where it and the viscous one are 0, nobody stated any.
-    pub coulomb_nm: f64,
-    /// Nominal viscous friction, N·m·s/rad.
-    pub viscous_nm_s_per_rad: f64,
-    /// Nominal Coulomb friction of the drive, N·m; as above.
-    pub motor_coulomb_nm: f64,
-    /// Nominal viscous friction of the drive, N·m·s/rad.
-    pub motor_viscous_nm_s_per_rad: f64,
-    /// Whether two ropes pull against each other: one that stretched is a dead zone then.
-    pub antagonistic: bool,
-    /// Drift of the zero with temperature by rope, frame and routing, rad/K; `None`: 0 ± the tolerance.
-    pub drift_rad_per_k: Option<Gaussian>,
-}
-
-impl JointPrior {
-    /// Friction of the joint as far as it is known before any recording, and by what part of itself it may
-    /// be off: a guess by all of it.
-    fn friction(&self, tolerance: f64) -> (Friction, f64) {
-        let stated = Friction {
-            coulomb_nm: self.coulomb_nm,
-            viscous_nm_s_per_rad: self.viscous_nm_s_per_rad,
-        };
-        self.known(stated, Friction::GUESSED_OF_JOINT_RAD, tolerance)
-    }
-
-    /// The same of the drive.
-    fn drive_friction(&self, tolerance: f64) -> (Friction, f64) {
-        let stated = Friction {
-            coulomb_nm: self.motor_coulomb_nm,
-            viscous_nm_s_per_rad: self.motor_viscous_nm_s_per_rad,
-        };
-        self.known(stated, Friction::GUESSED_OF_DRIVE_RAD, tolerance)
-    }
-
-    fn known(&self, stated: Friction, guess_rad: f64, tolerance: f64) -> (Friction, f64) {
-        let off = if stated.is_stated() { tolerance } else { 1.0 };
-        (stated.or_guessed(self.stiffness_nm_per_rad, guess_rad), off)
-    }
-
-    /// Coulomb friction of the drive, N·m, as far as it is known before any recording.
-    pub(crate) fn drive_coulomb_nm(&self) -> f64 {
-        self.drive_friction(0.0).0.coulomb_nm
-    }
-}
 
 /// What the gripper may hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +24,6 @@ pub struct PayloadRange {
     /// Largest moment about where it is expected, along every axis of the body that carries it, kg·m.
     pub moment_kg_m: f64,
 }
-
-/// What half a dead zone may be before anything is known, rad.
-const UNKNOWN_SLACK_RAD: f64 = 0.01;
-/// Standard deviation of where in −1…1 friction stands. A joint at rest came there by sliding, or
-/// was pushed there by its rope: an end is more likely than the middle (evenly spread: 0.58).
-pub(crate) const STUCK: f64 = 0.85;
-/// Standard deviation of what is held fixed, in its own unit.
-const FIXED: f64 = 1e-9;
 
 /// The model whose parameters are estimated, with its priors.
 #[derive(Debug, Clone, PartialEq)]
@@ -176,6 +120,11 @@ impl Prior {
         self.layout().payload_place()
     }
 
+    /// The parameter that entry `k` of the state is.
+    pub fn parameter(&self, k: usize) -> Option<&'static Parameter> {
+        state_entry::parameter(self.layout(), k).map(|(_, parameter)| parameter)
+    }
+
     /// What entry `k` of the state is.
     pub fn describe(&self, k: usize) -> Option<StateEntry> {
         StateEntry::of(self.layout(), k)
@@ -251,18 +200,21 @@ impl Prior {
         let d = self.dimension();
         let (mut mean, mut deviation) = (alloc::vec![0.0; d], alloc::vec![FIXED; d]);
         for (i, joint) in self.joints.iter().enumerate() {
-            if let Some(joint) = joint {
-                let at = i * PER_JOINT..(i + 1) * PER_JOINT;
-                self.joint_belief(joint, &mut mean[at.clone()], &mut deviation[at]);
-                deviation[self.place(i, JointParameter::Offset)] = offset_deviation_rad;
-                let slack = &mut deviation[self.place(i, JointParameter::Slack)];
-                *slack = slack.min(offset_deviation_rad);
+            let Some(joint) = joint else { continue };
+            let inputs = self.inputs(joint, offset_deviation_rad);
+            for (k, parameter) in self.layout().own(i).zip(&JOINT_PARAMETERS) {
+                if let Some(believed) = parameter.prior_of(&inputs) {
+                    (mean[k], deviation[k]) = (believed.mean, believed.deviation);
+                }
             }
         }
         for b in 0..self.joints.len() {
             let at = self.body_start() + b * PARAMETERS_PER_BODY;
-            let pi = &self.inertial[b * PARAMETERS_PER_BODY..(b + 1) * PARAMETERS_PER_BODY];
-            self.body_belief(pi, &mut deviation[at..at + PARAMETERS_PER_BODY]);
+            let pi = self.inertial.get(b * PARAMETERS_PER_BODY..);
+            if let Some(pi) = pi.and_then(|pi| pi.first_chunk()) {
+                let of_body = Bodies::deviations(&self.tolerances, pi);
+                deviation[at..at + PARAMETERS_PER_BODY].copy_from_slice(&of_body);
+            }
         }
         let mut covariance = alloc::vec![0.0; d * d];
         for (k, s) in deviation.iter().enumerate() {
@@ -277,91 +229,35 @@ impl Prior {
         belief
     }
 
-    fn joint_belief(&self, joint: &JointPrior, mean: &mut [f64], deviation: &mut [f64]) {
-        use JointParameter as P;
-        let t = &self.tolerances;
-        let mut set = |p: P, believed: Gaussian| {
-            mean[p as usize] = believed.mean;
-            deviation[p as usize] = believed.deviation.max(FIXED);
-        };
-        set(P::Compliance, about_zero(t.stiffness));
-        set(P::Stiffening, t.stiffening_per_rad2);
-        let (own, off) = joint.friction(t.friction);
-        set(
-            P::Coulomb,
-            Gaussian::new(own.coulomb_nm, off * own.coulomb_nm),
-        );
-        let viscous = own.viscous_nm_s_per_rad;
-        set(P::Viscous, Gaussian::new(viscous, off * viscous));
-        set(P::LoadFriction, t.load_friction);
-        let drift = joint.drift_rad_per_k;
-        set(P::Drift, drift.unwrap_or(about_zero(t.drift_rad_per_k())));
-        set(P::Thermal, t.stiffness_per_k);
-        set(P::Stuck, about_zero(STUCK));
-        set(P::Viscoelastic, about_zero(t.viscoelastic));
-        set(P::Gear, about_zero(t.gear));
-        set(P::Zero, about_zero(t.zero_rad));
-        set(P::MotorScale, about_zero(t.motor_torque));
-        let (friction, off) = joint.drive_friction(t.friction);
-        let drive = friction.coulomb_nm;
-        // A torque's zero is good to a small part of what the drive's friction is.
-        let bias = (0.1 * drive).max(t.motor_torque * 0.02 * joint.stiffness_nm_per_rad);
-        set(P::MotorBias, about_zero(bias));
-        set(P::MotorCoulomb, Gaussian::new(drive, off * drive));
-        let viscous = friction.viscous_nm_s_per_rad;
-        set(
-            P::MotorViscous,
-            Gaussian::new(viscous, off * viscous.max(0.1 * drive)),
-        );
-        set(P::MotorLoadFriction, t.drive_load_friction);
-        if joint.antagonistic {
-            deviation[P::Slack as usize] = UNKNOWN_SLACK_RAD;
-        }
-        for k in 0..ENCODER {
-            deviation[P::Encoder as usize + k] = t.encoder_rad.max(FIXED);
-        }
-    }
-
-    fn body_belief(&self, pi: &[f64], deviation: &mut [f64]) {
-        let t = &self.tolerances;
-        let h = libm::sqrt(pi[1] * pi[1] + pi[2] * pi[2] + pi[3] * pi[3]);
-        // A body whose centre sits on its joint still may sit 1 cm off.
-        let across = (t.first_moment_across * h).max(0.01 * t.mass * pi[0]);
-        let trace = pi[4] + pi[7] + pi[9];
-        deviation[0] = t.mass * pi[0];
-        for k in 1..4 {
-            deviation[k] = libm::hypot(t.first_moment * pi[k], across);
-        }
-        for k in 4..PARAMETERS_PER_BODY {
-            let diagonal = matches!(k, 4 | 7 | 9);
-            deviation[k] = if diagonal {
-                t.inertia * pi[k] + 0.01 * t.inertia * trace
-            } else {
-                0.2 * t.inertia * trace
-            };
-        }
-        for x in deviation {
-            *x = x.max(1e-12);
+    fn inputs<'a>(&'a self, joint: &'a JointPrior, offset_rad: f64) -> PriorInputs<'a> {
+        PriorInputs {
+            joint,
+            tolerances: &self.tolerances,
+            offset_rad,
         }
     }
 
     /// The payload's mass and moments before a recording.
     pub(crate) fn payload_belief(&self, payload: Payload) -> [Gaussian; PAYLOAD] {
-        let mass = match payload {
-            Payload::Empty => return [about_zero(FIXED); PAYLOAD],
-            Payload::Unknown => self.tolerances.payload_kg,
-            Payload::Known { mass_kg } => Gaussian::new(mass_kg.mean, mass_kg.deviation.max(FIXED)),
-        };
-        let size = mass.mean.abs().max(mass.deviation);
-        let moment = about_zero(size * self.tolerances.payload_reach_m);
-        [mass, moment, moment, moment]
+        HeldPayload::prior(&self.tolerances, payload)
     }
 
     /// The encoders' zero is forgotten, as when the ropes are tensioned anew.
     pub fn open_zero(&self, belief: &mut Belief) {
-        let deviation = self.tolerances.zero_rad.max(FIXED);
-        for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
-            belief.open(self.place(i, JointParameter::Zero), about_zero(deviation));
+        self.open_until(belief, Lifetime::Tensioning, f64::NAN);
+    }
+
+    /// Parameters of such a lifetime are forgotten.
+    fn open_until(&self, belief: &mut Belief, lifetime: Lifetime, offset_rad: f64) {
+        for (i, joint) in self.joints.iter().enumerate() {
+            let Some(joint) = joint else { continue };
+            let inputs = self.inputs(joint, offset_rad);
+            let of_joint = self.layout().own(i).zip(&JOINT_PARAMETERS);
+            for (k, parameter) in of_joint.filter(|(_, p)| p.lifetime == lifetime) {
+                if let Some(believed) = parameter.prior_of(&inputs) {
+                    belief.open(k, believed);
+                }
+            }
         }
     }
 
@@ -417,21 +313,6 @@ impl Prior {
     /// Offsets are forgotten: each `0 ± deviation_rad`; so are the slack of antagonistic pairs and
     /// where friction stood.
     pub fn open_offsets(&self, belief: &mut Belief, deviation_rad: f64) {
-        for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
-            belief.open(
-                self.place(i, JointParameter::Offset),
-                about_zero(deviation_rad),
-            );
-            belief.open(self.place(i, JointParameter::Stuck), about_zero(STUCK));
-            if self.is_antagonistic(i) {
-                let slack = deviation_rad.min(UNKNOWN_SLACK_RAD);
-                belief.open(self.place(i, JointParameter::Slack), about_zero(slack));
-            }
-        }
+        self.open_until(belief, Lifetime::Recording, deviation_rad);
     }
-}
-
-/// What is as likely below zero as above.
-fn about_zero(deviation: f64) -> Gaussian {
-    Gaussian::new(0.0, deviation)
 }

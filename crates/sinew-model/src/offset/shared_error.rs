@@ -1,8 +1,8 @@
 //! Which part of an offset's error a session shares with all others since the same baseline.
 
 use super::belief::Belief;
+use super::effects::JointParameter as P;
 use super::error::MapError;
-use super::parameter::JointParameter as P;
 use super::prior::Prior;
 use crate::cholesky::{Factor, dot};
 use alloc::vec::Vec;

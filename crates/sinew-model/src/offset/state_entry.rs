@@ -1,8 +1,9 @@
 //! The entries of a state in words.
 
+use super::effects::bodies::Bodies;
+use super::effects::payload::HeldPayload;
+use super::effects::{Effect, JOINT_PARAMETERS, Parameter};
 use super::layout::Layout;
-use super::parameter::{PAYLOAD, PER_JOINT};
-use crate::arm::PARAMETERS_PER_BODY;
 
 /// One entry of the state in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,58 +19,29 @@ pub struct StateEntry {
 impl StateEntry {
     /// Entry `k` of a state in which every body has all its parameters.
     pub(crate) fn of(layout: Layout, k: usize) -> Option<Self> {
-        const JOINT: [(&str, &str); PER_JOINT] = [
-            ("offset", "rad"),
-            ("compliance over nominal", ""),
-            ("stiffening", "1/rad²"),
-            ("Coulomb friction", "N·m"),
-            ("viscous friction", "N·m·s/rad"),
-            ("load-dependent friction", ""),
-            ("zero drift", "rad/K"),
-            ("compliance per kelvin", "1/K"),
-            ("encoder error, sine once", "rad"),
-            ("encoder error, cosine once", "rad"),
-            ("encoder error, sine twice", "rad"),
-            ("encoder error, cosine twice", "rad"),
-            ("motor torque scale", ""),
-            ("motor torque zero", "N·m"),
-            ("drive Coulomb friction", "N·m"),
-            ("drive viscous friction", "N·m·s/rad"),
-            ("drive load-dependent friction", ""),
-            ("slack, half the dead zone", "rad"),
-            ("friction at the start, −1…1", ""),
-            ("viscoelastic share", ""),
-            ("gear ratio error", ""),
-            ("encoders' zero", "rad"),
-        ];
-        const BODY: [(&str, &str); PARAMETERS_PER_BODY] = [
-            ("mass error", "kg"),
-            ("first moment error x", "kg·m"),
-            ("first moment error y", "kg·m"),
-            ("first moment error z", "kg·m"),
-            ("inertia error xx", "kg·m²"),
-            ("inertia error xy", "kg·m²"),
-            ("inertia error xz", "kg·m²"),
-            ("inertia error yy", "kg·m²"),
-            ("inertia error yz", "kg·m²"),
-            ("inertia error zz", "kg·m²"),
-        ];
-        const LOAD: [(&str, &str); PAYLOAD] = [
-            ("payload mass", "kg"),
-            ("payload moment x", "kg·m"),
-            ("payload moment y", "kg·m"),
-            ("payload moment z", "kg·m"),
-        ];
-        let entry =
-            |joint, (name, unit): (&'static str, &'static str)| Some(Self { joint, name, unit });
-        if k < layout.body_start() {
-            entry(Some(k / PER_JOINT), JOINT[k % PER_JOINT])
-        } else if k < layout.payload_place() {
-            let b = k - layout.body_start();
-            entry(Some(b / PARAMETERS_PER_BODY), BODY[b % PARAMETERS_PER_BODY])
-        } else {
-            LOAD.get(k - layout.payload_place())
-                .and_then(|e| entry(None, *e))
-        }
+        let (joint, parameter) = parameter(layout, k)?;
+        Some(Self {
+            joint,
+            name: parameter.name,
+            unit: parameter.unit,
+        })
+    }
+}
+
+/// What entry `k` of such a state is, and of which joint or body.
+pub(crate) fn parameter(layout: Layout, k: usize) -> Option<(Option<usize>, &'static Parameter)> {
+    let own = |start: usize, all: &'static [Parameter]| {
+        let k = k - start;
+        let of = all.get(k % all.len())?;
+        Some((Some(k / all.len()), of))
+    };
+    if k < layout.body_start() {
+        own(0, &JOINT_PARAMETERS)
+    } else if k < layout.payload_place() {
+        own(layout.body_start(), Bodies::DESCRIPTION.parameters)
+    } else {
+        let payload = HeldPayload::DESCRIPTION.parameters;
+        let of = payload.get(k - layout.payload_place())?;
+        Some((None, of))
     }
 }

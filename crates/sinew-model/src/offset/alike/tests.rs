@@ -68,7 +68,7 @@ fn a_further_robot_is_where_its_type_says_and_nothing_is_believed_that_differs()
     let d = fresh.mean.len();
     let kinds: Vec<(usize, Kind)> = (0..d)
         .filter(|k| fresh.entry(*k).deviation > FIXED)
-        .filter_map(|k| Some((k, Kind::of(&prior, k)?)))
+        .filter_map(|k| Some((k, prior.parameter(k)?.kind?)))
         .collect();
     let mut seed = 11;
     let [mut inside, mut count] = [0, 0];

@@ -190,8 +190,8 @@ pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::offset::change::ChangeKind;
+    use crate::offset::effects::{FORCE, JointParameter, PAYLOAD};
     use crate::offset::fixtures::{own, random};
-    use crate::offset::parameter::{FORCE, JointParameter, PAYLOAD};
     use alloc::vec;
 
     #[test]

@@ -10,9 +10,9 @@
 use super::map_estimator::MapEstimator;
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::effects::Measured;
 use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::linearise::{Content, Linearisation, linearise};
-use crate::offset::equations::measured::Measured;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 

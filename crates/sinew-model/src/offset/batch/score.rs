@@ -185,10 +185,10 @@ mod tests {
     use super::*;
     use crate::offset::batch::normal::NormalEquations;
     use crate::offset::change::ChangePoint;
+    use crate::offset::effects::JointParameter;
     use crate::offset::equations::equation::{Equation, Side};
     use crate::offset::fixtures::{own, random};
     use crate::offset::layout::Layout;
-    use crate::offset::parameter::JointParameter;
 
     /// Of a load, whose four entries go together: what the score says without fitting it against fits with and without it.
     #[test]

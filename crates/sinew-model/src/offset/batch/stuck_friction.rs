@@ -3,11 +3,11 @@
 use super::problem::Problem;
 use super::solution::Solution;
 use crate::offset::block::Block;
+use crate::offset::effects::JointParameter as P;
+use crate::offset::effects::stuck_friction::STUCK;
 use crate::offset::equations::equation::{Equation, Equations};
 use crate::offset::equations::linearise::Content;
 use crate::offset::estimate::MapEstimate;
-use crate::offset::parameter::JointParameter as P;
-use crate::offset::prior::STUCK;
 use alloc::vec::Vec;
 
 /// Standard deviation of entry `place` for the friction that holds joints in long stands.

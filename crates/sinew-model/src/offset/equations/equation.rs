@@ -2,8 +2,8 @@
 
 use crate::cholesky::dot;
 use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::effects::{FORCE, JointParameter as P, PAYLOAD, PER_JOINT};
 use crate::offset::layout::Layout;
-use crate::offset::parameter::{FORCE, JointParameter as P, PAYLOAD, PER_JOINT};
 use alloc::vec::Vec;
 use core::ops::Range;
 

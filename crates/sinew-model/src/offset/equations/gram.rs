@@ -14,41 +14,43 @@
 
 use super::equation::{Active, Equation, Equations, width};
 use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::effects::{JointParameter as P, PER_JOINT, entries};
 use crate::offset::layout::Layout;
-use crate::offset::parameter::{JointParameter as P, PER_JOINT};
 use crate::tile::{TILE, Tile, lower, products};
 use alloc::vec::Vec;
 
 /// Rows that are held back.
 const HELD: usize = 16;
-/// A joint's own entries: those of the link row alone, of both, of the motor row alone. `Zero` has
-/// the column of `Offset`.
-const OWN: [usize; 21] = [
-    P::Offset as usize,
-    P::Compliance as usize,
-    P::Stiffening as usize,
-    P::Drift as usize,
-    P::Thermal as usize,
-    P::Encoder as usize,
-    P::Encoder as usize + 1,
-    P::Encoder as usize + 2,
-    P::Encoder as usize + 3,
-    P::Slack as usize,
-    P::Viscoelastic as usize,
-    P::Gear as usize,
-    P::Coulomb as usize,
-    P::Viscous as usize,
-    P::LoadFriction as usize,
-    P::Stuck as usize,
-    P::MotorScale as usize,
-    P::MotorBias as usize,
-    P::MotorCoulomb as usize,
-    P::MotorViscous as usize,
-    P::MotorLoadFriction as usize,
-];
+/// Entries of a joint that only the link row has, `Zero` aside, which has the column of `Offset`; that both rows have; that only
+/// the motor row has.
+const LINK_ALONE: usize = entries(true, false).1 - 1;
+const BOTH: usize = entries(true, true).1;
+/// A joint's own entries: those of the link row alone, of both, of the motor row alone.
+const OWN: [usize; PER_JOINT - 1] = {
+    let (mut own, mut count) = ([0; PER_JOINT - 1], 0);
+    let parts = [
+        entries(true, false),
+        entries(true, true),
+        entries(false, true),
+    ];
+    let mut part = 0;
+    while part < parts.len() {
+        let (places, of_part) = parts[part];
+        let mut k = 0;
+        while k < of_part {
+            if places[k] != P::Zero as usize {
+                own[count] = places[k];
+                count += 1;
+            }
+            k += 1;
+        }
+        part += 1;
+    }
+    own
+};
 /// Tiles of the link row, of the motor row, of both.
-const LINK: core::ops::Range<usize> = 0..4;
-const MOTOR: core::ops::Range<usize> = 3..OWN_TILES;
+const LINK: core::ops::Range<usize> = 0..(LINK_ALONE + BOTH).div_ceil(TILE);
+const MOTOR: core::ops::Range<usize> = LINK_ALONE / TILE..OWN_TILES;
 const OWN_TILES: usize = OWN.len().div_ceil(TILE);
 
 /// A joint's own entries in the order of [`OWN`].
@@ -215,11 +217,11 @@ impl Gram {
             own.clear();
             let entries = OWN.into_iter().enumerate();
             own.extend(entries.map(|(k, at)| (k, start + at, 1.0)));
-            own.push((0, start + P::Zero as usize, 1.0));
+            own.push((OFFSET, start + P::Zero as usize, 1.0));
             for active in &self.active {
                 let k = match active.kind {
-                    ChangeKind::Offset(joint) | ChangeKind::Creep(joint) if joint == i => 0,
-                    ChangeKind::Compliance(joint) if joint == i => 1,
+                    ChangeKind::Offset(joint) | ChangeKind::Creep(joint) if joint == i => OFFSET,
+                    ChangeKind::Compliance(joint) if joint == i => COMPLIANCE,
                     _ => continue,
                 };
                 own.push((k, active.first, active.factor));
@@ -319,5 +321,8 @@ impl JointGram {
     }
 }
 
-/// Every entry is in [`OWN`], but for that which goes with the offset.
-const _: () = assert!(OWN.len() + 1 == PER_JOINT);
+/// Places in [`OWN`] that changes add to.
+const OFFSET: usize = 0;
+const COMPLIANCE: usize = 1;
+const _: () =
+    assert!(OWN[OFFSET] == P::Offset as usize && OWN[COMPLIANCE] == P::Compliance as usize);

@@ -1,15 +1,18 @@
 //! A block's equations around a state: what is expected, and how it moves with the state.
 
 use super::equation::{Equation, Equations, Side};
-use super::measured::Measured;
 use super::reduced_model::ReducedModel;
 use crate::cholesky::dot;
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
-use crate::offset::external_force::{AppliedForce, ForceModel, ForceTorque};
-use crate::offset::parameter::{JointParameter as P, PER_JOINT};
-use crate::offset::payload::HeldPayload;
-use crate::offset::prior::{JointPrior, STUCK};
+use crate::offset::effects::external_force::{AppliedForce, ForceTorque};
+use crate::offset::effects::payload::HeldPayload;
+use crate::offset::effects::{
+    AllEffects, Drive, Effect, Factors, JointParameter as P, JointRow, Measured, PER_JOINT, Point,
+    total,
+};
+use crate::offset::external_force::ForceModel;
+use crate::offset::joint_prior::JointPrior;
 
 /// What is wanted of a block's equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,13 +100,22 @@ fn linearise_joint(
     (i, joint): (usize, &JointPrior),
     (is, phi): (&Measured, &[f64]),
     common: &Common<'_>,
-    (state, carried): (&[f64; PER_JOINT], &[f64]),
+    (state, carried): (&JointRow, &[f64]),
     out: &mut Equations,
 ) {
-    let Common { x, warmer, .. } = *common;
     let rows = common.content == Content::Rows;
-    let kappa = 1.0 / joint.stiffness_nm_per_rad;
-    let at = |p: P| state[p as usize];
+    let mut own = *state;
+    own[P::Offset as usize] = out.sum(common.x, ChangeKind::Offset(i), 0);
+    own[P::Compliance as usize] = out.sum(common.x, ChangeKind::Compliance(i), 0);
+    let point = Point {
+        x: &own,
+        joint,
+        measured: is,
+        warmer_k: common.warmer,
+    };
+    let mut derivatives = [0.0; PER_JOINT];
+
+    // Torque that bends the spring.
     let bodies = carried.get(..phi.len()).unwrap_or_default();
     let (torque, load) = is.load.torque(&common.payload);
     let mut tau = is.tau + dot(phi, bodies) + torque;
@@ -113,115 +125,107 @@ fn linearise_joint(
     if rows {
         out.carry(i, phi, &load, of_force.as_ref().map(|(_, slope)| slope));
     }
-    // A joint that has not slid since the recording began may be held either way.
-    let load_friction = at(P::LoadFriction) * joint.stiffness_nm_per_rad;
-    let stuck = (at(P::Coulomb) + load_friction * is.y.abs()) * is.z_unknown;
-    tau += at(P::Stuck) * stuck
-        + at(P::Coulomb) * is.z
-        + at(P::Viscous) * is.dq
-        + at(P::LoadFriction) * is.z_load;
-
-    // Nor is it known how one is held that has stood for long since.
-    let held = STUCK * is.held * (1.0 - is.z_unknown);
-    let held_nm = held * (at(P::Coulomb).abs() + load_friction.abs() * is.y.abs());
-
-    // Link side.
-    let compliance = out.sum(x, ChangeKind::Compliance(i), 0);
-    let soft = 1.0 + compliance + at(P::Thermal) * warmer;
-    let linear = kappa * soft * tau;
-    let cubic = at(P::Stiffening);
-    let offset = out.sum(x, ChangeKind::Offset(i), 0) + at(P::Zero);
-    // The slow part of the deflection.
-    let slow = is.y_slow - offset;
-    // What of `theta_measured − q` is no deflection of the spring.
-    let mut inelastic =
-        offset + at(P::Viscoelastic) * slow + at(P::Gear) * is.turned + at(P::Drift) * warmer;
-    // A pair of slack ropes lets the joint through a dead zone, by the sign of the torque.
-    const SMOOTH_RAD: f64 = 2e-3;
-    let taut = if joint.antagonistic {
-        libm::tanh(linear / SMOOTH_RAD)
-    } else {
-        0.0
-    };
-    inelastic += at(P::Slack) * taut;
-    for (x, e) in state.iter().skip(P::Encoder as usize).zip(&is.encoder) {
-        inelastic += x * e;
-    }
-    // LP[x + η x³] = κ τ with x = theta_measured − q − inelastic: linear in stiffness, stiffening
-    // and torque, however large the deflection.
-    let (y, y2, y3) = (is.y, is.y_square, is.y_cube);
-    let square = y2 - inelastic * (2.0 * y - inelastic);
-    let cube = y3 - inelastic * (3.0 * y2 - inelastic * (3.0 * y - inelastic));
-    let expected = inelastic + linear - cubic * cube;
-    let per_torque = kappa * soft;
-    let friction_regressors = [
-        (P::Coulomb, is.z),
-        (P::Viscous, is.dq),
-        (P::LoadFriction, is.z_load),
-        (P::Stuck, stuck),
-    ];
-    let mut own = [0.0; PER_JOINT];
-    if rows {
-        // What a rad of inelastic offset moves, where the spring is stiffer.
-        let gain = 1.0 + 3.0 * cubic * square;
-        own[P::Offset as usize] = gain;
-        own[P::Zero as usize] = gain;
-        own[P::Compliance as usize] = kappa * tau;
-        own[P::Stiffening as usize] = -cube;
-        own[P::Slack as usize] = gain * taut;
-        own[P::Viscoelastic as usize] = gain * slow;
-        own[P::Gear as usize] = gain * is.turned;
-        own[P::Drift as usize] = gain * warmer;
-        own[P::Thermal as usize] = kappa * tau * warmer;
-        for (to, e) in own.iter_mut().skip(P::Encoder as usize).zip(&is.encoder) {
-            *to = gain * e;
-        }
-        for (p, value) in friction_regressors {
-            own[p as usize] = per_torque * value;
-        }
-    }
-    out.push(Equation {
-        joint: i,
-        side: Side::Link,
-        own,
-        torque_gain: per_torque,
-        residual: y - expected,
-        added_deviation: per_torque.abs() * held_nm,
-        stationary_share: if held_nm > 0.0 { 1.0 } else { 0.0 },
+    tau += total(0.0, &mut derivatives, |sum| {
+        AllEffects::joint_torque(&point, sum);
     });
-
-    // Motor side.
-    let (Some(drive), true) = (&is.drive, common.motor && per_torque > 0.0) else {
-        return;
+    let loaded = Loaded {
+        joint: i,
+        rows,
+        tau,
+        unknown_nm: AllEffects::unknown_torque(&point),
     };
-    let scale = 1.0 + at(P::MotorScale);
-    let torque = tau
-        + drive.inertial
-        + at(P::MotorCoulomb) * drive.z
-        + at(P::MotorViscous) * drive.velocity
-        + at(P::MotorLoadFriction) * drive.z_load;
-    let mut own = [0.0; PER_JOINT];
-    if rows {
-        own[P::MotorScale as usize] = torque;
-        own[P::MotorBias as usize] = 1.0;
-        own[P::MotorCoulomb as usize] = scale * drive.z;
-        own[P::MotorViscous as usize] = scale * drive.velocity;
-        own[P::MotorLoadFriction as usize] = scale * drive.z_load;
-        for (p, value) in friction_regressors {
-            own[p as usize] = scale * value;
+    let link = loaded.link_side(&point, &mut derivatives);
+    let per_torque = link.torque_gain;
+    out.push(link);
+    if let (Some(drive), true) = (&is.drive, common.motor && per_torque > 0.0) {
+        out.push(loaded.motor_side(&point, drive, &mut derivatives));
+    }
+}
+
+/// The torque that bends the spring of a joint, N·m.
+struct Loaded {
+    joint: usize,
+    rows: bool,
+    tau: f64,
+    /// Standard deviation of what is unknown of it beside the noise, N·m.
+    unknown_nm: f64,
+}
+
+impl Loaded {
+    /// `LP[x + η x³] = κ τ` with `x = theta_measured − q − inelastic`: linear in stiffness, stiffening and torque,
+    /// however large the deflection.
+    #[inline]
+    fn link_side(&self, point: &Point<'_>, derivatives: &mut JointRow) -> Equation {
+        let kappa = 1.0 / point.joint.stiffness_nm_per_rad;
+        let soft = total(1.0, derivatives, |sum| AllEffects::compliance(point, sum));
+        let per_torque = kappa * soft;
+        let linear = per_torque * self.tau;
+        let inelastic = total(0.0, derivatives, |sum| {
+            AllEffects::deflection(point, linear, sum);
+        });
+        let cubic = total(0.0, derivatives, |sum| AllEffects::stiffening(point, sum));
+        let (y, y2, y3) = (
+            point.measured.y,
+            point.measured.y_square,
+            point.measured.y_cube,
+        );
+        let square = y2 - inelastic * (2.0 * y - inelastic);
+        let cube = y3 - inelastic * (3.0 * y2 - inelastic * (3.0 * y - inelastic));
+        let expected = inelastic + linear - cubic * cube;
+        let factors = Factors {
+            joint_torque: per_torque,
+            compliance: kappa * self.tau,
+            // What a rad of inelastic offset moves, where the spring is stiffer.
+            deflection: 1.0 + 3.0 * cubic * square,
+            stiffening: -cube,
+            ..Factors::default()
+        };
+        Equation {
+            joint: self.joint,
+            side: Side::Link,
+            own: self.row(&factors, derivatives),
+            torque_gain: per_torque,
+            residual: y - expected,
+            added_deviation: per_torque.abs() * self.unknown_nm,
+            stationary_share: if self.unknown_nm > 0.0 { 1.0 } else { 0.0 },
         }
     }
-    let grip = at(P::MotorCoulomb).abs().max(joint.drive_coulomb_nm())
-        + at(P::MotorLoadFriction).abs() * joint.stiffness_nm_per_rad * y.abs();
-    out.push(Equation {
-        joint: i,
-        side: Side::Motor,
-        own,
-        torque_gain: scale,
-        residual: drive.torque - scale * torque - at(P::MotorBias),
-        added_deviation: libm::hypot(grip * drive.stood, scale * held_nm),
-        stationary_share: drive.stood,
-    });
+
+    /// The recorded torque of the motor.
+    #[inline]
+    fn motor_side(&self, point: &Point<'_>, drive: &Drive, derivatives: &mut JointRow) -> Equation {
+        let torque = total(self.tau + drive.inertial, derivatives, |sum| {
+            AllEffects::drive_torque(point, drive, sum);
+        });
+        let scale = total(1.0, derivatives, |sum| AllEffects::motor_scale(point, sum));
+        let bias = total(0.0, derivatives, |sum| AllEffects::motor_bias(point, sum));
+        let factors = Factors {
+            joint_torque: scale,
+            drive_torque: scale,
+            motor_scale: torque,
+            motor_bias: 1.0,
+            ..Factors::default()
+        };
+        let unknown_nm = AllEffects::unknown_drive_torque(point, drive);
+        Equation {
+            joint: self.joint,
+            side: Side::Motor,
+            own: self.row(&factors, derivatives),
+            torque_gain: scale,
+            residual: drive.torque - scale * torque - bias,
+            added_deviation: libm::hypot(unknown_nm, scale * self.unknown_nm),
+            stationary_share: drive.stood,
+        }
+    }
+
+    #[inline]
+    fn row(&self, factors: &Factors, derivatives: &JointRow) -> JointRow {
+        if self.rows {
+            factors.row(derivatives)
+        } else {
+            [0.0; PER_JOINT]
+        }
+    }
 }
 
 #[cfg(test)]

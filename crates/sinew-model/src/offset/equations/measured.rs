@@ -2,49 +2,8 @@
 
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
-use crate::offset::parameter::ENCODER;
-use crate::offset::payload::PayloadTorque;
-
-/// All that a joint's equations need of a block but `Φ`, whatever the state.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Measured {
-    /// `theta_measured − q`, its square and cube, and with a long memory.
-    pub(crate) y: f64,
-    pub(crate) y_square: f64,
-    pub(crate) y_cube: f64,
-    pub(crate) y_slow: f64,
-    /// Joint position, rad, velocity, and what goes with its encoder.
-    pub(crate) turned: f64,
-    pub(crate) dq: f64,
-    pub(crate) encoder: [f64; ENCODER],
-    /// Friction state, what is unknown of it, and times the size of the spring's torque, N·m.
-    pub(crate) z: f64,
-    pub(crate) z_unknown: f64,
-    pub(crate) z_load: f64,
-    /// Share of its friction that is unknown as the arm has stood for long: 1 or 0.
-    pub(crate) held: f64,
-    /// Torque of the bodies as they are described, N·m.
-    pub(crate) tau: f64,
-    /// Of what the gripper holds.
-    pub(crate) load: PayloadTorque,
-    /// Where the motor's torque is recorded.
-    pub(crate) drive: Option<Drive>,
-}
-
-/// The motor's side.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Drive {
-    /// Recorded torque, N·m.
-    pub(crate) torque: f64,
-    /// `J ddtheta`, N·m.
-    pub(crate) inertial: f64,
-    pub(crate) velocity: f64,
-    /// Friction state, and times the size of the spring's torque, N·m.
-    pub(crate) z: f64,
-    pub(crate) z_load: f64,
-    /// Share of the time it stood.
-    pub(crate) stood: f64,
-}
+use crate::offset::effects::payload::PayloadTorque;
+use crate::offset::effects::{Drive, ENCODER, Measured};
 
 impl Measured {
     /// What `block` says of joint `i`; nothing of a rigid one. Never allocates.

@@ -17,11 +17,12 @@ use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
 use crate::cholesky::{self, Factor};
 use crate::offset::belief::Belief;
 use crate::offset::block::Block;
+use crate::offset::effects::JointParameter;
+use crate::offset::effects::payload::furthest_m;
 use crate::offset::error::MapError;
+use crate::offset::joint_prior::JointPrior;
 use crate::offset::layout::Layout;
-use crate::offset::parameter::JointParameter;
-use crate::offset::payload::furthest_m;
-use crate::offset::prior::{JointPrior, Prior};
+use crate::offset::prior::Prior;
 use alloc::vec::Vec;
 
 /// The model whose parameters blocks can identify.

@@ -1,7 +1,14 @@
-//! Torque of what the gripper holds.
+//! What the gripper holds.
 
+use super::description::ASSUMED;
+use super::{Description, Effect, FIXED, Parameter, about_zero};
+use crate::Gaussian;
 use crate::arm::PARAMETERS_PER_BODY;
-use crate::offset::parameter::PAYLOAD;
+use crate::offset::belief::Payload;
+use crate::tolerances::Tolerances;
+
+/// Payload: mass, and three first moments beside where it is expected.
+pub(crate) const PAYLOAD: usize = 4;
 
 /// Nothing is held further from where it is expected, m, a tool by its end, where it may be off by `reach_m`, a standard deviation
 /// (`payload_reach_mm`).
@@ -34,7 +41,53 @@ pub(crate) struct HeldPayload {
     least_mass_kg: f64,
 }
 
+const fn moment(name: &'static str, symbol: &'static str) -> Parameter {
+    Parameter {
+        name,
+        symbol,
+        unit: "kg·m",
+        prior_text: "0 ± mass × `payload_reach_mm`",
+        source: ASSUMED,
+        ..Parameter::CARRIED
+    }
+}
+
+impl Effect for HeldPayload {
+    const DESCRIPTION: Description = Description {
+        title: "Payload",
+        text: "The gripper may hold a point mass near the place `a` where a payload is expected. \
+               Its second moments follow from its mass and first moments, so the torque is not linear in them. \
+               A change that the search finds, such as a load picked up, adds to the parameters from its time on.",
+        equation: "joint torque   Φ_tool (m, m a + h, m a aᵀ + a hᵀ + h aᵀ + h hᵀ/m)",
+        parameters: &[
+            Parameter {
+                name: "payload mass",
+                symbol: "m",
+                unit: "kg",
+                prior_text: "stated; or `payload_mean_kg` ± `payload_kg`; or 0 of an empty gripper",
+                source: ASSUMED,
+                ..Parameter::CARRIED
+            },
+            moment("payload moment x", "h_x"),
+            moment("payload moment y", "h_y"),
+            moment("payload moment z", "h_z"),
+        ],
+    };
+}
+
 impl HeldPayload {
+    /// Prior of mass and moments.
+    pub(crate) fn prior(tolerances: &Tolerances, payload: Payload) -> [Gaussian; PAYLOAD] {
+        let mass = match payload {
+            Payload::Empty => return [about_zero(FIXED); PAYLOAD],
+            Payload::Unknown => tolerances.payload_kg,
+            Payload::Known { mass_kg } => Gaussian::new(mass_kg.mean, mass_kg.deviation.max(FIXED)),
+        };
+        let size = mass.mean.abs().max(mass.deviation);
+        let moment = about_zero(size * tolerances.payload_reach_m);
+        [mass, moment, moment, moment]
+    }
+
     /// * `furthest_m`: [`furthest_m`] of the robot.
     pub(crate) fn new([mass_kg, moments @ ..]: [f64; PAYLOAD], furthest_m: f64) -> Self {
         let [x, y, z] = moments;

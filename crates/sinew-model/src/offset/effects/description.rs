@@ -1,0 +1,200 @@
+//! What an effect is called, and what its parameters are before any recording.
+
+use super::PER_JOINT;
+use crate::Gaussian;
+use crate::offset::joint_prior::JointPrior;
+use crate::tolerances::Tolerances;
+
+/// Standard deviation of a parameter that is held fixed, in its own unit.
+pub(crate) const FIXED: f64 = 1e-9;
+
+/// Description of a physical effect.
+#[derive(Debug, Clone, Copy)]
+pub struct Description {
+    /// Its heading.
+    pub title: &'static str,
+    /// What it is, in sentences.
+    pub text: &'static str,
+    /// Its terms in the equations of a joint.
+    pub equation: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+}
+
+/// Description of one parameter of an effect.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// What it is.
+    pub name: &'static str,
+    /// Its symbol in equations.
+    pub symbol: &'static str,
+    /// Its unit; empty for a ratio.
+    pub unit: &'static str,
+    /// Its prior, in words and keys of `robot.toml`.
+    pub prior_text: &'static str,
+    /// Where the numbers of the prior come from.
+    pub source: &'static str,
+    /// How long its value holds.
+    pub lifetime: Lifetime,
+    /// The parameters with which it is alike in robots of one type; `None`: it does not belong to a robot.
+    pub kind: Option<Kind>,
+    /// Its place among a joint's parameters.
+    pub(crate) place: usize,
+    pub(crate) term: Term,
+    /// Prior of a joint's parameter; `None`: the joint does not have the effect.
+    pub(crate) prior: fn(&PriorInputs<'_>) -> Option<Gaussian>,
+}
+
+impl Parameter {
+    /// A parameter that is not a joint's: it moves the joint's torque in every row.
+    pub(crate) const CARRIED: Self = Self {
+        name: "",
+        symbol: "",
+        unit: "",
+        prior_text: "",
+        source: ASSUMED,
+        lifetime: Lifetime::Recording,
+        kind: None,
+        place: 0,
+        term: Term::Carried,
+        prior: |_| None,
+    };
+
+    /// Prior of a joint's parameter, no narrower than what is held fixed; `None`: the joint does not have the effect.
+    pub(crate) fn prior_of(&self, inputs: &PriorInputs<'_>) -> Option<Gaussian> {
+        let prior = (self.prior)(inputs)?;
+        Some(Gaussian::new(prior.mean, prior.deviation.max(FIXED)))
+    }
+}
+
+/// Source of a default that nobody measured.
+pub(crate) const ASSUMED: &str = "engineering judgement";
+
+/// What the prior of a joint's parameter depends on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PriorInputs<'a> {
+    pub(crate) joint: &'a JointPrior,
+    pub(crate) tolerances: &'a Tolerances,
+    /// Standard deviation of the offset, rad.
+    pub(crate) offset_rad: f64,
+}
+
+/// How long the value of a parameter holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lifetime {
+    /// One recording.
+    Recording,
+    /// Until the rope is tensioned again.
+    Tensioning,
+    /// For days: it changes by a tenth of its prior's standard deviation a day, as friction does.
+    Days,
+    /// For months: it changes by a hundredth of its prior's standard deviation a day.
+    Months,
+}
+
+impl Lifetime {
+    /// Part of the prior's standard deviation that it changes by in a day; `None`: a day more does not count.
+    #[must_use]
+    pub const fn daily_share(self) -> Option<f64> {
+        match self {
+            Self::Recording | Self::Tensioning => None,
+            Self::Days => Some(0.1),
+            Self::Months => Some(0.01),
+        }
+    }
+}
+
+/// Kinds of parameters whose robots are alike to one degree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Masses, first moments and inertias of the links.
+    Bodies,
+    /// Stiffness, stiffening, and what it changes by with temperature.
+    Stiffness,
+    /// Friction of joints.
+    Friction,
+    /// Friction of drives.
+    DriveFriction,
+    /// Scale and zero of the motor's torque.
+    MotorTorque,
+    /// Errors of encoders and gears.
+    Encoders,
+    /// Drift of the zero with temperature.
+    Drift,
+    /// Viscoelastic share.
+    Viscoelasticity,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Bodies,
+        Self::Stiffness,
+        Self::Friction,
+        Self::DriveFriction,
+        Self::MotorTorque,
+        Self::Encoders,
+        Self::Drift,
+        Self::Viscoelasticity,
+    ];
+}
+
+/// The sum of a joint's equations that a parameter is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Term {
+    JointTorque,
+    Compliance,
+    Deflection,
+    Stiffening,
+    DriveTorque,
+    MotorScale,
+    MotorBias,
+    /// The joint's torque, in columns of its own beside those of the joint's parameters.
+    Carried,
+}
+
+impl Term {
+    /// Whether the equation of the link side depends on it.
+    pub(crate) const fn is_of_link(self) -> bool {
+        matches!(
+            self,
+            Self::JointTorque | Self::Compliance | Self::Deflection | Self::Stiffening
+        )
+    }
+
+    /// Whether the equation of the motor side depends on it.
+    pub(crate) const fn is_of_motor(self) -> bool {
+        matches!(
+            self,
+            Self::JointTorque | Self::DriveTorque | Self::MotorScale | Self::MotorBias
+        )
+    }
+}
+
+/// A Gaussian with mean zero.
+pub(crate) const fn about_zero(deviation: f64) -> Gaussian {
+    Gaussian::new(0.0, deviation)
+}
+
+/// The parameters of a joint, in their order in the state. Fails to compile where one belongs to no effect or to two.
+pub(super) const fn in_state_order(effects: &[Description]) -> [Parameter; PER_JOINT] {
+    let mut out = [Parameter::CARRIED; PER_JOINT];
+    let (mut found, mut effect) = (0, 0);
+    while effect < effects.len() {
+        let parameters = effects[effect].parameters;
+        let mut k = 0;
+        while k < parameters.len() {
+            let Parameter { place, term, .. } = parameters[k];
+            if !matches!(term, Term::Carried) {
+                let is_free = matches!(out[place].term, Term::Carried);
+                assert!(is_free, "a parameter belongs to two effects");
+                out[place] = parameters[k];
+                found += 1;
+            }
+            k += 1;
+        }
+        effect += 1;
+    }
+    assert!(found == PER_JOINT, "a parameter belongs to no effect");
+    out
+}
