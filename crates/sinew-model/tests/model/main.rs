@@ -8,6 +8,7 @@ mod closed_forms;
 mod contact;
 mod correction;
 mod coverage;
+mod effects;
 mod identities;
 mod known_observer;
 mod known_offsets;
