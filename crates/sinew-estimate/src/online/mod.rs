@@ -4,11 +4,10 @@
 //! samples → Recorder ─ring→ Window: check every block, solve every 2 s ─triple buffer→ OnlineAnswer
 //! ```
 //!
-//! Reading order: `window` (what is held and when it is solved), `detector` (whether something has changed since), `answer`, `estimator` (beside a control
+//! Reading order: `window` (what is held and when it is solved), `answer`, `estimator` (beside a control
 //! loop), `trajectory` (over what was recorded).
 
 mod answer;
-mod detector;
 mod estimator;
 mod trajectory;
 mod window;

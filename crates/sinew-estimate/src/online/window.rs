@@ -1,17 +1,15 @@
 //! The window of blocks that is estimated again and again, and the check of what came since.
 
 use super::answer::{OnlineAnswer, OnlineJoint, Provisional, hull};
-use super::detector::{ChangeDetector, Innovations, Noise};
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator};
 use crate::session::{
-    OUTLIER_WEIGHT, Recorded, SessionEstimate, Since, Solved, Warning, continues, solve_stretch,
+    NEGLIGIBLE, Recorded, SessionEstimate, Since, Solved, Warning, continues, solve_stretch,
 };
 use sinew_model::Gaussian;
-use sinew_model::offset::{Block, FeatureConfig, Prediction};
+use sinew_model::offset::{Block, FeatureConfig};
 use sinew_model::robot::Robot;
-use sinew_model::statistics::{DEVIATION_PER_MEDIAN, upper_median};
 use std::sync::Arc;
 
 /// Blocks that a window holds, s of them.
@@ -20,21 +18,11 @@ const WINDOW_S: f64 = 120.0;
 const STAND_S: f64 = 10.0;
 /// A window is solved every so many blocks: 2 s.
 const SOLVE_EVERY: u64 = 10;
-/// The newest blocks of a solution are checked again, s: it does not accept a change within its last five seconds, and does not call one
-/// settled for eight.
-const RECENT_S: f64 = 8.0;
-/// Where it is likelier that a step has moved the offset out of its 95 % interval, the interval is widened: as likely as what the
-/// interval leaves outside anyway.
-const SUSPECTED: f64 = 0.05;
 
-/// A solved window, as the next blocks are checked against it.
+/// A solved window; the next blocks are checked against it.
 #[derive(Debug, Clone)]
 struct Solution {
     solved: Solved,
-    prediction: Prediction,
-    detector: ChangeDetector,
-    /// Joints with an elastic transmission: those of the detector.
-    elastic: Vec<usize>,
     /// Middle of its last block, s.
     time_s: f64,
 }
@@ -182,7 +170,10 @@ impl Window {
         }
         self.slide();
         if let Some(solution) = &mut self.solution {
-            solution.check(&self.recorded.blocks, 1);
+            let Solved {
+                check, estimator, ..
+            } = &mut solution.solved;
+            check.take(estimator, &self.recorded.blocks, 1);
             Self::update(&mut self.answer, solution, self.error.is_some());
         }
     }
@@ -224,11 +215,8 @@ impl Window {
         );
         match solved {
             Ok(solved) => {
-                let mut solution = Box::new(Solution::new(solved, &self.recorded));
-                let blocks = &self.recorded.blocks;
-                let end_s = self.recorded.end_s();
-                let recent = blocks.partition_point(|b| end_s - b.time_s > RECENT_S);
-                solution.check(blocks, blocks.len() - recent);
+                let time_s = self.recorded.end_s();
+                let solution = Box::new(Solution { solved, time_s });
                 Self::update(&mut self.answer, &solution, false);
                 (self.solution, self.error) = (Some(solution), None);
             }
@@ -246,11 +234,12 @@ impl Window {
         let Solved {
             estimate,
             unknown_temperature_rad: unknown_rad,
+            check,
             ..
         } = &solution.solved;
         answer.solved_s = solution.time_s;
         answer.external_force = estimate.external_force;
-        answer.contact_probability = (1.0 - solution.detector.free()).clamp(0.0, 1.0);
+        answer.contact_probability = check.contact_probability();
         for (k, (own, tendon)) in (answer.joints.iter_mut().zip(&estimate.joints)).enumerate() {
             let may_end = estimate.warnings.iter().find_map(|warning| match warning {
                 Warning::ChangeMayEnd { joint, time_s, .. } if *joint == tendon.name => {
@@ -272,7 +261,7 @@ impl Window {
                     .map(|since| since.probability),
                 provisional: may_end.or(rejected).or(refused),
             };
-            let Some(step) = solution.detector.suspected(k) else {
+            let Some(step) = check.suspected(k) else {
                 continue;
             };
             let known = tendon.offset_rad;
@@ -280,7 +269,7 @@ impl Window {
                 known.mean + step.mean_rad,
                 known.deviation.hypot(step.deviation_rad),
             );
-            if step.probability_beyond(known.half_width_95()) > SUSPECTED {
+            if step.probability_beyond(known.half_width_95()) > NEGLIGIBLE {
                 own.offset_rad = hull(known, stepped);
                 own.provisional = Some(Provisional::Step {
                     since_s: step.since_s,
@@ -288,83 +277,5 @@ impl Window {
                 });
             }
         }
-    }
-}
-
-impl Solution {
-    fn new(solved: Solved, recorded: &Recorded) -> Self {
-        let (from, map) = &solved.last;
-        let noise = noise(&solved, &recorded.blocks[*from..], &recorded.elastic);
-        let prediction = solved.estimator.prediction(map);
-        Self {
-            detector: ChangeDetector::new(noise, FeatureConfig::default().block_s),
-            prediction,
-            elastic: recorded.elastic.clone(),
-            time_s: recorded.end_s(),
-            solved,
-        }
-    }
-
-    /// Lets the detector see the last `count` blocks.
-    fn check(&mut self, blocks: &[Block], count: usize) {
-        /// Blocks before them from which a force's low-pass settles.
-        const SETTLES: usize = 10;
-        let estimator = &self.solved.estimator;
-        let from = blocks.len() - count;
-        let before = from.saturating_sub(SETTLES);
-        let n = self.solved.last.1.noise_rad.len();
-        let innovations = estimator.innovations(&self.prediction, &blocks[before..]);
-        let block_s = FeatureConfig::default().block_s;
-        for (k, own) in innovations.chunks_exact(n).enumerate().skip(from - before) {
-            let block = &blocks[before + k];
-            let last = (before + k).checked_sub(1).map(|k| blocks[k].time_s);
-            let of = |f: &dyn Fn(&sinew_model::offset::Innovation) -> f64| -> Vec<f64> {
-                let elastic = self.elastic.iter();
-                elastic.map(|i| own[*i].as_ref().map_or(0.0, f)).collect()
-            };
-            self.detector.step(&Innovations {
-                time_s: block.time_s,
-                residual_rad: &of(&|e| e.residual_rad / e.offset_gain),
-                unknown_rad2: &of(&|e| {
-                    (e.parameter_variance_rad2 + e.held_rad.powi(2)) / e.offset_gain.powi(2)
-                }),
-                renewed: estimator.information_share(block),
-                after_gap: last.is_none_or(|last| block.time_s - last > 1.5 * block_s),
-            });
-        }
-    }
-}
-
-/// Noise of the link equations of the elastic joints, in the blocks of a solution that were not rejected.
-fn noise(solved: &Solved, blocks: &[Block], elastic: &[usize]) -> Noise {
-    /// A joint whose noise is all slow is trusted to so much of it.
-    const LEAST_WHITE: f64 = 0.1;
-    let (_, map) = &solved.last;
-    let n = map.noise_rad.len();
-    let rho = solved.estimator.noise_autocorrelation();
-    let stationary = (1.0 - rho * rho).sqrt();
-    let block_s = FeatureConfig::default().block_s;
-    let residuals = solved.estimator.residuals(map, blocks);
-    let is_used = |k: &usize| {
-        let follows = blocks[*k].time_s - blocks[k - 1].time_s < 1.5 * block_s;
-        follows && map.weights[k - 1..=*k].iter().all(|w| *w >= OUTLIER_WEIGHT)
-    };
-    let used: Vec<usize> = (1..blocks.len()).filter(is_used).collect();
-    let white_rad: Vec<f64> = (elastic.iter())
-        .map(|i| {
-            let whole = map.noise_rad[*i] * stationary;
-            let white = |k: &usize| residuals[k * n + i] - rho * residuals[(k - 1) * n + i];
-            let mut sizes: Vec<f64> = used.iter().map(|k| white(k).abs()).collect();
-            let found = upper_median(&mut sizes).map(|median| DEVIATION_PER_MEDIAN * median);
-            found.map_or(whole, |found| found.max(LEAST_WHITE * whole))
-        })
-        .collect();
-    let slow_rad2 = (elastic.iter().zip(&white_rad))
-        .map(|(i, white)| (map.noise_rad[*i].powi(2) - (white / stationary).powi(2)).max(0.0))
-        .collect();
-    Noise {
-        rho,
-        white_rad,
-        slow_rad2,
     }
 }

@@ -1,6 +1,7 @@
 //! Changes of a tendon: what they are, and what caused them.
 
-use super::inflation;
+use super::context::Context;
+use super::late_step::{is_encoder, is_late};
 use super::recorder::Recorded;
 use super::result::{StiffnessSinceBefore, TendonChange, TendonChangeKind, TendonCreep};
 use super::segments::Segments;
@@ -15,13 +16,14 @@ const SURE: f64 = 4.0;
 const BEFORE_S: f64 = 1e-3;
 
 /// The changes of a joint's tendon, segment by segment.
-pub(super) fn changes(
-    prior: &Prior,
-    robot: &Robot,
-    recorded: &Recorded,
-    segments: &Segments,
-    joint: usize,
-) -> Vec<TendonChange> {
+pub(super) fn changes(context: &Context<'_>, joint: usize) -> Vec<TendonChange> {
+    let Context {
+        robot,
+        recorded,
+        segments,
+        ..
+    } = *context;
+    let prior = context.estimator.prior();
     let mut out = Vec::new();
     for (from, map) in &segments.estimates {
         for (k, point) in map.changes.iter().enumerate() {
@@ -29,7 +31,7 @@ pub(super) fn changes(
                 ChangeKind::Offset(i) if i == joint => {
                     let mut change = slip(prior, map, k, joint);
                     find_cause(&mut change, robot, recorded, joint);
-                    if inflation::is_encoder(&change) {
+                    if is_encoder(&change) {
                         // Nothing else looks like that.
                         change.probability = map.posterior(point).map(|p| p.probability_not_noise);
                     }
@@ -47,7 +49,11 @@ pub(super) fn changes(
             }
         }
     }
-    inflation::halve_late(&mut out, recorded);
+    // A contact that had not ended is none.
+    for change in out.iter_mut().filter(|c| is_late(c, recorded)) {
+        let lasts = context.lasts(joint, change);
+        change.probability = change.probability.map(|p| lasts * p);
+    }
     out
 }
 
@@ -150,7 +156,7 @@ fn is_retensioned(change: &TendonChange, before: Gaussian) -> bool {
     change.size_rad.is_some_and(|size| {
         let gone = -size.mean;
         change.kind == TendonChangeKind::Slip
-            && !inflation::is_encoder(change)
+            && !is_encoder(change)
             && before.mean > before.half_width_95()
             && gone > size.half_width_95()
             && gone > MUCH * before.mean

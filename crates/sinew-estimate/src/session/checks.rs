@@ -1,6 +1,8 @@
 //! What the reader of a session's estimate should know.
 
-use super::inflation::{Inflation, LASTING_S, may_end};
+use super::context::Context;
+use super::inflation::Inflation;
+use super::late_step::LASTING_S;
 use super::recorder::Recorded;
 use super::result::{SessionEstimate, TendonEstimate, Verdict};
 use super::stand::Stand;
@@ -14,8 +16,8 @@ const NOISY_RAD: f64 = 1e-3;
 const STUCK_RAD: f64 = 5e-3;
 /// A payload so many half intervals below nothing is none.
 const LIGHTER: f64 = 2.0;
-/// A share left out above this makes what is left suspect.
-const MUCH: f64 = 0.35;
+/// A share left out above this makes what is left suspect: the breakdown point of the median that noise is found by.
+const MUCH: f64 = 0.5;
 /// Creep that is no likelier than this isn't worth a word.
 const CREEPS: f64 = 0.3;
 /// A change of stiffness that is no likelier than this isn't worth a word: 0.23 is believed before the
@@ -25,12 +27,13 @@ const LIKELY: f64 = 0.3;
 /// Warnings for an estimate; `far` are those of parameters far from what was believed, `stands` says of every elastic
 /// joint how it stands at the end.
 pub(super) fn warnings(
+    context: &Context<'_>,
     estimate: &SessionEstimate,
     inflations: &[Inflation],
-    recorded: &Recorded,
     far: Vec<Warning>,
     stands: &[Option<Stand>],
 ) -> Vec<Warning> {
+    let recorded = context.recorded;
     let joints = &estimate.joints;
     let mut out = Vec::new();
     if estimate.poses < 3 {
@@ -38,8 +41,15 @@ pub(super) fn warnings(
             poses: estimate.poses,
         });
     }
-    for (joint, travel) in joints.iter().zip(travels(recorded)) {
-        out.extend(of_torque_and_changes(joint, travel.deflection, recorded));
+    let elastic = recorded.elastic.iter();
+    for ((joint, travel), i) in joints.iter().zip(travels(recorded)).zip(elastic) {
+        out.extend(torque_hardly_changed(joint, travel.deflection));
+        let late = joint.changes.iter().filter(|c| context.may_end(*i, c));
+        out.extend(late.map(|change| Warning::ChangeMayEnd {
+            joint: joint.name.clone(),
+            time_s: change.time_s,
+            before_end_s: recorded.end_s() - change.time_s,
+        }));
     }
     out.extend(stands_at_end(joints, stands));
     for (joint, inflation) in joints.iter().zip(inflations) {
@@ -103,25 +113,13 @@ pub(super) fn warnings(
     out
 }
 
-fn of_torque_and_changes(
-    joint: &TendonEstimate,
-    deflection_rad: f64,
-    recorded: &Recorded,
-) -> Vec<Warning> {
-    let mut out = Vec::new();
-    if joint.verdict == Verdict::CannotTell && deflection_rad < POOR_RAD {
-        out.push(Warning::TorqueHardlyChanged {
+fn torque_hardly_changed(joint: &TendonEstimate, deflection_rad: f64) -> Option<Warning> {
+    (joint.verdict == Verdict::CannotTell && deflection_rad < POOR_RAD).then(|| {
+        Warning::TorqueHardlyChanged {
             joint: joint.name.clone(),
             torque_nm: joint.torque_nm,
-        });
-    }
-    let late = joint.changes.iter().filter(|c| may_end(c, recorded));
-    out.extend(late.map(|change| Warning::ChangeMayEnd {
-        joint: joint.name.clone(),
-        time_s: change.time_s,
-        before_end_s: recorded.end_s() - change.time_s,
-    }));
-    out
+        }
+    })
 }
 
 /// What friction may hide where the arm stands at the end, of the joint where that is most; and every joint that reads more than

@@ -1,35 +1,12 @@
 //! What the posterior does not know about itself, and by how much an interval is wider for it.
 
+use super::context::Context;
 use super::recorder::Recorded;
 use super::result::{BlockEstimate, SegmentEstimate, TendonChange};
 use super::segments::Segments;
 use super::stand::Stand;
 use sinew_model::offset::{JointParameter, Prior};
 use sinew_model::{Gaussian, Z95};
-
-/// A contact longer than this looks like something that happened for good, s.
-pub(super) const LASTING_S: f64 = 8.0;
-
-/// Whether a change may be a contact that had not ended yet: it came late, and no encoder slipped.
-pub(super) fn may_end(change: &TendonChange, recorded: &Recorded) -> bool {
-    change.probability.is_some()
-        && !is_encoder(change)
-        && recorded.duration_s > 0.0
-        && recorded.end_s() - change.time_s < LASTING_S
-}
-
-/// Whether an encoder's reading jumped: no contact looks like that, nor a rope.
-pub(super) fn is_encoder(change: &TendonChange) -> bool {
-    change.cause.is_some_and(|cause| cause.is_encoder())
-}
-
-/// What may be a contact that had not ended is half as likely.
-pub(super) fn halve_late(changes: &mut [TendonChange], recorded: &Recorded) {
-    const LASTS: f64 = 0.5;
-    for change in changes.iter_mut().filter(|c| may_end(c, recorded)) {
-        change.probability = change.probability.map(|p| LASTS * p);
-    }
-}
 
 /// What widens the interval of one joint.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -44,14 +21,16 @@ pub(super) struct Inflation {
 
 impl Inflation {
     pub(super) fn new(
-        prior: &Prior,
-        recorded: &Recorded,
-        segments: &Segments,
+        context: &Context<'_>,
         joint: usize,
         changes: &[TendonChange],
         constant_rad: f64,
     ) -> Self {
-        let late = changes.iter().filter(|c| may_end(c, recorded));
+        let Context {
+            recorded, segments, ..
+        } = *context;
+        let prior = context.estimator.prior();
+        let late = changes.iter().filter(|c| context.may_end(joint, c));
         let late = late.map(|c| (c.time_s, c.size_rad.map_or(0.0, |size| size.mean.abs())));
         Self {
             late: late.collect(),

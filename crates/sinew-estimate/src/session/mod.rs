@@ -10,15 +10,19 @@
 //! The estimator is [`sinew_model::offset::MapEstimator`]; [`crate::online`] runs it on the last two minutes of a running robot.
 //!
 //! Reading order: `recorder` (frames to blocks), `poses`, `witness` and `temperature` (what of them can be
-//! believed), `segments` (blocks to posteriors), `changes`,
-//! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `anchor` (stops and marks that were touched), `run`.
+//! believed), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
+//! (contact or step in the last seconds), `changes`, `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `anchor` (stops and marks that were touched), `run`.
 
 mod anchor;
 mod changes;
 mod checks;
 mod context;
+mod detector;
 mod inflation;
+mod late_step;
 mod poses;
+mod predictive;
+mod recent;
 mod recorder;
 mod result;
 mod revisits;
@@ -39,8 +43,8 @@ pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
 pub use crate::touch::{Touch, TouchReading};
 pub use poses::Poses;
+pub(crate) use predictive::NEGLIGIBLE;
 pub use recorder::{Recorded, Recorder, Window};
-pub(crate) use result::OUTLIER as OUTLIER_WEIGHT;
 pub use result::{
     BlockEstimate, Doubt, LeftOut, LimitState, LiveBlock, LiveCourse, LiveTendon, MotorTorque,
     PayloadChange, RetensionLimit, SegmentEstimate, SessionEstimate, StiffnessSinceBefore,

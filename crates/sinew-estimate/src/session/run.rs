@@ -2,6 +2,8 @@
 
 use super::anchor;
 use super::context::Context;
+use super::predictive::PredictiveCheck;
+use super::recent::Given;
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
 use super::revisits;
@@ -17,8 +19,8 @@ use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use sinew_model::offset::{
-    Belief, JointParameter, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope,
-    SharedError, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
+    Belief, JointParameter, MapEstimator, Payload, Prior, SearchScope, SharedError,
+    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -146,6 +148,7 @@ pub fn learn_recorded(
         payload: false,
         creep: false,
         continues: false,
+        onset: None,
     };
     let payload = Payload::Empty;
     let from = |start| Segments::estimate(estimator, start, recorded, &[], payload, nothing, name);
@@ -297,8 +300,8 @@ pub(crate) struct Solved {
     /// The chain's next file.
     pub(crate) next: Baseline,
     pub(crate) estimator: MapEstimator,
-    /// Posterior of the last segment, with the index of its first block.
-    pub(crate) last: (usize, MapEstimate),
+    /// The last seconds against the estimate, for blocks that come after them.
+    pub(crate) check: PredictiveCheck,
     /// What a temperature that is not known adds to the deviation of every joint's offset, rad; empty: it is known.
     pub(crate) unknown_temperature_rad: Vec<f64>,
 }
@@ -427,6 +430,7 @@ fn estimate_with_lag(
         payload: true,
         creep: options.creep,
         continues: baseline.is_some() && since == Since::Now,
+        onset: None,
     };
     let payload = options.payload;
     // Since a baseline of like motion what the model gets wrong cancels. Without one it is all of what is read.
@@ -434,9 +438,21 @@ fn estimate_with_lag(
         Some(_) => Vec::new(),
         None => revisits::visits(&recorded.blocks),
     };
-    let segments = Segments::estimate(
+    let mut segments = Segments::estimate(
         estimator, start, recorded, &visits, payload, everything, name,
     )?;
+    let given = Given {
+        estimator,
+        recorded,
+        visits: &visits,
+        payload,
+        scope: everything,
+    };
+    let checked = given.check_recent(&mut segments);
+    let check = checked.map_err(|error| SessionError::Map {
+        file: name.into(),
+        error,
+    })?;
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());
@@ -488,14 +504,10 @@ fn estimate_with_lag(
         let warning = temperature::unknown_drift(robot, drift, width, now_c - then_c);
         estimate.warnings.extend(warning);
     }
-    let last = (segments.estimates.last().cloned()).ok_or_else(|| SessionError::Map {
-        file: name.into(),
-        error: MapError::NoData,
-    })?;
     Ok(Solved {
         estimate,
         next,
-        last,
+        check,
         estimator: session.estimator,
         unknown_temperature_rad: match unknown {
             true => added_rad,

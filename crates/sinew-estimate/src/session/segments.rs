@@ -1,5 +1,6 @@
 //! A recording estimated segment by segment, each from what the last one left.
 
+use super::late_step::LateStep;
 use super::recorder::Recorded;
 use crate::error::SessionError;
 use sinew_model::offset::misfit::tempered;
@@ -13,7 +14,7 @@ use std::borrow::Cow;
 const SEGMENT_S: f64 = 120.0;
 
 /// Blocks with their visits counted: a copy of a segment, where anything came again.
-fn visited<'a>(blocks: &'a [Block], visits: Option<&[f64]>) -> Cow<'a, [Block]> {
+pub(super) fn visited<'a>(blocks: &'a [Block], visits: Option<&[f64]>) -> Cow<'a, [Block]> {
     let Some(visits) = visits.filter(|visits| visits.iter().any(|v| *v > 1.0)) else {
         return Cow::Borrowed(blocks);
     };
@@ -32,6 +33,8 @@ pub(super) struct Segments {
     pub(super) belief: Belief,
     /// Estimate of every segment, with the index of its first block.
     pub(super) estimates: Vec<(usize, MapEstimate)>,
+    /// The most probable step in the last seconds; `None`: they were not checked, or nothing speaks for one.
+    pub(super) step: Option<LateStep>,
 }
 
 impl Segments {
@@ -86,7 +89,37 @@ impl Segments {
             before: start,
             belief,
             estimates,
+            step: None,
         })
+    }
+
+    /// Estimates the last segment again, with another `scope`.
+    pub(super) fn estimate_last(
+        &mut self,
+        estimator: &MapEstimator,
+        recorded: &Recorded,
+        visits: &[f64],
+        payload: Payload,
+        scope: SearchScope,
+    ) -> Result<(), MapError> {
+        let start = self.before_last(estimator.prior());
+        let Some((from, last)) = self.estimates.last_mut() else {
+            return Ok(());
+        };
+        let scope = SearchScope {
+            continues: scope.continues || *from > 0,
+            ..scope
+        };
+        let blocks = visited(&recorded.blocks[*from..], visits.get(*from..));
+        *last = estimator.search(&start, &blocks, payload, scope)?;
+        self.belief = last.belief(estimator.prior());
+        Ok(())
+    }
+
+    /// Before the last segment.
+    pub(super) fn before_last(&self, prior: &Prior) -> Belief {
+        let before = self.estimates.iter().rev().nth(1);
+        before.map_or_else(|| self.before.clone(), |(_, map)| map.belief(prior))
     }
 
     /// What the link equations of all blocks leave, as many a block as the arm has joints, rad.

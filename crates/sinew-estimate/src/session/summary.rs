@@ -82,7 +82,7 @@ pub(super) fn summarise(
         warnings: Vec::new(),
     };
     let far = far_from_prior(prior, robot, segments);
-    estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far, &stands);
+    estimate.warnings = checks::warnings(context, &estimate, &inflations, far, &stands);
     let late = lag_s(prior, &segments.before, &segments.belief, context.lag_s);
     estimate.warnings.extend(late.and_then(out_of_step));
     estimate
@@ -123,7 +123,7 @@ fn tendon(
     let prior = context.estimator.prior();
     let at = |p: JointParameter| segments.belief.entry(prior.place(joint, p));
     let offset = at(JointParameter::Offset);
-    let changes = changes::changes(prior, robot, recorded, segments, joint);
+    let changes = changes::changes(context, joint);
     let noise = segments.estimates.iter();
     let noise_rad = noise
         .map(|(_, map)| map.noise_rad[joint])
@@ -131,8 +131,7 @@ fn tendon(
     let misfit_rad = misfit_rad(noise_rad);
     let added_rad = context.added_rad.get(joint).copied().unwrap_or_default();
     let constant_rad = misfit_rad.hypot(added_rad);
-    let inflation =
-        Inflation::new(prior, recorded, segments, joint, &changes, constant_rad).with_stand(stand);
+    let inflation = Inflation::new(context, joint, &changes, constant_rad).with_stand(stand);
     let offset_rad = inflation.inflate(offset, recorded.end_s());
     let transmission = robot.transmissions[joint].as_ref();
     let tendon = transmission.and_then(|t| t.tendon.as_ref());

@@ -71,6 +71,44 @@ impl ChangePoint {
     }
 }
 
+/// How a sudden change of an offset or a payload appears in blocks: through the first-order low-pass of all signals.
+///
+/// ```text
+/// share(t) = 1 − e^(−K_I (t − t₀)),   t₀ = at_s − delay_s
+/// ```
+///
+/// `at_s`: beginning of the first block that shows half of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Appearance {
+    /// Pole `K_I` of the low-pass, 1/s.
+    pub(crate) gain_per_s: f64,
+    /// From the change to half of it, s.
+    pub(crate) delay_s: f64,
+}
+
+impl Appearance {
+    /// Without a low-pass.
+    #[cfg(test)]
+    pub(crate) const AT_ONCE: Self = Self {
+        gain_per_s: f64::INFINITY,
+        delay_s: 0.0,
+    };
+
+    /// Share of a change that blocks show at a time after it.
+    pub(crate) fn share(&self, change: &ChangePoint, time_s: f64) -> f64 {
+        /// Less is missing after ten time constants than rounding leaves of an offset.
+        const TIME_CONSTANTS: f64 = 10.0;
+        let passed = self.gain_per_s * (time_s - change.at_s + self.delay_s);
+        match change.kind {
+            ChangeKind::Offset(_) | ChangeKind::Payload if passed < TIME_CONSTANTS => {
+                1.0 - libm::exp(-passed)
+            }
+            // A force acts, and a strand may have failed, before the first block; creep grows.
+            _ => 1.0,
+        }
+    }
+}
+
 /// Which changes a search looks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -85,6 +123,34 @@ pub struct SearchScope {
     /// Whether the data goes on from where the belief ends: a change may come with its first
     /// block then.
     pub continues: bool,
+    /// A step that is known from elsewhere: it may be so late that the search would not look for it.
+    pub onset: Option<Onset>,
+}
+
+/// A step of a joint's offset as a predictive check of the newest blocks dates it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Onset {
+    /// Joint.
+    pub joint: usize,
+    /// Beginning of the first block that shows it, s.
+    pub at_s: f64,
+}
+
+impl Onset {
+    /// Change points within this time of an onset may be the step, s.
+    const NEAR_S: f64 = 1.0;
+
+    /// Whether a change at a time may be what the onset shows: the joint's offset, or a payload that was picked up.
+    pub(crate) fn may_be(&self, kind: ChangeKind, at_s: f64) -> bool {
+        let is_kind = match kind {
+            ChangeKind::Offset(joint) => joint == self.joint,
+            ChangeKind::Payload => true,
+            ChangeKind::Compliance(_) | ChangeKind::Creep(_) | ChangeKind::Force => false,
+        };
+        is_kind && (at_s - self.at_s).abs() <= Self::NEAR_S
+    }
 }
 
 /// Entries of the state that add up to a joint's offset at a time, each with its factor: its own, and every change
@@ -126,4 +192,32 @@ pub(crate) fn moved(changes: &[ChangePoint], k: usize, at_s: f64) -> Vec<ChangeP
     }
     moved[k].at_s = at_s;
     moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half after the delay, all after a few time constants; what grows, or comes with the first block, is whole.
+    #[test]
+    fn changes_appear_through_the_low_pass() {
+        let appears = Appearance {
+            gain_per_s: 3.0,
+            delay_s: core::f64::consts::LN_2 / 3.0,
+        };
+        let share = |kind: ChangeKind, after_s: f64| {
+            appears.share(&ChangePoint { kind, at_s: 4.0 }, 4.0 + after_s)
+        };
+        let slip = ChangeKind::Offset(0);
+        for (after_s, expected) in [(0.0, 0.5), (1.0, 1.0 - 0.5 * libm::exp(-3.0)), (5.0, 1.0)] {
+            assert!((share(slip, after_s) - expected).abs() < 1e-12, "{after_s}");
+        }
+        for kind in [
+            ChangeKind::Creep(0),
+            ChangeKind::Force,
+            ChangeKind::Compliance(0),
+        ] {
+            assert!((share(kind, 0.0) - 1.0).abs() < 1e-12);
+        }
+    }
 }

@@ -34,10 +34,10 @@ mod prior;
 mod shared_error;
 mod state_entry;
 
-pub use batch::{Innovation, MapEstimator, Prediction};
+pub use batch::{Innovation, MapEstimator, MotorInnovation, Prediction};
 pub use belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 pub use block::Block;
-pub use change::{ChangeKind, ChangePoint, SearchScope};
+pub use change::{ChangeKind, ChangePoint, Onset, SearchScope};
 pub use config::{
     Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,
 };

@@ -54,7 +54,7 @@ impl Answers {
             .join(file);
         let mut text = String::from("name,value\n");
         for (name, value, _) in &self.rows {
-            let _written = writeln!(text, "{name},{value:.9e}");
+            let _written = writeln!(text, "{name},{value:.12e}");
         }
         if std::env::var_os("SINEW_WRITE").is_some() {
             std::fs::write(&path, text).expect("written");

@@ -69,6 +69,7 @@ impl Known {
             payload: false,
             creep,
             continues: false,
+            onset: None,
         };
         let map = (self.estimator).search(&start, blocks, Payload::Empty, scope);
         map.expect("searched").offset(prior, 0)
@@ -141,6 +142,7 @@ fn slips_are_off_by_as_much_of_their_intervals_as_is_documented() {
         payload: false,
         creep: true,
         continues: false,
+        onset: None,
     };
     let mut random = Random(2);
     let (mut sizes, mut ends, mut times) =

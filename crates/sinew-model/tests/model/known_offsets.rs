@@ -105,6 +105,7 @@ fn learned(robot: &Robot, answers: &mut Answers) -> Belief {
         payload: false,
         creep: false,
         continues: false,
+        onset: None,
     };
     let blocks = record(robot, CALM);
     let map = estimator.search(&start, &blocks, Payload::Empty, scope);
@@ -135,6 +136,7 @@ fn estimated(
         payload: true,
         creep: true,
         continues: false,
+        onset: None,
     };
     let blocks = record(&robot, truth);
     let map = estimator.search(&start, &blocks, payload, scope);

@@ -12,6 +12,7 @@ const SCOPE: SearchScope = SearchScope {
     payload: false,
     creep: true,
     continues: false,
+    onset: None,
 };
 
 /// What a recording right after tensioning leaves for the next.

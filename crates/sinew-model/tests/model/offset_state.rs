@@ -146,6 +146,7 @@ fn a_step_is_found_with_its_time_and_size() {
         payload: true,
         creep: true,
         continues: false,
+        onset: None,
     };
     for step_rad in [0.0, 0.003, -0.005] {
         let truth = Truth { step_rad, ..PLAIN };
@@ -249,6 +250,7 @@ fn whoever_does_what_the_answer_is_the_same_to_the_last_bit() {
         payload: true,
         creep: true,
         continues: false,
+        onset: None,
     };
     let truth = Truth {
         step_rad: 0.003,

@@ -220,6 +220,7 @@ mod tests {
         payload: false,
         creep: true,
         continues: false,
+        onset: None,
     };
 
     /// Times at which slips are suspected, s: of a joint that slips at the start of block `b`, where slips are known.

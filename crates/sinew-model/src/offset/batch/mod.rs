@@ -24,4 +24,4 @@ mod solution;
 mod stuck_friction;
 
 pub use map_estimator::MapEstimator;
-pub use prediction::{Innovation, Prediction};
+pub use prediction::{Innovation, MotorInnovation, Prediction};

@@ -189,6 +189,7 @@ pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::offset::change::Appearance;
     use crate::offset::change::ChangeKind;
     use crate::offset::effects::{FORCE, JointParameter, PAYLOAD};
     use crate::offset::fixtures::{own, random};
@@ -228,7 +229,7 @@ mod tests {
         let creep = total - FORCE - 1;
         let mut seed = 1;
         let mut equations = Equations::new(layout, &changes);
-        equations.activate(&changes, 1.0);
+        equations.activate(&changes, 1.0, Appearance::AT_ONCE);
         for joint in 0..JOINTS {
             // The second joint carries no body but the last.
             let phi: Vec<f64> = (0..layout.bodies)
@@ -260,7 +261,7 @@ mod tests {
         let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
         // Blocks from before the changes and since, more than are held back at once.
         for (time_s, times) in [(-1.0, 3), (1.0, 19)] {
-            equations.activate(&changes, time_s);
+            equations.activate(&changes, time_s, Appearance::AT_ONCE);
             for _ in 0..times {
                 normal.add_gradient(&equations, information);
                 normal.add_information(&equations, information);

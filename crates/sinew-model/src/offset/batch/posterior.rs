@@ -172,6 +172,7 @@ mod tests {
         payload: false,
         creep: true,
         continues: false,
+        onset: None,
     };
 
     /// What `of` says of a recording.

@@ -1,11 +1,11 @@
-//! The predictive distribution of blocks under a posterior: innovations of the link equations.
+//! The predictive distribution of blocks under a posterior: innovations of the link and motor equations.
 //!
 //! ```text
 //! e_i = y_i − h_i(x̂),   var e_i = H_i P H_iᵀ + σ_i²
 //! ```
 //!
 //! `x̂`, `P`: mean and covariance of the posterior, `h_i` the link equation of joint `i`, `H_i` its Jacobian, `σ_i` the noise,
-//! which the caller adds.
+//! which the caller adds; the same of the motor equation, where the motor's torque is recorded and used.
 
 use super::map_estimator::MapEstimator;
 use crate::offset::block::Block;
@@ -36,6 +36,22 @@ pub struct Innovation {
     pub held_rad: f64,
     /// `∂h/∂δ_e`: 1 but where the spring stiffens.
     pub offset_gain: f64,
+    /// The motor equation of the same joint; `None`: the motor's torque is not recorded or not used.
+    pub motor: Option<MotorInnovation>,
+}
+
+/// Innovation of a joint's motor equation in one block, N·m.
+///
+/// A torque that acts on the link and that the model does not know moves the innovations of both equations: the link's by
+/// `rad_per_nm` times as much as the motor's. A step of the offset moves the link's alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorInnovation {
+    /// Recorded less predicted torque, N·m.
+    pub residual_nm: f64,
+    /// What the posterior and friction in a stand leave unknown of it, (N·m)²; the noise is not in it.
+    pub variance_nm2: f64,
+    /// What a torque of 1 N·m at the motor is in the link equation, rad/(N·m).
+    pub rad_per_nm: f64,
 }
 
 impl MapEstimator {
@@ -62,11 +78,12 @@ impl MapEstimator {
         });
         let mut out = alloc::vec![None; n * blocks.len()];
         let mut row = alloc::vec![0.0; from.state.len()];
+        let mut link_gain = 0.0;
         for (b, block) in blocks.iter().enumerate() {
             let how = Linearisation {
                 reference_c: from.temperature_c,
                 changes: &from.changes,
-                motor: false,
+                motor: model.motor_torque,
                 force: force.zip(forces.get(b * n..(b + 1) * n)),
                 content: Content::Rows,
             };
@@ -79,13 +96,30 @@ impl MapEstimator {
                 &from.state,
                 &mut equations,
             );
-            for e in equations.list.iter().filter(|e| e.side == Side::Link) {
-                out[b * n + e.joint] = Some(Innovation {
-                    residual_rad: e.residual,
-                    parameter_variance_rad2: variance(&equations, e, &from.covariance, &mut row),
-                    held_rad: e.added_deviation,
-                    offset_gain: equations.entry(e, ChangeKind::Offset(e.joint), 0),
-                });
+            for e in &equations.list {
+                let own = &mut out[b * n + e.joint];
+                let unknown = variance(&equations, e, &from.covariance, &mut row);
+                match (e.side, own) {
+                    (Side::Link, own) => {
+                        *own = Some(Innovation {
+                            residual_rad: e.residual,
+                            parameter_variance_rad2: unknown,
+                            held_rad: e.added_deviation,
+                            offset_gain: equations.entry(e, ChangeKind::Offset(e.joint), 0),
+                            motor: None,
+                        });
+                        link_gain = e.torque_gain;
+                    }
+                    // It follows on the link equation of its joint.
+                    (Side::Motor, Some(own)) => {
+                        own.motor = Some(MotorInnovation {
+                            residual_nm: e.residual,
+                            variance_nm2: unknown + e.added_deviation * e.added_deviation,
+                            rad_per_nm: link_gain / e.torque_gain,
+                        });
+                    }
+                    (Side::Motor, None) => {}
+                }
             }
         }
         out
@@ -157,5 +191,41 @@ mod tests {
         // Four standard deviations of a variance from so many draws.
         let tolerance = 4.0 * libm::sqrt(2.0 / DRAWS as f64);
         assert!((ratio - 1.0).abs() < tolerance, "{ratio}");
+    }
+
+    /// A torque on the link that the model does not know is in both innovations, by the factor that is given.
+    #[test]
+    fn a_torque_on_the_link_moves_both_innovations() {
+        const TORQUE_NM: f64 = 0.3;
+        let mut prior: Prior = turntable().prior;
+        for joint in prior.joints.iter_mut().flatten() {
+            joint.motor_inertia_kg_m2 = Some(0.0);
+        }
+        let stiffness = prior.joints[0].unwrap().stiffness_nm_per_rad;
+        let estimator = MapEstimator::new(prior.clone(), &FeatureConfig::default());
+        let mut blocks = slipping(&turntable(), 0.0, 4);
+        blocks.iter_mut().for_each(|b| b.motor_torque[0] = 0.0);
+        let believed = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let map = estimator
+            .solve(&believed, &[], Payload::Empty, &blocks)
+            .unwrap();
+        let prediction = estimator.prediction(&map);
+        let of = |block: &Block| {
+            estimator.innovations(&prediction, core::slice::from_ref(block))[0].unwrap()
+        };
+        let before = of(&blocks[3]);
+        let pushed = &mut blocks[3];
+        let y = pushed.y[0] + TORQUE_NM / stiffness;
+        (pushed.y[0], pushed.y_square[0], pushed.y_cube[0]) = (y, y * y, y * y * y);
+        pushed.motor_torque[0] += TORQUE_NM;
+        let after = of(pushed);
+        let (motor, motor_before) = (after.motor.unwrap(), before.motor.unwrap());
+        let moved_nm = motor.residual_nm - motor_before.residual_nm;
+        assert!((moved_nm - TORQUE_NM).abs() < 1e-12, "{moved_nm}");
+        // But for what is known of stiffness, scale and stiffening.
+        let moved_rad = after.residual_rad - before.residual_rad;
+        let ratio = moved_rad / (motor.rad_per_nm * moved_nm);
+        assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+        assert!(motor.variance_nm2 > 0.0);
     }
 }

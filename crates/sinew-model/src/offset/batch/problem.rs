@@ -22,6 +22,8 @@ use alloc::vec::Vec;
 const STRAND: f64 = 0.05;
 /// Least data before and after a change, s: a contact doesn't last as long.
 const EDGE_S: f64 = 5.0;
+/// Least data after a step that is known from elsewhere, s: six time constants of the low-pass, in which it appears.
+const ONSET_EDGE_S: f64 = 2.0;
 
 /// A recording, and the belief before it.
 pub(super) struct Problem<'a> {
@@ -239,8 +241,10 @@ impl<'a> Problem<'a> {
     pub(super) fn is_possible(&self, kind: ChangeKind, at_s: f64, scope: SearchScope) -> bool {
         let early = scope.continues || matches!(kind, ChangeKind::Compliance(_));
         let from_s = if early { 0.0 } else { EDGE_S };
+        let may_be = scope.onset.is_some_and(|onset| onset.may_be(kind, at_s));
+        let to_s = if may_be { ONSET_EDGE_S } else { EDGE_S };
         let last = self.blocks.len() - 1;
-        (self.start_of(0) + from_s..self.start_of(last) - EDGE_S).contains(&at_s)
+        (self.start_of(0) + from_s..self.start_of(last) - to_s).contains(&at_s)
     }
 }
 

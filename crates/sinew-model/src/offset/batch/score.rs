@@ -184,6 +184,7 @@ impl ScoreSum {
 mod tests {
     use super::*;
     use crate::offset::batch::normal::NormalEquations;
+    use crate::offset::change::Appearance;
     use crate::offset::change::ChangePoint;
     use crate::offset::effects::JointParameter;
     use crate::offset::equations::equation::{Equation, Side};
@@ -245,7 +246,7 @@ mod tests {
             if b >= PICKED_UP {
                 let weights: Vec<f64> = equations.list.iter().map(information).collect();
                 sum.add(&equations, kind, &weights);
-                equations.activate(&change, 2.0);
+                equations.activate(&change, 2.0, Appearance::AT_ONCE);
             }
             with.add_gradient(&equations, information);
             with.add_information(&equations, information);

@@ -241,6 +241,8 @@ impl ChangePointSearch<'_> {
             return Ok(None);
         }
         match change.kind {
+            // So little data can't tell what a step took along.
+            ChangeKind::Offset(_) if self.is_onset(change) => Ok(Some(solution)),
             ChangeKind::Offset(joint) => {
                 let softer = self.with_softer(&solution, joint, at_s, 0.0)?;
                 Ok(Some(softer.unwrap_or(solution)))
@@ -259,6 +261,15 @@ impl ChangePointSearch<'_> {
             | ChangeKind::Creep(_)
             | ChangeKind::Force => Ok(Some(solution)),
         }
+    }
+
+    /// Whether a change is possible only because it is known from elsewhere.
+    fn is_onset(&self, change: ChangePoint) -> bool {
+        let scope = SearchScope {
+            onset: None,
+            ..self.scope
+        };
+        !self.problem.is_possible(change.kind, change.at_s, scope)
     }
 
     /// Whether the last change is large enough to be one.
@@ -342,6 +353,7 @@ pub(super) fn searched(
         payload: false,
         creep: true,
         continues: false,
+        onset: None,
     };
     let search = ChangePointSearch {
         problem: &problem,
@@ -353,7 +365,8 @@ pub(super) fn searched(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::belief::{Payload, TENSIONED_OFFSET_RAD};
+    use crate::offset::belief::{Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
+    use crate::offset::change::Onset;
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{SLIPS_AT, slipping, turntable};
 
@@ -376,5 +389,47 @@ mod tests {
         let found = cost_at(&problem, &best, &coarse.estimate) - coarse.cost();
         assert!((gain - found).abs() < 1e-9 * gain.abs(), "{gain}");
         assert!(gain > LEAST_GAIN, "{gain}");
+    }
+
+    /// Three seconds before the end a slip is looked for only where it is known from elsewhere, and at its joint.
+    #[test]
+    fn an_onset_lets_a_late_slip_be_found() {
+        let model = turntable();
+        let blocks = &slipping(&model, 5e-3, 4)[..SLIPS_AT + 15];
+        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let problem = Problem::new(&model, &Sequential, &believed, Payload::Empty, blocks).unwrap();
+        let at_s = problem.start_of(SLIPS_AT);
+        let found = |onset: Option<Onset>| {
+            let scope = SearchScope {
+                offsets: true,
+                payload: false,
+                creep: false,
+                continues: false,
+                onset,
+            };
+            let search = ChangePointSearch {
+                problem: &problem,
+                scope,
+            };
+            search.run().unwrap().changes
+        };
+        let slip = ChangePoint {
+            kind: ChangeKind::Offset(0),
+            at_s,
+        };
+        // The check dates it to a few blocks.
+        for (joint, off_s) in [(0, 0.0), (0, 0.4), (0, -0.4)] {
+            let at_s = at_s + off_s;
+            assert_eq!(found(Some(Onset { joint, at_s })), [slip], "{off_s}");
+        }
+        assert!(found(None).is_empty());
+        assert!(found(Some(Onset { joint: 1, at_s })).is_empty());
+        assert!(
+            found(Some(Onset {
+                joint: 0,
+                at_s: at_s - 4.0
+            }))
+            .is_empty()
+        );
     }
 }

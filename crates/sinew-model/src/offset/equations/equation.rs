@@ -1,7 +1,7 @@
 //! A block's equations: rows over the state, and what is left of what was measured.
 
 use crate::cholesky::dot;
-use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::change::{Appearance, ChangeKind, ChangePoint};
 use crate::offset::effects::{FORCE, JointParameter as P, PAYLOAD, PER_JOINT};
 use crate::offset::layout::Layout;
 use alloc::vec::Vec;
@@ -214,7 +214,7 @@ impl Equations {
     }
 
     /// The changes that have happened by now. Never allocates.
-    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64) {
+    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64, appears: Appearance) {
         self.active.clear();
         let mut column = self.layout.dimension();
         for change in changes {
@@ -222,7 +222,8 @@ impl Equations {
                 self.active.push(Active {
                     first: column,
                     kind: change.kind,
-                    factor: change.factor(in_steps(change.at_s, time_s)),
+                    factor: change.factor(in_steps(change.at_s, time_s))
+                        * appears.share(change, time_s),
                 });
             }
             column += change.kind.columns();
@@ -279,7 +280,7 @@ mod tests {
         for changes in [&[][..], &[force]] {
             let mut seed = 3;
             let mut equations = Equations::new(layout, changes);
-            equations.activate(changes, 1.0);
+            equations.activate(changes, 1.0, Appearance::AT_ONCE);
             let total = layout.dimension() + FORCE * changes.len();
             let x: Vec<f64> = (0..total).map(|_| random(&mut seed)).collect();
             let given: Vec<Vec<f64>> = (0..layout.joints)

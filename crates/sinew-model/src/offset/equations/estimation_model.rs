@@ -2,6 +2,7 @@
 
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
+use crate::offset::change::Appearance;
 use crate::offset::config::FeatureConfig;
 use crate::offset::external_force::ForceModel;
 use crate::offset::prior::Prior;
@@ -39,7 +40,13 @@ impl EstimationModel {
         // Two time constants of the low-pass every signal has gone through, and a stroke.
         let correlation_s = 2.0 / features.gain_per_s + STROKE_S;
         Self {
-            reduced: ReducedModel::new(&prior),
+            reduced: ReducedModel::new(
+                &prior,
+                Appearance {
+                    gain_per_s: features.gain_per_s,
+                    delay_s: features.delay_s(),
+                },
+            ),
             prior,
             inflation: (correlation_s / features.block_s).max(1.0),
             block_s: features.block_s,

@@ -61,7 +61,7 @@ pub(crate) fn linearise(
     out: &mut Equations,
 ) {
     out.list.clear();
-    out.activate(how.changes, block.time_s);
+    out.activate(how.changes, block.time_s, model.appears);
     let reference_c = how.reference_c;
     let common = Common {
         x,

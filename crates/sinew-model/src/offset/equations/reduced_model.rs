@@ -17,6 +17,7 @@ use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
 use crate::cholesky::{self, Factor};
 use crate::offset::belief::Belief;
 use crate::offset::block::Block;
+use crate::offset::change::Appearance;
 use crate::offset::effects::JointParameter;
 use crate::offset::effects::payload::furthest_m;
 use crate::offset::error::MapError;
@@ -30,6 +31,8 @@ use alloc::vec::Vec;
 pub(crate) struct ReducedModel {
     pub(crate) layout: Layout,
     pub(crate) joints: Vec<Option<JointPrior>>,
+    /// How sudden changes appear in blocks.
+    pub(crate) appears: Appearance,
     /// Nominal base parameters.
     pub(crate) inertial: Vec<f64>,
     /// Where in the payload's frame it is expected, m.
@@ -42,7 +45,7 @@ pub(crate) struct ReducedModel {
 }
 
 impl ReducedModel {
-    pub(crate) fn new(prior: &Prior) -> Self {
+    pub(crate) fn new(prior: &Prior, appears: Appearance) -> Self {
         let base = prior.base.clone();
         let all = prior.joints() * PARAMETERS_PER_BODY;
         let first = prior.payload_body * PARAMETERS_PER_BODY;
@@ -60,6 +63,7 @@ impl ReducedModel {
                 bodies: base.count(),
             },
             joints: prior.joints.clone(),
+            appears,
             inertial: base.of(&prior.inertial),
             payload_at: prior.payload_at,
             payload_furthest_m: furthest_m(prior.reach_m()),
@@ -293,7 +297,7 @@ mod tests {
     fn what_is_learned_of_base_parameters_is_learned_of_bodies() {
         let mut seed = 3;
         let prior = prior();
-        let model = ReducedModel::new(&prior);
+        let model = ReducedModel::new(&prior, Appearance::AT_ONCE);
         assert!(model.layout.bodies < 20, "{}", model.layout.bodies);
         let before = learned(&prior, &mut seed);
         let d = before.mean.len();

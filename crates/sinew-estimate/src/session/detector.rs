@@ -1,33 +1,41 @@
-//! Whether something has changed since the last posterior: a forward filter over "nothing", "contact" and "an offset of joint j
-//! stepped at block k", on the innovations of the link equations.
+//! Whether something has changed since the last posterior: a forward filter over "nothing", "contact", "an offset of joint j
+//! stepped at block k" and "an object has leaned on joint j since block k", on the innovations of the link and motor equations.
 //!
-//! Between two solutions of the window nothing else is known of the newest blocks, and the search for change points does not accept a
-//! change within its last seconds. Innovations of block `b` at joint `i` are modelled as
+//! The search for change points accepts no change within the last seconds. The innovation of the link equation of joint `i` in block `b`
+//! is modelled as
 //!
 //! ```text
-//! e_i(b) = m_i(b) + s_i [b ≥ k, i = j] + n_i(b),   n_i(b) = ρ n_i(b−1) + ε_i(b)
+//! e_i(b) = m_i(b) + s_i (1 − e^(−K_I t)) [b ≥ k, i = j] + n_i(b),   n_i(b) = ρ n_i(b−1) + ε_i(b)
 //! z_i(b) = e_i(b) − ρ e_i(b−1)
 //! ```
 //!
 //! * `m_i`: what the posterior leaves unknown of the equation, `H P Hᵀ`, and what the model gets wrong in a pose; it is renewed as the
 //!   arm travels.
-//! * `s_i ~ N(0, (8 mrad)²)`: the step, tracked by a Kalman filter from its fourth block on; before, while the low-pass and
-//!   friction let it appear, its part of `z` is `N(0, (2.5 mrad)²)`.
+//! * `s_i ~ N(0, (8 mrad)²)`: the step, tracked by a Kalman filter. Block `b` shows `1 − e^(−K_I t)` of it, `t` the time since its onset; what
+//!   is not shown yet is known to half of itself.
 //! * `ε_i`: Student's t with six degrees of freedom.
-//! * contact: every joint's `e ~ N(0, c²)`, or with 0.3 that of one joint alone, `c` of 1, 3, 10 or 30 mrad.
+//! * contact: every joint's `e ~ N(0, c²)`, or with 0.3 that of one joint alone, `c` of 1, 3, 10 or 30 mrad. Of those at one joint 3 %
+//!   are steady, as of an object that leans on the arm: in the link equations such a contact looks like a step until it ends.
+//! * the motor equation, where its torque is known: a contact's torque is in its innovation `e_m`, too, a step is not. In the link's unit
+//!   `e_m ~ t(0, s²)` without a contact at the joint, `e_m ~ t(e_i, s²)` with one.
+//!
+//! Without a motor torque a step and a steady contact differ by how long they last.
 //!
 //! Hazards: a contact every 20 s that lasts 1.5 s, a step every 10 h of motion at each tendon.
 
+use sinew_model::offset::FeatureConfig;
+
 /// Prior deviation of a step of an offset, rad: `UNKNOWN_OFFSET_RAD` would be that of any; a rope or an encoder slips by less.
 const STEP_RAD: f64 = 8e-3;
-/// Deviation of what one block shows of a step that appears, rad.
-const APPEARING_RAD: f64 = 2.5e-3;
-/// Blocks in which a step appears: the low-pass and friction.
-const APPEARS: u32 = 3;
+/// What a block does not show of a step yet is known to this part of itself: it comes at any time within its first block, and the joint
+/// moves against friction.
+const APPEARING: f64 = 0.5;
 /// Deviations of an innovation in a contact, rad, each as likely: from a brush to a push of some 15 N at the tool.
 const CONTACT_RAD: [f64; 4] = [1e-3, 3e-3, 10e-3, 30e-3];
 /// Probability that a contact shows at one joint alone.
 const ALONE: f64 = 0.3;
+/// Probability that such a contact is steady: with [`CONTACT_EVERY_S`], one in 40 minutes of motion. Engineering judgement.
+const STEADY: f64 = 0.03;
 /// Time between contacts, and how long one lasts, s.
 const CONTACT_EVERY_S: f64 = 20.0;
 const CONTACT_LASTS_S: f64 = 1.5;
@@ -89,6 +97,11 @@ impl Level {
         self.variance *= 1.0 - kalman_gain;
     }
 
+    /// Mean of its square.
+    fn square(&self) -> f64 {
+        self.mean * self.mean + self.variance
+    }
+
     /// Renews a share of it, from `N(0, variance)`.
     fn renew(&mut self, share: f64, variance: f64) {
         let kept = 1.0 - share;
@@ -97,7 +110,7 @@ impl Level {
     }
 }
 
-/// A step that may have begun at a block.
+/// A step, or a steady contact, that may have begun at a block.
 #[derive(Debug, Clone, Copy)]
 struct Onset {
     joint: usize,
@@ -105,29 +118,52 @@ struct Onset {
     /// Blocks since.
     age: u32,
     level: Level,
-    /// Log probability, without and with a contact now.
+    /// Log probability of a step, without and with a contact now.
     ln: [f64; 2],
+    /// Log probability of a steady contact, without and with another contact now.
+    ln_steady: [f64; 2],
+}
+
+impl Onset {
+    /// Share of the step that the mean of its latest block shows through the low-pass; `per_block`: time constants that a block is long.
+    fn share(&self, per_block: f64) -> f64 {
+        1.0 - (-per_block * (f64::from(self.age) + 0.5)).exp()
+    }
+
+    /// The same of the block before.
+    fn share_before(&self, per_block: f64) -> f64 {
+        let before = self.age.checked_sub(1);
+        before.map_or(0.0, |age| Self { age, ..*self }.share(per_block))
+    }
+
+    /// Log probability of either.
+    fn ln_any(&self) -> f64 {
+        ln_sum(self.ln.into_iter().chain(self.ln_steady))
+    }
 }
 
 /// A step of a joint's offset that may have happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SuspectedStep {
+pub(crate) struct SuspectedStep {
     /// Posterior probability that it has.
-    pub(super) probability: f64,
+    pub(crate) probability: f64,
+    /// Posterior probability of a steady contact at the joint instead, which looks like it.
+    pub(crate) steady_contact_probability: f64,
     /// Likeliest time, s.
-    pub(super) since_s: f64,
+    pub(crate) since_s: f64,
     /// Its size, rad, if it has.
-    pub(super) mean_rad: f64,
-    pub(super) deviation_rad: f64,
+    pub(crate) mean_rad: f64,
+    pub(crate) deviation_rad: f64,
 }
 
 impl SuspectedStep {
-    /// Probability that a step has happened and is larger than `size_rad`.
-    pub(super) fn probability_beyond(&self, size_rad: f64) -> f64 {
+    /// Probability that a step has happened, or a steady contact that looks like one, and is larger than `size_rad`.
+    pub(crate) fn probability_beyond(&self, size_rad: f64) -> f64 {
         let tail = |distance_rad: f64| {
             0.5 * libm::erfc(distance_rad / (self.deviation_rad * std::f64::consts::SQRT_2))
         };
-        self.probability * (tail(size_rad - self.mean_rad) + tail(size_rad + self.mean_rad))
+        let either = self.probability + self.steady_contact_probability;
+        either * (tail(size_rad - self.mean_rad) + tail(size_rad + self.mean_rad))
     }
 }
 
@@ -139,6 +175,8 @@ pub(super) struct Innovations<'a> {
     pub(super) residual_rad: &'a [f64],
     /// What the posterior leaves unknown of it, and what friction may hold in a stand, rad².
     pub(super) unknown_rad2: &'a [f64],
+    /// Innovations of the motor equations in the unit of the link equations, rad, with variances, rad².
+    pub(super) motor: &'a [Option<(f64, f64)>],
     /// Share of the pose's part that is renewed.
     pub(super) renewed: f64,
     /// Whether the block before is missing.
@@ -150,12 +188,14 @@ pub(super) struct Innovations<'a> {
 pub(super) struct ChangeDetector {
     noise: Noise,
     block_s: f64,
+    /// Pole of the low-pass that blocks have passed, 1/s.
+    gain_per_s: f64,
     /// Innovations of the block before.
     before_rad: Vec<f64>,
     levels: Vec<Level>,
     /// Variances that they are renewed with, rad².
     slow_rad2: Vec<f64>,
-    /// Log probability of nothing, without and with a contact now.
+    /// Log probability of nothing, without and with a contact now that is not steady.
     ln_nothing: [f64; 2],
     onsets: Vec<Onset>,
     started: bool,
@@ -172,22 +212,23 @@ fn ln_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
     }
 }
 
-/// Log probabilities without and with a contact after a block, from those before: `[stays, comes after a contact]` are the log
+/// Log probabilities without and with a contact that is not steady after a block, from those before: `[stays, comes after a contact]` are the log
 /// densities of a block without a contact, `contact` that of one with.
 fn through(ln: [f64; 2], free: [f64; 2], contact: f64, block_s: f64) -> [f64; 2] {
     let (begins, ends) = (block_s / CONTACT_EVERY_S, block_s / CONTACT_LASTS_S);
+    let varies = begins * (1.0 - ALONE * STEADY);
     let sum = |a: f64, b: f64| ln_sum([a, b].into_iter());
     [
         sum(
             ln[0] + (1.0 - begins).ln() + free[0],
             ln[1] + ends.ln() + free[1],
         ),
-        contact + sum(ln[0] + begins.ln(), ln[1] + (1.0 - ends).ln()),
+        contact + sum(ln[0] + varies.ln(), ln[1] + (1.0 - ends).ln()),
     ]
 }
 
 impl ChangeDetector {
-    pub(super) fn new(noise: Noise, block_s: f64) -> Self {
+    pub(super) fn new(noise: Noise, features: &FeatureConfig) -> Self {
         let n = noise.white_rad.len();
         let nothing = Level {
             mean: 0.0,
@@ -195,7 +236,8 @@ impl ChangeDetector {
         };
         Self {
             noise,
-            block_s,
+            block_s: features.block_s,
+            gain_per_s: features.gain_per_s,
             before_rad: vec![0.0; n],
             levels: vec![nothing; n],
             slow_rad2: vec![0.0; n],
@@ -245,57 +287,75 @@ impl ChangeDetector {
         };
         let free: Vec<[f64; 2]> = (0..n).map(|i| of(&self.levels[i], i)).collect();
         let all_free = [0, 1].map(|k| free.iter().map(|f| f[k]).sum::<f64>());
+        // What the motor's torque says of a contact at a joint, over what it says of none. Its noise lasts like the link's.
+        let independent = (1.0 - rho) / (1.0 + rho);
+        let motor: Vec<f64> = (0..n)
+            .map(|i| match block.motor[i] {
+                Some((motor, variance)) => {
+                    let of = |x: f64| ln_student(x, variance + stationary(i));
+                    independent * (of(motor - e[i]) - of(motor))
+                }
+                None => 0.0,
+            })
+            .collect();
         let contacts = CONTACT_RAD.map(|size| {
-            let touched = |i: usize| ln_normal(e[i], size * size + stationary(i));
+            let touched = |i: usize| motor[i] + ln_normal(e[i], size * size + stationary(i));
             let alone = (0..n).map(|i| all_free[1] - free[i][1] + touched(i) - (n as f64).ln());
             let every = (0..n).map(touched).sum::<f64>();
-            ln_sum([(1.0 - ALONE).ln() + every, ALONE.ln() + ln_sum(alone)].into_iter())
+            let alone_share = ALONE * (1.0 - STEADY);
+            ln_sum([(1.0 - ALONE).ln() + every, alone_share.ln() + ln_sum(alone)].into_iter())
         });
-        let contact = ln_sum(contacts.into_iter()) - (CONTACT_RAD.len() as f64).ln();
+        let contact = ln_sum(contacts.into_iter())
+            - (CONTACT_RAD.len() as f64).ln()
+            - (1.0 - ALONE * STEADY).ln();
         let was_nothing = self.ln_nothing;
         let hazard = self.block_s / STEP_EVERY_S;
+        let per_block = self.gain_per_s * self.block_s;
+        let steady_begins = ALONE * STEADY * self.block_s / CONTACT_EVERY_S;
         self.ln_nothing = through(was_nothing, all_free, contact, self.block_s)
             .map(|ln| ln + (1.0 - hazard * n as f64).ln());
+        let ends = self.block_s / CONTACT_LASTS_S;
+        let steady = self.onsets.iter().flat_map(|onset| onset.ln_steady);
+        let ended = ln_sum(steady) + ends.ln() + all_free[1];
+        self.ln_nothing[0] = ln_sum([self.ln_nothing[0], ended].into_iter());
         for onset in &mut self.onsets {
-            let i = onset.joint;
             onset.age += 1;
-            let appears = onset.age < APPEARS;
-            let own = match appears {
-                true => {
-                    let more = APPEARING_RAD.powi(2);
-                    let alone = ln_normal(e[i], STEP_RAD.powi(2) + stationary(i));
-                    let goes_on = ln_normal(z[i], more + white(i));
-                    [if fresh { alone } else { goes_on }, alone]
-                }
-                false => of(&onset.level, i),
-            };
-            let others = [0, 1].map(|k| all_free[k] - free[i][k] + own[k]);
-            onset.ln = through(onset.ln, others, contact, self.block_s);
-            if !appears {
-                let free_now = (onset.ln[0] - ln_sum(onset.ln.into_iter())).exp();
-                match fresh {
-                    true => onset.level.update(e[i], 1.0, stationary(i), free_now),
-                    false => onset.level.update(z[i], gain, white(i), free_now),
-                }
-            }
         }
-        for i in 0..n {
-            let level = Level {
-                mean: self.levels[i].mean,
-                variance: self.levels[i].variance + STEP_RAD.powi(2),
-            };
-            let alone = ln_normal(e[i], level.variance + stationary(i));
-            let goes_on = ln_normal(z[i], APPEARING_RAD.powi(2) + white(i));
-            let own = [if fresh { alone } else { goes_on }, alone];
-            let others = [0, 1].map(|k| all_free[k] - free[i][k] + own[k]);
-            let ln = through(was_nothing, others, contact, self.block_s);
+        for (i, base) in self.levels.iter().enumerate() {
+            let steady_begins = steady_begins / n as f64 / (1.0 - ends);
             self.onsets.push(Onset {
                 joint: i,
                 since_s: block.time_s - 0.5 * self.block_s,
                 age: 0,
-                level,
-                ln: ln.map(|ln| ln + hazard.ln()),
+                level: Level {
+                    mean: base.mean,
+                    variance: base.variance + STEP_RAD.powi(2),
+                },
+                ln: was_nothing.map(|ln| ln + hazard.ln()),
+                ln_steady: was_nothing.map(|ln| ln + steady_begins.ln()),
             });
+        }
+        for onset in &mut self.onsets {
+            let i = onset.joint;
+            let (shown, before) = (onset.share(per_block), onset.share_before(per_block));
+            let appearing = onset.level.square() * (APPEARING * (1.0 - shown)).powi(2);
+            let (z_gain, z_rad2) = (shown - rho * before, white(i) + appearing);
+            let e_rad2 = stationary(i) + appearing;
+            let alone = onset.level.ln_density(e[i], shown, e_rad2);
+            let own = match fresh {
+                true => [alone, alone],
+                false => [onset.level.ln_density(z[i], z_gain, z_rad2), alone],
+            };
+            let others = [0, 1].map(|k| all_free[k] - free[i][k] + own[k]);
+            onset.ln = through(onset.ln, others, contact, self.block_s);
+            let others = others.map(|ln| ln + motor[i]);
+            onset.ln_steady = through(onset.ln_steady, others, contact, self.block_s)
+                .map(|ln| ln + (1.0 - ends).ln());
+            let free_now = (-onset.ln_any()).exp() * (onset.ln[0].exp() + onset.ln_steady[0].exp());
+            match fresh {
+                true => onset.level.update(e[i], shown, e_rad2, free_now),
+                false => onset.level.update(z[i], z_gain, z_rad2, free_now),
+            }
         }
         self.normalise();
         // The level of a joint, as far as nothing has changed there.
@@ -318,17 +378,17 @@ impl ChangeDetector {
         self.ln_nothing[0].exp() + free.sum::<f64>()
     }
 
-    /// Probability of a step, per joint.
+    /// Probability of a step or a steady contact, per joint.
     fn probabilities(&self) -> Vec<f64> {
         let mut out = vec![0.0; self.levels.len()];
         for onset in &self.onsets {
-            out[onset.joint] += onset.ln[0].exp() + onset.ln[1].exp();
+            out[onset.joint] += onset.ln_any().exp();
         }
         out
     }
 
     fn normalise(&mut self) {
-        let own = self.onsets.iter().flat_map(|o| o.ln);
+        let own = self.onsets.iter().map(Onset::ln_any);
         let total = ln_sum(self.ln_nothing.into_iter().chain(own));
         if !total.is_finite() {
             // Numbers that no hypothesis explains say nothing.
@@ -339,19 +399,18 @@ impl ChangeDetector {
         self.ln_nothing = self.ln_nothing.map(|ln| ln - total);
         for onset in &mut self.onsets {
             onset.ln = onset.ln.map(|ln| ln - total);
+            onset.ln_steady = onset.ln_steady.map(|ln| ln - total);
         }
-        self.onsets
-            .retain(|o| ln_sum(o.ln.into_iter()) > NEGLIGIBLE.ln());
+        self.onsets.retain(|o| o.ln_any() > NEGLIGIBLE.ln());
         for i in 0..self.levels.len() {
             let mut own: Vec<f64> = (self.onsets.iter())
                 .filter(|o| o.joint == i)
-                .map(|o| ln_sum(o.ln.into_iter()))
+                .map(Onset::ln_any)
                 .collect();
             if own.len() > ONSETS {
                 own.sort_by(|a, b| b.total_cmp(a));
                 let least = own[ONSETS - 1];
-                self.onsets
-                    .retain(|o| o.joint != i || ln_sum(o.ln.into_iter()) >= least);
+                self.onsets.retain(|o| o.joint != i || o.ln_any() >= least);
             }
         }
     }
@@ -359,12 +418,12 @@ impl ChangeDetector {
     /// What is suspected of a joint's offset; `None`: nothing is.
     pub(super) fn suspected(&self, joint: usize) -> Option<SuspectedStep> {
         let own = || self.onsets.iter().filter(|o| o.joint == joint);
-        let probability: f64 = own().map(|o| o.ln[0].exp() + o.ln[1].exp()).sum();
-        let likeliest =
-            own().max_by(|a, b| a.ln[0].max(a.ln[1]).total_cmp(&b.ln[0].max(b.ln[1])))?;
+        let either: f64 = own().map(|o| o.ln_any().exp()).sum();
+        let steady: f64 = own().map(|o| ln_sum(o.ln_steady.into_iter()).exp()).sum();
+        let likeliest = own().max_by(|a, b| a.ln_any().total_cmp(&b.ln_any()))?;
         let (mut mean, mut square) = (0.0, 0.0);
         for onset in own() {
-            let share = (onset.ln[0].exp() + onset.ln[1].exp()) / probability;
+            let share = onset.ln_any().exp() / either;
             let level = onset.level;
             mean += share * level.mean;
             square += share * (level.mean * level.mean + level.variance);
@@ -372,7 +431,8 @@ impl ChangeDetector {
         // What differs between poses is not the step's.
         let pose = self.noise.slow_rad2[joint];
         Some(SuspectedStep {
-            probability: probability.min(1.0),
+            probability: (either - steady).clamp(0.0, 1.0),
+            steady_contact_probability: steady,
             since_s: likeliest.since_s,
             mean_rad: mean,
             deviation_rad: (square - mean * mean + pose).max(0.0).sqrt(),
@@ -390,6 +450,16 @@ mod tests {
 
     /// Two joints with the noise that is expected, and what `more` adds to a joint at a block.
     fn run(blocks: u32, seed: u64, more: impl Fn(usize, u32) -> f64) -> Vec<ChangeDetector> {
+        run_with_motor(blocks, seed, more, |_| [None; 2])
+    }
+
+    /// The same with innovations of the motors.
+    fn run_with_motor(
+        blocks: u32,
+        seed: u64,
+        more: impl Fn(usize, u32) -> f64,
+        motor: impl Fn(u32) -> [Option<(f64, f64)>; 2],
+    ) -> Vec<ChangeDetector> {
         let mut state = seed;
         let mut random = move || {
             state = state
@@ -402,7 +472,7 @@ mod tests {
             white_rad: vec![NOISE_RAD; 2],
             slow_rad2: vec![(0.1e-3_f64).powi(2); 2],
         };
-        let mut detector = ChangeDetector::new(noise, BLOCK_S);
+        let mut detector = ChangeDetector::new(noise, &FeatureConfig::default());
         let mut noise_rad = [0.0; 2];
         let mut out = Vec::new();
         for b in 0..blocks {
@@ -418,6 +488,7 @@ mod tests {
                 time_s: BLOCK_S * f64::from(b),
                 residual_rad: &residual_rad,
                 unknown_rad2: &[1e-8, 1e-8],
+                motor: &motor(b),
                 renewed: 0.1,
                 after_gap: false,
             });
@@ -436,8 +507,9 @@ mod tests {
         for detector in run(60, 1, |i, b| if i == 0 && b > 30 { 4e-3 } else { 0.0 }) {
             let steps: f64 = detector.probabilities().iter().sum();
             let nothing: f64 = detector.ln_nothing.iter().map(|ln| ln.exp()).sum();
+            let sum = steps + nothing;
             // Less what dropped onsets had.
-            assert!((steps + nothing - 1.0).abs() < 1e-6, "{steps} {nothing}");
+            assert!((sum - 1.0).abs() < 1e-6, "{sum}");
             assert!((0.0..=1.0 + 1e-9).contains(&detector.free()));
         }
     }
@@ -458,7 +530,13 @@ mod tests {
             assert!(probability(soon, 1) > 0.9, "{}", probability(soon, 1));
             let last = all.last().unwrap();
             let step = last.suspected(1).unwrap();
-            assert!(step.probability > 0.99 && probability(last, 0) < 0.01);
+            assert!(probability(last, 1) > 0.99 && probability(last, 0) < 0.01);
+            // Without a motor torque only its end tells a steady contact: every block without one takes its share.
+            let odds = |step: SuspectedStep| step.steady_contact_probability / step.probability;
+            let earlier = all[69].suspected(1).unwrap();
+            let ends = 1.0 - BLOCK_S / CONTACT_LASTS_S;
+            let ratio = odds(step) / odds(earlier) / ends.powi(10);
+            assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
             let error_rad = (step.mean_rad - size_rad).abs();
             assert!(error_rad < 3.0 * step.deviation_rad, "{step:?}");
             assert!(
@@ -486,6 +564,34 @@ mod tests {
                 "{}",
                 probability(last, joint)
             );
+        }
+    }
+
+    /// What the second joint's link shows of something that comes at block 50 and lasts, rad.
+    fn lasting(i: usize, b: u32) -> f64 {
+        match b.checked_sub(50) {
+            Some(k) if i == 1 => 5e-3 * [0.2, 0.55, 0.8, 1.0][k.min(3) as usize],
+            _ => 0.0,
+        }
+    }
+
+    /// The motor's torque tells a contact that is as steady as a step from a step.
+    #[test]
+    fn a_steady_contact_shows_at_the_motor() {
+        const UNKNOWN_RAD2: f64 = 1e-6;
+        for seed in 30..40 {
+            let of_contact = |b: u32| Some((lasting(1, b), UNKNOWN_RAD2));
+            let of_step = |_: u32| Some((0.0, UNKNOWN_RAD2));
+            let contact = run_with_motor(80, seed, lasting, |b| [of_step(b), of_contact(b)]);
+            let of = |d: &ChangeDetector| d.suspected(1).map_or(0.0, |step| step.probability);
+            let step = run_with_motor(80, seed, lasting, |b| [of_step(b), of_step(b)]);
+            let (of_contact, of_step) = (of(&contact[79]), of(&step[65]));
+            assert!(
+                of_contact < 0.05 && of_step > 0.95,
+                "{of_contact} {of_step}"
+            );
+            // It is either, and the interval holds both.
+            assert!(contact[56..].iter().all(|d| probability(d, 1) > 0.05));
         }
     }
 
