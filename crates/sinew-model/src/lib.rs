@@ -10,7 +10,7 @@
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
 //! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`feeder`] (samples as they come),
-//! [`correction`] (what a controller does about it), [`robot`].
+//! [`correction`] (what a controller does about it), [`tendons`] (several joints, motors and tendons coupled), [`robot`].
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -63,6 +63,7 @@ pub mod offset;
 pub mod robot;
 pub mod sines;
 pub mod statistics;
+pub mod tendons;
 pub mod tolerances;
 pub mod transmission;
 pub mod vec3;

@@ -28,6 +28,7 @@ mod score;
 #[path = "../../../sinew-files/tests/support/skipped.rs"]
 mod skipped;
 mod spring_arms;
+mod tendons;
 mod urdf;
 #[cfg(feature = "wire")]
 mod wire;
