@@ -18,6 +18,7 @@ use sinew_model::offset::{
     Comparison, FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, Sample, TorqueSource,
     VelocityFilter,
 };
+use sinew_model::tendons::{Coupling, CouplingDescription, CouplingState, Input, Output};
 use sinew_model::transmission::Transmission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -270,6 +271,32 @@ fn corrections_and_contacts_allocate_nothing() {
                 .unwrap();
         }
     });
+    assert_eq!(count, 0, "{STEPS} steps made {count} allocator calls");
+}
+
+#[test]
+fn tendons_allocate_nothing() {
+    let names = ["a", "b", "c"].map(String::from);
+    let springs = vec![Some(Transmission::spring(40.0)); 3];
+    let description = CouplingDescription::diagonal(&names, &springs).unwrap();
+    let coupling = Coupling::new(description).unwrap();
+    let mut state = CouplingState::new(&coupling);
+    let (mut q, mut dq, mut out) = ([0.0; 3], [0.0; 3], [0.0; 9]);
+    let (theta, broken) = ([0.05; 3], [f64::NAN; 3]);
+    let count = allocations(|| {
+        for k in 0..STEPS {
+            motion(k, &mut q, &mut dq);
+            coupling
+                .evaluate(&mut state, &theta, &q, &[1e-3; 3])
+                .unwrap();
+            assert!(coupling.evaluate(&mut state, &theta, &broken, &q).is_err());
+            let (output, input) = (Output::MotorTorque, Input::JointPosition);
+            coupling.jacobian(&state, output, input, &mut out).unwrap();
+            coupling.joint_stiffness(&state, &mut out).unwrap();
+            assert_eq!(coupling.extrapolated(&q).count(), 0);
+        }
+    });
+    assert_eq!(out[0], 40.0);
     assert_eq!(count, 0, "{STEPS} steps made {count} allocator calls");
 }
 

@@ -17,6 +17,7 @@ use sinew_model::correction::{
 use sinew_model::feeder::{Feeder, Reading};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{FeatureObserver, OffsetObserver, Sample};
+use sinew_model::tendons::{Coupling, CouplingState, Input, Output};
 use sinew_model::wire::BlockSender;
 
 unsafe extern "C" {
@@ -181,4 +182,27 @@ pub unsafe extern "C" fn sinew_contact_step(
         Ok(touching) => i32::from(changed) + 2 * i32::from(touching),
         Err(_) => -2,
     }
+}
+
+/// Tensions and torques of coupled tendons, a Jacobian and the joint stiffness, as [`sinew_step`]. `x` holds `theta`, `q` and
+/// `delta`, of any lengths.
+///
+/// # Safety
+/// As [`sinew_step`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_tendon_step(
+    coupling: &Coupling,
+    state: &mut CouplingState,
+    x: &[&[f64]; 3],
+    derivatives: &mut [&mut [f64]; 2],
+) -> i32 {
+    if coupling.evaluate(state, x[0], x[1], x[2]).is_err() {
+        return -1;
+    }
+    let [jacobian, stiffness] = derivatives;
+    let (output, input) = (Output::MotorTorque, Input::Elongation);
+    let differentiated = coupling.jacobian(state, output, input, jacobian).is_ok();
+    let stiffened = coupling.joint_stiffness(state, stiffness).is_ok();
+    let outside = coupling.extrapolated(x[1]).next().is_some();
+    i32::from(differentiated) + 2 * i32::from(stiffened) + 4 * i32::from(outside)
 }
