@@ -10,6 +10,7 @@
 mod own_models;
 
 use cpu_time::ProcessTime;
+use sinew_estimate::executor::Alone;
 use sinew_estimate::online::{OnlineEstimator, OnlineWorker, StepOutcome};
 use sinew_estimate::robot_dir;
 use sinew_estimate::session::SessionOptions;
@@ -127,6 +128,8 @@ fn worked_when(
     mut worker: Box<OnlineWorker>,
 ) -> (Box<OnlineWorker>, Duration) {
     let mut worked = Duration::ZERO;
+    // As `OnlineEstimator::start_worker` does.
+    let _alone = Alone::new();
     loop {
         match asked.load(Ordering::Acquire) {
             u64::MAX => return (worker, worked),

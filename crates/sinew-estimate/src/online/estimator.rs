@@ -9,6 +9,7 @@ use super::window::Window;
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::SessionOptions;
+use crate::executor::Alone;
 use crate::feeder::{Fed, FeederOptions, Refusal};
 use crate::sample::SampleFrame;
 use crate::session::{Recorded, Recorder, SessionEstimate};
@@ -238,7 +239,7 @@ impl OnlineEstimator {
         self.sample.interrupt();
     }
 
-    /// Starts a thread that takes blocks and solves windows.
+    /// Starts a thread that takes blocks and solves windows, on one processor.
     ///
     /// # Errors
     /// The system's, when it has no thread to give.
@@ -253,6 +254,8 @@ impl OnlineEstimator {
         // The worker follows once there is a thread: one that can't be started loses nothing.
         let handle = thread.spawn(move || {
             let Ok(mut worker) = take.recv() else { return };
+            // The other processors are the loop's.
+            let _alone = Alone::new();
             while !seen.load(Ordering::Acquire) {
                 worker.work();
                 std::thread::sleep(LOOKS_EVERY);
