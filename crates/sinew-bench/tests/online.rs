@@ -3,7 +3,7 @@
 use crate::support;
 
 use sinew_bench::scenarios::{End, EndScore, Form, Sessions, record};
-use sinew_estimate::online::{OnlineAnswer, replay};
+use sinew_estimate::online::{Window, replay};
 use sinew_estimate::session;
 use sinew_estimate::session::{SessionOptions, Warning};
 use sinew_model::{Gaussian, Z95};
@@ -28,7 +28,8 @@ fn two_slips_are_provisional_at_once_and_then_followed() {
         let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A", &learning).unwrap();
         let options = SessionOptions::default();
         let (mut silent_s, mut last_s) = ([0.0; SLIPS.len()], f64::NAN);
-        let mut each = |answer: &OnlineAnswer| {
+        let mut each = |window: &Window| {
+            let answer = window.answer();
             let block_s = answer.time_s - last_s;
             last_s = answer.time_s;
             for (own, truth_mrad) in answer.joints.iter().zip(&truth_mrad) {

@@ -3,9 +3,7 @@
 use crate::stands;
 use crate::support::{biorob_like, repository, sessions, watching, work_session};
 use sinew_estimate::baseline::Baseline;
-use sinew_estimate::online::{
-    OnlineAnswer, OnlineEstimator, Provisional, StepOutcome, Window, replay,
-};
+use sinew_estimate::online::{OnlineEstimator, Provisional, StepOutcome, Window, replay};
 use sinew_estimate::session::{
     Learning, Recorded, Recorder, SessionEstimate, SessionOptions, estimate_recorded,
     learn_recorded,
@@ -53,9 +51,9 @@ fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
     for count in [10, 40, 150, b.blocks.len() / 10 * 10] {
         let part = until(&b, count);
         let mut seen = 0;
-        window = replay(robot, &part, with, &options, "B", &mut |answer| {
+        window = replay(robot, &part, with, &options, "B", &mut |window| {
             seen += 1;
-            assert_eq!(answer.blocks, seen);
+            assert_eq!(window.answer().blocks, seen);
         })
         .unwrap();
         let (estimate, _) = estimate_recorded(robot, &part, "B", with, &options).unwrap();
@@ -92,7 +90,8 @@ fn a_slip_is_suspected_at_once_and_then_followed() {
     let options = SessionOptions::default();
     let (mut suspected_s, mut silent_s) = ([f64::NAN; 2], [0.0; 2]);
     let (mut provisional, mut calm) = (0, 0);
-    let mut each = |answer: &OnlineAnswer| {
+    let mut each = |window: &Window| {
+        let answer = window.answer();
         let time_s = answer.time_s;
         for (k, (joint, at_s)) in SLIPS.into_iter().enumerate() {
             let own = &answer.joints[joint];
@@ -324,7 +323,8 @@ fn a_window_that_is_refused_leaves_no_settled_answer() {
     let (mut refused, mut after) = (false, 0);
     let with = Some((&baseline, "A"));
     let options = SessionOptions::default();
-    let window = replay(&robot, &swapped, with, &options, "B", &mut |answer| {
+    let window = replay(&robot, &swapped, with, &options, "B", &mut |window| {
+        let answer = window.answer();
         let is_refused = |own: &sinew_estimate::online::OnlineJoint| {
             own.provisional == Some(Provisional::Refused)
         };

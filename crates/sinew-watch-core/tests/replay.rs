@@ -97,7 +97,7 @@ fn the_offsets_of_now_are_the_online_estimate_s() {
         with,
         &options,
         "B",
-        &mut |answer| answers.push(answer.clone()),
+        &mut |window| answers.push(window.answer().clone()),
     )
     .unwrap();
 

@@ -4,7 +4,8 @@ use super::outcome::Judged;
 use super::simulated::Simulated;
 use super::{ScenarioError, estimator};
 use serde::{Deserialize, Serialize};
-use sinew_estimate::online::{OnlineAnswer, replay};
+use sinew_estimate::online::{Window, replay};
+use sinew_estimate::session::SessionEstimate;
 use sinew_model::Gaussian;
 use sinew_sim::protocol::Plan;
 
@@ -31,6 +32,8 @@ pub struct Course {
     pub joints: Vec<JointCourse>,
     /// Slips in the order of time.
     pub slips: Vec<SlipCourse>,
+    /// Changes of a tendon that were reported with a probability of at least 0.9 and did not happen.
+    pub false_changes: usize,
     /// Time judged, s.
     pub watched_s: f64,
     /// Processor time of all solutions and checks, s.
@@ -108,7 +111,13 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
     let options = estimator::options(plan.payload_unknown);
     let begun = cpu_time::ProcessTime::now();
     let mut truth = simulated.truth_of_blocks_rad.iter();
-    let mut each = |answer: &OnlineAnswer| {
+    let (mut changes, mut solved_s) = (ChangeJudge::default(), f64::NEG_INFINITY);
+    let mut each = |window: &Window| {
+        let answer = window.answer();
+        if let Some(estimate) = window.estimate().filter(|_| answer.solved_s > solved_s) {
+            solved_s = answer.solved_s;
+            changes.take(estimate, &simulated.slips, names);
+        }
         let time_s = answer.time_s;
         let Some(truth_rad) = truth.next() else {
             return;
@@ -140,6 +149,7 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
     Ok(Course {
         scenario: plan.name.clone(),
         seed,
+        false_changes: changes.false_ones.len(),
         watched_s: recorded.duration_s,
         joints: judges.into_iter().map(Judge::finish).collect(),
         slips: slips.into_iter().map(|s| s.finish(names)).collect(),
@@ -150,6 +160,39 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
 impl Judged for Course {
     fn key(&self) -> (&str, u64) {
         (&self.scenario, self.seed)
+    }
+}
+
+/// Judges the changes of every solution.
+#[derive(Default)]
+struct ChangeJudge {
+    /// Joint and time, s, of those that did not happen.
+    false_ones: Vec<(String, f64)>,
+}
+
+impl ChangeJudge {
+    /// Reported changes this near are one, and one this near to a slip is that, s.
+    const NEAR_S: f64 = 3.0;
+    /// Less probable ones are no report.
+    const REPORTED: f64 = 0.9;
+
+    fn take(&mut self, estimate: &SessionEstimate, slips: &[(usize, f64, f64)], names: &[String]) {
+        for joint in &estimate.joints {
+            let reported = joint.changes.iter();
+            for change in reported.filter(|c| c.probability.is_some_and(|p| p >= Self::REPORTED)) {
+                let near = |at_s: f64| (change.time_s - at_s).abs() < Self::NEAR_S;
+                let happened = slips
+                    .iter()
+                    .any(|(slipped, at_s, _)| names[*slipped] == joint.name && near(*at_s));
+                let known = self
+                    .false_ones
+                    .iter()
+                    .any(|(name, at_s)| *name == joint.name && near(*at_s));
+                if !(happened || known) {
+                    self.false_ones.push((joint.name.clone(), change.time_s));
+                }
+            }
+        }
     }
 }
 

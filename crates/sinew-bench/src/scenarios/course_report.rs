@@ -12,7 +12,7 @@ use sinew_report::text::{paragraph, plain, table};
 /// Another simulation or estimator: what older files hold can't go on.
 const COURSES: Kind = Kind {
     format: "sinew-course",
-    version: 1,
+    version: 2,
     holds: "courses of the online estimate",
 };
 
@@ -48,6 +48,8 @@ pub struct CourseSummary {
     pub joints: Vec<CourseFigures>,
     /// All slips together.
     pub slips: SlipFigures,
+    /// Changes reported with a probability of at least 0.9 that did not happen, an hour.
+    pub false_changes_per_h: Option<f64>,
     /// Processor time over the recordings' length; `None` where several recordings ran at once (`--jobs`), whose times are one.
     pub processor_share: Option<f64>,
 }
@@ -147,6 +149,7 @@ fn summarise(scenario: &str, courses: &[&Course]) -> CourseSummary {
     };
     let watched_s: f64 = courses.iter().map(|c| c.watched_s).sum();
     let processor_s: f64 = courses.iter().map(|c| c.processor_s).sum();
+    let false_changes: usize = courses.iter().map(|c| c.false_changes).sum();
     CourseSummary {
         scenario: scenario.into(),
         recordings: courses.len(),
@@ -154,6 +157,7 @@ fn summarise(scenario: &str, courses: &[&Course]) -> CourseSummary {
             .chain(names.iter().map(|name| figures(name, &of(name))))
             .collect(),
         slips: slip_figures(&courses.iter().flat_map(|c| &c.slips).collect::<Vec<_>>()),
+        false_changes_per_h: finite(3600.0 * false_changes as f64 / watched_s),
         processor_share: finite(processor_s / watched_s),
     }
 }
@@ -232,6 +236,7 @@ pub fn render_courses(report: &CourseReport) -> String {
             several(&s.slips.silent_s),
             several(&s.slips.holds_s),
             several(&s.slips.right_s),
+            optional(s.false_changes_per_h, 1),
             optional(s.processor_share.map(|share| 100.0 * share), 2),
         ]);
     }
@@ -255,7 +260,8 @@ pub fn render_courses(report: &CourseReport) -> String {
         "silent, s",
         "holds, s",
         "right, s",
-        "processor, %",
+        "false\n1/h",
+        "proc.\n%",
     ];
     text.push_str(&table(&head, slips, 1));
     text.push('\n');
@@ -263,7 +269,8 @@ pub fn render_courses(report: &CourseReport) -> String {
         "first: first useful answer, median / nine of ten; useful: inside the 95 % interval, settled, ± at most 3 mrad; prov.: provisional; \
          calm: provisional from 30 s on and not within 12 s after a slip; silent: outside and settled; far: beyond three deviations and settled; \
          ±: median half width. Slips, median / nine of ten / longest: until last silently outside; until the interval holds the truth or is \
-         provisional; until inside, settled and ± at most 2 mrad, 30 where that took longer",
+         provisional; until inside, settled and ± at most 2 mrad, 30 where that took longer; false: changes of a probability of at least 0.9 that \
+         did not happen; proc.: processor time",
         0,
     ));
     for r in &report.refusals {

@@ -1,6 +1,6 @@
 //! The online estimate over blocks that were recorded: what it would have said beside the running robot.
 
-use super::answer::{OnlineAnswer, OnlineJoint};
+use super::answer::OnlineJoint;
 use super::window::Window;
 use crate::baseline::Baseline;
 use crate::error::SessionError;
@@ -8,7 +8,7 @@ use crate::estimator::SessionOptions;
 use crate::session::{Doubt, LiveBlock, LiveCourse, LiveTendon, Recorded};
 use sinew_model::robot::Robot;
 
-/// The online estimate over a recording: `each` sees the answer after every block; the window is as it is after the last one.
+/// The online estimate over a recording: `each` sees the window after every block; the result is the window after the last one.
 ///
 /// The window's schedule counts blocks, not seconds of a clock: a replay gives what the worker of a running robot gives that keeps up.
 ///
@@ -20,7 +20,7 @@ pub fn replay(
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
     name: &str,
-    each: &mut dyn FnMut(&OnlineAnswer),
+    each: &mut dyn FnMut(&Window),
 ) -> Result<Window, SessionError> {
     let baseline = baseline.map(|(baseline, file)| (baseline.clone(), file.to_owned()));
     let mut window = Window::new(robot.clone(), baseline, options, name)?;
@@ -29,7 +29,7 @@ pub fn replay(
         if window.is_due() {
             window.solve();
         }
-        each(window.answer());
+        each(&window);
     }
     Ok(window)
 }
@@ -52,7 +52,8 @@ pub fn trajectory(
         doubts: Vec::new(),
         blocks: Vec::with_capacity(recorded.blocks.len()),
     };
-    let mut each = |answer: &OnlineAnswer| {
+    let mut each = |window: &Window| {
+        let answer = window.answer();
         let (time_s, in_doubt) = (answer.time_s, answer.is_provisional());
         let goes_on = out
             .blocks
