@@ -12,15 +12,15 @@ impl Executor for Pool {
     }
 }
 
-/// While it lives, this thread is a pool of its own: [`Pool`] computes one half after the other in it, and other processors are left to
-/// others, such as a control loop.
+/// Guard that makes the thread it was created in a pool of its own: until it is dropped, [`Pool`] computes one half after the other in
+/// this thread. The other processors stay free, for a control loop for example.
 #[derive(Debug)]
 pub struct Alone {
     _pool: Option<rayon::ThreadPool>,
 }
 
 impl Alone {
-    /// Of the calling thread; where the thread belongs to a pool already, that pool stays.
+    /// Makes the calling thread a pool of its own. A thread that belongs to a pool already stays in that pool.
     pub fn new() -> Self {
         let one = rayon::ThreadPoolBuilder::new().num_threads(1);
         let pool = one.use_current_thread().build();

@@ -218,36 +218,48 @@ fn the_motors_torque_tells_a_slip_in_the_last_seconds_from_a_contact() {
     assert!(probability > 0.9, "{probability}");
 }
 
+/// Sessions that end at each of these times are inside three deviations at every joint.
+fn watched_until(ends_s: &[f64], change: impl Fn(String) -> String) {
+    let robot = biorob_like();
+    for &end_s in ends_s {
+        let (parts, truth) = work_session(&robot, 14, &change, &[60.0, end_s]);
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
+        let (baseline, options) = (Some((&baseline, "A")), SessionOptions::default());
+        let (said, _) =
+            session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
+        for (joint, truth_mrad) in said.joints.iter().zip(&truth) {
+            let error = 1e3 * joint.offset_rad.mean - truth_mrad;
+            let deviations = error / (1e3 * joint.offset_rad.deviation);
+            println!(
+                "{end_s} s: {} {error:+.2} mrad, {deviations:+.1} deviations, {:?}",
+                joint.name, joint.changes
+            );
+            assert!(deviations.abs() < 3.0, "{} {deviations}", joint.name);
+        }
+    }
+}
+
+/// The second force turns the yaw alone, by 19 mrad: the link equation can't tell it from a slip.
 #[test]
 fn a_contact_that_has_not_ended_is_no_slip() {
-    let robot = biorob_like();
-    for force_n in ["[0.0, 1.5, 0.0]", "[0.0, 0.0, -3.0]", "[1.0, 1.0, 0.0]"] {
-        let leans = |text: String| {
+    for force_n in ["[0.0, 0.0, -3.0]", "[1.0, 1.0, 0.0]"] {
+        watched_until(&[115.0, 117.0, 119.0, 120.5], |text| {
             no_contact(text)
                 + &format!(
                     "\n[[contacts]]\nstart_s = 113.0\nduration_s = 9.0\nlink = \"tool\"\nforce_n = {force_n}\n"
                 )
-        };
-        for end_s in [115.0, 117.0, 119.0, 120.5] {
-            let (parts, truth) = work_session(&robot, 14, leans, &[60.0, end_s]);
-            let (baseline, _) =
-                session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default())
-                    .unwrap();
-            let baseline = Some((&baseline, "A"));
-            let options = SessionOptions::default();
-            let (said, _) =
-                session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
-            for (joint, truth_mrad) in said.joints.iter().zip(&truth) {
-                let error = 1e3 * joint.offset_rad.mean - truth_mrad;
-                let deviations = error / (1e3 * joint.offset_rad.deviation);
-                println!(
-                    "{force_n} {end_s}: {} {error:+.2} mrad, {deviations:+.1} σ {:?}",
-                    joint.name, joint.changes
-                );
-                assert!(deviations.abs() < 3.0, "{} {deviations}", joint.name);
-            }
-        }
+        });
     }
+}
+
+#[test]
+fn a_load_picked_up_in_the_last_seconds_is_no_slip() {
+    watched_until(&[115.0, 116.5, 118.0, 120.0], |text| {
+        no_contact(text)
+            .replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.4")
+            .replace("attach_s = 60.0", "attach_s = 113.0")
+    });
 }
 
 #[test]

@@ -131,6 +131,39 @@ fn a_slip_is_suspected_at_once_and_then_followed() {
     }
 }
 
+/// A motor torque that is left out of the estimate says nothing of blocks that come after it either: every answer is the one without it.
+#[test]
+fn a_torque_that_is_left_out_is_left_out_of_the_check() {
+    let robot = biorob_like();
+    let slips = |text: String| {
+        text + "\n[[offsets]]\njoint = \"shoulder_pitch\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 82.1\nrad = 0.005\n"
+    };
+    let (parts, _) = work_session(&robot, 60, slips, &[60.0, 95.0]);
+    let baseline = learned(&robot, &parts[0]);
+    let answers = |torque: &dyn Fn(f64) -> f64| {
+        let mut recorded = parts[1].clone();
+        for motor in recorded.blocks.iter_mut().flat_map(|b| &mut b.motor_torque) {
+            *motor = torque(*motor);
+        }
+        let mut answers = Vec::new();
+        let mut each = |window: &Window| {
+            let known = window.answer().joints.iter();
+            let known = known.map(|own| (own.offset_rad, own.provisional));
+            answers.push((window.answer().solved_s, known.collect::<Vec<_>>()));
+        };
+        let with = Some((&baseline, "A"));
+        let options = SessionOptions::default();
+        replay(&robot, &recorded, with, &options, "B", &mut each).unwrap();
+        // Before the first solution nothing is known.
+        answers.retain(|(solved_s, _)| solved_s.is_finite());
+        answers
+    };
+    let without = answers(&|_| f64::NAN);
+    assert!(without.len() > 100, "{}", without.len());
+    assert!(answers(&|_| 3.0) == without, "a torque that never changes");
+    assert!(answers(&|nm| nm) != without, "a torque that is a witness");
+}
+
 /// An arm that stands for minutes after it worked knows what it knew, and holds no more memory.
 #[test]
 fn a_stand_of_minutes_replaces_no_motion() {

@@ -33,7 +33,7 @@ pub struct Course {
     /// Slips in the order of time.
     pub slips: Vec<SlipCourse>,
     /// Changes of a tendon that were reported with a probability of at least 0.9 and did not happen.
-    pub false_changes: usize,
+    pub false_changes: Vec<FalseChange>,
     /// Time judged, s.
     pub watched_s: f64,
     /// Processor time of all solutions and checks, s.
@@ -116,7 +116,7 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
         let answer = window.answer();
         if let Some(estimate) = window.estimate().filter(|_| answer.solved_s > solved_s) {
             solved_s = answer.solved_s;
-            changes.take(estimate, &simulated.slips, names);
+            changes.take(estimate, solved_s, &simulated.slips, names);
         }
         let time_s = answer.time_s;
         let Some(truth_rad) = truth.next() else {
@@ -149,7 +149,7 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
     Ok(Course {
         scenario: plan.name.clone(),
         seed,
-        false_changes: changes.false_ones.len(),
+        false_changes: changes.false_changes,
         watched_s: recorded.duration_s,
         joints: judges.into_iter().map(Judge::finish).collect(),
         slips: slips.into_iter().map(|s| s.finish(names)).collect(),
@@ -163,33 +163,67 @@ impl Judged for Course {
     }
 }
 
+/// A change of a tendon that was reported and did not happen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FalseChange {
+    /// Joint.
+    pub joint: String,
+    /// When it was said to have happened, s.
+    pub at_s: f64,
+    /// End of the window that reported it first, s.
+    pub reported_s: f64,
+    /// Probability that was reported.
+    pub probability: f64,
+    /// Step of the offset, rad; `None`: a change of stiffness alone.
+    pub size_rad: Option<f64>,
+}
+
 /// Judges the changes of every solution.
 #[derive(Default)]
 struct ChangeJudge {
-    /// Joint and time, s, of those that did not happen.
-    false_ones: Vec<(String, f64)>,
+    false_changes: Vec<FalseChange>,
 }
 
 impl ChangeJudge {
-    /// Reported changes this near are one, and one this near to a slip is that, s.
+    /// Reported changes this near are one, and one this near to a slip, or with it in the interval of its time, is that slip, s.
     const NEAR_S: f64 = 3.0;
     /// Less probable ones are no report.
     const REPORTED: f64 = 0.9;
 
-    fn take(&mut self, estimate: &SessionEstimate, slips: &[(usize, f64, f64)], names: &[String]) {
+    fn take(
+        &mut self,
+        estimate: &SessionEstimate,
+        solved_s: f64,
+        slips: &[(usize, f64, f64)],
+        names: &[String],
+    ) {
         for joint in &estimate.joints {
-            let reported = joint.changes.iter();
-            for change in reported.filter(|c| c.probability.is_some_and(|p| p >= Self::REPORTED)) {
+            for change in &joint.changes {
+                let Some(probability) = change.probability.filter(|p| *p >= Self::REPORTED) else {
+                    continue;
+                };
                 let near = |at_s: f64| (change.time_s - at_s).abs() < Self::NEAR_S;
-                let happened = slips
-                    .iter()
-                    .any(|(slipped, at_s, _)| names[*slipped] == joint.name && near(*at_s));
+                // A contact may hide when a slip came: then the interval of its time says so.
+                let dated = |at_s: f64| {
+                    near(at_s)
+                        || (change.interval_s).is_some_and(|i| (i.low..=i.high).contains(&at_s))
+                };
+                let happened = slips.iter().any(|(slipped, at_s, _)| {
+                    names[*slipped] == joint.name && *at_s <= solved_s && dated(*at_s)
+                });
                 let known = self
-                    .false_ones
+                    .false_changes
                     .iter()
-                    .any(|(name, at_s)| *name == joint.name && near(*at_s));
+                    .any(|known| known.joint == joint.name && near(known.at_s));
                 if !(happened || known) {
-                    self.false_ones.push((joint.name.clone(), change.time_s));
+                    self.false_changes.push(FalseChange {
+                        joint: joint.name.clone(),
+                        at_s: change.time_s,
+                        reported_s: solved_s,
+                        probability,
+                        size_rad: change.size_rad.map(|size| size.mean),
+                    });
                 }
             }
         }

@@ -149,7 +149,7 @@ fn summarise(scenario: &str, courses: &[&Course]) -> CourseSummary {
     };
     let watched_s: f64 = courses.iter().map(|c| c.watched_s).sum();
     let processor_s: f64 = courses.iter().map(|c| c.processor_s).sum();
-    let false_changes: usize = courses.iter().map(|c| c.false_changes).sum();
+    let false_changes: usize = courses.iter().map(|c| c.false_changes.len()).sum();
     CourseSummary {
         scenario: scenario.into(),
         recordings: courses.len(),

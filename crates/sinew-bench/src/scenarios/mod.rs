@@ -21,7 +21,7 @@ mod simulated;
 mod summary;
 mod table;
 
-pub use course::{Course, JointCourse, SlipCourse, course};
+pub use course::{Course, FalseChange, JointCourse, SlipCourse, course};
 pub use course_report::{
     CourseFigures, CourseReport, CourseSummary, SlipFigures, render_courses, run_courses,
 };

@@ -2,7 +2,7 @@
 
 use super::recorder::Recorded;
 use super::result::TendonChange;
-use sinew_model::offset::{ChangeKind, ChangePoint, Onset};
+use sinew_model::offset::Onset;
 
 /// A contact longer than this looks like something that happened for good, s.
 pub(super) const LASTING_S: f64 = 8.0;
@@ -37,15 +37,6 @@ impl LateStep {
     /// Whether a change that was found is this step.
     pub(super) fn is(&self, joint: usize, change: &TendonChange) -> bool {
         joint == self.joint && (change.time_s - self.since_s).abs() < Self::NEAR_S
-    }
-
-    /// Whether a change point of the search is this step, or the strand failure that was found in its place.
-    pub(super) fn is_point(&self, point: &ChangePoint) -> bool {
-        let is_joint = match point.kind {
-            ChangeKind::Offset(joint) | ChangeKind::Compliance(joint) => joint == self.joint,
-            ChangeKind::Creep(_) | ChangeKind::Payload | ChangeKind::Force => false,
-        };
-        is_joint && (point.at_s - self.since_s).abs() < Self::NEAR_S
     }
 
     pub(super) fn onset(&self) -> Onset {

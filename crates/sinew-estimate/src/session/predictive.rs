@@ -17,7 +17,7 @@ pub(crate) struct PredictiveCheck {
     detector: ChangeDetector,
     /// Joints with an elastic transmission: those of the detector.
     elastic: Vec<usize>,
-    /// Noise of every joint's motor equation, N·m.
+    /// Noise of every joint's motor equation, N·m; NaN: the posterior's blocks have none, or none that is believed.
     motor_noise_nm: Vec<f64>,
 }
 
@@ -30,11 +30,15 @@ impl PredictiveCheck {
         elastic: &[usize],
     ) -> Self {
         let noise = noise(estimator, map, blocks, elastic);
+        let is_used = |i: usize| blocks.iter().any(|b| b.motor_torque[i].is_finite());
+        let motor_noise_nm = map.motor_noise_nm.iter().enumerate();
         Self {
             prediction: estimator.prediction(map),
             detector: ChangeDetector::new(noise, &FeatureConfig::default()),
             elastic: elastic.to_vec(),
-            motor_noise_nm: map.motor_noise_nm.clone(),
+            motor_noise_nm: motor_noise_nm
+                .map(|(i, noise)| if is_used(i) { *noise } else { f64::NAN })
+                .collect(),
         }
     }
 

@@ -33,13 +33,10 @@ impl Given<'_> {
         let check = self.check(segments)?;
         segments.step = self.step(segments, &check)?;
         let lasts = |step: &LateStep| 1.0 - step.probability < NEGLIGIBLE;
-        let is_missing = |step: &LateStep| {
-            let last = segments.estimates.last();
-            !last.is_some_and(|(_, map)| map.changes.iter().any(|c| step.is_point(c)))
-        };
-        let Some(step) = segments.step.filter(lasts).filter(is_missing) else {
+        let Some(step) = segments.step.filter(lasts) else {
             return Ok(check);
         };
+        // A change that the search has found near its edge is sought again, too: it may have come later than the edge.
         let scope = SearchScope {
             onset: Some(step.onset()),
             ..self.scope

@@ -96,7 +96,7 @@ impl Appearance {
 
     /// Share of a change that blocks show at a time after it.
     pub(crate) fn share(&self, change: &ChangePoint, time_s: f64) -> f64 {
-        /// Less is missing after ten time constants than rounding leaves of an offset.
+        /// From here on less than a twenty-thousandth of a change is missing: blocks of one factor are summed together.
         const TIME_CONSTANTS: f64 = 10.0;
         let passed = self.gain_per_s * (time_s - change.at_s + self.delay_s);
         match change.kind {
@@ -123,7 +123,8 @@ pub struct SearchScope {
     /// Whether the data goes on from where the belief ends: a change may come with its first
     /// block then.
     pub continues: bool,
-    /// A step that is known from elsewhere: it may be so late that the search would not look for it.
+    /// A step that a check of the newest blocks has found: the search accepts it from two seconds before the end on, where it
+    /// asks for five of other changes.
     pub onset: Option<Onset>,
 }
 
@@ -132,7 +133,7 @@ pub struct SearchScope {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Onset {
-    /// Joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Beginning of the first block that shows it, s.
     pub at_s: f64,

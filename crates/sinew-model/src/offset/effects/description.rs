@@ -1,4 +1,4 @@
-//! What an effect is called, and what its parameters are before any recording.
+//! Descriptions of effects: name, equation, and parameters with their priors before any recording.
 
 use super::PER_JOINT;
 use crate::Gaussian;
@@ -11,30 +11,30 @@ pub(crate) const FIXED: f64 = 1e-9;
 /// Description of a physical effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
-    /// Its heading.
+    /// Heading of the effect on the page of the book.
     pub title: &'static str,
-    /// What it is, in sentences.
+    /// What the effect is physically, in complete sentences.
     pub text: &'static str,
-    /// Its terms in the equations of a joint.
+    /// Terms of the effect in the sums of a joint's equations, one a line.
     pub equation: &'static str,
-    /// Its parameters.
+    /// Parameters that the effect adds to the state.
     pub parameters: &'static [Parameter],
 }
 
 /// Description of one parameter of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
-    /// What it is.
+    /// Name of the parameter in results and on the page of the book.
     pub name: &'static str,
-    /// Its symbol in equations.
+    /// Symbol of the parameter in the equation of its effect.
     pub symbol: &'static str,
-    /// Its unit; empty for a ratio.
+    /// SI unit of the parameter; empty for a ratio.
     pub unit: &'static str,
-    /// Its prior, in words and keys of `robot.toml`.
+    /// Prior of the parameter in words, with the keys of `robot.toml` that set it.
     pub prior_text: &'static str,
-    /// Where the numbers of the prior come from.
+    /// Origin of the prior's numbers: a definition, a data sheet, or engineering judgement.
     pub source: &'static str,
-    /// How long its value holds.
+    /// How long a value of the parameter holds.
     pub lifetime: Lifetime,
     /// The parameters with which it is alike in robots of one type; `None`: it does not belong to a robot.
     pub kind: Option<Kind>,

@@ -100,7 +100,7 @@ pub(crate) const PER_JOINT: usize = JointParameter::Zero as usize + 1;
 /// # Realtime
 /// No allocation, lock, panic or clock.
 pub(crate) trait Effect {
-    /// What it is, and its parameters.
+    /// Name, equation and parameters of the effect.
     const DESCRIPTION: Description;
 
     /// Torque that bends the spring, N·m.
