@@ -36,14 +36,17 @@ impl Opened {
         let words = loaded.robot.warnings.iter().cloned();
         let mut warnings: Vec<_> = words.map(|text| RecordingWarning::Robot { text }).collect();
         let names = loaded.robot.joint_names();
-        let unknown = match_joints(&request.name(), names, &recording)?;
+        let motors = loaded.robot.motor_names();
+        let unknown = match_joints(&request.name(), (names, &motors), &recording)?;
         if !unknown.is_empty() {
             warnings.push(RecordingWarning::UnknownJoints { joints: unknown });
         }
         check_injections(request, &loaded)?;
         check_touches(request, &loaded)?;
-        let selection: Vec<&str> = names.iter().map(String::as_str).collect();
-        recording.select(&selection)?;
+        fn all(names: &[String]) -> Vec<&str> {
+            names.iter().map(String::as_str).collect()
+        }
+        recording.select_driven(&all(names), &all(&motors))?;
         Ok(Self {
             recording,
             loaded,
@@ -86,7 +89,7 @@ impl Opened {
 /// Every moving joint needs a position; others of the recording are left alone: their names.
 fn match_joints(
     file: &str,
-    names: &[String],
+    (names, motors): (&[String], &[String]),
     recording: &Recording,
 ) -> Result<Vec<String>, EstimateError> {
     let known = recording.joints();
@@ -106,7 +109,9 @@ fn match_joints(
             ),
         });
     }
-    let unknown = known.iter().filter(|k| !names.contains(k));
+    let unknown = known
+        .iter()
+        .filter(|k| !names.contains(k) && !motors.contains(k));
     Ok(unknown.cloned().collect())
 }
 

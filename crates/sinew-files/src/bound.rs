@@ -52,13 +52,14 @@ impl Bound {
 /// The unit a key's name ends in, for messages: `motion.pose_rad.elbow` is in rad. Empty: none.
 pub fn unit_of(key: &str) -> &'static str {
     // Longer endings first.
-    const UNITS: [(&str, &str); 38] = [
+    const UNITS: [(&str, &str); 39] = [
         ("_nm_s_per_rad", "N·m·s/rad"),
         ("_mrad_per_k", "mrad/K"),
         ("_nm_per_rad", "N·m/rad"),
         ("_rad_per_k", "rad/K"),
         ("_rad_per_s", "rad/s"),
         ("_nm_per_a", "N·m/A"),
+        ("_n_per_mm", "N/mm"),
         ("_per_rad2", "1/rad²"),
         ("_percent", "%"),
         ("_per_rad", "1/rad"),

@@ -60,6 +60,47 @@ impl Quantity {
     pub(crate) fn index(self) -> usize {
         self as usize
     }
+
+    /// Whether it is measured at the motor, and recorded under the name of the motor.
+    pub(crate) fn is_of_motor(self) -> bool {
+        matches!(self, Quantity::Theta | Quantity::TauM)
+    }
+}
+
+/// Joint of the frames, with the motor whose position and torque stand beside it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct DrivenJoint {
+    /// Name of the joint in the recording.
+    pub(crate) joint: String,
+    /// Name of the motor in the recording.
+    pub(crate) motor: String,
+}
+
+impl DrivenJoint {
+    /// Joints with motors of their own names.
+    pub(crate) fn of_joints(joints: &[String]) -> Vec<Self> {
+        Self::pairs(joints, joints)
+    }
+
+    /// Joints and motors in the same order.
+    pub(crate) fn pairs(joints: &[String], motors: &[String]) -> Vec<Self> {
+        let pairs = joints.iter().zip(motors);
+        pairs
+            .map(|(joint, motor)| Self {
+                joint: joint.clone(),
+                motor: motor.clone(),
+            })
+            .collect()
+    }
+
+    /// Name under which a quantity is recorded.
+    pub(crate) fn recorded(&self, quantity: Quantity) -> &str {
+        if quantity.is_of_motor() {
+            &self.motor
+        } else {
+            &self.joint
+        }
+    }
 }
 
 /// How many blocks of `n` values a wide row has: six per joint and temperature.
@@ -206,6 +247,15 @@ impl Quantities {
             Quantity::TauM => &mut self.tau_m,
             Quantity::TauExt => &mut self.tau_ext,
             Quantity::Temperature => &mut self.temperature,
+        }
+    }
+
+    /// Takes what is measured at the motor from another set.
+    pub(crate) fn take_motor(&mut self, of: Self) {
+        for quantity in Quantity::PER_JOINT {
+            if quantity.is_of_motor() {
+                *self.place(quantity) = of.has(quantity);
+            }
         }
     }
 

@@ -10,9 +10,8 @@ use std::path::Path;
 /// Every message of an MCAP in its order, through the live way.
 fn pushed(bytes: &[u8], options: &OpenOptions, joints: &[String]) -> (Vec<Frame>, Health) {
     let mut live = Live::new(&LiveOptions {
-        joints: joints.to_vec(),
-        namespace: String::new(),
         open: options.clone(),
+        ..LiveOptions::of_joints(joints)
     })
     .unwrap();
     let messages: Vec<_> = MessageStream::new(bytes)

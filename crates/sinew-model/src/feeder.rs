@@ -17,6 +17,7 @@
 
 use crate::StepError;
 use crate::offset::{FeatureObserver, OffsetObserver, Sample, TorqueSource, VelocityFilter};
+use crate::routes::Routes;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -33,13 +34,14 @@ pub struct Reading<'a> {
     pub segment: u32,
     /// Joint position, rad.
     pub q: &'a [f64],
-    /// Motor position reflected to the joint, as measured, rad.
+    /// Motor position reflected to the joint, as measured, rad; of a tendon with a [`Routing`](crate::tendons::Routing) that of its
+    /// motor, as its encoder measures it.
     pub theta: &'a [f64],
     /// Joint velocity, rad/s.
     pub dq: &'a [f64],
     /// Measured elastic torque, N·m.
     pub tau_el: &'a [f64],
-    /// Motor torque reflected to the joint, N·m.
+    /// Motor torque reflected to the joint, N·m; of a tendon with a routing that at the shaft of its motor.
     pub tau_m: &'a [f64],
     /// Known external torque, N·m.
     pub tau_ext: &'a [f64],
@@ -234,6 +236,10 @@ pub struct Feeder<O> {
     motors: Vec<Motor>,
     /// Motor positions as the observer gets them, rad.
     theta: Vec<f64>,
+    /// Routings of tendons that cross several joints.
+    routes: Option<Routes>,
+    /// Motor torques as the observer gets them, N·m; unused without routings.
+    tau_m: Vec<f64>,
     /// Offsets to add: joint, from this time since the start on, ns, and rad.
     injections: Vec<(usize, i64, f64)>,
     start_ns: Option<i64>,
@@ -262,6 +268,8 @@ impl<O: FrameObserver> Feeder<O> {
             gap_ns: (options.gap_s * 1e9) as i64,
             motors: motors.collect(),
             theta: alloc::vec![0.0; transmissions.len()],
+            routes: Routes::of(transmissions),
+            tau_m: alloc::vec![f64::NAN; transmissions.len()],
             injections: Vec::new(),
             start_ns: None,
             accepted_ns: None,
@@ -328,16 +336,26 @@ impl<O: FrameObserver> Feeder<O> {
         let since = |t: i64| reading.time_ns.saturating_sub(t) as f64 * 1e-9;
         let dt_s = self.accepted_ns.map_or(0.0, since);
         let torque_from = |source| needs.torque == source;
+        let tau_m = match &self.routes {
+            Some(routes) if reading.tau_m.len() == self.tau_m.len() => {
+                let torques = self.tau_m.iter_mut().zip(reading.tau_m).enumerate();
+                for (i, (to, torque)) in torques {
+                    *to = torque / routes.drive_ratio(i);
+                }
+                &self.tau_m
+            }
+            _ => reading.tau_m,
+        };
         let input = Input {
             sample: Sample {
                 q: reading.q,
                 theta_measured: &self.theta,
                 dq: needs.velocity.then_some(reading.dq),
                 tau_el: torque_from(TorqueSource::TorqueSensor).then_some(reading.tau_el),
-                tau_m: torque_from(TorqueSource::Motor).then_some(reading.tau_m),
+                tau_m: torque_from(TorqueSource::Motor).then_some(tau_m),
                 tau_ext: self.options.tau_ext.then_some(reading.tau_ext),
             },
-            motor_torque: reading.tau_m,
+            motor_torque: tau_m,
             temperature_c: reading.temperature_c,
         };
         let output = self
@@ -415,7 +433,13 @@ impl<O: FrameObserver> Feeder<O> {
                 motor.settled_at_ns = now_ns.saturating_add(settling_ns);
             }
             motor.seen_ns = Some(now_ns);
-            *fed = *theta;
+            *fed = match &self.routes {
+                Some(routes) if motor.elastic => {
+                    let others = routes.moved_by_others(i, reading.q.iter().copied());
+                    routes.drive_ratio(i) * theta - others
+                }
+                _ => *theta,
+            };
             for (_, _, offset_rad) in self
                 .injections
                 .iter()
@@ -432,7 +456,8 @@ impl<O: FrameObserver> Feeder<O> {
         &self.observer
     }
 
-    /// Motor positions as the observer got them last, injected offsets included, `n`, rad.
+    /// Motor positions as the observer got them last, injected offsets included, `n`, rad; of a tendon that crosses other joints
+    /// without what these move.
     pub fn theta(&self) -> &[f64] {
         &self.theta
     }

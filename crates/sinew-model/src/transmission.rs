@@ -1,6 +1,7 @@
 //! What stands between a motor and its joint: spring, reflected inertia, friction, tendon.
 
 use crate::Gaussian;
+use crate::routing::Routing;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -135,6 +136,9 @@ pub struct Transmission {
     pub warmth: Option<TendonWarmth>,
     /// Where joint or motor is known to stand: end stops and marks.
     pub anchors: Vec<Anchor>,
+    /// Routing of the tendon where it crosses other joints, has a name of its own, or is driven with a ratio. `None`: the tendon has
+    /// the name of its joint, crosses no other one, and `theta` is reflected to it.
+    pub routing: Option<Routing>,
 }
 
 /// What an anchor is.
@@ -181,6 +185,7 @@ impl Transmission {
             tendon: None,
             warmth: None,
             anchors: Vec::new(),
+            routing: None,
         }
     }
 }

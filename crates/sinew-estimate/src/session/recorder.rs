@@ -192,7 +192,8 @@ impl Recorder {
     /// A recorder for `robot`; a pause of more than `gap_s` starts the filters anew. A block joins
     /// all joints: a frame that lacks one's position is left out.
     pub fn new(robot: &Robot, config: &FeatureConfig, gap_s: f64) -> Self {
-        let features = FeatureObserver::new(&robot.arm, *config);
+        let features =
+            FeatureObserver::new(&robot.arm, *config).with_transmissions(&robot.transmissions);
         let options = FeederOptions {
             gap_s,
             ..FeederOptions::default()

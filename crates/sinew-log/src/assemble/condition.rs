@@ -7,7 +7,7 @@
 //! sides land on the same turn; at the start it is taken to the joint side's. A signal whose raw values span more than one
 //! period does not come from a wrapping encoder and is left as it is.
 
-use crate::frame::{Frame, Quantity, is_absent};
+use crate::frame::{DrivenJoint, Frame, Quantity, is_absent};
 use crate::health::{EventKind, Health, SignalCount};
 use sinew_files::WORKS_AT_C;
 
@@ -122,7 +122,7 @@ impl Conditioner {
     }
 
     /// `signals`: six blocks of as many entries as there are joints.
-    pub fn new(joints: &[String], signals: Vec<Signal>, gap_ns: i64) -> Self {
+    pub(crate) fn new(joints: &[DrivenJoint], signals: Vec<Signal>, gap_ns: i64) -> Self {
         let n = joints.len();
         let identity = signals.iter().all(|s| s.scale == 1.0 && s.offset == 0.0);
         let half_period = signals[..2 * n]
@@ -130,7 +130,7 @@ impl Conditioner {
             .map(|signal| 0.5 * signal.period.unwrap_or(f64::INFINITY))
             .collect();
         Conditioner {
-            joints: joints.to_vec(),
+            joints: joints.iter().map(|j| j.joint.clone()).collect(),
             n,
             gap_ns,
             signals,

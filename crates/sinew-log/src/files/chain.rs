@@ -4,7 +4,7 @@ use super::opener::open_file;
 use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
 use crate::error::LogError;
-use crate::frame::Channels;
+use crate::frame::{Channels, DrivenJoint};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
@@ -26,7 +26,7 @@ pub(super) struct Chain {
     options: OpenOptions,
     joints: Vec<String>,
     channels: Channels,
-    selected: Vec<String>,
+    selected: Vec<DrivenJoint>,
     robot_description: Option<String>,
     /// Topics of the files that have been read.
     read: Vec<TopicInfo>,
@@ -81,7 +81,7 @@ impl Chain {
             at: 0,
             reader,
             options: options.clone(),
-            selected: joints.clone(),
+            selected: DrivenJoint::of_joints(&joints),
             joints,
             channels,
             robot_description,
@@ -109,12 +109,12 @@ impl Reader for Chain {
         (self.joints.clone(), self.channels.clone())
     }
 
-    fn select(&mut self, joints: &[String]) {
+    fn select(&mut self, joints: &[DrivenJoint]) {
         self.selected = joints.to_vec();
         self.reader.select(joints);
     }
 
-    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
         self.reader.joiner(joints, options)
     }
 

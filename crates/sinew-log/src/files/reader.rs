@@ -2,7 +2,7 @@
 
 use crate::assemble::Joiner;
 use crate::error::LogError;
-use crate::frame::Channels;
+use crate::frame::{Channels, DrivenJoint};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
@@ -50,10 +50,10 @@ pub(super) trait Reader: Send {
     fn found(&self) -> (Vec<String>, Channels);
 
     /// Which joints the samples hold from now on, in which order.
-    fn select(&mut self, joints: &[String]);
+    fn select(&mut self, joints: &[DrivenJoint]);
 
     /// A joiner for the samples of these joints.
-    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner;
+    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner;
 
     /// Reads a sample into the joiner; `false` at the end.
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError>;

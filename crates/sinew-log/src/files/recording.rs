@@ -15,7 +15,7 @@ use super::table::{ArrayReader, Arrays};
 use crate::assemble::Joiner;
 
 use crate::error::LogError;
-use crate::frame::{Channels, Frame};
+use crate::frame::{Channels, DrivenJoint, Frame};
 use crate::health::Health;
 use crate::options::{OpenOptions, check_options};
 use crate::sources::{SignalSource, TopicInfo};
@@ -32,6 +32,7 @@ pub struct Recording {
     /// All joints and what is recorded of them, as found.
     found: (Vec<String>, Channels),
     joints: Vec<String>,
+    driven: Vec<DrivenJoint>,
     channels: Channels,
     joiner: Joiner,
     health: Health,
@@ -146,8 +147,10 @@ impl Recording {
 
     fn new(reader: Box<dyn Reader>, name: &str, options: &OpenOptions) -> Self {
         let (joints, channels) = reader.found();
+        let driven = DrivenJoint::of_joints(&joints);
         Recording {
-            joiner: reader.joiner(&joints, options),
+            joiner: reader.joiner(&driven, options),
+            driven,
             reader,
             file: name.to_owned(),
             options: options.clone(),
@@ -210,18 +213,32 @@ impl Recording {
     /// A name that is not recorded or given twice, with the names there are and the nearest
     /// one; or a call after the first frame. The selection is then unchanged.
     pub fn select(&mut self, joints: &[&str]) -> Result<(), LogError> {
+        self.select_driven(joints, joints)
+    }
+
+    /// As [`select`](Self::select), with the motor whose position and torque stand beside each joint, `theta.MOTOR_rad` and
+    /// `tau_m.MOTOR_nm`. A motor that is not recorded has neither.
+    ///
+    /// # Errors
+    /// As `select`; a number of motors that is not that of the joints.
+    pub fn select_driven(&mut self, joints: &[&str], motors: &[&str]) -> Result<(), LogError> {
         let request = |reason: String| LogError::request(&self.file, reason);
         if self.started {
             return Err(request(
                 "joints can be selected before the first frame only".to_owned(),
             ));
         }
+        if motors.len() != joints.len() {
+            let (motors, joints) = (motors.len(), joints.len());
+            return Err(request(format!("{motors} motors for {joints} joints")));
+        }
         let mut channels = Channels {
             joints: Vec::with_capacity(joints.len()),
             temperature: self.found.1.temperature,
         };
-        for (place, joint) in joints.iter().enumerate() {
-            let Some(index) = self.found.0.iter().position(|known| known == joint) else {
+        let find = |name: &str| self.found.0.iter().position(|known| known == name);
+        for (place, (joint, motor)) in joints.iter().zip(motors).enumerate() {
+            let Some(index) = find(joint) else {
                 let hint = hint(joint, &self.found.0);
                 return Err(request(format!(
                     "no joint '{joint}'{hint} joints are {}",
@@ -231,12 +248,24 @@ impl Recording {
             if joints[..place].contains(joint) {
                 return Err(request(format!("joint '{joint}' is selected twice")));
             }
-            channels.joints.push(self.found.1.joints[index]);
+            let mut own = self.found.1.joints[index];
+            if motor != joint {
+                let of_motor = find(motor).map(|index| self.found.1.joints[index]);
+                own.take_motor(of_motor.unwrap_or_default());
+            }
+            channels.joints.push(own);
         }
-        self.joints = joints.iter().map(|&joint| joint.to_owned()).collect();
+        let owned = |names: &[&str]| {
+            names
+                .iter()
+                .map(|&name| name.to_owned())
+                .collect::<Vec<_>>()
+        };
+        self.joints = owned(joints);
         self.channels = channels;
-        self.reader.select(&self.joints);
-        self.joiner = self.reader.joiner(&self.joints, &self.options);
+        self.driven = DrivenJoint::pairs(&self.joints, &owned(motors));
+        self.reader.select(&self.driven);
+        self.joiner = self.reader.joiner(&self.driven, &self.options);
         Ok(())
     }
 

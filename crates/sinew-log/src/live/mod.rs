@@ -82,7 +82,7 @@ pub use filter::TopicFilter;
 use crate::assemble::Joiner;
 use crate::decode::MessageKind;
 use crate::error::{Ambiguity, LogError};
-use crate::frame::{Channels, Frame};
+use crate::frame::{Channels, DrivenJoint, Frame};
 use crate::health::Health;
 use crate::mapping::Mapping;
 use crate::options::{OpenOptions, check_options};
@@ -101,6 +101,8 @@ pub const TOPICS_MOST: usize = 1024;
 pub struct LiveOptions {
     /// Joints of the frames, in this order: the robot's own.
     pub joints: Vec<String>,
+    /// Motor whose position and torque stand beside each joint; empty: motors have the names of the joints.
+    pub motors: Vec<String>,
     /// What the robot's topics lie in, such as `/arm7`; empty: anywhere.
     pub namespace: String,
     /// Topics, interfaces, mapping and times, as for a recording. A name without a leading `/` lies in the
@@ -199,17 +201,24 @@ impl Live {
                 ));
             }
         }
+        let motors = match options.motors.len() {
+            0 => joints,
+            n if n == joints.len() => &options.motors,
+            n => return request(format!("{n} motors for {} joints", joints.len())),
+        };
+        let driven = DrivenJoint::pairs(joints, motors);
         let filter = TopicFilter::new(options);
         let (names, ambiguous) = choose_so_far(&Survey::default(), filter.wishes());
         let mut samples = Samples::new(names, mapping, Vec::new());
         let mut known = Vec::new();
-        for joint in joints {
-            let (recorded, motor) = samples.recorded_names(joint);
+        for joint in &driven {
+            let (recorded, _) = samples.recorded_names(&joint.joint);
+            let (_, motor) = samples.recorded_names(&joint.motor);
             known.extend([recorded, motor].map(|name| name.as_bytes().to_vec()));
         }
         samples.set_known(known);
-        samples.select(joints);
-        let joiner = samples.joiner(joints, &options.open);
+        samples.select(&driven);
+        let joiner = samples.joiner(&driven, &options.open);
         Ok(Live {
             filter,
             joints: joints.clone(),

@@ -3,7 +3,7 @@
 use super::names::Names;
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
-use crate::frame::{Channels, Quantity};
+use crate::frame::{Channels, DrivenJoint, Quantity};
 use crate::health::{Health, UNKNOWN_LIMIT};
 use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
 use crate::options::{OpenOptions, to_ns};
@@ -102,13 +102,14 @@ impl Samples {
     }
 
     /// The joints of the samples from now on. Streams are announced anew afterwards.
-    pub(crate) fn select(&mut self, joints: &[String]) {
+    pub(crate) fn select(&mut self, joints: &[DrivenJoint]) {
         let mut selection = Selection {
             n: joints.len(),
             ..Selection::default()
         };
         for (index, joint) in joints.iter().enumerate() {
-            let (recorded, motor) = self.recorded_names(joint);
+            let (recorded, _) = self.recorded_names(&joint.joint);
+            let (_, motor) = self.recorded_names(&joint.motor);
             let name = |name: &str| name.as_bytes().to_vec();
             selection.joint_side.insert(name(recorded), index);
             selection.motor_side.insert(name(motor), index);
@@ -170,14 +171,14 @@ impl Samples {
     }
 
     /// A joiner for the samples of the joints selected, which are `joints`.
-    pub(crate) fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+    pub(crate) fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
         let mut signals = Vec::with_capacity(6 * joints.len());
         for quantity in Quantity::PER_JOINT {
             for joint in joints {
                 let source = self
                     .mapping
                     .iter()
-                    .find(|mapped| mapped.name == *joint)
+                    .find(|mapped| mapped.name == joint.recorded(quantity))
                     .and_then(|mapped| mapped.sources[quantity.index()].as_ref());
                 signals.push(match source {
                     None => Signal::si(quantity),

@@ -42,11 +42,22 @@ pub(super) fn from_toml(text: &str, file: &str) -> Result<Mapping, Located> {
             });
             read.collect::<Result<Vec<_>, Located>>()
         })?;
+        let mut joints = joints.unwrap_or_default();
+        let motors = s.read("motors", |s| {
+            let entries = s.entries().into_iter();
+            let read = entries.map(|(name, line, value)| {
+                let motor = value.section()?.whole(|s| motor(s, name))?;
+                add_motor(&mut joints, motor)
+                    .map_err(|problem| s.here(Fault::Contradiction, problem).line(line))
+            });
+            read.collect::<Result<(), Located>>()
+        });
+        motors?;
         Ok(Mapping {
             file: file.to_owned(),
             time: s.read("time", time)?,
             temperature: s.read("temperature", |s| source(s, Quantity::Temperature))?,
-            joints: joints.unwrap_or_default(),
+            joints,
             mcap: s.read("mcap", mcap)?.unwrap_or_default(),
         })
     })
@@ -93,6 +104,43 @@ fn joint(s: &Section<'_>, name: &str) -> Result<JointMap, Located> {
         motor_recorded: s.text("motor_name")?,
         sources,
     })
+}
+
+/// A motor that has a name of its own, as in `[motors]` of robot.toml.
+fn motor(s: &Section<'_>, name: &str) -> Result<JointMap, Located> {
+    let mut sources: [Option<Source>; 6] = Default::default();
+    for quantity in [Quantity::Theta, Quantity::TauM] {
+        sources[quantity.index()] = s.read(quantity.symbol(), |s| source(s, quantity))?;
+    }
+    Ok(JointMap {
+        name: name.to_owned(),
+        recorded: None,
+        motor_recorded: s.text("name")?,
+        sources,
+    })
+}
+
+/// Adds a motor to the joints, to the one of its name where there is one.
+fn add_motor(joints: &mut Vec<JointMap>, motor: JointMap) -> Result<(), String> {
+    let Some(joint) = joints.iter_mut().find(|joint| joint.name == motor.name) else {
+        joints.push(motor);
+        return Ok(());
+    };
+    for quantity in [Quantity::Theta, Quantity::TauM] {
+        let (to, from) = (
+            &mut joint.sources[quantity.index()],
+            &motor.sources[quantity.index()],
+        );
+        if to.is_some() && from.is_some() {
+            let (symbol, name) = (quantity.symbol(), &motor.name);
+            return Err(format!(
+                "{symbol} of '{name}' stands in [joints.{name}] and in [motors.{name}]: keep one"
+            ));
+        }
+        *to = to.take().or_else(|| from.clone());
+    }
+    joint.motor_recorded = joint.motor_recorded.take().or(motor.motor_recorded);
+    Ok(())
 }
 
 fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {

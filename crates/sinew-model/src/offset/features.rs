@@ -17,16 +17,20 @@
 //! LP[ddtheta] = K_I (dtheta − LP[dtheta])
 //! ```
 //!
+//! For a tendon that crosses several joints, `y` and `τ` are those of the tendon ([`Coupling::paired`](crate::tendons::Coupling::paired)).
+//!
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
 use super::block::{Block, STAND_RAD, copy};
 use super::config::FeatureConfig;
 use super::effects::ENCODER;
-use super::joint_signals::{JointSignals, Lags};
+use super::joint_signals::{JointSignals, Lags, Spring};
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor, PARAMETERS_PER_BODY};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, StateVariableFilter};
+use crate::routes::Routes;
+use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
 /// Makes blocks from samples.
@@ -51,6 +55,8 @@ pub struct FeatureObserver {
     stands_at: Vec<f64>,
     stood_s: f64,
     phi: Vec<f64>,
+    /// Routings of tendons that cross several joints, and room for `Φ` of a block.
+    routes: Option<(Routes, Vec<f64>)>,
     sum: Block,
     count: u32,
     since_start_s: f64,
@@ -109,6 +115,7 @@ impl FeatureObserver {
             stands_at: alloc::vec![0.0; n],
             stood_s: 0.0,
             phi: alloc::vec![0.0; n * columns],
+            routes: None,
             sum: Block::zero(n, columns),
             count: 0,
             since_start_s: 0.0,
@@ -116,6 +123,17 @@ impl FeatureObserver {
             block_start_s: 0.0,
             started: false,
         }
+    }
+
+    /// Takes the routings of tendons that cross several joints; without any nothing changes. Allocates.
+    ///
+    /// `theta_measured` of a step is then that of [`Feeder::theta`](crate::feeder::Feeder::theta), and a block's equation of joint `i` is that
+    /// of the tendon paired with it: `y_i = theta_i − Σ_j rho_ij q_j` and `Φ_i = Σ_j B_ij Φ_j`.
+    #[must_use]
+    pub fn with_transmissions(mut self, transmissions: &[Option<Transmission>]) -> Self {
+        let routes = Routes::of(transmissions);
+        self.routes = routes.map(|routes| (routes, self.phi.clone()));
+        self
     }
 
     /// The next sample starts anew, as after a gap. Time goes on.
@@ -211,6 +229,12 @@ impl FeatureObserver {
         for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
             joint.start(*q, *theta, *torque);
         }
+        for i in 0..self.joints.len() {
+            let spring = self.spring(i);
+            if let Some((joint, spring)) = self.joints.get_mut(i).zip(spring) {
+                joint.settle(spring);
+            }
+        }
         self.follow_regressor(|phi, _, [_, a]| *phi = -a);
         copy(&mut self.stands_at, q);
         self.stood_s = 0.0;
@@ -248,10 +272,29 @@ impl FeatureObserver {
         self.follow_regressor(|phi, [p0, a0], [p1, a1]| {
             *phi = pole.a * *phi + rate * (p1 - p0) - pole.w0 * a0 - pole.w1 * a1;
         });
-        for joint in &mut self.joints {
-            joint.follow(self.config.presliding_rad, &pole, &slow);
+        for i in 0..self.joints.len() {
+            let spring = self.spring(i);
+            if let Some((joint, spring)) = self.joints.get_mut(i).zip(spring) {
+                joint.follow(spring, self.config.presliding_rad, &pole, &slow);
+            }
         }
         Ok(())
+    }
+
+    /// Spring and motor of joint `i` now.
+    fn spring(&self, i: usize) -> Option<Spring> {
+        let joint = self.joints.get(i)?;
+        let own = joint.spring();
+        let Some((routes, _)) = &self.routes else {
+            return Some(own);
+        };
+        let of_all = |of: fn(&JointSignals) -> f64| self.joints.iter().map(of);
+        Some(Spring {
+            load_rad: routes.joint_deflection(i, of_all(JointSignals::deflection)),
+            motor_rad: own.motor_rad + routes.moved_by_others(i, of_all(|j| j.q.value())),
+            motor_rad_per_s: own.motor_rad_per_s
+                + routes.moved_by_others(i, of_all(|j| j.q.rate())),
+        })
     }
 
     /// Lets every entry of `Φ` see its entries of `P` and `A` before and now.
@@ -325,7 +368,7 @@ impl FeatureObserver {
             add(&mut s.dq, dq);
             add(&mut s.z_load, z_load);
             add(&mut s.motor_torque, torque);
-            let acceleration = gain * (joint.theta.rate() - velocity);
+            let acceleration = gain * (joint.motor_rate - velocity);
             add(&mut s.motor_acceleration, acceleration);
             add(&mut s.motor_velocity, velocity);
             add(&mut s.motor_z, motor_z);
@@ -346,6 +389,16 @@ impl FeatureObserver {
         for column in s.sums() {
             for x in column.iter_mut() {
                 *x *= scale;
+            }
+        }
+        if let Some((routes, of_joints)) = &mut self.routes {
+            copy(of_joints, &s.phi);
+            let columns = self.base.len().max(1);
+            for (i, row) in s.phi.chunks_exact_mut(columns).enumerate() {
+                for (k, to) in row.iter_mut().enumerate() {
+                    let column = of_joints.iter().skip(k).step_by(columns);
+                    *to = routes.torque_of(i, column.copied());
+                }
             }
         }
         s.temperature_c *= scale;

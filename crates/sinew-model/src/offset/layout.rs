@@ -10,6 +10,8 @@ pub(crate) struct Layout {
     pub(crate) joints: usize,
     /// Parameters of all bodies.
     pub(crate) bodies: usize,
+    /// Whether a tendon crosses several joints, so that its equations know parameters of these.
+    pub(crate) is_coupled: bool,
 }
 
 impl Layout {

@@ -6,6 +6,7 @@ use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, MomentumObserver, StateVariableFilter};
+use crate::routes::Routes;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -46,7 +47,8 @@ struct JointFilters {
 /// delta_e = theta_measured − q − tau_el / K            eq. (5)–(6)
 /// ```
 ///
-/// with `tau_el` from the source chosen. With [`Comparison::Matched`] positions pass through the
+/// with `tau_el` from the source chosen; of a tendon that crosses several joints the torque is `B_i· tau_el`
+/// ([`Coupling::paired`](crate::tendons::Coupling::paired)). With [`Comparison::Matched`] positions pass through the
 /// filters that make `tau_el` lag, so that a motion cancels; the estimate then is that of about
 /// `2/ω + 1/K_I` ago.
 ///
@@ -58,6 +60,8 @@ struct JointFilters {
 pub struct OffsetObserver {
     arm: Arm,
     transmissions: Vec<Option<Transmission>>,
+    /// Routings of tendons that cross several joints.
+    routes: Option<Routes>,
     config: OffsetConfig,
     ws: ArmWorkspace,
     observer: MomentumObserver,
@@ -119,6 +123,7 @@ impl OffsetObserver {
         Ok(Self {
             arm: arm.clone(),
             transmissions: transmissions.to_vec(),
+            routes: Routes::of(transmissions),
             config,
             ws: ArmWorkspace::new(arm),
             observer: MomentumObserver::new(&gains)?,
@@ -319,11 +324,15 @@ impl OffsetObserver {
             .iter()
             .zip(&self.filters)
             .zip(&self.known);
-        for ((p, alpha), ((transmission, filter), tau_m)) in rows.zip(inputs) {
+        for (i, ((p, alpha), ((transmission, filter), tau_m))) in rows.zip(inputs).enumerate() {
             (*p, *alpha) = match transmission {
                 None => (0.0, 0.0),
                 Some(t) => {
-                    let dtheta = filter.theta.rate();
+                    let others = self
+                        .routes
+                        .as_ref()
+                        .map(|routes| routes.moved_by_others(i, self.dq.iter().copied()));
+                    let dtheta = others.map_or(filter.theta.rate(), |x| filter.theta.rate() + x);
                     (
                         -t.motor_inertia_kg_m2.unwrap_or(0.0) * dtheta,
                         t.motor_friction.torque(dtheta) - tau_m,
@@ -350,8 +359,10 @@ impl OffsetObserver {
             .zip(&self.transmissions);
         let inputs = self.tau_el.iter().zip(self.observer.pole());
         let positions = sample.theta_measured.iter().zip(sample.q);
-        for (((((delta_e, out), filter), transmission), (tau_el, pole)), (theta, q)) in
-            rows.zip(inputs).zip(positions)
+        // A motor's torque is that of its tendon already.
+        let routes = (self.routes.as_ref()).filter(|_| self.config.source != TorqueSource::Motor);
+        for (i, (((((delta_e, out), filter), transmission), (tau_el, pole)), (theta, q))) in
+            rows.zip(inputs).zip(positions).enumerate()
         {
             let Some(transmission) = transmission else {
                 continue;
@@ -367,8 +378,12 @@ impl OffsetObserver {
                     filter.deflection = FirstOrder::settled_at(deflection);
                 }
             }
+            let torque = match routes {
+                None => *tau_el,
+                Some(routes) => routes.torque_of(i, self.tau_el.iter().copied()),
+            };
             *out = deflection;
-            *delta_e = deflection - tau_el / transmission.stiffness_nm_per_rad;
+            *delta_e = deflection - torque / transmission.stiffness_nm_per_rad;
         }
     }
 

@@ -12,6 +12,7 @@ use super::layout::Layout;
 use super::state_entry::{self, StateEntry};
 use crate::Gaussian;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
+use crate::routes::Routes;
 use crate::tolerances::Tolerances;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
@@ -36,6 +37,8 @@ pub struct Prior {
     pub(crate) payload_at: [f64; 3],
     /// What of `inertial` motion depends on.
     pub(crate) base: BaseParameters,
+    /// Routings of tendons that cross several joints.
+    pub(crate) routes: Option<Routes>,
     tolerances: Tolerances,
 }
 
@@ -68,6 +71,7 @@ impl Prior {
             payload_body: payload_body.min(arm.dof().saturating_sub(1)),
             payload_at,
             base: arm.base_parameters(),
+            routes: Routes::of(transmissions),
             tolerances,
         }
     }
@@ -103,6 +107,7 @@ impl Prior {
         Layout {
             joints: self.joints.len(),
             bodies: self.joints.len() * PARAMETERS_PER_BODY,
+            is_coupled: self.routes.is_some(),
         }
     }
 

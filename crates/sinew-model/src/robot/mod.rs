@@ -22,6 +22,16 @@
 //! deviation_rad = 0.0003
 //! [joints.gripper]
 //! locked_at_rad = 0.0                  # welded: needs no column in a recording
+//! [joints.wrist]                       # driven by a tendon below
+//! joint_friction = { coulomb_nm = 0.02, viscous_nm_s_per_rad = 0.01 }
+//! [motors.wrist]                       # motors of tendons, at the shaft whose position is recorded
+//! inertia_kg_m2 = 0.02                 # optional
+//! friction = { coulomb_nm = 0.08, viscous_nm_s_per_rad = 0.02 } # optional
+//! [[tendons]]                          # a rope that runs over the shoulder on its way to the wrist
+//! name = "wrist"
+//! drums_mm = { wrist = 15.0 }          # rope per rad of the motor
+//! moment_arms_mm = { shoulder = 6.0, wrist = 15.0 }
+//! stiffness_n_per_mm = 35.0            # or, with motor and ratios, stiffness_nm_per_rad at the motor
 //! [joints.track]
 //! rigid = true                         # moves, but has no elastic transmission to estimate
 //! [tolerances]                         # optional: how far the robot may be from this file
@@ -30,6 +40,8 @@
 
 use crate::arm::urdf::{self, JointLimits, UrdfArm};
 use crate::arm::{Arm, GRAVITY_M_S2};
+use crate::routing::Routing;
+use crate::tendons::{Coupling, JointSpring};
 use crate::tolerances::Tolerances;
 use crate::transmission::{Anchor, AnchorKind, Friction, Guide, Tendon, Transmission};
 use alloc::borrow::ToOwned;
@@ -37,6 +49,9 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile, names};
+use tendons::{CoupledDrive, JointOfFile, MotorEntry, TendonEntry};
+
+mod tendons;
 
 /// A robot, ready for an observer or a simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +62,8 @@ pub struct Robot {
     pub arm: Arm,
     /// One entry per joint of the arm; `None` for a rigid joint.
     pub transmissions: Vec<Option<Transmission>>,
+    /// Joints, motors and tendons, where `robot.toml` has `[[tendons]]`.
+    pub coupling: Option<Coupling>,
     /// One entry per joint, as the URDF states them.
     pub limits: Vec<JointLimits>,
     /// How far it may be from its description.
@@ -60,6 +77,26 @@ impl Robot {
     pub fn joint_names(&self) -> &[String] {
         self.arm.joint_names()
     }
+
+    /// Name of the tendon that is paired with each joint, in the order of `q`: the joint's own where it has no other.
+    pub fn tendon_names(&self) -> Vec<String> {
+        self.named(|routing| &routing.tendon)
+    }
+
+    /// Name of the motor that drives each joint's tendon, in the order of `q`: the joint's own where it has no other.
+    pub fn motor_names(&self) -> Vec<String> {
+        self.named(|routing| &routing.motor)
+    }
+
+    fn named(&self, name: impl Fn(&Routing) -> &String) -> Vec<String> {
+        let joints = self.joint_names().iter().zip(&self.transmissions);
+        joints
+            .map(|(joint, transmission)| {
+                let routing = transmission.as_ref().and_then(|t| t.routing.as_ref());
+                routing.map_or(joint, &name).clone()
+            })
+            .collect()
+    }
 }
 
 /// `robot.toml`, parsed and checked as far as it can be without the URDF.
@@ -70,6 +107,8 @@ pub struct RobotFile {
     gravity_m_s2: Option<[f64; 3]>,
     base_rpy_rad: Option<[f64; 3]>,
     joints: Vec<JointEntry>,
+    motors: Vec<MotorEntry>,
+    tendons: Vec<TendonEntry>,
     frame_expansion_per_k: Option<f64>,
     tolerances: Tolerances,
 }
@@ -80,6 +119,10 @@ struct JointEntry {
     name: String,
     line: u64,
     locked_at_rad: Option<f64>,
+    /// Passive spring.
+    spring: Option<JointSpring>,
+    /// Friction of the joint, where the file states it.
+    friction: Option<Friction>,
     /// `None`: rigid. An error counts only where the URDF has such a joint, and it isn't locked.
     drive: Result<Option<Drive>, Located>,
 }
@@ -111,6 +154,8 @@ impl RobotFile {
                 gravity_m_s2: root.vec3("gravity_m_s2")?,
                 base_rpy_rad: root.vec3("base_rpy_rad")?,
                 joints: joints.unwrap_or_default(),
+                motors: root.read("motors", tendons::motors)?.unwrap_or_default(),
+                tendons: root.each("tendons", tendons::tendon)?,
                 frame_expansion_per_k: root.number("frame_expansion_per_k", EXPANSION)?,
                 tolerances: root.read("tolerances", tolerances)?.unwrap_or_default(),
             })
@@ -123,10 +168,17 @@ impl RobotFile {
         self.urdf.as_deref()
     }
 
-    /// Names of the joints it describes, but for those it locks.
+    /// Names of the joints it describes, or that its tendons cross, but for those it locks.
     pub fn moving_joints(&self) -> Vec<String> {
         let moving = self.joints.iter().filter(|j| j.locked_at_rad.is_none());
-        moving.map(|j| j.name.clone()).collect()
+        let mut names: Vec<String> = moving.map(|j| j.name.clone()).collect();
+        for joint in tendons::crossed(&self.tendons) {
+            let is_known = self.joints.iter().any(|j| j.name == joint);
+            if !(is_known || names.iter().any(|name| name == joint)) {
+                names.push(joint.to_owned());
+            }
+        }
+        names
     }
 
     /// Builds the robot with the text of its URDF.
@@ -174,34 +226,76 @@ impl RobotFile {
             viscous_nm_s_per_rad,
             warnings,
         } = urdf::parse(urdf_text, &options).map_err(refused)?;
+        let urdf_friction = |i: usize| Friction {
+            coulomb_nm: coulomb_nm[i],
+            viscous_nm_s_per_rad: viscous_nm_s_per_rad[i],
+        };
         let mut transmissions = Vec::with_capacity(arm.dof());
-        for (i, joint) in arm.joint_names().iter().enumerate() {
-            let entry = self.joints.iter().find(|entry| entry.name == *joint);
+        let mut joints = Vec::with_capacity(arm.dof());
+        for (i, name) in arm.joint_names().iter().enumerate() {
+            let entry = self.joints.iter().find(|entry| entry.name == *name);
+            // A joint that a tendon crosses, or a spring holds, needs no drive of its own.
+            let is_held = tendons::crossed(&self.tendons).any(|joint| joint == name)
+                || entry.is_some_and(|entry| entry.spring.is_some());
             let drive = match entry {
                 Some(entry) => entry.drive.clone(),
-                None => Err(self.missing(joint)),
+                None => Err(self.missing(name)),
             };
+            let is_rigid = matches!(drive, Ok(None));
             let drive = drive.unwrap_or_else(|gap| {
-                gaps.push(gap);
+                if !(is_held && gap.fault == Fault::MissingKey) {
+                    gaps.push(gap);
+                }
                 None
+            });
+            let own = drive.as_ref().map(|d| d.transmission.stiffness_nm_per_rad);
+            joints.push(JointOfFile {
+                name,
+                is_rigid: is_rigid || (own.is_none() && !is_held),
+                own_stiffness_nm_per_rad: own,
+                spring: entry.and_then(|entry| entry.spring),
+                friction: entry
+                    .and_then(|entry| entry.friction)
+                    .unwrap_or_else(|| urdf_friction(i)),
             });
             transmissions.push(drive.map(|drive| {
                 let mut transmission = drive.transmission;
-                transmission.joint_friction = drive.joint_friction.unwrap_or(Friction {
-                    coulomb_nm: coulomb_nm[i],
-                    viscous_nm_s_per_rad: viscous_nm_s_per_rad[i],
-                });
-                if let Some(tendon) = &mut transmission.tendon {
-                    let own = tendon.frame_expansion_per_k;
-                    tendon.frame_expansion_per_k = own.or(self.frame_expansion_per_k);
-                }
+                transmission.joint_friction =
+                    drive.joint_friction.unwrap_or_else(|| urdf_friction(i));
                 transmission
             }));
+        }
+        let is_coupled = !self.tendons.is_empty() || joints.iter().any(|j| j.spring.is_some());
+        let locked: Vec<&str> = options.locked.iter().map(|l| l.0.as_str()).collect();
+        let file = (self.motors.as_slice(), self.tendons.as_slice());
+        let coupled = is_coupled.then(|| tendons::couple(&self.file, file, &joints, &locked));
+        let mut coupling = None;
+        match coupled {
+            None => {}
+            Some(Err(gap)) => gaps.push(gap),
+            Some(Ok(coupled)) => {
+                gaps.extend(coupled.gap);
+                coupling = Some(coupled.coupling);
+                for (to, drive) in transmissions.iter_mut().zip(coupled.drives) {
+                    match (drive, to) {
+                        (CoupledDrive::Own, _) | (CoupledDrive::Crossed(_), None) => {}
+                        (CoupledDrive::Crossed(routing), Some(own)) => own.routing = Some(routing),
+                        (CoupledDrive::Tendon(tendon), to) => *to = Some(tendon),
+                    }
+                }
+            }
+        }
+        for transmission in transmissions.iter_mut().flatten() {
+            if let Some(tendon) = &mut transmission.tendon {
+                let own = tendon.frame_expansion_per_k;
+                tendon.frame_expansion_per_k = own.or(self.frame_expansion_per_k);
+            }
         }
         let robot = Robot {
             name,
             arm,
             transmissions,
+            coupling,
             limits,
             tolerances: self.tolerances,
             warnings,
@@ -258,7 +352,7 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
         (None, false) => wrong(
             Fault::MissingKey,
             "stiffness_nm_per_rad is missing",
-            "give it, or rigid = true, or locked_at_rad",
+            "give it, or rigid = true, or locked_at_rad, or a tendon in [[tendons]] that crosses the joint",
         ),
         (Some(_), true) => wrong(
             Fault::Contradiction,
@@ -274,6 +368,7 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
                 tendon,
                 warmth: None,
                 anchors,
+                routing: None,
             },
             joint_friction,
         })),
@@ -281,6 +376,8 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
     Ok(JointEntry {
         name: name.to_owned(),
         line,
+        spring: s.read("spring", tendons::spring)?,
+        friction: joint_friction,
         locked_at_rad: s.number("locked_at_rad", Bound::Any)?,
         drive,
     })

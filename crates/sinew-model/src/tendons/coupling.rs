@@ -22,7 +22,7 @@ pub struct Coupling {
 /// Tendon with the indices of its joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tendon {
-    name: String,
+    pub(super) name: String,
     pub(super) kind: TendonKind,
     pub(super) coordinate: Coordinate,
     pub(super) stiffness: f64,

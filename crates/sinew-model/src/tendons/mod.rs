@@ -60,10 +60,12 @@ mod coupling;
 mod description;
 mod eigen;
 mod error;
+mod pairing;
 mod state;
 mod strand_pair;
 mod table;
 
+pub use crate::routing::Routing;
 pub use analysis::{Equations, Group, JointEquationsReason, MAX_CONDITION, Observability, Sensors};
 pub use coupling::Coupling;
 pub use description::{
@@ -71,6 +73,7 @@ pub use description::{
     TendonKind,
 };
 pub use error::{CouplingError, EvaluationError};
+pub use pairing::{PairedTendon, PairingError};
 pub use state::{CouplingState, Input, Output, TendonStatus};
 pub use strand_pair::StrandPair;
 pub use table::{ShorteningTable, TableError};

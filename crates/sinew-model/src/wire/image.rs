@@ -59,6 +59,7 @@ impl RobotImage {
     /// [`WireError::Content`] when the base columns are none of this arm.
     pub fn features(&self, config: FeatureConfig) -> Result<FeatureObserver, WireError> {
         FeatureObserver::with_base_columns(&self.arm, config, &self.base_columns)
+            .map(|features| features.with_transmissions(&self.transmissions))
             .map_err(|_| WireError::Content)
     }
 }

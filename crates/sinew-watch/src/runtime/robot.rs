@@ -96,7 +96,10 @@ impl Files {
         };
         config.times = settings.times;
         config.alarms = settings.alarms.clone();
-        let live = live_options(settings, robot.joint_names().to_vec(), open);
+        let live = LiveOptions {
+            motors: robot.motor_names(),
+            ..live_options(settings, robot.joint_names().to_vec(), open)
+        };
         Ok((config, live))
     }
 }
@@ -127,6 +130,7 @@ fn open_options(settings: &RobotSettings) -> Result<OpenOptions, NotYet> {
 fn live_options(settings: &RobotSettings, joints: Vec<String>, open: OpenOptions) -> LiveOptions {
     LiveOptions {
         joints,
+        motors: Vec::new(),
         namespace: settings.door.namespace.clone(),
         open,
     }

@@ -14,7 +14,7 @@ use crate::decode::MessageKind;
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
 use crate::files::reader::{Format, Progress, Reader};
-use crate::frame::Channels;
+use crate::frame::{Channels, DrivenJoint};
 use crate::health::Health;
 use crate::live::choose::{check_mapping, choose};
 use crate::live::joints::joints_of;
@@ -96,7 +96,7 @@ impl<M: Messages> BagReader<M> {
             reader.saw(*id).describe(topic);
         }
         let all = reader.joints.clone();
-        reader.select(&all);
+        reader.select(&DrivenJoint::of_joints(&all));
         Ok(reader)
     }
 
@@ -141,14 +141,14 @@ impl<M: Messages> Reader for BagReader<M> {
         (self.joints.clone(), self.channels.clone())
     }
 
-    fn select(&mut self, joints: &[String]) {
+    fn select(&mut self, joints: &[DrivenJoint]) {
         self.samples.select(joints);
         for (id, topic, kind) in &self.announced {
             self.samples.stream(*id, topic, *kind);
         }
     }
 
-    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
         self.samples.joiner(joints, options)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::error::LogError;
-use crate::frame::{ABSENT, BLOCKS, Channels, Quantities, Quantity};
+use crate::frame::{ABSENT, BLOCKS, Channels, DrivenJoint, Quantities, Quantity};
 use crate::mapping::{Mapping, Source, Wrap};
 use crate::options::OpenOptions;
 use crate::options::to_ns;
@@ -114,7 +114,7 @@ impl Columns {
         }
         columns.map_temperature(names, mapping, file)?;
         let all = columns.joints.clone();
-        columns.select(&all);
+        columns.select(&DrivenJoint::of_joints(&all));
         Ok(columns)
     }
 
@@ -261,7 +261,7 @@ impl Columns {
     }
 
     /// Which joints the rows hold from now on, in which order.
-    pub(crate) fn select(&mut self, joints: &[String]) {
+    pub(crate) fn select(&mut self, joints: &[DrivenJoint]) {
         self.selected.clear();
         self.addends.clear();
         let mut used = vec![self.time_column];
@@ -270,7 +270,8 @@ impl Columns {
                 Some(0)
             } else {
                 let name = &self.joints[signal.joint];
-                joints.iter().position(|joint| joint == name)
+                let mut joints = joints.iter();
+                joints.position(|joint| joint.recorded(signal.quantity) == name)
             };
             // A selection of no joints has no place for a temperature either.
             let Some(place) = place.filter(|place| *place < joints.len()) else {
@@ -316,14 +317,14 @@ impl Columns {
         }
     }
 
-    pub(crate) fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+    pub(crate) fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
         let mut signals = Vec::with_capacity(6 * joints.len());
         for quantity in Quantity::PER_JOINT {
             for joint in joints {
-                let plan = self
-                    .signals
-                    .iter()
-                    .find(|plan| plan.quantity == quantity && self.joints[plan.joint] == *joint);
+                let plan = self.signals.iter().find(|plan| {
+                    let name = joint.recorded(quantity);
+                    plan.quantity == quantity && self.joints[plan.joint] == name
+                });
                 signals.push(Signal {
                     scale: 1.0,
                     offset: 0.0,

@@ -18,7 +18,7 @@ pub(super) use parquet_read::ParquetReader;
 use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
 use crate::error::LogError;
-use crate::frame::{ABSENT, BLOCKS, Channels};
+use crate::frame::{ABSENT, BLOCKS, Channels, DrivenJoint};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::SignalSource;
@@ -166,12 +166,12 @@ impl<R: Rows> Reader for Table<R> {
         self.columns.found()
     }
 
-    fn select(&mut self, joints: &[String]) {
+    fn select(&mut self, joints: &[DrivenJoint]) {
         self.columns.select(joints);
         self.resize(joints.len());
     }
 
-    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
         self.columns.joiner(joints, options)
     }
 

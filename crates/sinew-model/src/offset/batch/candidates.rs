@@ -6,7 +6,7 @@ use super::schedule::Sampling;
 use super::score::{Fit, ScoreSum, Weighing};
 use crate::offset::belief::Payload;
 use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
-use crate::offset::equations::linearise::Content;
+use crate::offset::equations::loaded::Content;
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::map_each;

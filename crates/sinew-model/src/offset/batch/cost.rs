@@ -4,7 +4,7 @@ use super::problem::{Problem, chi, noise_of};
 use super::schedule::Sampling;
 use super::solution::Solution;
 use crate::offset::equations::equation::{Equations, Side};
-use crate::offset::equations::linearise::Content;
+use crate::offset::equations::loaded::Content;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 

@@ -7,7 +7,7 @@ use super::schedule::{COLD_START, OUTLIER_WEIGHT, REFINE, Sampling, Step, THIN, 
 use super::solution::Solution;
 use crate::offset::change::ChangePoint;
 use crate::offset::equations::equation::{Equations, Side};
-use crate::offset::equations::linearise::Content;
+use crate::offset::equations::loaded::Content;
 use crate::offset::equations::robust::redescending_weight;
 use crate::offset::error::MapError;
 use crate::offset::estimate::{Convergence, MapEstimate};

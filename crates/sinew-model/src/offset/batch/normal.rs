@@ -20,6 +20,8 @@ pub(super) struct NormalEquations {
     pub(super) gradient: Vec<f64>,
     /// Of blocks that are not in `information` yet.
     gram: Gram,
+    /// A whole row, where equations know the parameters of several joints.
+    row: Option<Vec<f64>>,
 }
 
 impl NormalEquations {
@@ -30,6 +32,7 @@ impl NormalEquations {
             factor: Factor::new(total),
             gradient: alloc::vec![0.0; total],
             gram: Gram::new(layout, changes),
+            row: layout.is_coupled.then(|| alloc::vec![0.0; total]),
         }
     }
 
@@ -68,6 +71,10 @@ impl NormalEquations {
         equations: &Equations,
         information: impl Fn(&Equation) -> f64,
     ) {
+        if let Some(row) = &mut self.row {
+            add_dense(&mut self.information, row, equations, information);
+            return;
+        }
         if !self.gram.continues(equations) {
             self.flush();
         }
@@ -100,6 +107,27 @@ impl NormalEquations {
         Ok(libm::sqrt(
             cholesky::dot(&gradient, &self.gradient).max(0.0),
         ))
+    }
+}
+
+/// Adds `w hᵀ h` of every equation to the lower half of `to`; `row` is room for `h`.
+fn add_dense(
+    to: &mut [f64],
+    row: &mut [f64],
+    equations: &Equations,
+    information: impl Fn(&Equation) -> f64,
+) {
+    let total = row.len();
+    for e in &equations.list {
+        row.fill(0.0);
+        equations.add_to(e, 1.0, row);
+        let weight = information(e);
+        for (i, h) in row.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+            let line = &mut to[i * total..=i * total + i];
+            for (to, other) in line.iter_mut().zip(&*row) {
+                *to += weight * h * other;
+            }
+        }
     }
 }
 
@@ -201,6 +229,7 @@ mod tests {
         let layout = Layout {
             joints: JOINTS,
             bodies: 11,
+            is_coupled: false,
         };
         // A load picked up before, a slip of the first joint, creep of the second, and a force on both.
         let changes = [

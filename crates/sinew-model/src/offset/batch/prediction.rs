@@ -12,7 +12,8 @@ use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::effects::Measured;
 use crate::offset::equations::equation::{Equation, Equations, Side};
-use crate::offset::equations::linearise::{Content, Linearisation, linearise};
+use crate::offset::equations::linearise::{Linearisation, linearise};
+use crate::offset::equations::loaded::Content;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 

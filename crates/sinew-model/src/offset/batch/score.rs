@@ -4,7 +4,7 @@ use super::problem::{Problem, chi};
 use crate::cholesky::{self, Factor};
 use crate::offset::change::ChangeKind;
 use crate::offset::equations::equation::Equations;
-use crate::offset::equations::linearise::Content;
+use crate::offset::equations::loaded::Content;
 use crate::offset::equations::robust::redescending_weight;
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
@@ -200,6 +200,7 @@ mod tests {
         let layout = Layout {
             joints: 2,
             bodies: 5,
+            is_coupled: false,
         };
         let kind = ChangeKind::Payload;
         let change = [ChangePoint { kind, at_s: 1.0 }];
@@ -286,6 +287,7 @@ mod tests {
         let layout = Layout {
             joints: 1,
             bodies: 7,
+            is_coupled: false,
         };
         let total = layout.dimension();
         let mut passed = 0;

@@ -5,8 +5,8 @@ use super::solution::Solution;
 use crate::offset::block::Block;
 use crate::offset::effects::JointParameter as P;
 use crate::offset::effects::stuck_friction::STUCK;
-use crate::offset::equations::equation::{Equation, Equations};
-use crate::offset::equations::linearise::Content;
+use crate::offset::equations::equation::Equations;
+use crate::offset::equations::loaded::Content;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 
@@ -36,19 +36,32 @@ pub(super) fn deviation_of(problem: &Problem<'_>, solution: &Solution, place: us
         let weight = at.weights.get(b).copied().unwrap_or_default();
         for e in &equations.list {
             let moved = equations.dot(e, &along) * weight * problem.information_of(e, at, b);
-            stand.moves[e.joint] += moved * e.torque_gain * friction_nm(problem, at, block, e);
+            let moved = moved * e.torque_gain;
+            match &problem.model.reduced.routes {
+                None => stand.moves[e.joint] += moved * friction_nm(problem, at, block, e.joint),
+                Some(routes) => {
+                    let shares = routes.torque_shares(e.joint).iter().enumerate();
+                    for (j, share) in shares.filter(|(_, share)| **share != 0.0) {
+                        stand.moves[j] += moved * share * friction_nm(problem, at, block, j);
+                    }
+                }
+            }
         }
     }
     variance += stand.variance();
     STUCK * libm::sqrt(variance)
 }
 
-/// Largest friction of the joint of `e`, N·m.
-fn friction_nm(problem: &Problem<'_>, at: &MapEstimate, block: &Block, e: &Equation) -> f64 {
-    let state = &at.state[problem.layout().own(e.joint)];
-    let joint = problem.model.reduced.joints[e.joint].as_ref();
-    let stiffness = joint.map_or(0.0, |joint| joint.stiffness_nm_per_rad);
-    let load = state[P::LoadFriction as usize] * stiffness * block.y[e.joint];
+/// Largest friction of joint `i`, N·m.
+fn friction_nm(problem: &Problem<'_>, at: &MapEstimate, block: &Block, i: usize) -> f64 {
+    let model = &problem.model.reduced;
+    let state = &at.state[problem.layout().own(i)];
+    let stiffness = model.joints[i].map_or(0.0, |joint| joint.stiffness_nm_per_rad);
+    let load_rad = match &model.routes {
+        None => block.y[i],
+        Some(routes) => routes.joint_deflection(i, block.y.iter().copied()),
+    };
+    let load = state[P::LoadFriction as usize] * stiffness * load_rad;
     state[P::Coulomb as usize].abs() + load.abs()
 }
 

@@ -37,6 +37,7 @@ impl Example {
                 y_square: 0.0,
                 y_cube: 0.0,
                 y_slow: 0.0,
+                load_rad: 0.0,
                 turned: 0.0,
                 dq: 0.0,
                 encoder: [0.0; 4],

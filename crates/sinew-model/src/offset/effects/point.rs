@@ -77,7 +77,9 @@ pub(crate) struct Measured {
     pub(crate) y_square: f64,
     pub(crate) y_cube: f64,
     pub(crate) y_slow: f64,
-    /// Joint position, rad, velocity, and what goes with its encoder.
+    /// Torque of the springs at the joint over its stiffness, rad: `y` of a joint with a tendon of its own.
+    pub(crate) load_rad: f64,
+    /// Joint position, or path of the tendon by all joints it crosses, rad; velocity of the joint, and what goes with its encoder.
     pub(crate) turned: f64,
     pub(crate) dq: f64,
     pub(crate) encoder: [f64; ENCODER],

@@ -33,14 +33,16 @@ impl Effect for StuckFriction {
 
     #[inline]
     fn joint_torque(point: &Point<'_>, sum: &mut Sum<'_>) {
-        let friction_nm = point.at(P::Coulomb) + load_friction(point) * point.measured.y.abs();
+        let friction_nm =
+            point.at(P::Coulomb) + load_friction(point) * point.measured.load_rad.abs();
         sum.add(point, P::Stuck, friction_nm * point.measured.z_unknown);
     }
 
     #[inline]
     fn unknown_torque(point: &Point<'_>) -> f64 {
         let held = STUCK * point.measured.held * (1.0 - point.measured.z_unknown);
-        held * (point.at(P::Coulomb).abs() + load_friction(point).abs() * point.measured.y.abs())
+        held * (point.at(P::Coulomb).abs()
+            + load_friction(point).abs() * point.measured.load_rad.abs())
     }
 }
 
@@ -61,7 +63,7 @@ mod tests {
             Example::with(&[(P::Stuck, -0.5), (P::Coulomb, 0.1), (P::LoadFriction, 0.02)]);
         example.joint.stiffness_nm_per_rad = 50.0;
         (
-            example.measured.y,
+            example.measured.load_rad,
             example.measured.z_unknown,
             example.measured.held,
         ) = (-0.06, 0.4, 1.0);

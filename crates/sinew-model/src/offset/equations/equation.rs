@@ -2,7 +2,7 @@
 
 use crate::cholesky::dot;
 use crate::offset::change::{Appearance, ChangeKind, ChangePoint};
-use crate::offset::effects::{FORCE, JointParameter as P, PAYLOAD, PER_JOINT};
+use crate::offset::effects::{FORCE, JointParameter as P, JointRow, Measured, PAYLOAD, PER_JOINT};
 use crate::offset::layout::Layout;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -68,6 +68,12 @@ pub(crate) struct Equations {
     width: usize,
     /// Changes that have happened by the block's time.
     active: Vec<Active>,
+    /// Rows over the parameters of the other joints, of the link and the motor side of every joint; empty where every joint has a tendon of its own.
+    cross: Vec<f64>,
+    /// What the block measures at every joint, while coupled equations are made.
+    pub(super) measured: Vec<Option<Measured>>,
+    /// Room for derivatives with respect to the parameters of other joints.
+    pub(super) of_others: Vec<JointRow>,
 }
 
 /// A copy has the same room: [`Equations::push`] never makes any.
@@ -83,6 +89,9 @@ impl Clone for Equations {
             carried: self.carried.clone(),
             width: self.width,
             active,
+            cross: self.cross.clone(),
+            measured: Vec::with_capacity(self.measured.capacity()),
+            of_others: self.of_others.clone(),
         }
     }
 }
@@ -98,12 +107,38 @@ impl Equations {
     pub(crate) fn new(layout: Layout, changes: &[ChangePoint]) -> Self {
         let n = layout.joints;
         let width = width(layout, changes);
+        let coupled = if layout.is_coupled { n } else { 0 };
         Self {
             layout,
             list: Vec::with_capacity(2 * n),
             carried: alloc::vec![0.0; n * width],
             width,
             active: Vec::with_capacity(changes.len()),
+            cross: alloc::vec![0.0; 2 * coupled * coupled * PER_JOINT],
+            measured: Vec::with_capacity(coupled),
+            of_others: alloc::vec![[0.0; PER_JOINT]; coupled],
+        }
+    }
+
+    /// How an equation moves with the parameters of all joints but its own; empty where every joint has a tendon of its own.
+    fn cross(&self, e: &Equation) -> &[f64] {
+        self.cross
+            .get(self.cross_place((e.joint, e.side)))
+            .unwrap_or_default()
+    }
+
+    fn cross_place(&self, (joint, side): (usize, Side)) -> Range<usize> {
+        let width = self.layout.joints * PER_JOINT;
+        let row = 2 * joint + usize::from(side == Side::Motor);
+        row * width..(row + 1) * width
+    }
+
+    /// Takes how an equation moves with the parameters of every joint. Never allocates.
+    pub(super) fn cross_rows(&mut self, of: (usize, Side), rows: impl Iterator<Item = JointRow>) {
+        let place = self.cross_place(of);
+        let to = self.cross.get_mut(place).unwrap_or_default();
+        for (to, row) in to.chunks_exact_mut(PER_JOINT).zip(rows) {
+            to.copy_from_slice(&row);
         }
     }
 
@@ -167,7 +202,12 @@ impl Equations {
         let own = dot(&e.own, part(self.layout.own(e.joint)));
         let carried = dot(self.carried(e.joint), part(self.layout.carried()));
         let changes = self.changes(e).map(|(i, value)| value * entry(column, i));
-        own + e.torque_gain * carried + changes.sum::<f64>()
+        let sum = own + e.torque_gain * carried + changes.sum::<f64>();
+        if self.layout.is_coupled {
+            sum + dot(self.cross(e), part(0..self.layout.body_start()))
+        } else {
+            sum
+        }
     }
 
     /// Adds the row of `e`, times a factor, to a column.
@@ -184,6 +224,9 @@ impl Equations {
             self.carried(e.joint),
             factor * e.torque_gain,
         );
+        if self.layout.is_coupled {
+            add(0..self.layout.body_start(), self.cross(e), factor);
+        }
         for (i, value) in self.changes(e) {
             add(i..i + 1, &[value], factor);
         }
@@ -272,6 +315,7 @@ mod tests {
         let layout = Layout {
             joints: 3,
             bodies: 5,
+            is_coupled: false,
         };
         let force = ChangePoint {
             kind: ChangeKind::Force,

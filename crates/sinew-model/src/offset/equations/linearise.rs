@@ -1,27 +1,19 @@
 //! A block's equations around a state: what is expected, and how it moves with the state.
 
-use super::equation::{Equation, Equations, Side};
+use super::coupled;
+use super::equation::Equations;
+use super::loaded::{Common, Content, Loaded};
 use super::reduced_model::ReducedModel;
 use crate::cholesky::dot;
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
-use crate::offset::effects::external_force::{AppliedForce, ForceTorque};
+use crate::offset::effects::external_force::ForceTorque;
 use crate::offset::effects::payload::HeldPayload;
 use crate::offset::effects::{
-    AllEffects, Drive, Effect, Factors, JointParameter as P, JointRow, Measured, PER_JOINT, Point,
-    total,
+    AllEffects, Effect, JointParameter as P, JointRow, Measured, PER_JOINT, Point, total,
 };
 use crate::offset::external_force::ForceModel;
 use crate::offset::joint_prior::JointPrior;
-
-/// What is wanted of a block's equations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Content {
-    /// Residuals, and how they move with the state.
-    Rows,
-    /// Residuals alone: rows are zero.
-    Residuals,
-}
 
 /// How blocks are linearised.
 #[derive(Debug, Clone, Copy)]
@@ -35,19 +27,6 @@ pub(crate) struct Linearisation<'a> {
     /// A force from outside, and what it does to every joint.
     pub(crate) force: Option<(&'a ForceModel, &'a [ForceTorque])>,
     pub(crate) content: Content,
-}
-
-/// What the joints of a block have in common.
-struct Common<'a> {
-    /// State: `d` entries, then those of the changes.
-    x: &'a [f64],
-    payload: HeldPayload,
-    /// Temperature over that the offsets refer to, K.
-    warmer: f64,
-    motor: bool,
-    /// The force of the state, and what it does to every joint.
-    force: Option<(AppliedForce, &'a [ForceTorque])>,
-    content: Content,
 }
 
 /// Fills `out`, which has room for them, with the equations of `block` around the state `x` (`d`
@@ -81,6 +60,9 @@ pub(crate) fn linearise(
         }),
         content: how.content,
     };
+    if let Some(routes) = &model.routes {
+        return coupled::linearise(model, routes, block, joints, &common, out);
+    }
     for (i, (joint, measured)) in model.joints.iter().zip(joints).enumerate() {
         let (Some(joint), Some(measured)) = (joint, measured) else {
             continue;
@@ -103,7 +85,7 @@ fn linearise_joint(
     (state, carried): (&JointRow, &[f64]),
     out: &mut Equations,
 ) {
-    let rows = common.content == Content::Rows;
+    let rows = common.is_rows();
     let mut own = *state;
     own[P::Offset as usize] = out.sum(common.x, ChangeKind::Offset(i), 0);
     own[P::Compliance as usize] = out.sum(common.x, ChangeKind::Compliance(i), 0);
@@ -133,98 +115,14 @@ fn linearise_joint(
         rows,
         tau,
         unknown_nm: AllEffects::unknown_torque(&point),
+        others_rad: 0.0,
     };
-    let link = loaded.link_side(&point, &mut derivatives);
+    let (link, _) = loaded.link_side(&point, &mut derivatives);
     let per_torque = link.torque_gain;
     out.push(link);
     if let (Some(drive), true) = (&is.drive, common.motor && per_torque > 0.0) {
-        out.push(loaded.motor_side(&point, drive, &mut derivatives));
-    }
-}
-
-/// The torque that bends the spring of a joint, N·m.
-struct Loaded {
-    joint: usize,
-    rows: bool,
-    tau: f64,
-    /// Standard deviation of what is unknown of it beside the noise, N·m.
-    unknown_nm: f64,
-}
-
-impl Loaded {
-    /// `LP[x + η x³] = κ τ` with `x = theta_measured − q − inelastic`: linear in stiffness, stiffening and torque,
-    /// however large the deflection.
-    #[inline]
-    fn link_side(&self, point: &Point<'_>, derivatives: &mut JointRow) -> Equation {
-        let kappa = 1.0 / point.joint.stiffness_nm_per_rad;
-        let soft = total(1.0, derivatives, |sum| AllEffects::compliance(point, sum));
-        let per_torque = kappa * soft;
-        let linear = per_torque * self.tau;
-        let inelastic = total(0.0, derivatives, |sum| {
-            AllEffects::deflection(point, linear, sum);
-        });
-        let cubic = total(0.0, derivatives, |sum| AllEffects::stiffening(point, sum));
-        let (y, y2, y3) = (
-            point.measured.y,
-            point.measured.y_square,
-            point.measured.y_cube,
-        );
-        let square = y2 - inelastic * (2.0 * y - inelastic);
-        let cube = y3 - inelastic * (3.0 * y2 - inelastic * (3.0 * y - inelastic));
-        let expected = inelastic + linear - cubic * cube;
-        let factors = Factors {
-            joint_torque: per_torque,
-            compliance: kappa * self.tau,
-            // What a rad of inelastic offset moves, where the spring is stiffer.
-            deflection: 1.0 + 3.0 * cubic * square,
-            stiffening: -cube,
-            ..Factors::default()
-        };
-        Equation {
-            joint: self.joint,
-            side: Side::Link,
-            own: self.row(&factors, derivatives),
-            torque_gain: per_torque,
-            residual: y - expected,
-            added_deviation: per_torque.abs() * self.unknown_nm,
-            stationary_share: if self.unknown_nm > 0.0 { 1.0 } else { 0.0 },
-        }
-    }
-
-    /// The recorded torque of the motor.
-    #[inline]
-    fn motor_side(&self, point: &Point<'_>, drive: &Drive, derivatives: &mut JointRow) -> Equation {
-        let torque = total(self.tau + drive.inertial, derivatives, |sum| {
-            AllEffects::drive_torque(point, drive, sum);
-        });
-        let scale = total(1.0, derivatives, |sum| AllEffects::motor_scale(point, sum));
-        let bias = total(0.0, derivatives, |sum| AllEffects::motor_bias(point, sum));
-        let factors = Factors {
-            joint_torque: scale,
-            drive_torque: scale,
-            motor_scale: torque,
-            motor_bias: 1.0,
-            ..Factors::default()
-        };
-        let unknown_nm = AllEffects::unknown_drive_torque(point, drive);
-        Equation {
-            joint: self.joint,
-            side: Side::Motor,
-            own: self.row(&factors, derivatives),
-            torque_gain: scale,
-            residual: drive.torque - scale * torque - bias,
-            added_deviation: libm::hypot(unknown_nm, scale * self.unknown_nm),
-            stationary_share: drive.stood,
-        }
-    }
-
-    #[inline]
-    fn row(&self, factors: &Factors, derivatives: &JointRow) -> JointRow {
-        if self.rows {
-            factors.row(derivatives)
-        } else {
-            [0.0; PER_JOINT]
-        }
+        let (motor, _) = loaded.motor_side(&point, drive, &mut derivatives);
+        out.push(motor);
     }
 }
 

@@ -15,6 +15,14 @@ impl Measured {
         let of = |column: &[f64]| column.get(i).copied().unwrap_or(f64::NAN);
         let encoder = block.encoder.get(i * ENCODER..(i + 1) * ENCODER)?;
         let phi = model.phi(block, i)?;
+        let mut encoder: [f64; ENCODER] = *encoder.first_chunk()?;
+        let (mut turned, mut load_rad) = (of(&block.turned), of(&block.y));
+        if let Some(routes) = &model.routes {
+            turned += routes.moved_by_others(i, block.turned.iter().copied());
+            load_rad = routes.joint_deflection(i, block.y.iter().copied());
+            let arm = routes.moment_arm(i, i);
+            encoder.iter_mut().for_each(|wave| *wave *= arm);
+        }
         let torque = of(&block.motor_torque);
         let inertia = joint.motor_inertia_kg_m2.filter(|_| torque.is_finite());
         Some(Self {
@@ -22,9 +30,10 @@ impl Measured {
             y_square: of(&block.y_square),
             y_cube: of(&block.y_cube),
             y_slow: of(&block.y_slow),
-            turned: of(&block.turned),
+            turned,
             dq: of(&block.dq),
-            encoder: *encoder.first_chunk()?,
+            encoder,
+            load_rad,
             z: of(&block.z),
             z_unknown: of(&block.z_unknown),
             z_load: of(&block.z_load) * stiffness,

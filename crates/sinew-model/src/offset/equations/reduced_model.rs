@@ -24,6 +24,7 @@ use crate::offset::error::MapError;
 use crate::offset::joint_prior::JointPrior;
 use crate::offset::layout::Layout;
 use crate::offset::prior::Prior;
+use crate::routes::Routes;
 use alloc::vec::Vec;
 
 /// The model whose parameters blocks can identify.
@@ -41,6 +42,8 @@ pub(crate) struct ReducedModel {
     pub(crate) payload_furthest_m: f64,
     /// Columns of the body that carries the payload: those of `Φ_c` each is made of, and how much.
     payload_columns: Vec<(usize, usize, f64)>,
+    /// Routings of tendons that cross several joints.
+    pub(crate) routes: Option<Routes>,
     base: BaseParameters,
 }
 
@@ -61,6 +64,7 @@ impl ReducedModel {
             layout: Layout {
                 joints: prior.joints(),
                 bodies: base.count(),
+                is_coupled: prior.routes.is_some(),
             },
             joints: prior.joints.clone(),
             appears,
@@ -68,6 +72,7 @@ impl ReducedModel {
             payload_at: prior.payload_at,
             payload_furthest_m: furthest_m(prior.reach_m()),
             payload_columns,
+            routes: prior.routes.clone(),
             base,
         }
     }
