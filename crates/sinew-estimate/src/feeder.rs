@@ -5,18 +5,18 @@
 //! step, stands in [`sinew_model::feeder`]; a microcontroller uses that one itself.
 
 use sinew_log::Frame;
-use sinew_model::arm::Arm;
 use sinew_model::feeder::Reading;
 pub use sinew_model::feeder::{
     Fed, FeederOptions, FrameObserver, Input, MissingMotor, Needs, Refusal,
 };
+use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
 
 /// An offset added to a joint's motor position, as the paper does to see it found again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Injection {
-    /// Joint it is added to.
+    /// Tendon it is added to, in the coordinate of the joint it is paired with.
     pub joint: String,
     /// Offset, rad.
     pub offset_rad: f64,
@@ -54,13 +54,13 @@ impl<O: FrameObserver> Feeder<O> {
         Self(feeder)
     }
 
-    /// Adds offsets to the motor positions on the way; those of joints that `arm` doesn't have are
+    /// Adds offsets to the motor positions on the way; those of tendons that the robot doesn't have are
     /// left out.
     #[must_use]
-    pub fn with_injections(mut self, arm: &Arm, injections: &[Injection]) -> Self {
+    pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
         for injection in injections {
             let from_ns = injection.from_s.map_or(i64::MIN, |s| (s * 1e9) as i64);
-            if let Some(joint) = arm.joint_index(&injection.joint) {
+            if let Some(joint) = robot.tendon_index(&injection.joint) {
                 self.0.inject(joint, from_ns, injection.offset_rad);
             }
         }

@@ -38,7 +38,7 @@ impl NuisanceChange {
             false => entry.unit.into(),
         };
         Self {
-            joint: entry.joint.map(|i| robot.joint_names()[i].clone()),
+            joint: entry.joint.map(|i| robot.tendon_name(i).to_owned()),
             name: entry.name.into(),
             unit,
             prior,

@@ -129,7 +129,7 @@ fn sources(recording: &Recording) -> String {
 
 fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
     for injection in &request.injections {
-        let place = loaded.robot.arm.joint_index(&injection.joint);
+        let place = loaded.robot.tendon_index(&injection.joint);
         let Some(i) = place else {
             return Err(EstimateError::Injection(no_joint(&injection.joint, loaded)));
         };
@@ -152,7 +152,7 @@ fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), Estim
 /// Marks that are said to be passed are marks of robot.toml.
 fn check_touches(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
     for touch in &request.touches {
-        let Some(i) = loaded.robot.arm.joint_index(&touch.joint) else {
+        let Some(i) = loaded.robot.tendon_index(&touch.joint) else {
             return Err(EstimateError::Touch(no_joint(&touch.joint, loaded)));
         };
         let anchors = loaded.robot.transmissions[i]
@@ -177,11 +177,16 @@ fn check_touches(request: &Request, loaded: &LoadedRobot) -> Result<(), Estimate
 }
 
 fn no_joint(joint: &str, loaded: &LoadedRobot) -> String {
-    let names = loaded.robot.joint_names();
-    let hint = nearest(joint, names);
+    let names = loaded.robot.tendon_names();
+    let hint = nearest(joint, &names);
     let hint = hint.map_or(String::new(), |name| format!("; did you mean '{name}'?"));
+    let of = if loaded.robot.coupling.is_some() {
+        "tendon"
+    } else {
+        "joint"
+    };
     format!(
-        "the robot has no joint '{joint}'; it has {}{hint}",
+        "the robot has no {of} '{joint}'; it has {}{hint}",
         names.join(", ")
     )
 }

@@ -37,8 +37,8 @@ impl LoadedRobot {
     /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
     pub fn drive(&self, joint: &str) -> Result<Drive, RobotDirError> {
         let (transmission, tendon) = self.tendon_drive(joint)?;
-        let arm = &self.robot.arm;
-        let kind = arm.joint_index(joint).and_then(|i| arm.joint_kind(i));
+        let kind = self.robot.tendon_index(joint);
+        let kind = kind.and_then(|i| self.robot.arm.joint_kind(i));
         Ok(Drive {
             stiffness_nm_per_rad: transmission.stiffness_nm_per_rad,
             tendon: tendon.clone(),
@@ -48,13 +48,13 @@ impl LoadedRobot {
 
     /// The transmission of a joint that has a tendon, and the tendon.
     fn tendon_drive(&self, joint: &str) -> Result<(&Transmission, &Tendon), RobotDirError> {
-        let names = self.robot.joint_names();
+        let names = self.robot.tendon_names();
         let Some(i) = names.iter().position(|n| n == joint) else {
             return Err(RobotDirError::NoJoint {
                 path: self.file.clone(),
                 joint: joint.to_owned(),
                 known: names.join(", "),
-                hint: names::did_you_mean(joint, names),
+                hint: names::did_you_mean(joint, &names),
             });
         };
         let transmission = self.robot.transmissions[i].as_ref();

@@ -56,7 +56,7 @@ pub(crate) fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&
 /// # Errors
 /// In words: no mark is where joint or motor stood then, or two are.
 pub(crate) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String> {
-    let transmission = robot.arm.joint_index(&touch.joint);
+    let transmission = robot.tendon_index(&touch.joint);
     let transmission = transmission.and_then(|i| robot.transmissions[i].as_ref());
     let anchors = transmission.map_or(&[][..], |t| &t.anchors);
     let near = |a: &&Anchor| from_mark(a, touch).is_some_and(|apart| apart < NEAR_RAD);

@@ -306,7 +306,7 @@ fn prior(
 /// What is unknown of a joint's drift with temperature, as a standard deviation, rad/K: its sessions expect what rope and
 /// frame do.
 fn drift_deviation_rad_per_k(robot: &Robot, name: &str) -> f64 {
-    let index = robot.arm.joint_index(name);
+    let index = robot.tendon_index(name);
     let transmission = index.and_then(|i| robot.transmissions[i].as_ref());
     let warmth = transmission.and_then(|t| t.warmth);
     warmth.map_or(robot.tolerances.drift_rad_per_k(), |w| {
@@ -344,7 +344,7 @@ fn verdict(joint: &JointTrend) -> TrendVerdict {
 }
 
 fn tendon_of<'a>(robot: &'a Robot, joint: &str) -> Option<&'a Tendon> {
-    let i = robot.arm.joint_index(joint)?;
+    let i = robot.tendon_index(joint)?;
     robot.transmissions.get(i)?.as_ref()?.tendon.as_ref()
 }
 

@@ -67,9 +67,9 @@ pub fn read_sessions(
 /// [`RecordError`].
 pub fn sort_of(records: Vec<SessionRecord>, robot: Option<&Robot>) -> Result<Sorted, RecordError> {
     let elastic: Vec<String> = robot.map_or(Vec::new(), |r| {
-        (r.joint_names().iter().zip(&r.transmissions))
+        (r.tendon_names().into_iter().zip(&r.transmissions))
             .filter(|(_, t)| t.is_some())
-            .map(|(n, _)| n.clone())
+            .map(|(n, _)| n)
             .collect()
     });
     sort(

@@ -83,7 +83,7 @@ pub fn trajectory(
     let window = window.solved()?;
     let answer = window.answer();
     let tendon = |own: &OnlineJoint| LiveTendon {
-        name: robot.joint_names()[own.joint].clone(),
+        name: robot.tendon_name(own.joint).to_owned(),
         offset_rad: own.offset_rad,
         stiffness_changed_probability: own.stiffness_changed_probability,
     };

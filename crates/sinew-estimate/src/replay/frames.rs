@@ -5,8 +5,8 @@ use super::series::{Point, SeriesBuilder};
 use super::tally::Tally;
 use crate::feeder::{Fed, Feeder, FeederOptions, Injection, MissingMotor};
 use sinew_log::Frame;
-use sinew_model::arm::Arm;
 use sinew_model::offset::OffsetObserver;
+use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
 
 /// Reasons that are counted, in the order they are listed.
@@ -90,7 +90,7 @@ impl Replay {
     /// Before the first frame. A joint whose motor position is missing is given up until it is back;
     /// the others go on.
     pub(super) fn new(
-        arm: &Arm,
+        robot: &Robot,
         observer: OffsetObserver,
         transmissions: &[Option<Transmission>],
         injections: &[Injection],
@@ -113,7 +113,8 @@ impl Replay {
         };
         Self {
             joints: joints.collect(),
-            feeder: Feeder::new(observer, transmissions, options).with_injections(arm, injections),
+            feeder: Feeder::new(observer, transmissions, options)
+                .with_injections(robot, injections),
             usable: vec![false; transmissions.len()],
             frames: 0,
             losses: Losses::default(),

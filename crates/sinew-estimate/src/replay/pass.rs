@@ -51,7 +51,7 @@ impl<'a> Pass<'a> {
             .collect();
         let observer = OffsetObserver::new(&loaded.robot.arm, &transmissions, config)?;
         let replay = Replay::new(
-            &loaded.robot.arm,
+            &loaded.robot,
             observer,
             &transmissions,
             &request.injections,
@@ -120,7 +120,7 @@ impl<'a> Pass<'a> {
             .finish()
             .into_iter()
             .zip(refused)
-            .zip(loaded.robot.joint_names())
+            .zip(&loaded.robot.tendon_names())
             .zip(&loaded.robot.transmissions)
             .map(|(((summary, refused), name), transmission)| {
                 joint_estimate(name, transmission.as_ref(), refused, summary, frames)

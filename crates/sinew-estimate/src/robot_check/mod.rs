@@ -1,7 +1,7 @@
 //! What was understood of a robot's folder, and what of it looks odd.
 //!
 //! Reading order: `finding` (types), `keys` (ranges of robot.toml and mappings), `masses`, `limits`
-//! (the URDF), `loads` (what the arm asks of its joints), `drives`, `ropes`.
+//! (the URDF), `loads` (what the arm asks of its joints), `drives`, `ropes`, `routing`.
 
 mod drives;
 mod finding;
@@ -10,8 +10,12 @@ mod limits;
 pub(crate) mod loads;
 mod masses;
 mod ropes;
+mod routing;
 
 pub use finding::{At, Finding, FindingKind, Judged, Severity, UnitSlip};
+pub use routing::{
+    Combination, GroupCheck, GroupEquations, PathUnit, RoutingCheck, TendonForm, TendonRouting,
+};
 
 use crate::robot_dir::LoadedRobot;
 use drives::Drive;
@@ -37,6 +41,9 @@ pub struct RobotCheck {
     pub moving_mass_kg: f64,
     /// Joints in Sinew's order.
     pub joints: Vec<JointCheck>,
+    /// Routing of the tendons, where `robot.toml` has `[[tendons]]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub routing: Option<RoutingCheck>,
     /// What a reader of the URDF does with what is unusual in it.
     pub warnings: Vec<String>,
     /// What looks odd, is missing or can't be, the worst first.
@@ -165,6 +172,7 @@ impl RobotCheck {
             urdf: loaded.urdf.clone(),
             moving_mass_kg: robot.arm.subtree_mass(0).unwrap_or(0.0),
             joints: robot.joint_names().iter().enumerate().map(joint).collect(),
+            routing: robot.coupling.as_ref().map(RoutingCheck::of),
             warnings: robot.warnings.clone(),
             findings: Vec::new(),
         }

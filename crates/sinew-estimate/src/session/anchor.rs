@@ -59,7 +59,7 @@ pub(super) fn readings(
     };
     for (i, transmission) in robot.transmissions.iter().enumerate() {
         let Some(t) = transmission else { continue };
-        let name = &robot.joint_names()[i];
+        let name = robot.tendon_name(i);
         for anchor in &t.anchors {
             let touched = (recorded.touches.iter())
                 .filter(|x| x.joint == *name && nearest(t, x) == Some(anchor));
@@ -86,7 +86,7 @@ pub(super) fn readings(
                             NOISE_RAD
                         };
                         AnchorReading {
-                            joint: name.clone(),
+                            joint: name.to_owned(),
                             kind: anchor.kind,
                             position_rad: anchor.position_rad,
                             time_s: x.time_s,
@@ -416,7 +416,7 @@ fn shift(estimate: &mut SessionEstimate, joint: usize, by_rad: f64, deviation_ra
 
 /// A tendon's estimate with another offset, and everything that follows from it.
 fn correct(robot: &Robot, joint: &mut TendonEstimate, offset_rad: Gaussian) {
-    let transmission = robot.arm.joint_index(&joint.name);
+    let transmission = robot.tendon_index(&joint.name);
     let transmission = transmission.and_then(|i| robot.transmissions[i].as_ref());
     joint.offset_rad = offset_rad;
     joint.verdict = Verdict::of(offset_rad);

@@ -214,14 +214,14 @@ impl Recorder {
     /// doesn't have are left out.
     #[must_use]
     pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
-        self.feeder = self.feeder.with_injections(&robot.arm, injections);
+        self.feeder = self.feeder.with_injections(robot, injections);
         self
     }
 
     /// Reads joint and motor where marks are passed; those of joints the robot doesn't have are left out.
     #[must_use]
     pub fn with_touches(mut self, robot: &Robot, touches: &[Touch]) -> Self {
-        let place = |t: &Touch| Some((robot.arm.joint_index(&t.joint)?, t.clone()));
+        let place = |t: &Touch| Some((robot.tendon_index(&t.joint)?, t.clone()));
         self.touches.ahead = touches.iter().filter_map(place).collect();
         self
     }
@@ -376,14 +376,16 @@ impl<'a> Blocks<'a> {
     ) -> Result<Self, EstimateError> {
         let robot = &opened.loaded.robot;
         let channels = &opened.recording.channels().joints;
-        let joints = robot.joint_names().iter().zip(&robot.transmissions);
-        for ((name, transmission), channel) in joints.zip(channels) {
+        let names = robot.joint_names().iter().zip(robot.motor_names());
+        let joints = names.zip(&robot.transmissions);
+        for (((joint, motor), transmission), channel) in joints.zip(channels) {
             let lacks = match transmission.is_some() {
                 _ if !channel.q => Some("joint position"),
                 true if !channel.theta => Some("motor position"),
                 _ => None,
             };
             if let Some(lacks) = lacks {
+                let name = if channel.q { &motor } else { joint };
                 return Err(mismatch(
                     request,
                     without_positions(name, lacks, &opened.warnings),
@@ -422,11 +424,12 @@ impl<'a> Blocks<'a> {
 
     /// Which joint's positions are missing most, in words; empty where none is.
     fn most_missing(&self, robot: &Robot) -> String {
-        let joints = robot.joint_names().iter().zip(&robot.transmissions);
-        let sides = joints.zip(&self.missing).flat_map(|(joint, [q, theta])| {
-            let (name, transmission) = joint;
+        let (joints, motors) = (robot.joint_names(), robot.motor_names());
+        let names = joints.iter().zip(&motors).zip(&robot.transmissions);
+        let sides = names.zip(&self.missing).flat_map(|(names, [q, theta])| {
+            let ((joint, motor), transmission) = names;
             let theta = if transmission.is_some() { *theta } else { 0 };
-            [(*q, "joint", name), (theta, "motor", name)]
+            [(*q, "joint", joint), (theta, "motor", motor)]
         });
         match sides.max_by_key(|(count, ..)| *count) {
             Some((count, side, name)) if count > 0 => format!(

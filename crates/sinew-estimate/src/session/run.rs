@@ -486,7 +486,7 @@ fn estimate_with_lag(
     if let Some((joint, added_rad)) = most.filter(|(_, added)| unknown && **added > 0.0) {
         estimate.warnings.push(Warning::TemperatureUnknown {
             deviation_k: change_k,
-            joint: robot.joint_names()[joint].clone(),
+            joint: robot.tendon_name(joint).to_owned(),
             half_width_95_rad: Z95 * added_rad,
         });
     }
@@ -497,8 +497,8 @@ fn estimate_with_lag(
             segments.belief.entry(at).deviation
         };
         let width = |i: usize| {
-            let name = &robot.joint_names()[i];
-            let joint = estimate.joints.iter().find(|j| j.name == *name);
+            let name = robot.tendon_name(i);
+            let joint = estimate.joints.iter().find(|j| j.name == name);
             joint.map_or(f64::INFINITY, |j| j.offset_rad.half_width_95())
         };
         let warning = temperature::unknown_drift(robot, drift, width, now_c - then_c);

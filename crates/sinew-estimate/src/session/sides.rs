@@ -35,7 +35,7 @@ pub(super) fn check(
             return None;
         }
         Some(OpposedSpring {
-            joint: robot.joint_names()[i].clone(),
+            joint: robot.tendon_name(i).to_owned(),
             turned_share,
         })
     });

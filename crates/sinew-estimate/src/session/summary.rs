@@ -150,7 +150,7 @@ fn tendon(
     let verdict = Verdict::of(offset_rad);
     let withheld = verdict == Verdict::CannotTell && misfit_rad > 0.0;
     let estimate = TendonEstimate {
-        name: robot.joint_names()[joint].clone(),
+        name: robot.tendon_name(joint).to_owned(),
         slides: robot.arm.joint_kind(joint) == Some(JointKind::Prismatic),
         offset_rad,
         shared_error: Some(shared_error(
@@ -302,7 +302,7 @@ fn far_from_prior(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<Warn
             let off = (segments.belief.entry(k).mean - before.mean).abs() / before.deviation;
             let is_scale = |i: usize| k == prior.place(i, JointParameter::MotorScale);
             (off > FAR).then(|| Warning::FarFromPrior {
-                joint: entry.joint.map(|i| robot.joint_names()[i].clone()),
+                joint: entry.joint.map(|i| robot.tendon_name(i).to_owned()),
                 name: entry.name.into(),
                 is_motor_torque_scale: entry.joint.is_some_and(is_scale),
                 deviations: off,

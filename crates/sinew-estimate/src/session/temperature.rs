@@ -108,7 +108,7 @@ pub(super) fn unknown_drift(
     let most = much.max_by(|&a, &b| unknown(a).total_cmp(&unknown(b)))?;
     let tendon = robot.transmissions[most].as_ref()?.tendon.as_ref();
     Some(Warning::DriftUnknown {
-        joint: robot.joint_names()[most].clone(),
+        joint: robot.tendon_name(most).to_owned(),
         warmer_k,
         half_width_95_rad: unknown(most),
         frame_is_stated: tendon.is_some_and(|t| t.frame_expansion_per_k.is_some()),

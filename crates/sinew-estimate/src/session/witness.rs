@@ -48,7 +48,7 @@ pub(super) fn leave_out_false(robot: &Robot, recorded: &mut Cow<'_, Recorded>) -
             block.motor_torque[joint] = f64::NAN;
         }
         out.push(Warning::MotorTorqueLeftOut {
-            joint: robot.joint_names()[joint].clone(),
+            joint: robot.tendon_name(joint).to_owned(),
             fault,
         });
     }

@@ -34,7 +34,7 @@ pub(super) fn opened(
         let far_rad = (zero_rad.mean - stated.mean).abs();
         let unsure_rad = zero_rad.deviation.hypot(stated.deviation);
         (far_rad > SURE * unsure_rad && far_rad > LEAST_RAD).then(|| Warning::NotZeroed {
-            joint: robot.joint_names()[joint].clone(),
+            joint: robot.tendon_name(joint).to_owned(),
             zero_rad,
         })
     });

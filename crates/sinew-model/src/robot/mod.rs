@@ -83,6 +83,19 @@ impl Robot {
         self.named(|routing| &routing.tendon)
     }
 
+    /// Name of the tendon that is paired with a joint, which results are named by; empty where there is no such joint.
+    pub fn tendon_name(&self, joint: usize) -> &str {
+        let transmission = self.transmissions.get(joint).and_then(Option::as_ref);
+        let routing = transmission.and_then(|t| t.routing.as_ref());
+        let own = || self.joint_names().get(joint).map_or("", String::as_str);
+        routing.map_or_else(own, |routing| &routing.tendon)
+    }
+
+    /// Index of the joint that the tendon of a name is paired with.
+    pub fn tendon_index(&self, tendon: &str) -> Option<usize> {
+        (0..self.arm.dof()).find(|joint| self.tendon_name(*joint) == tendon)
+    }
+
     /// Name of the motor that drives each joint's tendon, in the order of `q`: the joint's own where it has no other.
     pub fn motor_names(&self) -> Vec<String> {
         self.named(|routing| &routing.motor)

@@ -114,6 +114,21 @@ impl Coupling {
         self.tendons.iter().map(|tendon| tendon.name.as_str())
     }
 
+    /// Way in which a tendon pulls; `None` where no tendon has the index.
+    pub fn kind(&self, tendon: usize) -> Option<TendonKind> {
+        self.tendons.get(tendon).map(|tendon| tendon.kind)
+    }
+
+    /// Unit of a tendon's extension, drums and moment arms; `None` where no tendon has the index.
+    pub fn coordinate(&self, tendon: usize) -> Option<Coordinate> {
+        self.tendons.get(tendon).map(|tendon| tendon.coordinate)
+    }
+
+    /// Stiffness `k` of a tendon in its coordinate, N/m or N·m/rad; `None` where no tendon has the index.
+    pub fn stiffness(&self, tendon: usize) -> Option<f64> {
+        self.tendons.get(tendon).map(|tendon| tendon.stiffness)
+    }
+
     /// Elongation of a tendon in metres from its elongation `delta` in its coordinate; `None` where no radius
     /// is specified or no tendon has the index.
     pub fn elongation_m(&self, tendon: usize, delta: f64) -> Option<f64> {

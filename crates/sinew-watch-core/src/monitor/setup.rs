@@ -29,8 +29,9 @@ impl Setup {
         config.check()?;
         let mut robot = Robot::clone(&config.robot);
         let (mut elastic, mut names, mut limits) = (Vec::new(), Vec::new(), Vec::new());
-        let joints = config.robot.joint_names().iter();
-        for ((i, name), transmission) in joints.enumerate().zip(&mut robot.transmissions) {
+        let tendons = config.robot.tendon_names();
+        let tendons = tendons.iter().enumerate();
+        for ((i, name), transmission) in tendons.zip(&mut robot.transmissions) {
             let Some(transmission) = transmission else {
                 continue;
             };
