@@ -24,4 +24,5 @@ mod slip_cause;
 mod slips;
 mod stands;
 mod support;
+mod tendons;
 mod warmth;

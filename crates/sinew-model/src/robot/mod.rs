@@ -285,7 +285,8 @@ impl RobotFile {
         let mut coupling = None;
         match coupled {
             None => {}
-            Some(Err(gap)) => gaps.push(gap),
+            // A joint may lack a tendon for the reason that the tendon is wrong.
+            Some(Err(gap)) => gaps.insert(0, gap),
             Some(Ok(coupled)) => {
                 gaps.extend(coupled.gap);
                 coupling = Some(coupled.coupling);

@@ -23,6 +23,7 @@ mod random_tree;
 mod reference_values;
 mod regressor;
 mod robot;
+mod routing;
 #[path = "../../../sinew-creep/tests/support/score.rs"]
 mod score;
 #[path = "../../../sinew-files/tests/support/skipped.rs"]

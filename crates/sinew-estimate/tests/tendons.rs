@@ -1,0 +1,59 @@
+//! Tendons that cross several joints, against recordings of an independent simulation.
+
+use crate::support::shared;
+use sinew_estimate::Request;
+use sinew_estimate::session::{self, Learning, SessionEstimate, SessionOptions, Verdict, Window};
+use sinew_model::Gaussian;
+
+/// The session of a reference robot since its baseline, and the elongations it truly had, mm.
+fn read(name: &str, motor_torque: bool) -> Option<(SessionEstimate, serde_json::Value)> {
+    let folder = shared("tendons/recordings")?;
+    let robot = folder.join("../robots").join(name);
+    let temperature_c = Some(Gaussian::new(20.0, 0.1));
+    let request = |part: &str| Request {
+        robot: Some(robot.clone()),
+        ..Request::new(folder.join(format!("{name}-{part}.parquet")))
+    };
+    let learning = Learning {
+        motor_torque,
+        temperature_c,
+        ..Learning::default()
+    };
+    let (whole, silent) = (Window::default(), &mut |_| {});
+    let (baseline, _) = session::learn(&request("baseline"), whole, &learning, silent)
+        .unwrap_or_else(|e| panic!("{e}"));
+    let options = SessionOptions {
+        motor_torque,
+        temperature_c,
+        ..SessionOptions::default()
+    };
+    let since = Some((&baseline, "baseline"));
+    let (estimate, _) = session::estimate(&request("session"), whole, since, &options, silent)
+        .unwrap_or_else(|e| panic!("{e}"));
+    let truth = std::fs::read_to_string(folder.join(format!("{name}.truth.json"))).unwrap();
+    Some((estimate, serde_json::from_str(&truth).unwrap()))
+}
+
+/// Every elongation is inside its 95 % interval, which is no wider than that of a joint with a tendon of its own.
+#[test]
+fn a_coupled_arm_is_read_as_it_was_simulated() {
+    for motor_torque in [false, true] {
+        let Some((estimate, truth)) = read("coupled-arm", motor_torque) else {
+            return;
+        };
+        assert_eq!(estimate.joints.len(), 3);
+        for (name, widest_mm) in [("shoulder", 0.020), ("elbow", 0.012), ("wrist", 0.011)] {
+            let tendon = estimate.joints.iter().find(|j| j.name == name).unwrap();
+            let elongation_m = tendon.elongation_m.unwrap();
+            let truth_mm = truth["elongation_mm"][name].as_f64().unwrap();
+            let error_mm = 1e3 * elongation_m.mean - truth_mm;
+            let half_mm = 1e3 * elongation_m.half_width_95();
+            println!("motor torque {motor_torque}, {name}: {error_mm:+.4} ± {half_mm:.4} mm");
+            assert!(
+                error_mm.abs() < half_mm && half_mm < widest_mm,
+                "{name}: {error_mm} ± {half_mm}"
+            );
+            assert_eq!(tendon.verdict, Verdict::Longer);
+        }
+    }
+}
