@@ -85,6 +85,11 @@ pub enum GenerateError {
         "code is written for the observer with matched comparison and filtered velocities alone"
     )]
     Source,
+    /// A tendon crosses several joints, or has a drive ratio.
+    #[error(
+        "tendon '{0}' crosses several joints or is driven with a ratio: code is written for joints with tendons of their own alone"
+    )]
+    Routing(String),
 }
 
 /// A robot as code is written for it.
@@ -137,6 +142,10 @@ pub fn generate(
     }
     // Refuses what can't be an observer.
     OffsetObserver::new(&robot.arm, &robot.transmissions, *config)?;
+    let mut transmissions = robot.transmissions.iter().flatten();
+    if let Some(routing) = transmissions.find_map(|t| t.routing.as_ref()) {
+        return Err(GenerateError::Routing(routing.tendon.clone()));
+    }
     let (TorqueSource::Observer, Comparison::Matched) = (config.source, config.comparison) else {
         return Err(GenerateError::Source);
     };

@@ -2,6 +2,7 @@
 //!
 //! See [`crate::tendons::Coupling::paired`] for the equations.
 
+use crate::routing::moved_by_others;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -86,14 +87,10 @@ impl Routes {
         self.drive_ratios.get(i).copied().unwrap_or(1.0)
     }
 
-    /// By how much the coordinate of tendon `i` moves with the joints beyond `q_i`, `Σ_j rho_ij q_j − q_i`: the motor's position is that of its
-    /// joint and this apart.
+    /// By how much the coordinate of tendon `i` moves with the joints beyond `q_i`, `Σ_j rho_ij q_j − q_i`, rad.
     #[inline]
     pub(crate) fn moved_by_others(&self, i: usize, q: impl Iterator<Item = f64>) -> f64 {
-        let rows = self.moment_arms(i).iter().zip(q).enumerate();
-        rows.fold(0.0, |sum, (j, (arm, q))| {
-            sum + if j == i { arm - 1.0 } else { *arm } * q
-        })
+        moved_by_others(self.moment_arms(i), i, q)
     }
 
     /// Elastic torque of joint `j` over its stiffness, rad, by the nominal stiffnesses: `Σ_i rho_ij K_i y_i / K_j`.

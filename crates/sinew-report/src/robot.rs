@@ -73,6 +73,17 @@ pub fn render(robot: &RobotCheck) -> String {
             which(&|j| j.friction_stated == Some(false)),
         ),
     ];
+    let taut = robot.joints.iter().filter_map(|j| {
+        let limit_nm = j.tendon.as_ref()?.taut_up_to_nm?;
+        Some(format!("{} {}", j.name, rounded(limit_nm, 3)))
+    });
+    let taut = Vec::from_iter(taut);
+    if !taut.is_empty() {
+        out.say(format!(
+            "both strands of a loop stay taut up to 2 r f0, beyond which the stiffness is half, N·m: {}",
+            taut.join(", ")
+        ));
+    }
     for (note, joints) in notes.iter().filter(|(_, joints)| !joints.is_empty()) {
         out.say(format!("{note}: {joints}"));
     }

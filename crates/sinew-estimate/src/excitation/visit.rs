@@ -104,6 +104,7 @@ impl Visit {
         let mut z = vec![0.0; n];
         let (mut q, mut dq, mut ddq) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut before = self.poses.first().cloned().unwrap_or_default();
+        let mut tau_el = vec![0.0; n];
         let duration_s = self.duration_s();
         let frames = (duration_s * RATE_HZ) as u64;
         for k in 0..frames {
@@ -123,12 +124,20 @@ impl Visit {
                     continue;
                 };
                 let friction = transmission.joint_friction;
-                let tau_el =
+                tau_el[i] =
                     tau[i] + friction.coulomb_nm * z[i] + friction.viscous_nm_s_per_rad * dq[i];
+            }
+            for (i, transmission) in robot.transmissions.iter().enumerate() {
+                let Some(transmission) = transmission else {
+                    continue;
+                };
+                let routing = transmission.routing.as_ref();
+                let torque = routing.map_or(tau_el[i], |routing| routing.torque(&tau_el));
                 let noise: f64 = StandardNormal.sample(&mut rng);
-                frame.theta[i] = q[i]
-                    + tau_el / transmission.stiffness_nm_per_rad
+                let theta = q[i]
+                    + torque / transmission.stiffness_nm_per_rad
                     + sensors.motor_noise_rad * noise;
+                frame.theta[i] = routing.map_or(theta, |routing| routing.at_motor(i, theta, &q));
             }
             before.copy_from_slice(&q);
             recorder.push(&frame, t);

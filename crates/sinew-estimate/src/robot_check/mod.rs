@@ -97,6 +97,9 @@ pub struct TendonCheck {
     pub elongation_m_per_rad: f64,
     /// Pretension, N.
     pub pretension_n: Option<f64>,
+    /// Torque up to which both strands of a loop stay taut, `2 r f0`, N·m; none without a pretension, or of an antagonistic pair.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taut_up_to_nm: Option<f64>,
     /// Elongation at which to tension again, m.
     pub retension_at_m: Option<f64>,
     /// Strain at which to replace the rope.
@@ -233,6 +236,9 @@ fn tendon(t: &Tendon) -> TendonCheck {
         joint_pulley_radius_m: t.joint_pulley_radius_m,
         elongation_m_per_rad: t.elongation_m(1.0),
         pretension_n: t.pretension_n,
+        taut_up_to_nm: (t.pretension_n)
+            .filter(|_| !t.antagonistic)
+            .map(|f0| 2.0 * t.joint_pulley_radius_m * f0),
         retension_at_m: t.retension_at_m,
         replace_at_strain_ratio: t.replace_at_strain,
     }

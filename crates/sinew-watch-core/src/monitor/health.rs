@@ -4,6 +4,8 @@ use crate::alarm::Trouble;
 use crate::instant::Instant;
 use sinew_estimate::feeder::{Fed, Refusal};
 use sinew_log::Frame;
+use sinew_model::tendons::Routing;
+use sinew_model::transmission::Transmission;
 
 /// Data are judged over so long, s.
 const OVER_S: f64 = 10.0;
@@ -75,10 +77,21 @@ impl Seen {
     };
 }
 
+/// Motor position as the joint sees it.
+fn reflected(frame: &Frame, i: usize, routing: &Option<Routing>) -> Option<f64> {
+    let theta = *frame.theta.get(i)?;
+    Some(match routing {
+        None => theta,
+        Some(routing) => routing.reflected(i, theta, &frame.q),
+    })
+}
+
 /// Counts what is wrong with the frames of some seconds. Allocates at construction only.
 #[derive(Debug, Clone)]
 pub(super) struct Health {
     elastic: Vec<usize>,
+    /// Routings of tendons that cross several joints, of every elastic joint.
+    routings: Vec<Option<Routing>>,
     from: Option<Instant>,
     frames: u64,
     refused: u64,
@@ -103,8 +116,10 @@ pub(super) struct Verdict {
 }
 
 impl Health {
-    pub(super) fn new(elastic: Vec<usize>) -> Self {
+    pub(super) fn new(elastic: Vec<usize>, transmissions: &[Option<Transmission>]) -> Self {
+        let routing = |i: &usize| transmissions.get(*i)?.as_ref()?.routing.clone();
         Self {
+            routings: elastic.iter().map(routing).collect(),
             seen: vec![Seen::NOTHING; elastic.len()],
             apart_rad: vec![0.0; elastic.len() * elastic.len()],
             compared: 0,
@@ -147,8 +162,9 @@ impl Health {
         if self.frames.is_multiple_of(COMPARED) {
             self.compare(frame);
         }
-        for (seen, i) in self.seen.iter_mut().zip(&self.elastic) {
-            let (Some(&q), Some(&theta)) = (frame.q.get(*i), frame.theta.get(*i)) else {
+        let elastic = self.elastic.iter().zip(&self.routings);
+        for (seen, (i, routing)) in self.seen.iter_mut().zip(elastic) {
+            let (Some(&q), Some(theta)) = (frame.q.get(*i), reflected(frame, *i, routing)) else {
                 continue;
             };
             seen.joint.push(q);
@@ -172,9 +188,13 @@ impl Health {
         if !(finite(&frame.q) && finite(&frame.theta)) {
             return;
         }
-        for (row, &i) in self.apart_rad.chunks_exact_mut(n).zip(&self.elastic) {
+        let elastic = self.elastic.iter().zip(&self.routings);
+        for (row, (&i, routing)) in self.apart_rad.chunks_exact_mut(n).zip(elastic) {
+            let Some(theta) = reflected(frame, i, routing) else {
+                continue;
+            };
             for (apart_rad, &k) in row.iter_mut().zip(&self.elastic) {
-                *apart_rad += (frame.theta[i] - frame.q[k]).abs();
+                *apart_rad += (theta - frame.q[k]).abs();
             }
         }
         self.compared += 1;

@@ -49,7 +49,7 @@ impl Ingest {
         let gap_s = setup.config.times.gap_s;
         Self {
             clocks: Clocks::new(setup.config.clock),
-            health: Health::new(setup.elastic.clone()),
+            health: Health::new(setup.elastic.clone(), &setup.robot.transmissions),
             recorder: Recorder::new(&setup.robot, &FeatureConfig::default(), gap_s),
             frames: 0,
             frames_lost: 0,
