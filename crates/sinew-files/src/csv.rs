@@ -213,6 +213,11 @@ impl Table {
         }
     }
 
+    /// Names of the columns, as written.
+    pub fn headers(&self) -> &[String] {
+        &self.headers
+    }
+
     /// Its rows.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|(line, cells)| Row {
@@ -250,6 +255,28 @@ impl<'t> Row<'t> {
     pub fn need_text(&self, column: &'static str) -> Result<&'t str, Located> {
         self.text(column)
             .ok_or_else(|| self.missing(column, "every row has one"))
+    }
+
+    /// The finite number in a column, counted from 0; `None` where the cell is empty or not there.
+    ///
+    /// # Errors
+    /// [`Fault::NotAllowed`] with line, column and cell where it is no finite number.
+    pub fn number_at(&self, column: usize) -> Result<Option<f64>, Located> {
+        let cell = self.cells.get(column).unwrap_or_default();
+        match self.table.dialect.number(cell.as_bytes()) {
+            Some(value) if value.is_none_or(f64::is_finite) => Ok(value),
+            _ => {
+                let header = self.table.headers.get(column).map_or("", String::as_str);
+                let located = self.here(Fault::NotAllowed, "is not a finite number");
+                let cell = format!("'{}'", names::shorten(cell, 60));
+                Err(located.column(header).value(cell))
+            }
+        }
+    }
+
+    /// The text in a column, counted from 0; empty where the cell is not there.
+    pub fn text_at(&self, column: usize) -> &'t str {
+        self.cells.get(column).unwrap_or_default()
     }
 
     fn fault(&self, column: &str, cell: &str, problem: &str) -> Located {

@@ -10,7 +10,8 @@
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
 //! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`feeder`] (samples as they come),
-//! [`correction`] (what a controller does about it), [`tendons`] (several joints, motors and tendons coupled), [`robot`].
+//! [`correction`] (what a controller does about it), [`tendons`] (several joints, motors and tendons coupled), [`robot`],
+//! [`transmission_map`] (couplings that other software describes).
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -66,6 +67,8 @@ pub mod statistics;
 pub mod tendons;
 pub mod tolerances;
 pub mod transmission;
+#[cfg(feature = "urdf")]
+pub mod transmission_map;
 pub mod vec3;
 #[cfg(feature = "wire")]
 pub mod wire;

@@ -19,7 +19,7 @@
 
 mod links;
 mod located;
-mod xml;
+pub(crate) mod xml;
 
 use super::{Arm, ArmBuilder, ArmError, BodyInertia, BodySpec, GRAVITY_M_S2, JointKind, Pose};
 use crate::vec3::{Vec3, norm};
@@ -86,7 +86,7 @@ pub struct UrdfArm {
 }
 
 /// What makes a URDF of a xacro file.
-const EXPAND: &str = "xacro FILE > robot.urdf";
+pub(crate) const EXPAND: &str = "xacro FILE > robot.urdf";
 
 /// Why a URDF was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,6 +1,7 @@
 //! The part of URDF that dynamics need, as it stands in the file.
 
 use super::UrdfError;
+use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -111,20 +112,26 @@ const PREFIXES_MOST: usize = 32;
 /// # Errors
 /// [`UrdfError::Xml`], [`UrdfError::Xacro`].
 pub fn read(text: &str) -> Result<UrdfRobot, UrdfError> {
-    let mut text = alloc::borrow::Cow::from(text);
+    robot(&parsed(&declared(text)).map_err(|error| UrdfError::Xml {
+        line: error.pos().row,
+        problem: error.to_string(),
+    })?)
+}
+
+/// The text with prefixes declared that it uses without; lines stay where they are.
+pub(crate) fn declared(text: &str) -> Cow<'_, str> {
+    let mut text = Cow::from(text);
     for _ in 0..PREFIXES_MOST {
         match undeclared(&text) {
             Some(declared) => text = declared.into(),
             None => break,
         }
     }
-    robot(&parsed(&text).map_err(|error| UrdfError::Xml {
-        line: error.pos().row,
-        problem: error.to_string(),
-    })?)
+    text
 }
 
-fn parsed(text: &str) -> Result<Document<'_>, Error> {
+/// Parses XML of at most [`limits::URDF_NODES`] nodes.
+pub(crate) fn parsed(text: &str) -> Result<Document<'_>, Error> {
     let options = ParsingOptions {
         nodes_limit: limits::URDF_NODES.most as u32,
         ..ParsingOptions::default()
@@ -142,13 +149,17 @@ fn undeclared(text: &str) -> Option<String> {
     Some(format!("{before} xmlns:{prefix}=\"{prefix}\"{after}"))
 }
 
-fn robot(document: &Document<'_>) -> Result<UrdfRobot, UrdfError> {
-    let root = document.root_element();
-    let is_xacro = |node: &Node<'_, '_>| {
+/// The first element of xacro, where there is one.
+pub(crate) fn xacro_element<'a, 'i>(document: &'a Document<'i>) -> Option<Node<'a, 'i>> {
+    document.root().descendants().find(|node| {
         let uri = node.tag_name().namespace();
         uri.is_some_and(|uri| uri.ends_with("xacro"))
-    };
-    if let Some(node) = document.root().descendants().find(is_xacro) {
+    })
+}
+
+fn robot(document: &Document<'_>) -> Result<UrdfRobot, UrdfError> {
+    let root = document.root_element();
+    if let Some(node) = xacro_element(document) {
         let what = format!("<xacro:{}>", node.tag_name().name());
         return Err(xacro(node, what));
     }
@@ -335,7 +346,8 @@ fn xacro(node: Node<'_, '_>, what: String) -> UrdfError {
     }
 }
 
-fn line(node: Node<'_, '_>) -> u32 {
+/// Line of an element, from 1.
+pub(crate) fn line(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
