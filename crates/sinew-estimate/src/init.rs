@@ -3,10 +3,12 @@
 use crate::robot_check::JointMotion;
 use crate::robot_check::loads::loads;
 use serde::Serialize;
-use sinew_files::{JsonDocument, Located};
+use sinew_files::{Fault, JsonDocument, Located, names};
 use sinew_log::{Ambiguity, JointInfo, LogError, Pace, Quantity, Recording, SignalSource};
 use sinew_model::arm::JointKind;
 use sinew_model::arm::urdf::{self, UrdfOptions};
+use sinew_model::transmission_map::{MappedTendon, Relation, TransmissionMap};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// Frames read for the rate.
@@ -24,6 +26,12 @@ pub struct Init {
     pub urdf: Option<String>,
     /// Its joints in Sinew's order, then those that only the recording has.
     pub joints: Vec<InitJoint>,
+    /// Motors that pull the tendons.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub motors: Vec<InitMotor>,
+    /// Tendons of a description of couplings, except those of one motor that turns one joint 1 to 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tendons: Vec<InitTendon>,
     /// What the recording holds, where there is one.
     pub recording: Option<InitRecording>,
     /// What a mapping file must choose before the recording can be read.
@@ -54,6 +62,34 @@ pub struct InitJoint {
     pub described: Option<InitDescribed>,
     /// What is recorded of it.
     pub recorded: Vec<Quantity>,
+    /// Motor that turns it 1 to 1, by the description of couplings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motor: Option<String>,
+}
+
+/// A motor of a first robot.toml.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct InitMotor {
+    /// Name of the motor.
+    pub name: String,
+    /// Quantities that are recorded under this name.
+    pub recorded: Vec<Quantity>,
+}
+
+/// A tendon of a first robot.toml.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct InitTendon {
+    /// Name of the tendon.
+    pub name: String,
+    /// Motors that pull it; empty where the description names none.
+    pub motors: Vec<String>,
+    /// Joints that it crosses.
+    pub joints: Vec<String>,
+    /// Relation of their positions.
+    #[serde(skip)]
+    pub relation: Relation,
 }
 
 /// How robot.toml has a joint driven.
@@ -63,6 +99,8 @@ pub struct InitJoint {
 pub enum InitPlan {
     /// By a spring whose stiffness is still to be filled in.
     Elastic,
+    /// By the tendons that cross it.
+    Coupled,
     /// Rigid: no motor position of it is recorded, so that a spring would not show.
     Rigid,
     /// Locked where it stood, still to be filled in: it is not recorded.
@@ -125,6 +163,10 @@ pub enum InitGap {
     Stiffness(String),
     /// `locked_at_rad` of a joint.
     LockedAt(String),
+    /// Stiffness of a tendon.
+    TendonStiffness(String),
+    /// `drums_mm` of a tendon.
+    Drums(String),
     /// A choice in the mapping file.
     Choice,
 }
@@ -166,6 +208,8 @@ impl Init {
             robot: None,
             urdf: None,
             joints: Vec::new(),
+            motors: Vec::new(),
+            tendons: Vec::new(),
             recording: None,
             choice: None,
             options: Vec::new(),
@@ -263,6 +307,7 @@ impl Init {
                         .then(|| [swings(1.0), swings(20.0)]),
                 }),
                 recorded: Vec::new(),
+                motor: None,
             });
         }
         Ok(())
@@ -283,6 +328,7 @@ impl Init {
                     },
                     described: None,
                     recorded,
+                    motor: None,
                 }),
             }
         }
@@ -302,22 +348,152 @@ impl Init {
         }
     }
 
+    /// Adds the couplings of a description. `file` is its name for messages.
+    ///
+    /// A row of one joint with the ratio 1 and no offset stays the joint's own spring, unless its name would be
+    /// ambiguous. A joint that a recording lacks stays locked.
+    ///
+    /// # Errors
+    /// [`Fault::UnknownName`] for a joint that the URDF does not have; nothing is changed then.
+    pub fn couple(&mut self, map: TransmissionMap, file: &str) -> Result<(), Located> {
+        if self.urdf.is_some() {
+            let described = self.joints.iter().filter(|j| j.described.is_some());
+            let described: Vec<&str> = described.map(|j| j.name.as_str()).collect();
+            for tendon in &map.tendons {
+                let unknown = |(name, _): &&(String, f64)| !described.contains(&name.as_str());
+                if let Some((joint, _)) = tendon.joints().iter().find(unknown) {
+                    let hint = names::did_you_mean(joint, &described);
+                    let problem =
+                        format!("joint '{joint}' is not a moving joint of the URDF{hint}");
+                    let located = Located::new(file, Fault::UnknownName, problem);
+                    return Err(located
+                        .line(tendon.line)
+                        .element(format!("tendon '{}'", tendon.name))
+                        .cure("name the URDF that has it, or remove its transmission"));
+                }
+            }
+        }
+        let (direct, coupled) = direct(map.tendons);
+        let joints = coupled.iter().flat_map(MappedTendon::joints);
+        let mut joints: BTreeSet<&str> = joints.map(|(name, _)| name.as_str()).collect();
+        joints.extend(direct.iter().map(|(name, _)| name.as_str()));
+        for name in coupled.iter().flat_map(MappedTendon::motors) {
+            // Recorded under its own name, a motor is no joint.
+            let is_motor = |j: &InitJoint| j.described.is_none() && !joints.contains(name);
+            let place = self.joints.iter().position(|j| j.name == name);
+            let recorded = match place {
+                Some(at) if is_motor(&self.joints[at]) => self.joints.remove(at).recorded,
+                Some(at) => self.joints[at].recorded.clone(),
+                None => Vec::new(),
+            };
+            self.motors.push(InitMotor {
+                name: name.to_owned(),
+                recorded,
+            });
+        }
+        let crossed = coupled.iter().flat_map(MappedTendon::joints);
+        let driven = direct.iter().map(|(joint, _)| (joint, InitPlan::Elastic));
+        let crossed = crossed.map(|(joint, _)| (joint, InitPlan::Coupled));
+        for (name, plan) in driven.chain(crossed) {
+            match self.joints.iter_mut().find(|j| j.name == *name) {
+                Some(joint) if direct.iter().any(|(own, _)| own == name) => {
+                    joint.plan = match joint.plan {
+                        InitPlan::Rigid => InitPlan::Elastic,
+                        plan => plan,
+                    };
+                }
+                Some(joint) if joint.plan != InitPlan::Locked => joint.plan = plan,
+                Some(_) => {}
+                None => self.joints.push(InitJoint {
+                    name: name.clone(),
+                    plan,
+                    described: None,
+                    recorded: Vec::new(),
+                    motor: None,
+                }),
+            }
+        }
+        for (name, motor) in direct {
+            let mut joints = self.joints.iter_mut();
+            if let Some(joint) = joints.find(|j| j.name == name) {
+                joint.motor = Some(motor);
+            }
+        }
+        self.tendons = coupled
+            .into_iter()
+            .map(|tendon| InitTendon {
+                motors: tendon.motors().into_iter().map(str::to_owned).collect(),
+                joints: tendon.joints().iter().map(|(j, _)| j.clone()).collect(),
+                name: tendon.name,
+                relation: tendon.relation,
+            })
+            .collect();
+        self.missing = self.gaps(self.recording.is_some());
+        Ok(())
+    }
+
     fn gaps(&self, recorded: bool) -> Vec<InitGap> {
-        let has_motor = |joint: &InitJoint| joint.recorded.contains(&Quantity::Theta);
+        let has_motor = |recorded: &Vec<Quantity>| recorded.contains(&Quantity::Theta);
         let mut out = Vec::new();
         if self.urdf.is_none() {
             out.push(InitGap::Urdf);
         }
-        if recorded && !self.joints.iter().any(has_motor) {
+        let joints = self.joints.iter().map(|j| &j.recorded);
+        let mut sources = joints.chain(self.motors.iter().map(|m| &m.recorded));
+        if recorded && !sources.any(has_motor) {
             out.push(InitGap::MotorSide);
         }
         out.extend(self.joints.iter().filter_map(|joint| match joint.plan {
             InitPlan::Elastic => Some(InitGap::Stiffness(joint.name.clone())),
             InitPlan::Locked => Some(InitGap::LockedAt(joint.name.clone())),
-            InitPlan::Rigid | InitPlan::LeftOut => None,
+            InitPlan::Coupled | InitPlan::Rigid | InitPlan::LeftOut => None,
         }));
+        for tendon in &self.tendons {
+            if matches!(tendon.relation, Relation::MomentArms { .. }) {
+                out.push(InitGap::Drums(tendon.name.clone()));
+            }
+            out.push(InitGap::TendonStiffness(tendon.name.clone()));
+        }
         out
     }
+}
+
+/// Joint and motor of the rows that stay a joint's own spring, and the other tendons.
+///
+/// Such a spring has a motor and a tendon of the joint's name, so that no other may have it.
+fn direct(tendons: Vec<MappedTendon>) -> (Vec<(String, String)>, Vec<MappedTendon>) {
+    let own = |tendon: &MappedTendon| match &tendon.relation {
+        Relation::Ratios {
+            motor,
+            ratios,
+            motor_at_zero_rad: 0.0,
+        } => match &ratios[..] {
+            [(joint, 1.0)] => Some((joint.clone(), motor.clone())),
+            _ => None,
+        },
+        _ => None,
+    };
+    let is_taken = |at: usize, joint: &str| {
+        let others = tendons.iter().enumerate().filter(|(i, _)| *i != at);
+        others.into_iter().any(|(_, t)| {
+            t.name == joint
+                || t.motors().contains(&joint)
+                || own(t).is_some_and(|(j, _)| j == joint)
+        })
+    };
+    let is_direct: Vec<bool> = tendons
+        .iter()
+        .enumerate()
+        .map(|(at, t)| own(t).is_some_and(|(joint, _)| !is_taken(at, &joint)))
+        .collect();
+    let (mut direct, mut coupled) = (Vec::new(), Vec::new());
+    for (tendon, is_direct) in tendons.into_iter().zip(is_direct) {
+        match own(&tendon).filter(|_| is_direct) {
+            Some(pair) => direct.push(pair),
+            None => coupled.push(tendon),
+        }
+    }
+    (direct, coupled)
 }
 
 /// Frames per second at the start of a recording.

@@ -64,8 +64,16 @@ pub fn render(init: &Init, folder: &str) -> String {
             InitPlan::LeftOut => {
                 out.say(format!("{name}: recorded, but not in the URDF; left out"));
             }
-            InitPlan::Elastic | InitPlan::Locked => {}
+            InitPlan::Elastic | InitPlan::Coupled | InitPlan::Locked => {}
         }
+    }
+    for tendon in &init.tendons {
+        let (motors, joints) = (tendon.motors.join(", "), tendon.joints.join(", "));
+        let motors = match motors.is_empty() {
+            true => "no motor named".to_owned(),
+            false => motors,
+        };
+        out.say(format!("tendon {}: {motors} to {joints}", tendon.name));
     }
     if !init.missing.is_empty() {
         out.add("\nstill missing:\n");
@@ -99,6 +107,7 @@ pub fn render(init: &Init, folder: &str) -> String {
 /// Gaps, those of a kind in one line.
 fn gaps(init: &Init) -> Vec<String> {
     let (mut out, mut stiffness, mut locked) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut drums, mut of_tendons) = (Vec::new(), Vec::new());
     for gap in &init.missing {
         match gap {
             InitGap::Urdf => out.push(
@@ -110,11 +119,20 @@ fn gaps(init: &Init) -> Vec<String> {
             InitGap::Choice => out.push("a choice in the mapping file".into()),
             InitGap::Stiffness(joint) => stiffness.push(joint.as_str()),
             InitGap::LockedAt(joint) => locked.push(joint.as_str()),
+            InitGap::Drums(tendon) => drums.push(tendon.as_str()),
+            InitGap::TendonStiffness(tendon) => of_tendons.push(tendon.as_str()),
         }
     }
     let [stiffness, locked] = [stiffness, locked].map(|joints| joints.join(", "));
     if !stiffness.is_empty() {
         out.push(format!("stiffness_nm_per_rad of {stiffness}"));
+    }
+    let [drums, of_tendons] = [drums, of_tendons].map(|tendons| tendons.join(", "));
+    if !drums.is_empty() {
+        out.push(format!("drums_mm of the tendons {drums}"));
+    }
+    if !of_tendons.is_empty() {
+        out.push(format!("stiffness of the tendons {of_tendons}"));
     }
     if !locked.is_empty() {
         out.push(format!("locked_at_rad of {locked}, which are not recorded"));

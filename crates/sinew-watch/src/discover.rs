@@ -224,7 +224,7 @@ fn missing(out: &mut String, init: &Init) {
                 stiffness.push(plain(joint));
                 continue;
             }
-            InitGap::Choice => continue,
+            InitGap::Choice | InitGap::Drums(_) | InitGap::TendonStiffness(_) => continue,
         };
         let _ok = writeln!(out, "  {line}");
     }

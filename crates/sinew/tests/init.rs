@@ -146,6 +146,47 @@ fn a_urdf_becomes_a_robot_with_its_joints_beside_it() {
 }
 
 #[test]
+fn transmissions_of_a_urdf_become_tendons() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let from = root().join("examples/05-your-own-robot/pan-tilt.urdf");
+    let text = std::fs::read_to_string(from).expect("there");
+    let differential = "<transmission name='t'><type>transmission_interface/DifferentialTransmission</type>
+  <joint name='pan'><role>joint1</role><mechanicalReduction>2</mechanicalReduction></joint>
+  <joint name='tilt'><role>joint2</role></joint>
+  <actuator name='left'><role>actuator1</role><mechanicalReduction>50</mechanicalReduction></actuator>
+  <actuator name='right'><role>actuator2</role><mechanicalReduction>-50</mechanicalReduction></actuator>
+</transmission></robot>";
+    let text = text.replace("</robot>", differential);
+    std::fs::write(dir.join("arm.urdf"), &text).expect("written");
+    let args = ["init", "arm.urdf", "--transmissions", "arm.urdf"];
+    let said = ends(0, &args, dir);
+    for words in [
+        "tendon left: left to pan, tilt",
+        "stiffness of the tendons left, right",
+    ] {
+        assert!(said.contains(words), "'{words}' is not in:\n{said}");
+    }
+    let written = std::fs::read_to_string(dir.join("robot.toml")).expect("written");
+    for words in [
+        "motor = \"left\"\nratios = { pan = 100.0, tilt = 50.0 }",
+        "motor = \"right\"\nratios = { pan = -100.0, tilt = 50.0 }",
+    ] {
+        assert!(written.contains(words), "'{words}' is not in:\n{written}");
+    }
+    std::fs::write(dir.join("t.csv"), "motor,pan\nm,x\n").expect("written");
+    let said = ends(
+        1,
+        &["init", "arm.urdf", "--transmissions", "t.csv", "--force"],
+        dir,
+    );
+    assert!(
+        unwrapped(&said).contains("t.csv, line 2, column 'pan' = 'x'"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_recording_without_urdf_or_with_other_names_says_what_it_needs() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();

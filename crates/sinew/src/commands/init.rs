@@ -7,6 +7,7 @@ use sinew_estimate::init::Init;
 use sinew_estimate::robot_toml::robot_toml;
 use sinew_files::{read_text, write_file};
 use sinew_log::{LogError, Recording};
+use sinew_model::transmission_map::TransmissionMap;
 use sinew_report::init::{mapping_toml, render};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(
     name = "init",
-    after_help = "Example:\n  sinew init monday.mcap --out my-robot\n  sinew init my-robot.urdf"
+    after_help = "Example:\n  sinew init monday.mcap --out my-robot\n  sinew init my-robot.urdf\n  sinew init my-robot.urdf --transmissions my-robot.urdf"
 )]
 pub(crate) struct InitCommand {
     /// Recording, or URDF
@@ -30,6 +31,13 @@ pub(crate) struct InitCommand {
     /// URDF of the robot, where the recording holds none
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
+    /// Couplings of motors and joints: URDF with `<transmission>`, MuJoCo model, or table of ratios
+    ///
+    /// Reads ros_control and ros2_control (simple, differential, four-bar linkage), fixed tendons of MuJoCo, and a CSV
+    /// with joints in its header and a motor in each row (rad of the motor per rad of the joint). Writes [motors.NAME]
+    /// and [[tendons]]; stiffness and radii stay to be filled in.
+    #[arg(long, value_name = "FILE")]
+    transmissions: Option<PathBuf>,
     /// Replace files that are there already
     #[arg(long)]
     force: bool,
@@ -104,7 +112,12 @@ impl InitCommand {
             (None, None) => (None, None),
         };
         let urdf = name.as_deref().zip(text.as_deref());
-        let init = Init::of(source, urdf, recording.as_mut())?;
+        let mut init = Init::of(source, urdf, recording.as_mut())?;
+        if let Some(path) = &self.transmissions {
+            let file = path.display().to_string();
+            let text = read_text(path, &sinew_files::limits::DESCRIPTION)?;
+            init.couple(TransmissionMap::parse(&text, &file)?, &file)?;
+        }
         let mut planned = vec![(folder.join("robot.toml"), robot_toml(&init))];
         if let Some((name, text)) = urdf {
             let path = folder.join(name);
