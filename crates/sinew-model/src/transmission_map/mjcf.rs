@@ -22,7 +22,7 @@ pub(super) fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Vec<Mapped
         if node.tag_name().name() != "fixed" {
             let problem = "unsupported: its moment arms depend on the joint positions";
             return Err(source.fault(node, Fault::NotAllowed, problem).cure(
-                "remove it here; in robot.toml give moment_arms_mm a CSV (q_rad,shortening_mm) for each joint",
+                "remove it here; in robot.toml give moment_arms_mm of each joint in the middle of its motion",
             ));
         }
         tendons.push(fixed(node, source)?);
