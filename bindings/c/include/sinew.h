@@ -224,6 +224,23 @@ size_t sinew_robot_joints(const sinew_robot *robot);
 // The caller sees to it: `robot` is null or a robot.
 const char *sinew_robot_joint_name(const sinew_robot *robot, size_t joint);
 
+// Name of the tendon that a joint is paired with, as long as the robot is there: the joint's own, unless `robot.toml` has
+// `[[tendons]]`; null where there is no such joint.
+//
+// Realtime: yes.
+//
+// The caller sees to it: `robot` is null or a robot.
+const char *sinew_robot_tendon_name(const sinew_robot *robot,
+                                    size_t joint);
+
+// Name of the motor of that tendon. Positions and torques of a motor with a name of its own are those at its shaft.
+//
+// Realtime: yes.
+//
+// The caller sees to it: `robot` is null or a robot.
+const char *sinew_robot_motor_name(const sinew_robot *robot,
+                                   size_t joint);
+
 // Index of a joint by its name.
 //
 // Realtime: yes.

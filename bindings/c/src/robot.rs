@@ -10,17 +10,26 @@ use std::path::Path;
 /// A robot: joints, masses, stiffness, tendons. Never changes; may be read from several threads.
 pub struct SinewRobot {
     pub(crate) robot: Robot,
-    /// Names as C reads them.
+    /// Names of the joints as C reads them.
     names: Vec<CString>,
+    /// Names of the tendons and motors of every joint.
+    tendons: Vec<CString>,
+    motors: Vec<CString>,
 }
 
 impl SinewRobot {
     fn of(robot: Robot) -> Self {
-        let names = robot.joint_names().iter();
         // A name with a zero byte is no name in XML.
-        let names = names.map(|name| CString::new(name.as_str()).unwrap_or_default());
+        let all = |names: &[String]| -> Vec<CString> {
+            let names = names.iter().map(String::as_str);
+            names
+                .map(|name| CString::new(name).unwrap_or_default())
+                .collect()
+        };
         Self {
-            names: names.collect(),
+            names: all(robot.joint_names()),
+            tendons: all(&robot.tendon_names()),
+            motors: all(&robot.motor_names()),
             robot,
         }
     }
@@ -115,6 +124,41 @@ pub unsafe extern "C" fn sinew_robot_joint_name(
     // SAFETY: the caller's promise.
     let robot = unsafe { shared(robot) };
     let name = robot.ok().and_then(|robot| robot.names.get(joint));
+    name.map_or(std::ptr::null(), |name| name.as_ptr())
+}
+
+/// Name of the tendon that a joint is paired with, as long as the robot is there: the joint's own, unless `robot.toml` has
+/// `[[tendons]]`; null where there is no such joint.
+///
+/// Realtime: yes.
+///
+/// # Safety
+/// `robot` is null or a robot.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_robot_tendon_name(
+    robot: *const SinewRobot,
+    joint: usize,
+) -> *const c_char {
+    // SAFETY: the caller's promise.
+    let robot = unsafe { shared(robot) };
+    let name = robot.ok().and_then(|robot| robot.tendons.get(joint));
+    name.map_or(std::ptr::null(), |name| name.as_ptr())
+}
+
+/// Name of the motor of that tendon. Positions and torques of a motor with a name of its own are those at its shaft.
+///
+/// Realtime: yes.
+///
+/// # Safety
+/// `robot` is null or a robot.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_robot_motor_name(
+    robot: *const SinewRobot,
+    joint: usize,
+) -> *const c_char {
+    // SAFETY: the caller's promise.
+    let robot = unsafe { shared(robot) };
+    let name = robot.ok().and_then(|robot| robot.motors.get(joint));
     name.map_or(std::ptr::null(), |name| name.as_ptr())
 }
 

@@ -96,6 +96,20 @@ impl Robot {
         self.0.robot.joint_names().to_vec()
     }
 
+    /// Names of the tendons that the joints are paired with, in the order of `q`: a joint's own, unless `robot.toml` has
+    /// `[[tendons]]`.
+    #[getter]
+    fn tendons(&self) -> Vec<String> {
+        self.0.robot.tendon_names()
+    }
+
+    /// Names of the motors of these tendons, in the order of `q`. Positions and torques of a motor with a name of its own are
+    /// those at its shaft.
+    #[getter]
+    fn motors(&self) -> Vec<String> {
+        self.0.robot.motor_names()
+    }
+
     /// `robot.toml` as it was opened.
     #[getter]
     fn file(&self) -> PathBuf {

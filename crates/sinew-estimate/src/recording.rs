@@ -41,6 +41,7 @@ impl Opened {
         if !unknown.is_empty() {
             warnings.push(RecordingWarning::UnknownJoints { joints: unknown });
         }
+        check_motors(request, &loaded)?;
         check_injections(request, &loaded)?;
         check_touches(request, &loaded)?;
         fn all(names: &[String]) -> Vec<&str> {
@@ -125,6 +126,29 @@ fn sources(recording: &Recording) -> String {
         none if none.is_empty() => none,
         told => format!(" ({told})"),
     }
+}
+
+/// A motor of a tendon that crosses several joints is read as its encoder measures it: a sum would take out the other joints twice.
+fn check_motors(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
+    let Some(mapping) = &request.open.mapping else {
+        return Ok(());
+    };
+    let coupled = loaded.robot.transmissions.iter().enumerate();
+    let coupled = coupled.filter_map(|(i, t)| Some((i, t.as_ref()?.routing.as_ref()?)));
+    for (joint, routing) in coupled {
+        let others = routing.moment_arms.iter().enumerate();
+        let crosses_others = others.clone().any(|(j, arm)| j != joint && *arm != 0.0);
+        if crosses_others && mapping.sums(&routing.motor, Quantity::Theta) {
+            return Err(EstimateError::Mismatch {
+                file: mapping.file().into(),
+                why: format!(
+                    "makes the position of motor '{}' a sum, and robot.toml describes the joints that its tendon '{}' crosses: they would be taken out twice. Name the column of the motor alone",
+                    routing.motor, routing.tendon
+                ),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {

@@ -3,6 +3,7 @@
 use crate::support::shared;
 use sinew_estimate::Request;
 use sinew_estimate::session::{self, Learning, SessionEstimate, SessionOptions, Verdict, Window};
+use sinew_log::Mapping;
 use sinew_model::Gaussian;
 
 /// The session of a reference robot since its baseline, and the elongations it truly had, mm.
@@ -56,4 +57,45 @@ fn a_coupled_arm_is_read_as_it_was_simulated() {
             assert_eq!(tendon.verdict, Verdict::Longer);
         }
     }
+}
+
+#[test]
+fn motors_that_are_decoupled_already_are_refused() {
+    let Some(folder) = shared("tendons/recordings") else {
+        return;
+    };
+    let mut text = String::from("[time]\ncolumn = \"time_s\"\n");
+    for joint in ["shoulder", "elbow", "wrist"] {
+        text += &format!("[joints.{joint}]\nq = {{ column = \"q.{joint}_rad\" }}\n");
+    }
+    for (motor, terms) in [
+        ("shoulder", "column = \"theta.shoulder_rad\""),
+        (
+            "elbow",
+            "sum = [{ column = \"theta.elbow_rad\" }, { column = \"q.shoulder_rad\", scale = -0.5 }]",
+        ),
+        ("wrist", "column = \"theta.wrist_rad\""),
+    ] {
+        text += &format!("[motors.{motor}]\ntheta = {{ {terms} }}\n");
+    }
+    let robot = folder.join("../robots/coupled-arm");
+    let read = |text: &str| {
+        let mut request = Request {
+            robot: Some(robot.clone()),
+            ..Request::new(folder.join("coupled-arm-session.parquet"))
+        };
+        request.open.mapping = Some(Mapping::from_toml(text, "mapping.toml").unwrap());
+        let options = SessionOptions::default();
+        session::estimate(&request, Window::default(), None, &options, &mut |_| {})
+    };
+    let error = read(&text).unwrap_err().to_string();
+    assert!(
+        error.contains("'elbow' a sum") && error.contains("mapping.toml"),
+        "{error}"
+    );
+    let plain = text.replace(
+        "sum = [{ column = \"theta.elbow_rad\" }, { column = \"q.shoulder_rad\", scale = -0.5 }]",
+        "column = \"theta.elbow_rad\"",
+    );
+    assert_eq!(read(&plain).unwrap().0.joints.len(), 3);
 }

@@ -174,6 +174,14 @@ fn transmissions_of_a_urdf_become_tendons() {
     ] {
         assert!(written.contains(words), "'{words}' is not in:\n{written}");
     }
+    // Stiffness is what is missing; with it the robot is whole.
+    let said = ends(3, &["robot", "check", "."], dir);
+    assert!(said.contains("stiffness_nm_per_rad is missing"), "{said}");
+    let filled = written.replace("# stiffness_nm_per_rad =", "stiffness_nm_per_rad = 0.02 #");
+    std::fs::write(dir.join("robot.toml"), &filled).expect("written");
+    let said = ends(0, &["robot", "check", "."], dir);
+    let picture = "left   ==O==---(+)---(+)\nright  ==O==---(-)---(+)\n";
+    assert!(said.contains(picture), "{said}");
     std::fs::write(dir.join("t.csv"), "motor,pan\nm,x\n").expect("written");
     let said = ends(
         1,

@@ -685,6 +685,19 @@ class CautionWornOut(Record):
     }
 
 
+class Combination(Record):
+    """Elongations that go together."""
+
+    __slots__ = ()
+
+    weights: list[list[str | float]]
+    """Names of the tendons with their weights, of unit norm together."""
+
+    _fields = {
+        "weights": "",
+    }
+
+
 class Conditions(Record):
     """What the file can't say, as the laboratory states it."""
 
@@ -1851,6 +1864,28 @@ class Gaussian(GaussianRecord):
     }
 
 
+class GroupCheck(Record):
+    """Joints and tendons that are connected with each other, and with no others."""
+
+    __slots__ = ()
+
+    condition: float | None
+    """Condition number of the moment arms; none without an equation per tendon."""
+    equations: GroupEquations
+    """Equations that estimate the elongations."""
+    joints: list[str]
+    """Names of the joints."""
+    tendons: list[str]
+    """Names of the tendons."""
+
+    _fields = {
+        "condition": "",
+        "equations": "",
+        "joints": "",
+        "tendons": "",
+    }
+
+
 class Health(Record):
     """What was read, what was lost and why. Complete after the last frame."""
 
@@ -1976,7 +2011,7 @@ class Injection(Record):
     from_s: float | None
     """From this time of the recording on, s; `None` from the start."""
     joint: str
-    """Joint it is added to."""
+    """Tendon it is added to, in the coordinate of the joint it is paired with."""
     offset_rad: float
     """Offset, rad."""
 
@@ -3963,6 +3998,8 @@ class RobotCheckResult(Record):
     """Mass that moves with the first joint, kg."""
     name: str
     """Its name."""
+    routing: RoutingCheck | None
+    """Routing of the tendons, where `robot.toml` has `[[tendons]]`."""
     schema: Literal["sinew/robot-check/1"]
     """Name and number of this schema."""
     urdf: str
@@ -3976,6 +4013,7 @@ class RobotCheckResult(Record):
         "joints": "JointCheck",
         "moving_mass_kg": "",
         "name": "",
+        "routing": "RoutingCheck",
         "schema": "",
         "urdf": "",
         "warnings": "",
@@ -4130,6 +4168,31 @@ class RopeSummary(Record):
         "product": "",
         "starting_guesses": "",
         "weight_kg_per_m": "",
+    }
+
+
+class RoutingCheck(Record):
+    """Tendons between motors and joints, where `robot.toml` has `[[tendons]]`."""
+
+    __slots__ = ()
+
+    groups: list[GroupCheck]
+    """Joints and tendons that are connected with each other, and with no others."""
+    joints: list[str]
+    """Joints in the order of the moment arms."""
+    motors: list[str]
+    """Motors in the order of the drums."""
+    tendons: list[TendonRouting]
+    """Tendons."""
+    unobservable: list[Combination]
+    """Combinations of elongations that the motion of the joints does not show at `q = 0`."""
+
+    _fields = {
+        "groups": "GroupCheck",
+        "joints": "",
+        "motors": "",
+        "tendons": "TendonRouting",
+        "unobservable": "Combination",
     }
 
 
@@ -4888,6 +4951,10 @@ class TendonCheck(Record):
     """Elongation at which to tension again, m."""
     rope: str | None
     """Catalogue name of the rope."""
+    taut_up_to_nm: float | None
+    """Torque up to which both strands of a loop stay taut, `2 r f0`, N·m; none without a pretension, or of an
+    antagonistic pair.
+    """
 
     _fields = {
         "elongation_m_per_rad": "",
@@ -4897,6 +4964,7 @@ class TendonCheck(Record):
         "replace_at_strain_ratio": "",
         "retension_at_m": "",
         "rope": "",
+        "taut_up_to_nm": "",
     }
 
 
@@ -4977,6 +5045,34 @@ class TendonEstimate(Record):
         "strain_ratio": "Gaussian",
         "torque_nm": "TorqueRange",
         "verdict": "",
+    }
+
+
+class TendonRouting(Record):
+    """Routing of one tendon."""
+
+    __slots__ = ()
+
+    drums: list[float]
+    """Path that each motor takes in per rad, m/rad or rad/rad; 0 of a motor that does not drive it."""
+    kind: TendonForm
+    """Way in which the tendon pulls."""
+    moment_arms: list[float]
+    """Moment arm at each joint at `q = 0`, m/rad or rad/rad; 0 of a joint that it does not cross."""
+    name: str
+    """Name of the tendon."""
+    path: PathUnit
+    """Unit of the tendon's path."""
+    stiffness: float
+    """Stiffness, N/m or N·m/rad."""
+
+    _fields = {
+        "drums": "",
+        "kind": "",
+        "moment_arms": "",
+        "name": "",
+        "path": "",
+        "stiffness": "",
     }
 
 
@@ -6034,6 +6130,7 @@ EventKind = Literal["gap", "clock-jump", "late", "damage", "undecodable", "suspi
 Fault = Union[FaultClockGoesBack, FaultDoubtfulStrain, FaultDoubtfulTime, FaultGap, FaultLoadDrift, FaultNoForce, FaultNoRamp, FaultOutlier, FaultRepeatedStamps, FaultShortens, FaultSlip, FaultSlowRamp]
 FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distance", "arm-mass", "heavy-link", "light-link", "density", "inertia-size", "inertia-not-definite", "inertia-triangle", "frequency", "sag", "too-stiff", "stiffer-than-rope", "motor-inertia", "friction", "unknown-rope", "pretension", "holding-pull", "largest-pull", "pulley-diameter", "elongation-limit", "range-width", "range-reversed", "effort-limit", "negative-limit", "speed-limit", "gravity", "gravity-up"]
 Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
+GroupEquations = Literal["tendon", "joint"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
 JointMotion = Literal["revolute", "prismatic"]
 JointRefusal = Union[Literal["rigid", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia"], JointRefusalNoUsableFrame]
@@ -6052,6 +6149,7 @@ NoForecast = Union[NoForecastLoad, NoForecastNoForce, NoForecastNoLoad, NoForeca
 NoSlope = Union[NoSlopeNotFitted, NoSlopeTooFewReadings]
 NotIdentifiable = Union[NotIdentifiableAbove, NotIdentifiableAnything, NotIdentifiableBelow]
 Origin = Literal["measured", "observed", "motor-torque", "stated", "taken-as-known", "estimated"]
+PathUnit = Literal["m", "rad"]
 Place = Literal["rope", "ends"]
 PriorBasis = Union[PriorBasisRope, PriorBasisUnknown]
 Quantity = Literal["q", "theta", "dq", "tau_el", "tau_m", "tau_ext", "temperature"]
@@ -6065,6 +6163,7 @@ StrainZero = Union[StrainZeroAsRecorded, StrainZeroBeforeLoad]
 StreamRole = Literal["both-sides", "joint-side", "motor-side", "external-torque"]
 TemperatureSource = Literal["recorded", "stated", "unknown"]
 TendonChangeKind = Literal["slip", "strand-failure", "slip-or-strand-failure", "stiffer", "retensioned", "softer-since-before", "stiffer-since-before"]
+TendonForm = Literal["loop", "strand"]
 Termination = Literal["linear", "gradient", "step", "cost", "no-progress", "step-limit", "failed"]
 TestQuantity = Literal["time", "force", "stress", "elongation", "strain", "modulus", "temperature", "humidity", "area", "gauge-length"]
 TopicUse = Literal["joint-side", "motor-side", "external-torque", "robot-description"]
@@ -6111,6 +6210,7 @@ _CLASSES: Mapping[str, Any] = {
     "CautionStartingGuesses": CautionStartingGuesses,
     "CautionTightBend": CautionTightBend,
     "CautionWornOut": CautionWornOut,
+    "Combination": Combination,
     "Conditions": Conditions,
     "ContactScore": ContactScore,
     "Coverage": Coverage,
@@ -6168,6 +6268,7 @@ _CLASSES: Mapping[str, Any] = {
     "ForecastPoint": ForecastPoint,
     "Frames": Frames,
     "Gaussian": Gaussian,
+    "GroupCheck": GroupCheck,
     "Health": Health,
     "HeldJoint": HeldJoint,
     "Holds": Holds,
@@ -6260,6 +6361,7 @@ _CLASSES: Mapping[str, Any] = {
     "RopeListResult": RopeListResult,
     "RopeResult": RopeResult,
     "RopeSummary": RopeSummary,
+    "RoutingCheck": RoutingCheck,
     "Scatter": Scatter,
     "Schedule": Schedule,
     "Score": Score,
@@ -6290,6 +6392,7 @@ _CLASSES: Mapping[str, Any] = {
     "TendonCheck": TendonCheck,
     "TendonCreep": TendonCreep,
     "TendonEstimate": TendonEstimate,
+    "TendonRouting": TendonRouting,
     "TopicInfo": TopicInfo,
     "TorqueRange": TorqueRange,
     "TorqueStatistics": TorqueStatistics,

@@ -76,6 +76,20 @@ impl Mapping {
         sources.flatten().any(|source| source.is_current)
     }
 
+    /// Name of the file, for messages.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Whether a quantity of a joint or motor is a sum of several columns.
+    pub fn sums(&self, name: &str, quantity: Quantity) -> bool {
+        let mut named = self.joints.iter().filter(|joint| joint.name == name);
+        named.any(|joint| {
+            let source = joint.sources[quantity.index()].as_ref();
+            source.is_some_and(|source| source.terms.len() > 1)
+        })
+    }
+
     /// The joints the mapping names, in the file's order.
     pub fn joint_names(&self) -> impl Iterator<Item = &str> {
         self.joints.iter().map(|joint| joint.name.as_str())

@@ -278,10 +278,14 @@ impl RobotFile {
                 transmission
             }));
         }
+        let lacking = gaps.len();
+        gaps.extend(tendons::gaps(&self.tendons));
+        let is_whole = gaps.len() == lacking;
         let is_coupled = !self.tendons.is_empty() || joints.iter().any(|j| j.spring.is_some());
         let locked: Vec<&str> = options.locked.iter().map(|l| l.0.as_str()).collect();
         let file = (self.motors.as_slice(), self.tendons.as_slice());
-        let coupled = is_coupled.then(|| tendons::couple(&self.file, file, &joints, &locked));
+        let coupled =
+            (is_coupled && is_whole).then(|| tendons::couple(&self.file, file, &joints, &locked));
         let mut coupling = None;
         match coupled {
             None => {}

@@ -32,6 +32,8 @@ pub(super) struct TendonEntry {
     description: TendonDescription,
     moment_arms: Vec<(String, ArmEntry)>,
     rope: Option<RopeEntry>,
+    /// What keeps the tendon from being used: its stiffness is missing.
+    gap: Option<Located>,
 }
 
 /// Moment arm of the file.
@@ -131,13 +133,7 @@ pub(super) fn tendon(s: &Section<'_>) -> Result<TendonEntry, Located> {
                 "give the moment arm at every joint it crosses",
             );
         };
-        let Some(per_mm) = per_mm else {
-            return missing(
-                "stiffness_n_per_mm",
-                "give the stiffness of the tendon, of a loop that of both strands together",
-            );
-        };
-        (Coordinate::Metres, drums, arms, per_mm * N_PER_M)
+        (Coordinate::Metres, drums, arms, per_mm.map(|k| k * N_PER_M))
     } else {
         if per_mm.is_some() {
             let cure = "give stiffness_nm_per_rad with ratios, or drums_mm and moment_arms_mm";
@@ -159,12 +155,6 @@ pub(super) fn tendon(s: &Section<'_>) -> Result<TendonEntry, Located> {
                 "give rad of the motor per rad of every joint the tendon crosses",
             );
         };
-        let Some(per_rad) = per_rad else {
-            return missing(
-                "stiffness_nm_per_rad",
-                "give the stiffness of the tendon at its motor",
-            );
-        };
         let arms = ratios
             .into_iter()
             .map(|(joint, r)| (joint, ArmEntry::Constant(r)));
@@ -182,6 +172,17 @@ pub(super) fn tendon(s: &Section<'_>) -> Result<TendonEntry, Located> {
         None if pretension_n.is_some() => return missing("drum_mm", "pretension_n needs it"),
         None => None,
     };
+    let gap = stiffness.is_none().then(|| {
+        let (key, where_) = match coordinate {
+            Coordinate::Metres => (
+                "stiffness_n_per_mm",
+                "of a loop that of both strands together",
+            ),
+            Coordinate::MotorRadians { .. } => ("stiffness_nm_per_rad", "at its motor"),
+        };
+        s.here(Fault::MissingKey, format!("{key} is missing"))
+            .cure(format!("give the stiffness of the tendon, {where_}"))
+    });
     Ok(TendonEntry {
         line: s.line(),
         description: TendonDescription {
@@ -190,9 +191,10 @@ pub(super) fn tendon(s: &Section<'_>) -> Result<TendonEntry, Located> {
             coordinate,
             drums,
             moment_arms: Vec::new(),
-            stiffness,
+            stiffness: stiffness.unwrap_or(f64::NAN),
             pretension,
         },
+        gap,
         moment_arms,
         rope: rope(s, pretension_n, coordinate)?,
     })
@@ -266,6 +268,11 @@ fn moment_arms(s: &Section<'_>) -> Result<Vec<(String, ArmEntry)>, Located> {
 pub(super) fn crossed(tendons: &[TendonEntry]) -> impl Iterator<Item = &str> {
     let arms = tendons.iter().flat_map(|tendon| &tendon.moment_arms);
     arms.map(|(joint, _)| joint.as_str())
+}
+
+/// What keeps tendons from being used, however the arm is.
+pub(super) fn gaps(tendons: &[TendonEntry]) -> impl Iterator<Item = Located> {
+    tendons.iter().filter_map(|tendon| tendon.gap.clone())
 }
 
 /// What tendons make of the joints of an arm.
