@@ -8,7 +8,8 @@ use crate::robot_dir::LoadedRobot;
 use crate::warmth;
 use crate::warning::RecordingWarning;
 use sinew_files::names::nearest;
-use sinew_log::{Frame, Quantity, Recording};
+use sinew_log::{Channels, Frame, Quantity, Recording};
+use sinew_model::transmission::Transmission;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
@@ -17,6 +18,9 @@ pub(crate) struct Opened {
     pub(crate) recording: Recording,
     pub(crate) loaded: LoadedRobot,
     pub(crate) warnings: Vec<RecordingWarning>,
+    /// Joints with a tendon of which the recording holds the motor's position alone: it stands in for the joint's, and the
+    /// joint is taken as rigid.
+    pub(crate) without_encoder: Vec<usize>,
 }
 
 impl Opened {
@@ -48,10 +52,15 @@ impl Opened {
             names.iter().map(String::as_str).collect()
         }
         recording.select_driven(&all(names), &all(&motors))?;
+        let without_encoder = without_encoder(&request.name(), &loaded, recording.channels())?;
+        for joint in &without_encoder {
+            loaded.robot.transmissions[*joint] = None;
+        }
         Ok(Self {
             recording,
             loaded,
             warnings,
+            without_encoder,
         })
     }
 
@@ -65,8 +74,19 @@ impl Opened {
     ) -> Result<(), EstimateError> {
         let mut frames = 0u64;
         let mut one_signal = OneSignal::new(&self.loaded.robot);
+        let mut completed = Frame::default();
         let stopped = self.recording.each_frame(|frame, at| {
             frames += 1;
+            let frame = match self.without_encoder.is_empty() {
+                true => frame,
+                false => {
+                    completed.clone_from(frame);
+                    for joint in &self.without_encoder {
+                        completed.q[*joint] = completed.theta[*joint];
+                    }
+                    &completed
+                }
+            };
             one_signal.frame(frame);
             if frames.is_multiple_of(8192) {
                 progress(Progress {
@@ -85,6 +105,29 @@ impl Opened {
         stopped?.unwrap_or(Ok(()))?;
         one_signal.judge(&self.loaded.robot, self.recording.name())
     }
+}
+
+/// Joints with a tendon of their own whose position is not recorded, though that of their motor is.
+///
+/// # Errors
+/// There is no other joint with a tendon: a motor's position alone does not show how long its tendon is.
+fn without_encoder(
+    file: &str,
+    loaded: &LoadedRobot,
+    channels: &Channels,
+) -> Result<Vec<usize>, EstimateError> {
+    let tendons = loaded.robot.transmissions.iter().zip(&channels.joints);
+    let tendons = tendons.enumerate().filter(|(_, (t, _))| t.is_some());
+    let has_own = |t: &Option<Transmission>| t.as_ref().is_some_and(|t| t.routing.is_none());
+    let (without, with): (Vec<_>, Vec<_>) =
+        tendons.partition(|(_, (t, channel))| has_own(t) && !channel.q && channel.theta);
+    if with.is_empty() && !without.is_empty() {
+        return Err(EstimateError::Mismatch {
+            file: file.into(),
+            why: "holds motor positions and no joint position. An elongation is what motor and joint differ by, so motor positions alone do not show it. Record the joints' encoders. Name them in a mapping file (--mapping) if they have other names".into(),
+        });
+    }
+    Ok(without.into_iter().map(|(joint, _)| joint).collect())
 }
 
 /// Every moving joint needs a position; others of the recording are left alone: their names.

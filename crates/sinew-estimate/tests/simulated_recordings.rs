@@ -184,3 +184,65 @@ fn the_difference_to_an_earlier_recording_forgets_model_errors() {
         assert!((difference - expected).abs() < 0.5, "{}", joint.name);
     }
 }
+
+/// A joint without an encoder has no estimate, which a warning says, and the others keep theirs.
+#[test]
+fn a_joint_without_an_encoder_does_not_stop_the_others() {
+    use sinew_estimate::session::{self, SessionOptions, Warning, Window};
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.csv");
+    simulated(&shipped("work-session.toml"), &whole);
+    let text = std::fs::read_to_string(&whole).unwrap();
+    let without = |columns: &[&str]| {
+        let mut lines = text.lines();
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let kept: Vec<usize> = (0..header.len())
+            .filter(|i| !columns.contains(&header[*i]))
+            .collect();
+        let mut out = String::new();
+        for line in std::iter::once(header).chain(lines.map(|l| l.split(',').collect())) {
+            let cells: Vec<&str> = kept.iter().map(|i| line[*i]).collect();
+            out += &cells.join(",");
+            out.push('\n');
+        }
+        let log = folder.path().join("part.csv");
+        std::fs::write(&log, out).unwrap();
+        let request = Request {
+            robot: Some(robot_folder()),
+            ..Request::new(log)
+        };
+        let options = SessionOptions::default();
+        let minute = Window {
+            from_s: 0.0,
+            to_s: 60.0,
+        };
+        session::estimate(&request, minute, None, &options, &mut |_| {})
+    };
+    let all = without(&[]).unwrap().0;
+    let part = without(&["q.wrist_rad"]).unwrap().0;
+    let wrist = "wrist".to_owned();
+    let says = Warning::NoJointEncoder { joint: wrist };
+    assert!(part.warnings.contains(&says) && !all.warnings.contains(&says));
+    let names = |e: &session::SessionEstimate| -> Vec<String> {
+        e.joints.iter().map(|j| j.name.clone()).collect()
+    };
+    assert_eq!(names(&part), ["shoulder_yaw", "shoulder_pitch", "elbow"]);
+    assert_eq!(names(&all).len(), 4);
+    for (a, b) in all.joints.iter().zip(&part.joints) {
+        // The wrist shows what the gripper holds: without it the others know less.
+        let apart = (a.offset_rad.mean - b.offset_rad.mean).abs();
+        let [wide, wider] = [a, b].map(|j| j.offset_rad.half_width_95());
+        assert!(apart < wide.hypot(wider), "{}: {apart}", a.name);
+    }
+    let columns = [
+        "q.wrist_rad",
+        "q.elbow_rad",
+        "q.shoulder_pitch_rad",
+        "q.shoulder_yaw_rad",
+    ];
+    let error = without(&columns).unwrap_err().to_string();
+    assert!(
+        error.contains("motor positions alone do not show it"),
+        "{error}"
+    );
+}

@@ -244,6 +244,9 @@ pub fn session_warning(warning: &Warning) -> String {
             "{joint}: its encoders were not zeroed on the unloaded rope, as zero_mrad in robot.toml says they were: they read {} mrad there. The zero was estimated instead; state zero_mrad",
             plus_minus(*zero_rad, 1e3)
         ),
+        Warning::NoJointEncoder { joint } => format!(
+            "{joint}: its position is not recorded, so the elongation of its tendon cannot be estimated. The position of its motor stands in for the estimate of the other joints"
+        ),
         Warning::Stuck {
             joint,
             joint_travel_rad,

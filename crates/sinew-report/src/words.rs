@@ -62,6 +62,7 @@ pub fn nothing_estimated(estimate: &Estimate) -> Option<String> {
 pub fn joint_refusal(refusal: JointRefusal) -> String {
     match refusal {
         JointRefusal::Rigid => "rigid in robot.toml: it has no elastic transmission".into(),
+        JointRefusal::NoJointPosition => "its position is not recorded".into(),
         JointRefusal::NoMotorPosition => "its motor position is not recorded".into(),
         JointRefusal::NoJointTorque => "its joint torque is not recorded".into(),
         JointRefusal::NoMotorTorque => "its motor torque is not recorded".into(),

@@ -12,11 +12,13 @@ pub(super) fn refusals(
     file: &str,
     config: &OffsetConfig,
     loaded: &LoadedRobot,
-    channels: &Channels,
+    (channels, without_encoder): (&Channels, &[usize]),
 ) -> Result<Vec<Option<JointRefusal>>, EstimateError> {
     let mut refused = Vec::new();
-    for (transmission, channel) in loaded.robot.transmissions.iter().zip(&channels.joints) {
+    let joints = loaded.robot.transmissions.iter().zip(&channels.joints);
+    for (joint, (transmission, channel)) in joints.enumerate() {
         refused.push(match (transmission, config.source) {
+            (None, _) if without_encoder.contains(&joint) => Some(JointRefusal::NoJointPosition),
             (None, _) => Some(JointRefusal::Rigid),
             (Some(_), _) if !channel.theta => Some(JointRefusal::NoMotorPosition),
             (Some(_), TorqueSource::TorqueSensor) if !channel.tau_el => {
@@ -59,6 +61,7 @@ pub(super) fn refusals(
 fn words(refusal: JointRefusal) -> &'static str {
     match refusal {
         JointRefusal::Rigid => "rigid in robot.toml: it has no elastic transmission",
+        JointRefusal::NoJointPosition => "its position is not recorded",
         JointRefusal::NoMotorPosition => "its motor position is not recorded",
         JointRefusal::NoJointTorque => "its joint torque is not recorded",
         JointRefusal::NoMotorTorque => "its motor torque is not recorded",

@@ -33,7 +33,7 @@ impl<'a> Pass<'a> {
         let (file, loaded) = (request.name(), &opened.loaded);
         let names = loaded.robot.joint_names();
         let channels = opened.recording.channels();
-        let refused = refusals(&file, &config, loaded, channels)?;
+        let refused = refusals(&file, &config, loaded, (channels, &opened.without_encoder))?;
         if request.use_tau_ext && !channels.all_have(sinew_log::Quantity::TauExt) {
             return Err(EstimateError::Mismatch {
                 file,
@@ -86,6 +86,7 @@ impl<'a> Pass<'a> {
             recording,
             loaded,
             mut warnings,
+            ..
         } = opened;
         let Self {
             request,

@@ -146,6 +146,8 @@ impl From<Refusal> for LossReason {
 pub enum JointRefusal {
     /// It is rigid in robot.toml.
     Rigid,
+    /// Its position is not recorded.
+    NoJointPosition,
     /// Its motor position is not recorded.
     NoMotorPosition,
     /// Its joint torque is not recorded.

@@ -41,6 +41,11 @@ pub(super) fn warnings(
             poses: estimate.poses,
         });
     }
+    let names = context.robot.joint_names();
+    let without_encoder = recorded.without_encoder.iter();
+    out.extend(without_encoder.map(|joint| Warning::NoJointEncoder {
+        joint: names[*joint].clone(),
+    }));
     let elastic = recorded.elastic.iter();
     for ((joint, travel), i) in joints.iter().zip(travels(recorded)).zip(elastic) {
         out.extend(torque_hardly_changed(joint, travel.deflection));

@@ -57,6 +57,8 @@ pub struct Recorded {
     pub room: Vec<Block>,
     /// Where joint and motor stood when marks were passed.
     pub touches: Vec<TouchReading>,
+    /// Joints that are taken as rigid, as their positions are not recorded.
+    pub without_encoder: Vec<usize>,
 }
 
 /// Touches that are still to come, and the frame before.
@@ -378,8 +380,9 @@ impl<'a> Blocks<'a> {
         let channels = &opened.recording.channels().joints;
         let names = robot.joint_names().iter().zip(robot.motor_names());
         let joints = names.zip(&robot.transmissions);
-        for (((joint, motor), transmission), channel) in joints.zip(channels) {
+        for (i, (((joint, motor), transmission), channel)) in joints.zip(channels).enumerate() {
             let lacks = match transmission.is_some() {
+                _ if opened.without_encoder.contains(&i) => None,
                 _ if !channel.q => Some("joint position"),
                 true if !channel.theta => Some("motor position"),
                 _ => None,
@@ -451,6 +454,7 @@ impl<'a> Blocks<'a> {
         let mut out = self.recorder.finish();
         out.damaged = opened.recording.health().is_damaged();
         let mapping = request.open.mapping.as_ref();
+        out.without_encoder.clone_from(&opened.without_encoder);
         out.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
         if out.blocks.is_empty() {
             return Err(mismatch(

@@ -103,6 +103,11 @@ pub enum Warning {
         /// Robust standard deviation, rad.
         noise_rad: f64,
     },
+    /// The position of a joint is not recorded: its motor's stands in, and its tendon is not estimated.
+    NoJointEncoder {
+        /// Joint.
+        joint: String,
+    },
     /// A joint hardly moved while its motor turned.
     Stuck {
         /// Joint.
