@@ -111,8 +111,8 @@ mod sources;
 pub use error::{Ambiguity, LogError};
 pub use files::{
     Arrays, Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, GivenMessages,
-    McapOptions, McapWriter, Packing, Progress, ReadSeek, Recording, RowWriter, Table, TableWriter,
-    Topic, TopicWriter, open, open_parts, recordings_of,
+    McapOptions, McapWriter, Packing, Progress, ReadSeek, RecordedNames, Recording, RowWriter,
+    Table, TableWriter, Topic, TopicWriter, open, open_parts, recordings_of,
 };
 pub use frame::{Channels, Frame, Quantities, Quantity};
 pub use health::{

@@ -5,7 +5,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use sinew_log::{
     Compression, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities, Quantity,
-    RowWriter, open,
+    RecordedNames, RowWriter, open,
 };
 
 fn all_quantities() -> Quantities {
@@ -166,6 +166,88 @@ fn a_frame_of_the_wrong_length_is_refused() {
     let mut writer = RowWriter::create(&path, &names(2), Quantities::positions()).unwrap();
     let error = writer.write(&Frame::new(3)).unwrap_err().to_string();
     assert!(error.contains("3 values of q for 2 joints"), "{error}");
+}
+
+/// Position and torque of a motor stand under its name, everything else under that of the joint.
+#[test]
+fn motors_are_recorded_under_their_own_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let (joints, motors) = (names(2), ["left".to_owned(), "right".to_owned()]);
+    let names = RecordedNames {
+        joints: &joints,
+        motors: &motors,
+    };
+    let written = frames(2, 20, 5);
+    for name in ["a.csv", "a.mcap"] {
+        let path = folder.path().join(name);
+        let mut writer: Box<dyn FrameWriter> = match name {
+            "a.csv" => Box::new(RowWriter::create(&path, names, all_quantities()).unwrap()),
+            _ => {
+                let options = McapOptions {
+                    joints: joints.clone(),
+                    motors: motors.to_vec(),
+                    quantities: all_quantities(),
+                    ..McapOptions::default()
+                };
+                Box::new(McapWriter::create(&path, &options).unwrap())
+            }
+        };
+        written.iter().for_each(|f| writer.write(f).unwrap());
+        writer.finish().unwrap();
+        let mut recording = open(&path, &OpenOptions::default()).unwrap();
+        // The other way round than they were written.
+        recording
+            .select_driven(&["joint_1", "joint_0"], &["right", "left"])
+            .unwrap();
+        for want in &written {
+            let frame = recording.next_frame().unwrap().unwrap();
+            for quantity in Quantity::PER_JOINT {
+                let swapped = want.get(quantity).iter().rev();
+                for (found, want) in frame.get(quantity).iter().zip(swapped) {
+                    let same = found == want || (found.is_nan() && want.is_nan());
+                    assert!(same, "{name} {quantity:?}: {found} for {want}");
+                }
+            }
+        }
+    }
+    let header = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let header = header.lines().next().unwrap();
+    for column in [
+        "q.joint_0_rad",
+        "theta.left_rad",
+        "tau_el.joint_1_nm",
+        "tau_m.right_nm",
+    ] {
+        assert!(header.split(',').any(|name| name == column), "{header}");
+    }
+}
+
+#[test]
+fn motors_that_are_not_one_a_joint_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (joints, motors) = (names(2), vec!["left".to_owned()]);
+    let names = RecordedNames {
+        joints: &joints,
+        motors: &motors,
+    };
+    let csv = RowWriter::create(&folder.path().join("a.csv"), names, Quantities::positions());
+    let mcap = |motors: &[&str]| {
+        let options = McapOptions {
+            joints: joints.clone(),
+            motors: motors.iter().map(|m| (*m).to_owned()).collect(),
+            ..McapOptions::default()
+        };
+        McapWriter::create(&folder.path().join("a.mcap"), &options)
+    };
+    let said = [
+        csv.err(),
+        mcap(&["left"]).err(),
+        mcap(&["left", "left"]).err(),
+    ];
+    let said = said.map(|error| error.unwrap().to_string());
+    assert!(said[0].contains("2 joints have 1 motors"), "{}", said[0]);
+    assert!(said[1].contains("2 joints have 1 motors"), "{}", said[1]);
+    assert!(said[2].contains("motor name 'left'"), "{}", said[2]);
 }
 
 proptest! {

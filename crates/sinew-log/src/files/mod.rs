@@ -22,6 +22,6 @@ pub use reader::{Format, Progress};
 pub use recording::{Recording, open, open_parts};
 pub use table::Arrays;
 pub use write::{
-    Cell, CellKind, Column, Compression, FrameWriter, McapOptions, McapWriter, Packing, RowWriter,
-    RowWriter as CsvWriter, Table, TableWriter, Topic, TopicWriter,
+    Cell, CellKind, Column, Compression, FrameWriter, McapOptions, McapWriter, Packing,
+    RecordedNames, RowWriter, RowWriter as CsvWriter, Table, TableWriter, Topic, TopicWriter,
 };

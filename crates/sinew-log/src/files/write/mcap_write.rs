@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub struct McapOptions {
     /// Joint names, in the order of the frames.
     pub joints: Vec<String>,
+    /// Motor that stands beside each joint, whose names the motor-side topic has; empty where they are the joints'.
+    pub motors: Vec<String>,
     /// Quantities written; a frame's NaN is written as NaN.
     pub quantities: Quantities,
     /// URDF for `/robot_description`.
@@ -45,6 +47,7 @@ impl Default for McapOptions {
         let packing = Packing::default();
         McapOptions {
             joints: Vec::new(),
+            motors: Vec::new(),
             quantities: Quantities::positions(),
             robot_description: None,
             compression: packing.compression,
@@ -90,11 +93,18 @@ impl McapWriter {
             let why = "a recording needs at least one joint";
             return Err(refuse(path, why.to_owned()));
         }
-        for (place, joint) in options.joints.iter().enumerate() {
-            if joint.is_empty() || options.joints[..place].contains(joint) {
-                let why = format!("joint name '{joint}' is empty or there twice");
-                return Err(refuse(path, why));
+        for (what, names) in [("joint", &options.joints), ("motor", &options.motors)] {
+            for (place, name) in names.iter().enumerate() {
+                if name.is_empty() || names[..place].contains(name) {
+                    let why = format!("{what} name '{name}' is empty or there twice");
+                    return Err(refuse(path, why));
+                }
             }
+        }
+        let (joints, motors) = (options.joints.len(), options.motors.len());
+        if motors != 0 && motors != joints {
+            let why = format!("{joints} joints have {motors} motors: each has one");
+            return Err(refuse(path, why));
         }
         let packing = Packing {
             compression: options.compression,
@@ -146,6 +156,7 @@ impl FrameWriter for McapWriter {
         self.write_description(frame.time_ns)?;
         let McapOptions {
             joints,
+            motors,
             quantities: q,
             frame_id,
             ..
@@ -197,7 +208,7 @@ impl FrameWriter for McapWriter {
             };
             let message = DynamicJointState {
                 header,
-                joint_names: joints,
+                joint_names: if motors.is_empty() { joints } else { motors },
                 interface_values: &Vec::from_iter(values.chunks_exact(names.len()).map(of_joint)),
             };
             self.out.send(topic, time_ns, sequence, &message)?;

@@ -11,7 +11,7 @@ mod topic_write;
 
 pub use cell::{Cell, CellKind, Column};
 pub use mcap_write::{McapOptions, McapWriter};
-pub use row_write::RowWriter;
+pub use row_write::{RecordedNames, RowWriter};
 pub use table_write::{Table, TableWriter};
 pub use topic_write::{Compression, Packing, Topic, TopicWriter};
 

@@ -2,8 +2,38 @@
 
 use super::{Cell, CellKind, Column, FrameWriter, TableWriter, refuse};
 use crate::error::LogError;
-use crate::frame::{Frame, Quantities, Quantity};
+use crate::frame::{DrivenJoint, Frame, Quantities, Quantity};
 use std::path::{Path, PathBuf};
+
+/// Names in a recording, in the order of the frames.
+#[derive(Debug, Clone, Copy)]
+pub struct RecordedNames<'a> {
+    /// Joints.
+    pub joints: &'a [String],
+    /// Motor that stands beside each joint, under whose name its position and torque are recorded.
+    pub motors: &'a [String],
+}
+
+/// Motors with the names of their joints.
+impl<'a, T: AsRef<[String]> + ?Sized> From<&'a T> for RecordedNames<'a> {
+    fn from(joints: &'a T) -> Self {
+        Self {
+            joints: joints.as_ref(),
+            motors: joints.as_ref(),
+        }
+    }
+}
+
+impl RecordedNames<'_> {
+    pub(super) fn driven(&self, path: &Path) -> Result<Vec<DrivenJoint>, LogError> {
+        if self.joints.len() != self.motors.len() {
+            let (joints, motors) = (self.joints.len(), self.motors.len());
+            let why = format!("{joints} joints have {motors} motors: each has one");
+            return Err(refuse(path, why));
+        }
+        Ok(DrivenJoint::pairs(self.joints, self.motors))
+    }
+}
 
 /// Writes frames as rows: the time, then the quantities chosen; NaN is an empty cell, in Parquet null.
 ///
@@ -23,18 +53,19 @@ impl RowWriter {
     ///
     /// # Errors
     /// No joints, two of one name, or the system refuses.
-    pub fn create(
+    pub fn create<'a>(
         path: &Path,
-        joints: &[String],
+        names: impl Into<RecordedNames<'a>>,
         quantities: Quantities,
     ) -> Result<Self, LogError> {
+        let joints = names.into().driven(path)?;
         if joints.is_empty() {
             let why = "a recording needs at least one joint";
             return Err(refuse(path, why.into()));
         }
-        let columns = columns("time_s", CellKind::Text, joints, quantities);
+        let columns = columns("time_s", CellKind::Text, &joints, quantities);
         let table = TableWriter::csv(path, &columns)?;
-        Ok(Self::of(table, path, joints, quantities, |time_ns| {
+        Ok(Self::of(table, path, &joints, quantities, |time_ns| {
             let sign = if time_ns < 0 { "-" } else { "" };
             let time = time_ns.unsigned_abs();
             let (seconds, nanos) = (time / 1_000_000_000, time % 1_000_000_000);
@@ -46,24 +77,25 @@ impl RowWriter {
     ///
     /// # Errors
     /// No joints, two of one name, another ending, a build without Parquet, or the system refuses.
-    pub fn create_parquet(
+    pub fn create_parquet<'a>(
         path: &Path,
-        joints: &[String],
+        names: impl Into<RecordedNames<'a>>,
         quantities: Quantities,
     ) -> Result<Self, LogError> {
+        let joints = names.into().driven(path)?;
         if joints.is_empty() || !super::is_parquet(path) {
             let why = "a recording as Parquet needs a joint and a name that ends in .parquet";
             return Err(refuse(path, why.into()));
         }
-        let columns = columns("time_ns", CellKind::Integer, joints, quantities);
+        let columns = columns("time_ns", CellKind::Integer, &joints, quantities);
         let table = TableWriter::create(path, &columns)?;
-        Ok(Self::of(table, path, joints, quantities, Cell::Integer))
+        Ok(Self::of(table, path, &joints, quantities, Cell::Integer))
     }
 
     fn of(
         table: TableWriter,
         path: &Path,
-        joints: &[String],
+        joints: &[DrivenJoint],
         quantities: Quantities,
         time: fn(i64) -> Cell,
     ) -> Self {
@@ -95,18 +127,26 @@ impl FrameWriter for RowWriter {
     }
 }
 
-fn columns(time: &str, kind: CellKind, joints: &[String], quantities: Quantities) -> Vec<Column> {
+fn columns(
+    time: &str,
+    kind: CellKind,
+    joints: &[DrivenJoint],
+    quantities: Quantities,
+) -> Vec<Column> {
     let values = value_columns(joints, quantities).into_iter();
     let values = values.map(|name| (name, CellKind::Number));
     std::iter::once((time.into(), kind)).chain(values).collect()
 }
 
 /// Names of the columns besides the time.
-fn value_columns(joints: &[String], quantities: Quantities) -> Vec<String> {
+fn value_columns(joints: &[DrivenJoint], quantities: Quantities) -> Vec<String> {
     let of = |quantity: Quantity| match quantity {
         Quantity::Temperature => vec!["temperature_c".to_owned()],
         _ => {
-            let name = |joint| format!("{}.{joint}{}", quantity.symbol(), quantity.suffix());
+            let name = |joint: &DrivenJoint| {
+                let owner = joint.recorded(quantity);
+                format!("{}.{owner}{}", quantity.symbol(), quantity.suffix())
+            };
             joints.iter().map(name).collect()
         }
     };
