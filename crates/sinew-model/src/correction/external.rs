@@ -8,6 +8,7 @@ use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, MomentumObserver, StateVariableFilter};
 use crate::offset::VelocityFilter;
+use crate::routes::Routes;
 use crate::transmission::{Friction, Transmission};
 use alloc::vec::Vec;
 
@@ -279,6 +280,35 @@ impl ExternalTorqueObserver {
     /// Estimate and threshold of every joint.
     fn judge(&mut self) {
         let t = &self.tolerances;
+        if let Some(routes) = self.correction.routes() {
+            for ((filter, pole), tau_el) in (self.filters.iter_mut())
+                .zip(self.observer.pole())
+                .zip(&self.tau_el)
+            {
+                if self.started {
+                    filter.lagging.step(pole, *tau_el);
+                } else {
+                    filter.lagging = FirstOrder::settled_at(*tau_el);
+                }
+            }
+            let rows = self.tau_ext.iter_mut().zip(&mut self.threshold);
+            let known = self.friction.iter().zip(&t.noise_nm).zip(&self.filters);
+            let joints = rows.zip(known).zip(self.observer.torque()).enumerate();
+            for (j, (((tau_ext, threshold), ((friction, noise), filter)), r)) in joints {
+                if self.correction.joints().get(j).is_none_or(Option::is_none) {
+                    continue;
+                }
+                let model = (filter.lagging.output() + r) * t.mass_deviation;
+                let carried = self.filters.iter().map(|f| f.lagging.output());
+                let variance = spring_variance(&self.correction, routes, j, carried)
+                    + model * model
+                    + noise * noise;
+                *tau_ext = *r;
+                *threshold =
+                    t.sigmas * libm::sqrt(variance) + t.friction_share * friction.coulomb_nm;
+            }
+            return;
+        }
         let outputs = self.tau_ext.iter_mut().zip(&mut self.threshold);
         let observed = self.observer.torque().iter().zip(self.observer.pole());
         let known = self.tau_el.iter().zip(&self.friction).zip(&t.noise_nm);
@@ -332,4 +362,24 @@ impl ExternalTorqueObserver {
     pub fn is_settled(&self) -> bool {
         self.started && self.since_start_s >= self.settling_time_s()
     }
+}
+
+/// Variance of the elastic torque of joint `j` by what is not known of offsets and stiffnesses, (N·m)², over all tendons that cross it.
+fn spring_variance(
+    correction: &Correction,
+    routes: &Routes,
+    j: usize,
+    tau_el: impl Iterator<Item = f64> + Clone,
+) -> f64 {
+    let tendons = correction.joints().iter().enumerate();
+    tendons.fold(0.0, |sum, (i, tendon)| {
+        let Some(tendon) = tendon else { return sum };
+        let carried = routes.torque_of(i, tau_el.clone());
+        let spring = &tendon.spring;
+        let slope = spring.slope(spring.deflection(carried).unwrap_or(0.0));
+        let arm = routes.moment_arm(i, j);
+        let by_offset = arm * slope * tendon.delta_e_deviation;
+        let by_stiffness = arm * carried * tendon.stiffness_deviation;
+        sum + by_offset * by_offset + by_stiffness * by_stiffness
+    })
 }

@@ -7,6 +7,8 @@
 //! tau_ext   ← momentum observer driven by tau_el              what touches the robot
 //! ```
 //!
+//! With tendons that cross several joints the first three hold in the coordinate of each tendon: see [`Correction`] and [`SetPoint`].
+//!
 //! Uncorrected, a stretch of `delta_e` leaves the joint `delta_e` short of where it should be and
 //! shows as a contact of `−K delta_e` that isn't there. Sinew never commands a robot: these are
 //! numbers for a controller that does.

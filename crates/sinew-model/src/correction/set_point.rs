@@ -23,6 +23,12 @@ use alloc::vec::Vec;
 ///
 /// A known payload is part of the arm given ([`Arm::with_payload`]).
 ///
+/// A tendon with a [`Routing`](crate::tendons::Routing) carries `f = Σ_j B_ij tau_j`, and its motor is wanted at
+///
+/// ```text
+/// drive_ratio theta_set = Σ_j rho_ij q_d_j + x(f) + delta_e
+/// ```
+///
 /// # Realtime
 /// Everything is allocated at construction.
 ///
@@ -36,6 +42,8 @@ pub struct SetPoint {
     friction: Vec<Friction>,
     rest: Vec<f64>,
     tau_el: Vec<f64>,
+    /// Torques of the tendons, N·m; empty without routings.
+    tendon_torque: Vec<f64>,
     theta_set: Vec<f64>,
 }
 
@@ -59,10 +67,13 @@ impl SetPoint {
         }
         let friction =
             |t: &Option<Transmission>| t.as_ref().map_or(Friction::default(), |t| t.joint_friction);
+        let correction = Correction::new(transmissions, corrections)?;
+        let routed = correction.routes().map_or(0, |_| n);
         Ok(Self {
             ws: ArmWorkspace::new(arm),
             arm: arm.clone(),
-            correction: Correction::new(transmissions, corrections)?,
+            correction,
+            tendon_torque: alloc::vec![0.0; routed],
             friction: transmissions.iter().map(friction).collect(),
             rest: alloc::vec![0.0; n],
             tau_el: alloc::vec![0.0; n],
@@ -109,7 +120,12 @@ impl SetPoint {
             q_d,
             tau_ext,
         };
-        set.solve(g, None, &mut self.tau_el, &mut self.theta_set)?;
+        set.solve(
+            g,
+            None,
+            (&mut self.tau_el, &mut self.tendon_torque),
+            &mut self.theta_set,
+        )?;
         Ok(&self.theta_set)
     }
 
@@ -143,13 +159,29 @@ impl SetPoint {
             tau_ext,
         };
         let friction = Some((self.friction.as_slice(), dq_d));
-        set.solve(tau, friction, &mut self.tau_el, &mut self.theta_set)?;
+        set.solve(
+            tau,
+            friction,
+            (&mut self.tau_el, &mut self.tendon_torque),
+            &mut self.theta_set,
+        )?;
         Ok(&self.theta_set)
     }
 
-    /// Elastic torque the latest set-point counts on, `n`, N·m: what the motor has to hold.
+    /// Elastic torque at the joints that the latest set-point counts on, `n`, N·m.
     pub fn tau_el(&self) -> &[f64] {
         &self.tau_el
+    }
+
+    /// Torque of the tendons that the latest set-point counts on, `n`, N·m: what the motors have to hold.
+    ///
+    /// A joint with a tendon of its own has its `tau_el` here. With a routing it is that in the tendon's coordinate, of which the
+    /// shaft of the motor sees `drive_ratio` times as much.
+    pub fn tendon_torque(&self) -> &[f64] {
+        match self.correction.routes() {
+            Some(_) => &self.tendon_torque,
+            None => &self.tau_el,
+        }
     }
 
     /// The latest set-point, `n`, rad; 0 before the first.
@@ -171,7 +203,7 @@ impl Set<'_> {
         &self,
         tau: &[f64],
         friction: Option<(&[Friction], &[f64])>,
-        tau_el: &mut [f64],
+        (tau_el, tendon_torque): (&mut [f64], &mut [f64]),
         theta_set: &mut [f64],
     ) -> Result<(), StepError> {
         if let Some(tau_ext) = self.tau_ext {
@@ -184,6 +216,34 @@ impl Set<'_> {
             });
             at(tau) + friction - self.tau_ext.map_or(0.0, at)
         };
+        if let Some(routes) = self.correction.routes() {
+            let n = tau.len();
+            let carried = |i: usize| routes.torque_of(i, (0..n).map(torque));
+            let joints = self.correction.joints();
+            // Refuse before anything is written.
+            for (i, joint) in joints.iter().enumerate() {
+                if let Some(joint) = joint
+                    && joint.spring.deflection(carried(i)).is_none()
+                {
+                    return Err(StepError::Spring { joint: i });
+                }
+            }
+            let rows = tau_el.iter_mut().zip(tendon_torque).zip(theta_set);
+            for (i, (((tau_el, tendon), theta), joint)) in rows.zip(joints).enumerate() {
+                *tau_el = torque(i);
+                *tendon = carried(i);
+                let arms = routes.moment_arms(i).iter().zip(self.q_d);
+                let position = arms.fold(0.0, |sum, (arm, q)| sum + arm * q);
+                *theta = match joint {
+                    Some(j) => {
+                        let x = j.spring.deflection(*tendon).unwrap_or(0.0);
+                        (position + x + j.delta_e) / routes.drive_ratio(i)
+                    }
+                    None => position,
+                };
+            }
+            return Ok(());
+        }
         // Refuse before anything is written.
         for (i, joint) in self.correction.joints().iter().enumerate() {
             if let Some(joint) = joint

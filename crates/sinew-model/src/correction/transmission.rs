@@ -3,6 +3,7 @@
 use super::error::CorrectionError;
 use super::spring::Spring;
 use crate::error::is_input;
+use crate::routes::Routes;
 use crate::transmission::Transmission;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
@@ -94,11 +95,20 @@ impl Corrected {
 
 /// Motor positions and elastic torques of an arm, freed of what its ropes have gained.
 ///
+/// A tendon with a [`Routing`](crate::tendons::Routing) is corrected in the coordinate of the joint that it is paired with: its offset, stiffness
+/// and stiffening are of that coordinate. Positions of its motor are those of the motor's encoder.
+///
+/// ```text
+/// x_i = drive_ratio_i theta_i − delta_e_i − Σ_j rho_ij q_j,   f_i = K_i x_i (1 + c_i x_i²),   tau_el_j = Σ_i rho_ij f_i
+/// ```
+///
 /// # Realtime
 /// Everything is allocated at construction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correction {
     joints: Vec<Option<Corrected>>,
+    /// Routings of tendons that cross several joints.
+    routes: Option<Routes>,
 }
 
 impl Correction {
@@ -117,6 +127,21 @@ impl Correction {
                 found: corrections.len(),
             });
         }
+        let expected = transmissions.len();
+        for routing in transmissions
+            .iter()
+            .flatten()
+            .filter_map(|t| t.routing.as_ref())
+        {
+            for row in [&routing.moment_arms, &routing.torque_shares] {
+                if row.len() != expected {
+                    return Err(CorrectionError::Length {
+                        expected,
+                        found: row.len(),
+                    });
+                }
+            }
+        }
         let mut joints = Vec::with_capacity(transmissions.len());
         for (joint, (t, c)) in transmissions.iter().zip(corrections).enumerate() {
             joints.push(match t {
@@ -125,7 +150,10 @@ impl Correction {
                 None => return Err(CorrectionError::Rigid { joint }),
             });
         }
-        Ok(Self { joints })
+        Ok(Self {
+            joints,
+            routes: Routes::of(transmissions),
+        })
     }
 
     /// Transmissions as described: no offset anywhere.
@@ -165,12 +193,12 @@ impl Correction {
         self.joints.len()
     }
 
-    /// The spring of a joint, stiffness factor included; `None` for a rigid joint.
+    /// The spring of a joint's tendon, stiffness factor included; `None` for a rigid joint.
     pub fn spring(&self, joint: usize) -> Option<&Spring> {
         self.joints.get(joint)?.as_ref().map(|j| &j.spring)
     }
 
-    /// The offset of a joint, rad; `None` for a rigid joint.
+    /// The offset of a joint's tendon, rad; `None` for a rigid joint.
     pub fn delta_e(&self, joint: usize) -> Option<f64> {
         self.joints.get(joint)?.as_ref().map(|j| j.delta_e)
     }
@@ -179,7 +207,11 @@ impl Correction {
         &self.joints
     }
 
-    /// Motor position without the stretch, `theta = theta_measured − delta_e`.
+    pub(super) fn routes(&self) -> Option<&Routes> {
+        self.routes.as_ref()
+    }
+
+    /// Motor position without the stretch, `theta = theta_measured − delta_e`; with a routing, `theta_measured − delta_e / drive_ratio`.
     ///
     /// * `theta_measured`: `n`, rad. `theta`: `n`, written, rad; a rigid joint's is copied.
     ///
@@ -198,13 +230,22 @@ impl Correction {
         theta: &mut [f64],
     ) -> Result<(), StepError> {
         self.check(theta_measured, theta.len())?;
+        if let Some(routes) = &self.routes {
+            let rows = self.joints.iter().zip(theta_measured).zip(theta);
+            for (i, ((joint, measured), theta)) in rows.enumerate() {
+                let delta_e = joint.as_ref().map_or(0.0, |j| j.delta_e);
+                *theta = measured - delta_e / routes.drive_ratio(i);
+            }
+            return Ok(());
+        }
         for ((joint, measured), theta) in self.joints.iter().zip(theta_measured).zip(theta) {
             *theta = measured - joint.as_ref().map_or(0.0, |j| j.delta_e);
         }
         Ok(())
     }
 
-    /// Torque the springs really carry, `tau_el = K x (1 + c x²)`, `x = theta_measured − delta_e − q`.
+    /// Torque the springs really carry, `tau_el = K x (1 + c x²)`, `x = theta_measured − delta_e − q`; with a routing that of
+    /// all tendons at the joint, `Σ_i rho_ij f_i`.
     ///
     /// * `theta_measured`, `q`: `n`, rad. `tau_el`: `n`, written, N·m; NaN for a rigid joint, whose
     ///   torque no position tells.
@@ -213,7 +254,7 @@ impl Correction {
     /// As [`Correction::motor_position`].
     ///
     /// # Realtime
-    /// No allocation, lock, panic or clock. O(n).
+    /// No allocation, lock, panic or clock. O(n), with routings O(n²).
     ///
     /// # Source
     /// Kirchhoff, von Stryk, IROS 2018, eq. (3) and (4).
@@ -225,6 +266,10 @@ impl Correction {
     ) -> Result<(), StepError> {
         self.check(theta_measured, tau_el.len())?;
         self.check(q, tau_el.len())?;
+        if let Some(routes) = &self.routes {
+            self.joint_torques(routes, theta_measured, q, tau_el);
+            return Ok(());
+        }
         let rows = self.joints.iter().zip(theta_measured).zip(q).zip(tau_el);
         for (((joint, measured), q), tau_el) in rows {
             *tau_el = match joint {
@@ -233,6 +278,33 @@ impl Correction {
             };
         }
         Ok(())
+    }
+
+    /// Sums the torques of all tendons at every joint.
+    fn joint_torques(
+        &self,
+        routes: &Routes,
+        theta_measured: &[f64],
+        q: &[f64],
+        tau_el: &mut [f64],
+    ) {
+        tau_el.fill(0.0);
+        let tendons = self.joints.iter().zip(theta_measured).enumerate();
+        for (i, (joint, measured)) in tendons {
+            let Some(joint) = joint else { continue };
+            let arms = routes.moment_arms(i);
+            let by_joints = arms.iter().zip(q).fold(0.0, |sum, (arm, q)| sum + arm * q);
+            let x = routes.drive_ratio(i) * measured - joint.delta_e - by_joints;
+            let torque = joint.spring.torque(x);
+            for (to, arm) in tau_el.iter_mut().zip(arms) {
+                *to += arm * torque;
+            }
+        }
+        for (to, joint) in tau_el.iter_mut().zip(&self.joints) {
+            if joint.is_none() {
+                *to = f64::NAN;
+            }
+        }
     }
 
     fn check(&self, positions: &[f64], written: usize) -> Result<(), StepError> {

@@ -7,6 +7,7 @@ mod answers;
 mod closed_forms;
 mod contact;
 mod correction;
+mod coupled_correction;
 mod coverage;
 mod effects;
 mod identities;
