@@ -1,6 +1,7 @@
 //! The robot's own controller, which knows the description, and of the truth what it is told.
 
 use super::error::SimulateError;
+use super::routings::Routings;
 use super::scenario::{Scenario, SetPointKind};
 use rand_chacha::ChaCha8Rng;
 use sinew_model::StepError;
@@ -14,6 +15,9 @@ use sinew_model::robot::Robot;
 /// tau_m   = tau_d (+ I_m ddq_d) + K_P (theta_d − theta) + K_D (dtheta_d − dtheta)
 /// ```
 ///
+/// With tendons that cross several joints all of this is in the coordinate of each tendon, `f = B tau_d` in the place of `tau_d`
+/// and `rho ddq_d` in that of `ddq_d`.
+///
 /// Held for one control period. Motor angle and speed are taken as the drive has them: before
 /// the noise of the recording, behind the stretch of the rope, which it can't see and corrects
 /// only as far as the scenario lets it know.
@@ -23,6 +27,7 @@ use sinew_model::robot::Robot;
 #[derive(Debug, Clone)]
 pub(crate) struct Controller {
     set_point: SetPoint,
+    routings: Option<Routings>,
     kind: SetPointKind,
     motor_inertia: Vec<f64>,
     kp: Vec<f64>,
@@ -35,6 +40,7 @@ pub(crate) struct Controller {
 impl Controller {
     pub(crate) fn new(
         robot: &Robot,
+        routings: Option<Routings>,
         motor_inertia: &[f64],
         scenario: &Scenario,
         known: &[JointCorrection],
@@ -63,6 +69,7 @@ impl Controller {
         let kd = gains.damping_nm_s_per_rad.sample(names, &default_kd, rng);
         Ok(Self {
             set_point: SetPoint::new(&robot.arm, &robot.transmissions, known)?,
+            routings,
             kind: scenario.correction.set_point,
             motor_inertia: motor_inertia.to_vec(),
             kp,
@@ -94,7 +101,10 @@ impl Controller {
             self.set_point.hold(q_d, None)?;
         }
         for i in 0..q_d.len() {
-            let theta_d = self.set_point.theta_set()[i];
+            let mut theta_d = self.set_point.theta_set()[i];
+            if let Some(routings) = &self.routings {
+                theta_d *= routings.drive_ratio(i);
+            }
             // A correction that changes moves the set-point, it is no speed to follow.
             let moving = theta_d - self.set_point.correction().delta_e(i).unwrap_or(0.0);
             let dtheta_d = if self.started {
@@ -103,9 +113,13 @@ impl Controller {
                 0.0
             };
             self.theta_d_before[i] = moving;
-            let mut feed_forward = self.set_point.tau_el()[i];
+            let mut feed_forward = self.set_point.tendon_torque()[i];
             if dynamic {
-                feed_forward += self.motor_inertia[i] * ddq_d[i];
+                let acceleration = match &self.routings {
+                    Some(routings) => routings.of_joints(i, ddq_d),
+                    None => ddq_d[i],
+                };
+                feed_forward += self.motor_inertia[i] * acceleration;
             }
             tau_m[i] = feed_forward
                 + self.kp[i] * (theta_d - theta[i])

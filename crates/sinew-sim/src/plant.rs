@@ -1,6 +1,7 @@
 //! The joint-elastic arm and its integrator.
 
 use super::friction::Friction;
+use super::routings::Routings;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace};
 
@@ -30,7 +31,8 @@ impl EndStop {
     }
 }
 
-/// One elastic transmission, as it truly is.
+/// One elastic transmission, as it truly is; of a tendon that crosses several joints in the coordinate of the joint that it is
+/// paired with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// `K`, N·m/rad.
@@ -43,7 +45,7 @@ pub struct Drive {
     pub viscoelastic_time_s: f64,
     /// Motor inertia reflected to the joint, kg·m².
     pub motor_inertia_kg_m2: f64,
-    /// At the joint.
+    /// At the joint itself.
     pub joint_friction: Friction,
     /// At the motor.
     pub motor_friction: Friction,
@@ -52,7 +54,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// `tau_el` at the deflection `x`, N·m.
+    /// Torque at the deflection `x`, N·m.
     #[inline]
     pub fn spring(&self, x: f64, stiffness_scale: f64) -> f64 {
         self.stiffness_nm_per_rad * stiffness_scale * x * (1.0 + self.cubic_per_rad2 * x * x)
@@ -108,7 +110,7 @@ pub(crate) struct State {
     /// Joint positions and velocities, rad and rad/s.
     pub q: Vec<f64>,
     pub dq: Vec<f64>,
-    /// Motor positions (what its encoder shows) and velocities.
+    /// Motor positions (what its encoder shows, in the coordinate of the tendon) and velocities.
     pub theta: Vec<f64>,
     pub dtheta: Vec<f64>,
     /// Delayed deflection of the rope, rad.
@@ -165,6 +167,13 @@ impl Rates {
 /// tau_el = K x (1 + c x²),   x = theta − delta_e − q − v,   v̇ = (s tau_el/K − v)/T
 /// ```
 ///
+/// Tendons that cross several joints have [`Routings`], and the torque `f` of a tendon is not the elastic torque of a joint:
+///
+/// ```text
+/// I_m ddtheta + tau_friction_motor + f = tau_m,   f = K x (1 + c x²),   v̇ = (s f/K − v)/T
+/// x = theta − delta_e − rho q − v,                tau_el = rhoᵀ f
+/// ```
+///
 /// Classical Runge–Kutta of fourth order, with the pre-sliding of friction solved exactly along
 /// the travel since the step began. Without dry friction the error falls with the fourth power
 /// of the step; a reversal with dry friction is a kink, where it falls with the second.
@@ -172,24 +181,37 @@ impl Rates {
 pub(crate) struct Plant {
     pub arm: Arm,
     pub drives: Vec<Drive>,
+    /// Of tendons that cross several joints.
+    pub routings: Option<Routings>,
     pub state: State,
     ws: ArmWorkspace,
     stage: State,
     k: [Rates; 4],
     tau: Vec<f64>,
+    /// Torques of the tendons and of the joints they cross, N·m; unused without routings.
+    tendon_torque: Vec<f64>,
+    tau_el: Vec<f64>,
 }
 
 impl Plant {
-    pub(crate) fn new(arm: Arm, drives: Vec<Drive>, state: State) -> Self {
+    pub(crate) fn new(
+        arm: Arm,
+        drives: Vec<Drive>,
+        routings: Option<Routings>,
+        state: State,
+    ) -> Self {
         let n = arm.dof();
         Self {
             ws: ArmWorkspace::new(&arm),
             arm,
             drives,
+            routings,
             stage: state.clone(),
             state,
             k: std::array::from_fn(|_| Rates::new(n)),
             tau: vec![0.0; n],
+            tendon_torque: vec![0.0; n],
+            tau_el: vec![0.0; n],
         }
     }
 
@@ -201,6 +223,14 @@ impl Plant {
 
     /// `tau_el` of every joint, N·m.
     pub(crate) fn elastic_torque(&self, inputs: &Inputs<'_>, out: &mut [f64]) {
+        if let Some(routings) = &self.routings {
+            out.fill(0.0);
+            for (i, drive) in self.drives.iter().enumerate() {
+                let x = extension(routings, &self.state, inputs, i);
+                routings.add_torque(i, drive.spring(x, inputs.stiffness_scale[i]), out);
+            }
+            return;
+        }
         for (i, drive) in self.drives.iter().enumerate() {
             let x = self.state.theta[i] - inputs.delta_e[i] - self.state.q[i] - self.state.creep[i];
             out[i] = drive.spring(x, inputs.stiffness_scale[i]);
@@ -289,18 +319,33 @@ impl Plant {
     /// Rates of change at the stage.
     fn rates(&mut self, stage: usize, inputs: &Inputs<'_>) -> Result<(), StepError> {
         let (s, k) = (&self.stage, &mut self.k[stage]);
+        if let Some(routings) = &self.routings {
+            self.tau_el.fill(0.0);
+            for (i, drive) in self.drives.iter().enumerate() {
+                let x = extension(routings, s, inputs, i);
+                let torque = drive.spring(x, inputs.stiffness_scale[i]);
+                self.tendon_torque[i] = torque;
+                routings.add_torque(i, torque, &mut self.tau_el);
+            }
+        }
         for (i, drive) in self.drives.iter().enumerate() {
-            let x = s.theta[i] - inputs.delta_e[i] - s.q[i] - s.creep[i];
             let scale = inputs.stiffness_scale[i];
-            let tau_el = drive.spring(x, scale);
+            let (tendon, tau_el) = match self.routings {
+                Some(_) => (self.tendon_torque[i], self.tau_el[i]),
+                None => {
+                    let x = s.theta[i] - inputs.delta_e[i] - s.q[i] - s.creep[i];
+                    let tau_el = drive.spring(x, scale);
+                    (tau_el, tau_el)
+                }
+            };
             let motor = drive
                 .motor_friction
-                .torque(s.z_motor[i], s.dtheta[i], tau_el);
+                .torque(s.z_motor[i], s.dtheta[i], tendon);
             k.dq[i] = s.dq[i];
             k.dtheta[i] = s.dtheta[i];
-            k.ddtheta[i] = (inputs.tau_m[i] - motor - tau_el) / drive.motor_inertia_kg_m2;
+            k.ddtheta[i] = (inputs.tau_m[i] - motor - tendon) / drive.motor_inertia_kg_m2;
             let stiffness = drive.stiffness_nm_per_rad * scale;
-            k.dcreep[i] = (drive.viscoelastic_fraction * tau_el / stiffness - s.creep[i])
+            k.dcreep[i] = (drive.viscoelastic_fraction * tendon / stiffness - s.creep[i])
                 / drive.viscoelastic_time_s;
             let stops = drive.stops.iter().flatten();
             let stop: f64 = stops.map(|stop| stop.torque(s.q[i], s.dq[i])).sum();
@@ -320,4 +365,9 @@ impl Plant {
         self.arm
             .forward_dynamics(&mut self.ws, &s.q, &s.dq, &self.tau, &mut k.ddq)
     }
+}
+
+/// Extension of tendon `i` of those that cross several joints, rad of its coordinate.
+fn extension(routings: &Routings, s: &State, inputs: &Inputs<'_>, i: usize) -> f64 {
+    s.theta[i] - inputs.delta_e[i] - routings.of_joints(i, &s.q) - s.creep[i]
 }

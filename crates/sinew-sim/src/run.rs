@@ -8,7 +8,7 @@ use super::truth::Truth;
 use sinew_files::AtomicFile;
 use sinew_log::{
     Compression, Format, Frame, FrameWriter, LogError, McapOptions, McapWriter, Quantities,
-    RowWriter,
+    RecordedNames, RowWriter,
 };
 use sinew_model::robot::Robot;
 use std::fs::File;
@@ -172,7 +172,11 @@ fn writer(
     options: &SimulateOptions,
 ) -> Result<Box<dyn FrameWriter>, SimulateError> {
     let quantities = recorded_quantities(scenario);
-    let joints = robot.joint_names().to_vec();
+    let (joints, motors) = (robot.joint_names().to_vec(), robot.motor_names());
+    let names = RecordedNames {
+        joints: &joints,
+        motors: &motors,
+    };
     let ending = options.out.extension().and_then(|e| e.to_str());
     let format = options.format.or(match ending {
         Some("mcap") => Some(Format::Mcap),
@@ -185,18 +189,17 @@ fn writer(
             &options.out,
             &McapOptions {
                 joints,
+                motors,
                 quantities,
                 robot_description: options.robot_description.clone(),
                 compression: options.compression,
                 ..McapOptions::default()
             },
         )?),
-        Some(Format::Csv) => Box::new(RowWriter::create(&options.out, &joints, quantities)?),
-        Some(Format::Parquet) => Box::new(RowWriter::create_parquet(
-            &options.out,
-            &joints,
-            quantities,
-        )?),
+        Some(Format::Csv) => Box::new(RowWriter::create(&options.out, names, quantities)?),
+        Some(Format::Parquet) => {
+            Box::new(RowWriter::create_parquet(&options.out, names, quantities)?)
+        }
         _ => {
             return Err(SimulateError::Format {
                 file: options.out.display().to_string(),

@@ -3,7 +3,7 @@
 use super::error::SimulateError;
 use super::friction::Friction;
 use super::plant::{Drive, EndStop};
-use super::scenario::{FrictionSpec, OffsetKind, PerJoint, Scenario, Shape, interpolate};
+use super::scenario::{FrictionSpec, Offset, OffsetKind, PerJoint, Scenario, Shape, interpolate};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sinew_files::{Fault, Located, names};
@@ -14,6 +14,7 @@ use sinew_model::transmission::Transmission;
 /// An offset, drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledOffset {
+    /// Whose encoder has slipped, or whose tendon it is.
     pub joint: usize,
     pub kind: OffsetKind,
     pub size_rad: f64,
@@ -65,6 +66,21 @@ impl SampledTemperature {
     }
 }
 
+/// Whether tendons of a robot cross several joints, or have names of their own.
+pub(super) fn has_routings(robot: &Robot) -> bool {
+    let mut transmissions = robot.transmissions.iter().flatten();
+    transmissions.any(|t| t.routing.is_some())
+}
+
+/// Joint whose encoder has slipped, or that the tendon of an offset is paired with.
+pub(super) fn offset_owner(robot: &Robot, offset: &Offset) -> Option<usize> {
+    if offset.kind == OffsetKind::JointEncoder {
+        return robot.arm.joint_index(&offset.joint);
+    }
+    let tendons = robot.tendon_names();
+    tendons.iter().position(|name| *name == offset.joint)
+}
+
 pub(super) fn unknown(
     robot: &Robot,
     scenario: &Scenario,
@@ -72,8 +88,10 @@ pub(super) fn unknown(
     what: &'static str,
     name: &str,
 ) -> SimulateError {
+    let tendons = robot.tendon_names();
     let known: Vec<&str> = match what {
         "link" => robot.arm.link_names().collect(),
+        "tendon" => tendons.iter().map(String::as_str).collect(),
         _ => robot.joint_names().iter().map(String::as_str).collect(),
     };
     let hint = names::hint(name, &known);
@@ -89,6 +107,13 @@ pub(super) fn check_names(robot: &Robot, scenario: &Scenario) -> Result<(), Simu
     for (name, line) in scenario.joints_named() {
         if robot.arm.joint_index(name).is_none() {
             return Err(unknown(robot, scenario, line, "joint", name));
+        }
+    }
+    for offset in &scenario.offsets {
+        if offset_owner(robot, offset).is_none() {
+            let is_tendon = offset.kind != OffsetKind::JointEncoder && has_routings(robot);
+            let what = if is_tendon { "tendon" } else { "joint" };
+            return Err(unknown(robot, scenario, offset.line, what, &offset.joint));
         }
     }
     for (name, line) in scenario.links_named() {
@@ -115,6 +140,8 @@ pub(super) fn transmissions(robot: &Robot) -> Result<Vec<&Transmission>, Simulat
             })?;
             if t.motor_inertia_kg_m2.is_some_and(|i| i > 0.0) {
                 Ok(t)
+            } else if t.routing.is_some() {
+                Err(refuse("has a tendon whose motor has no inertia above 0, which the simulator needs: inertia_kg_m2 in [motors], or the joint's motor_inertia_kg_m2"))
             } else {
                 Err(refuse("has no motor_inertia_kg_m2 above 0, which the simulator needs"))
             }

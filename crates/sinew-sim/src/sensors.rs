@@ -139,10 +139,18 @@ impl Sensors {
         seen
     }
 
-    /// Motor position with an offset injected and a drift of its zero, rad.
-    pub(crate) fn motor(&mut self, i: usize, theta: f64, offset: f64, drift: f64) -> f64 {
+    /// Motor position with an offset injected and a drift of its zero, rad; at the motor's shaft where a drive ratio is given.
+    pub(crate) fn motor(
+        &mut self,
+        i: usize,
+        theta: f64,
+        offset: f64,
+        drift: f64,
+        drive_ratio: Option<f64>,
+    ) -> f64 {
         let shown = injected(theta, offset) * (1.0 + self.motor_scale[i]);
-        let seen = shown + drift + self.noise(self.motor_noise);
+        let position = drive_ratio.map_or(shown + drift, |ratio| (shown + drift) / ratio);
+        let seen = position + self.noise(self.motor_noise);
         if self.motor_step > 0.0 {
             (seen / self.motor_step).round() * self.motor_step
         } else {

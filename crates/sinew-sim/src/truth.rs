@@ -1,17 +1,22 @@
 //! The truth beside a recording.
 
 use super::faults::FaultCounts;
+use super::sampled::SampledOffset;
 use super::scenario::{Contact, OffsetKind, Session};
 use super::simulation::Simulation;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-type ByJoint<T> = BTreeMap<String, T>;
+/// By joint, or by tendon or motor where these have names of their own.
+type ByName<T> = BTreeMap<String, T>;
 
 /// What was true in a simulated recording: `NAME.truth.json`.
 ///
 /// Scenario, seed, `offset_rad`, `step_rad`, `stiffness_nm_per_rad`, `payload_kg` and
 /// `temperature_change_k` are what scoring needs; the rest says what else was drawn.
+///
+/// What is a tendon's stands under its name, what is a motor's under that of the motor; both are the joint's where the robot has
+/// no `[[tendons]]`. Values of a tendon are in the coordinate of the joint that it is paired with, those of a motor at its shaft.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Truth {
@@ -31,32 +36,35 @@ pub struct Truth {
     /// Sessions by name, s.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub sessions_s: BTreeMap<String, [f64; 2]>,
+    /// Tendons, where they cross several joints or have names of their own.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tendons: Vec<TrueTendon>,
     /// Offset just before the end of the second session, or of the recording where there are no
     /// sessions, rad.
-    pub offset_rad: ByJoint<f64>,
+    pub offset_rad: ByName<f64>,
     /// Offset over time: `[time, offset]`, s and rad; straight lines between.
-    pub offset_course_s_rad: ByJoint<Vec<[f64; 2]>>,
-    /// Which joints' offsets are injected into the recording instead of felt by the spring.
+    pub offset_course_s_rad: ByName<Vec<[f64; 2]>>,
+    /// Which tendons' offsets are injected into the recording instead of felt by the spring.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub injected: Vec<String>,
     /// Every jump of an offset.
     pub steps: Vec<Step>,
     /// Stiffness, N·m/rad, at the reference temperature.
-    pub stiffness_nm_per_rad: ByJoint<f64>,
+    pub stiffness_nm_per_rad: ByName<f64>,
     /// Stiffening, rad⁻².
-    pub spring_cubic_per_rad2: ByJoint<f64>,
+    pub spring_cubic_per_rad2: ByName<f64>,
     /// Share of delayed elasticity.
-    pub viscoelastic_fraction: ByJoint<f64>,
+    pub viscoelastic_fraction: ByName<f64>,
     /// Motor inertia, kg·m².
-    pub motor_inertia_kg_m2: ByJoint<f64>,
+    pub motor_inertia_kg_m2: ByName<f64>,
     /// Mass of the body each joint carries, kg.
-    pub mass_kg: ByJoint<f64>,
+    pub mass_kg: ByName<f64>,
     /// Coulomb friction at the joint, N·m.
-    pub joint_coulomb_nm: ByJoint<f64>,
+    pub joint_coulomb_nm: ByName<f64>,
     /// Viscous friction at the joint, N·m·s/rad.
-    pub joint_viscous_nm_s_per_rad: ByJoint<f64>,
+    pub joint_viscous_nm_s_per_rad: ByName<f64>,
     /// Coulomb friction of the drive, N·m.
-    pub motor_coulomb_nm: ByJoint<f64>,
+    pub motor_coulomb_nm: ByName<f64>,
     /// All loads together, kg.
     pub payload_kg: f64,
     /// Each load.
@@ -71,11 +79,27 @@ pub struct Truth {
     pub frames: Frames,
 }
 
+/// A tendon that crosses several joints, or has a name of its own.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TrueTendon {
+    /// Its name.
+    pub name: String,
+    /// Joint that it is paired with, in whose rad its values are.
+    pub joint: String,
+    /// Its motor.
+    pub motor: String,
+    /// Position in the tendon's coordinate over that at the motor's shaft.
+    pub drive_ratio: f64,
+    /// By how much the coordinate moves per rad of every joint that the tendon crosses.
+    pub moment_arms: ByName<f64>,
+}
+
 /// A jump of an offset.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Step {
-    /// Which joint.
+    /// Which joint, or which tendon.
     pub joint: String,
     /// When, s.
     pub at_s: f64,
@@ -150,9 +174,11 @@ impl Truth {
         let scenario = simulation.scenario();
         let names = simulation.joint_names();
         let duration_s = simulation.duration_s();
-        let by_joint = |f: &dyn Fn(usize) -> f64| -> ByJoint<f64> {
+        let (tendons, motors) = (simulation.tendon_names(), simulation.motor_names());
+        let by = |names: &[String], f: &dyn Fn(usize) -> f64| -> ByName<f64> {
             names.iter().cloned().zip((0..names.len()).map(f)).collect()
         };
+        let ratio = |i: usize| simulation.drive_ratio(i);
         let drives = simulation.drives();
         let sum = |i: usize, t: f64| simulation.offset_at(i, t).sum();
         let frame_s = 1.0 / scenario.sample_rate_hz;
@@ -180,18 +206,21 @@ impl Truth {
                 .iter()
                 .map(|s| (s.name.clone(), span(s)))
                 .collect(),
-            offset_rad: by_joint(&|i| sum(i, end_s)),
+            tendons: true_tendons(simulation),
+            offset_rad: by(tendons, &|i| sum(i, end_s)),
             offset_course_s_rad: (0..names.len())
-                .filter(|&i| simulation.offsets().iter().any(|o| o.joint == i))
-                .map(|i| (names[i].clone(), course(simulation, i, duration_s)))
+                .filter(|&i| {
+                    let mut offsets = simulation.offsets().iter();
+                    offsets.any(|o| simulation.weight(o, i) != 0.0)
+                })
+                .map(|i| (tendons[i].clone(), course(simulation, i, duration_s)))
                 .collect(),
-            injected: names
+            injected: tendons
                 .iter()
                 .enumerate()
                 .filter(|(i, _)| {
-                    let injected = |o: &&super::sampled::SampledOffset| {
-                        o.joint == *i && o.kind == OffsetKind::Injected
-                    };
+                    let injected =
+                        |o: &&SampledOffset| o.joint == *i && o.kind == OffsetKind::Injected;
                     simulation.offsets().iter().any(|o| injected(&o))
                 })
                 .map(|(_, name)| name.clone())
@@ -201,22 +230,33 @@ impl Truth {
                 .iter()
                 .filter_map(|o| {
                     Some(Step {
-                        joint: names[o.joint].clone(),
+                        joint: match o.kind {
+                            OffsetKind::JointEncoder => names[o.joint].clone(),
+                            _ => tendons[o.joint].clone(),
+                        },
                         at_s: o.shape.step_s()?,
                         size_rad: o.size_rad,
                     })
                 })
                 .collect(),
-            stiffness_nm_per_rad: by_joint(&|i| drives[i].stiffness_nm_per_rad),
-            spring_cubic_per_rad2: by_joint(&|i| drives[i].cubic_per_rad2),
-            viscoelastic_fraction: by_joint(&|i| drives[i].viscoelastic_fraction),
-            motor_inertia_kg_m2: by_joint(&|i| drives[i].motor_inertia_kg_m2),
-            mass_kg: by_joint(&|i| simulation.true_empty_arm().body(i).map_or(0.0, |b| b.mass)),
-            joint_coulomb_nm: by_joint(&|i| drives[i].joint_friction.coulomb_nm),
-            joint_viscous_nm_s_per_rad: by_joint(&|i| {
+            stiffness_nm_per_rad: by(tendons, &|i| drives[i].stiffness_nm_per_rad),
+            spring_cubic_per_rad2: by(tendons, &|i| drives[i].cubic_per_rad2),
+            viscoelastic_fraction: by(tendons, &|i| drives[i].viscoelastic_fraction),
+            motor_inertia_kg_m2: by(motors, &|i| {
+                let inertia = drives[i].motor_inertia_kg_m2;
+                ratio(i).map_or(inertia, |ratio| inertia * ratio * ratio)
+            }),
+            mass_kg: by(names, &|i| {
+                simulation.true_empty_arm().body(i).map_or(0.0, |b| b.mass)
+            }),
+            joint_coulomb_nm: by(names, &|i| drives[i].joint_friction.coulomb_nm),
+            joint_viscous_nm_s_per_rad: by(names, &|i| {
                 drives[i].joint_friction.viscous_nm_s_per_rad
             }),
-            motor_coulomb_nm: by_joint(&|i| drives[i].motor_friction.coulomb_nm),
+            motor_coulomb_nm: by(motors, &|i| {
+                let coulomb = drives[i].motor_friction.coulomb_nm;
+                ratio(i).map_or(coulomb, |ratio| coulomb * ratio.abs())
+            }),
             payload_kg: simulation.payloads().iter().map(|p| p.mass_kg).sum(),
             payloads: simulation
                 .payloads()
@@ -247,7 +287,26 @@ fn touch(c: &Contact) -> Touch {
     }
 }
 
-/// Offset of joint `i` over time: an even grid and both sides of every corner, without the points
+/// Tendons of a robot with routings.
+fn true_tendons(simulation: &Simulation) -> Vec<TrueTendon> {
+    let Some(routings) = simulation.routings() else {
+        return Vec::new();
+    };
+    let joints = simulation.joint_names();
+    let of = |(i, joint): (usize, &String)| TrueTendon {
+        name: simulation.tendon_names()[i].clone(),
+        joint: joint.clone(),
+        motor: simulation.motor_names()[i].clone(),
+        drive_ratio: routings.drive_ratio(i),
+        moment_arms: (joints.iter().cloned())
+            .zip(routings.moment_arms(i).iter().copied())
+            .filter(|(_, arm)| *arm != 0.0)
+            .collect(),
+    };
+    joints.iter().enumerate().map(of).collect()
+}
+
+/// Offset of tendon `i` over time: an even grid and both sides of every corner, without the points
 /// that lie on a straight line anyway.
 fn course(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
     let value = |t: f64| simulation.offset_at(i, t).sum();
@@ -256,7 +315,8 @@ fn course(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
     let mut times: Vec<f64> = (0..=COURSE_POINTS)
         .map(|k| duration_s * f64::from(k) / f64::from(COURSE_POINTS))
         .collect();
-    for o in simulation.offsets().iter().filter(|o| o.joint == i) {
+    let moving = |o: &&SampledOffset| simulation.weight(o, i) != 0.0;
+    for o in simulation.offsets().iter().filter(moving) {
         for corner in o.shape.corners() {
             times.extend([corner - BEFORE_S, corner]);
         }

@@ -124,10 +124,19 @@ pub(super) fn offset(s: &Section<'_>) -> Result<Offset, Located> {
         }
         Some(_) => return Err(s.refuse("shape", shapes)),
     };
+    let (joint, tendon) = (s.text("joint")?, s.text("tendon")?);
+    if tendon.is_some() {
+        if joint.is_some() {
+            return Err(s.refuse("tendon", "left out where joint is given"));
+        }
+        if kind == OffsetKind::JointEncoder {
+            return Err(s.refuse("tendon", "joint, whose encoder has slipped"));
+        }
+    }
     Ok(Offset {
-        joint: s
-            .text("joint")?
-            .ok_or_else(|| s.missing("joint", "whose tendon stretches"))?,
+        joint: tendon
+            .or(joint)
+            .ok_or_else(|| s.missing("joint", "whose tendon stretches, or tendon"))?,
         line: s.line(),
         kind,
         size_rad: size.ok_or_else(|| s.missing("rad", "the size of the offset"))?,

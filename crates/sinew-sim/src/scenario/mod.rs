@@ -80,7 +80,7 @@ pub struct Scenario {
     pub contacts: Vec<Contact>,
     /// Contacts by chance.
     pub random_contacts: Option<RandomContacts>,
-    /// Tendon offsets; several of one joint add up.
+    /// Tendon offsets; several of one tendon add up.
     pub offsets: Vec<Offset>,
     /// Joints that stick.
     pub jams: Vec<Jam>,
@@ -217,7 +217,8 @@ pub struct Encoder {
     pub twice_per_turn_rad: PerJoint,
     /// White noise, rad.
     pub joint_noise_rad: f64,
-    /// Step of the motor position reflected to the joint, rad; 0: not quantised.
+    /// Step of the recorded motor position, rad; 0: not quantised. That is reflected to the joint, or of a tendon with motors of
+    /// its own at the shaft of the motor.
     pub motor_resolution_rad: f64,
     /// White noise, rad.
     pub motor_noise_rad: f64,
@@ -227,7 +228,7 @@ pub struct Encoder {
     pub motor_delay_s: f64,
 }
 
-/// A recorded torque: `(1 + scale) tau + offset + ripple sin(k theta + φ) + noise`.
+/// A recorded torque: `(1 + scale) tau + offset + ripple sin(k theta + φ) + noise`, of a motor with a name of its own at its shaft.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TorqueChannel {
     /// Error of the scale.
@@ -339,13 +340,13 @@ pub enum OffsetKind {
 /// A tendon offset over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
-    /// Which joint.
+    /// Name of the tendon, which is that of its joint unless `robot.toml` names it; of a joint's encoder name of the joint.
     pub joint: String,
     /// Line in the file.
     pub line: u64,
     /// Where it acts.
     pub kind: OffsetKind,
-    /// Its size, rad; factor of a table's values.
+    /// Its size, rad of the joint that the tendon is paired with; factor of a table's values.
     pub size_rad: Draw,
     /// Its course.
     pub shape: Shape,

@@ -28,7 +28,7 @@ impl TorqueChannel {
 }
 
 impl Scenario {
-    /// Every joint named, with its line.
+    /// Every joint named, with its line; offsets name tendons.
     pub fn joints_named(&self) -> Vec<(&str, u64)> {
         let t = &self.truth;
         let mut of: Vec<&PerJoint> = vec![
@@ -79,7 +79,6 @@ impl Scenario {
             }
         }
         names.extend(of.into_iter().flat_map(PerJoint::named));
-        names.extend(self.offsets.iter().map(|o| (o.joint.as_str(), o.line)));
         names.extend(self.jams.iter().map(|j| (j.joint.as_str(), j.line)));
         names.extend(self.stops.iter().map(|s| (s.joint.as_str(), s.line)));
         names

@@ -39,6 +39,8 @@ impl Simulation {
         for i in 0..self.names.len() {
             let (q, dq) = (self.plant.state.q[i], self.plant.state.dq[i]);
             let theta = self.plant.state.theta[i];
+            let ratio = self.drive_ratio(i);
+            let at_motor = |theta: f64| ratio.map_or(theta, |ratio| theta / ratio);
             let parts = self.offset_at(i, t);
             let injection = parts.injected;
             let tau_el = self.truth.tau_el[i];
@@ -46,17 +48,17 @@ impl Simulation {
             self.truth.dq_d[i] = self.dq_d[i];
             self.truth.q[i] = q;
             self.truth.dq[i] = dq;
-            self.truth.theta[i] = theta;
+            self.truth.theta[i] = at_motor(theta);
             self.truth.delta_e[i] = parts.physical
                 + parts.motor_encoder
                 + parts.joint_encoder
                 + injected(theta, injection)
                 - theta;
             let drift = self.temperature.drift_rad_per_k[i] * warmer;
-            self.frame.q[i] = self.sensors.joint(i, q) - parts.joint_encoder;
+            self.frame.q[i] = self.sensors.joint(i, q) - self.joint_encoder_error(i, t);
             let shown = self.shown_theta(i, rate);
-            self.frame.theta[i] =
-                self.sensors.motor(i, shown, injection, drift) + parts.motor_encoder;
+            self.frame.theta[i] = self.sensors.motor(i, shown, injection, drift, ratio)
+                + at_motor(parts.motor_encoder);
             if record.dq {
                 self.frame.dq[i] = self.sensors.velocity(dq);
             }
@@ -66,7 +68,9 @@ impl Simulation {
             }
             if record.tau_m {
                 let sensor = &self.sensors.motor_torque;
-                self.frame.tau_m[i] = sensor.read(i, self.tau_m[i], theta, &mut self.sensors.rng);
+                let torque = ratio.map_or(self.tau_m[i], |ratio| ratio * self.tau_m[i]);
+                let rng = &mut self.sensors.rng;
+                self.frame.tau_m[i] = sensor.read(i, torque, at_motor(theta), rng);
             }
             if record.tau_ext {
                 self.frame.tau_ext[i] = self.truth.tau_ext[i];
@@ -83,17 +87,21 @@ impl Simulation {
         Ok(())
     }
 
-    /// Joint and motor position of joint `i` at the latest frame as the encoders would show them
+    /// Joint position of joint `i` and position of its motor at the latest frame as the encoders would show them
     /// without noise and quantisation, rad.
     pub fn shown_without_noise(&self, i: usize) -> (f64, f64) {
         let truth = &self.truth;
         let warmer = self.temperature.at(truth.time_s) - self.temperature.reference_c;
         let parts = self.offset_at(i, truth.time_s);
         let drift = self.temperature.drift_rad_per_k[i] * warmer;
-        (
-            self.sensors.eccentric(i, truth.q[i], truth.q[i]) - parts.joint_encoder,
-            injected(truth.theta[i], parts.injected) + parts.motor_encoder + drift,
-        )
+        let q = self.sensors.eccentric(i, truth.q[i], truth.q[i]);
+        let error = self.joint_encoder_error(i, truth.time_s);
+        let shown = |theta| injected(theta, parts.injected) + parts.motor_encoder + drift;
+        let theta = match self.drive_ratio(i) {
+            Some(ratio) => shown(ratio * truth.theta[i]) / ratio,
+            None => shown(truth.theta[i]),
+        };
+        (q - error, theta)
     }
 
     /// Remembers motor positions as long as they are recorded late.

@@ -9,6 +9,7 @@ use crate::controller_model::ControllerModel;
 use crate::error::SimulateError;
 use crate::motion::Trajectory;
 use crate::plant::{Drive, Inputs, Plant, PointForce};
+use crate::routings::Routings;
 use crate::sampled::{SampledOffset, SampledPayload, SampledTemperature};
 use crate::scenario::{Jam, OffsetKind, Scenario};
 use crate::sensors::Sensors;
@@ -35,7 +36,7 @@ pub struct TrueState {
     /// in it, without an injected one.
     pub theta: Vec<f64>,
     /// Offset in `theta_measured − q`, rad: physical, of slipped encoders, plus injected where it
-    /// was added.
+    /// was added. That of a tendon which crosses several joints is in rad of the joint that it is paired with.
     pub delta_e: Vec<f64>,
     /// Elastic torque, N·m.
     pub tau_el: Vec<f64>,
@@ -52,7 +53,7 @@ pub struct OffsetParts {
     pub injected: f64,
     /// The motor's encoder reads too much.
     pub motor_encoder: f64,
-    /// The joint's encoder reads too little.
+    /// The joint's encoder reads too little; of a tendon that crosses several joints the sum over these, each times its moment arm.
     pub joint_encoder: f64,
 }
 
@@ -78,6 +79,9 @@ impl OffsetParts {
 pub struct Simulation {
     scenario: Scenario,
     names: Vec<String>,
+    /// Names of the tendon that each joint is paired with, and of its motor.
+    tendons: Vec<String>,
+    motors: Vec<String>,
     /// The true arm with an empty gripper.
     empty: Arm,
     plant: Plant,
@@ -140,6 +144,44 @@ impl Simulation {
         &self.names
     }
 
+    /// Name of the tendon that each joint is paired with: the joint's own where it has no other.
+    pub fn tendon_names(&self) -> &[String] {
+        &self.tendons
+    }
+
+    /// Name of the motor of each tendon: the joint's own where it has no other.
+    pub fn motor_names(&self) -> &[String] {
+        &self.motors
+    }
+
+    /// Routings of tendons that cross several joints.
+    pub(crate) fn routings(&self) -> Option<&Routings> {
+        self.plant.routings.as_ref()
+    }
+
+    /// Position in the coordinate of tendon `i` over that at its motor's shaft; `None` where both are the same.
+    pub(crate) fn drive_ratio(&self, i: usize) -> Option<f64> {
+        self.routings().map(|routings| routings.drive_ratio(i))
+    }
+
+    /// By how much an offset moves what is shown of tendon `i`.
+    pub(crate) fn weight(&self, offset: &SampledOffset, i: usize) -> f64 {
+        match self.routings() {
+            Some(routings) if offset.kind == OffsetKind::JointEncoder => {
+                routings.moment_arms(i)[offset.joint]
+            }
+            _ if offset.joint == i => 1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Error of the encoder of joint `i` at `t`, s, rad: its reading is so much smaller.
+    fn joint_encoder_error(&self, i: usize, t: f64) -> f64 {
+        let own = |o: &&SampledOffset| o.joint == i && o.kind == OffsetKind::JointEncoder;
+        let own = self.offsets.iter().filter(own);
+        own.fold(0.0, |sum, o| sum + o.size_rad * o.shape.at(t))
+    }
+
     /// The next frame, or `None` at the end.
     ///
     /// # Errors
@@ -162,11 +204,16 @@ impl Simulation {
         &self.truth
     }
 
-    /// Offset of joint `i` at `t`, s, as the scenario has it.
+    /// Offset of the tendon of joint `i` at `t`, s, as the scenario has it, in rad of that joint.
     pub fn offset_at(&self, i: usize, t: f64) -> OffsetParts {
         let mut sum = OffsetParts::default();
-        for o in self.offsets.iter().filter(|o| o.joint == i) {
-            let value = o.size_rad * o.shape.at(t);
+        for o in &self.offsets {
+            let weight = self.weight(o, i);
+            if weight == 0.0 {
+                continue;
+            }
+            // A weight of 1 changes no bit.
+            let value = weight * (o.size_rad * o.shape.at(t));
             match o.kind {
                 OffsetKind::Physical => sum.physical += value,
                 OffsetKind::Injected => sum.injected += value,

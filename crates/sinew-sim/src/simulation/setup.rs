@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::plant::State;
-use crate::sampled::{check_names, draw_temperature, drives, transmissions, true_arm, unknown};
+use crate::sampled::{
+    check_names, draw_temperature, drives, offset_owner, transmissions, true_arm, unknown,
+};
 use crate::scenario::{Stream, rng};
 use rand::RngExt;
 use sinew_files::{Fault, Located, limits};
@@ -64,7 +66,7 @@ impl Simulation {
             .iter()
             .filter_map(|o| {
                 Some(SampledOffset {
-                    joint: robot.arm.joint_index(&o.joint)?,
+                    joint: offset_owner(robot, o)?,
                     kind: o.kind,
                     size_rad: o.size_rad.sample(&mut size_rng),
                     shape: o.shape.later(o.later_s.sample(&mut delay_rng)),
@@ -91,8 +93,10 @@ impl Simulation {
             .filter_map(|j| Some((robot.arm.joint_index(&j.joint)?, j.clone())))
             .collect();
         let controller_model = ControllerModel::new(robot, scenario)?;
+        let routings = Routings::of(&transmissions);
         let controller = Controller::new(
             robot,
+            routings.clone(),
             &nominal_inertia,
             scenario,
             controller_model.at_start(),
@@ -131,7 +135,7 @@ impl Simulation {
         let start = trajectory.start().to_vec();
         let period_s = control_steps as f64 * scenario.integration_step_s;
         let mut simulation = Self {
-            plant: Plant::new(empty.clone(), drives, State::at_rest(start)),
+            plant: Plant::new(empty.clone(), drives, routings, State::at_rest(start)),
             empty,
             controller,
             trajectory,
@@ -177,6 +181,8 @@ impl Simulation {
                 tau_el: zero.clone(),
                 tau_ext: zero,
             },
+            tendons: robot.tendon_names(),
+            motors: robot.motor_names(),
             names,
             scenario: scenario.clone(),
         };
@@ -195,13 +201,17 @@ impl Simulation {
             .gravity_torque()
             .map_err(|e| diverged(t, e))?
             .to_vec();
-        for (i, g) in g.iter().enumerate() {
+        for i in 0..g.len() {
             let drive = self.plant.drives[i];
             let scale = self.stiffness_scale[i];
-            let creep = drive.viscoelastic_fraction * g / (drive.stiffness_nm_per_rad * scale);
             let s = &mut self.plant.state;
+            let (held, position) = match &self.plant.routings {
+                Some(routings) => (routings.tendon_torque(i, &g), routings.of_joints(i, &s.q)),
+                None => (g[i], s.q[i]),
+            };
+            let creep = drive.viscoelastic_fraction * held / (drive.stiffness_nm_per_rad * scale);
             s.creep[i] = creep;
-            s.theta[i] = s.q[i] + self.delta_e[i] + creep + drive.deflection(*g, scale);
+            s.theta[i] = position + self.delta_e[i] + creep + drive.deflection(held, scale);
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ mod later;
 mod physics;
 mod recording;
 mod refusals;
+mod tendons;
 
 use sinew_model::robot::{Robot, RobotFile};
 

@@ -42,7 +42,7 @@ fn lively(robot: &Robot, cubic: f64) -> Plant {
     for (theta, stretch) in state.theta.iter_mut().zip([0.05, 0.08, -0.05, 0.04]) {
         *theta += stretch;
     }
-    Plant::new(robot.arm.clone(), drives(robot, cubic), state)
+    Plant::new(robot.arm.clone(), drives(robot, cubic), None, state)
 }
 
 /// Motor torque of tick `k`, held over it.
@@ -227,7 +227,7 @@ fn one_elastic_joint_swings_at_its_natural_frequency() {
         drives[0].motor_inertia_kg_m2 = motor;
         let mut state = State::at_rest(vec![0.0]);
         state.q[0] = 0.01;
-        let mut plant = Plant::new(arm.clone(), drives, state);
+        let mut plant = Plant::new(arm.clone(), drives, None, state);
         let found = period(&mut plant, |s| s.theta[0] - s.q[0]);
         let omega = (20.0 * (1.0 / inertia + 1.0 / motor)).sqrt();
         let expected = std::f64::consts::TAU / omega;
@@ -268,7 +268,12 @@ fn at_rest_the_spring_carries_gravity() {
     // Pendulum held by a constant torque of half its weight: rests where sin q = 1/2.
     let robot = pendulum();
     let weight = 0.5 * 9.81 * 0.3;
-    let mut plant = Plant::new(robot.arm.clone(), damped(&robot), State::at_rest(vec![0.4]));
+    let mut plant = Plant::new(
+        robot.arm.clone(),
+        damped(&robot),
+        None,
+        State::at_rest(vec![0.4]),
+    );
     settle(&mut plant, &[0.5 * weight], &[0.0], &[], 60.0);
     let s = &plant.state;
     // Rest is reached exponentially; 60 s are more than twenty time constants of 2.5 s.
@@ -285,7 +290,12 @@ fn a_longer_rope_moves_the_motor_and_not_the_joint_under_the_same_torque() {
     let robot = pendulum();
     let torque = [0.7];
     let rest = |delta_e: f64| {
-        let mut plant = Plant::new(robot.arm.clone(), damped(&robot), State::at_rest(vec![0.4]));
+        let mut plant = Plant::new(
+            robot.arm.clone(),
+            damped(&robot),
+            None,
+            State::at_rest(vec![0.4]),
+        );
         settle(&mut plant, &torque, &[delta_e], &[], 60.0);
         (plant.state.q[0], plant.state.theta[0])
     };
@@ -302,6 +312,7 @@ fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
     let mut plant = Plant::new(
         robot.arm.clone(),
         damped(&robot),
+        None,
         State::at_rest(vec![0.2, 0.6, 0.5, 0.3]),
     );
     let forces = [PointForce {
@@ -364,7 +375,7 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
     let mut state = State::at_rest(vec![q0]);
     state.theta[0] = q0 + 0.5 * weight / 20.0;
     let pushed = |torque: f64| {
-        let mut plant = Plant::new(robot.arm.clone(), drives.clone(), state.clone());
+        let mut plant = Plant::new(robot.arm.clone(), drives.clone(), None, state.clone());
         // Along the motion of the bob at 30° (positive q swings towards +x and up), brought up
         // slowly: a sudden push would overshoot by its own size.
         let forces = |torque: f64| {
@@ -427,7 +438,7 @@ fn delayed_elasticity_ends_at_its_share_with_its_time_constant() {
     let mut drives = damped(&robot);
     drives[0].viscoelastic_fraction = 0.04;
     drives[0].viscoelastic_time_s = 30.0;
-    let mut plant = Plant::new(robot.arm.clone(), drives, State::at_rest(vec![0.0]));
+    let mut plant = Plant::new(robot.arm.clone(), drives, None, State::at_rest(vec![0.0]));
     // Constant load from the start: the creep of eq. v̇ = (s τ/K − v)/T, τ = 0.7 N·m at rest.
     settle(&mut plant, &[0.7], &[0.0], &[], 30.0);
     let full = 0.04 * 0.7 / 20.0;
