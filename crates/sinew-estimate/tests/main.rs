@@ -7,6 +7,7 @@ mod anchor;
 mod answers;
 mod bad_input;
 mod baseline_merge;
+mod coupled;
 mod external_force;
 mod feeder;
 mod given;
