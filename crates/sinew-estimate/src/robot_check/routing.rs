@@ -13,7 +13,7 @@ pub struct RoutingCheck {
     pub joints: Vec<String>,
     /// Motors in the order of the drums.
     pub motors: Vec<String>,
-    /// Tendons.
+    /// Tendons in the order of `robot.toml`, those of the shorthand first.
     pub tendons: Vec<TendonRouting>,
     /// Joints and tendons that are connected with each other, and with no others.
     pub groups: Vec<GroupCheck>,
@@ -96,7 +96,7 @@ pub struct Combination {
 }
 
 impl RoutingCheck {
-    /// Of joints, motors and tendons.
+    /// Describes the routing of a robot's joints, motors and tendons.
     pub(super) fn of(coupling: &Coupling) -> Self {
         let joints: Vec<String> = coupling.joints().iter().map(|j| j.name.clone()).collect();
         let motors = coupling.motor_names().to_vec();

@@ -298,7 +298,7 @@ impl RobotFile {
                     match (drive, to) {
                         (CoupledDrive::Own, _) | (CoupledDrive::Crossed(_), None) => {}
                         (CoupledDrive::Crossed(routing), Some(own)) => own.routing = Some(routing),
-                        (CoupledDrive::Tendon(tendon), to) => *to = Some(tendon),
+                        (CoupledDrive::Tendon(tendon), to) => *to = Some(*tendon),
                     }
                 }
             }

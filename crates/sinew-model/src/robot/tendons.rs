@@ -8,6 +8,7 @@ use crate::tendons::{
 };
 use crate::transmission::{Friction, Guide, Tendon, Transmission};
 use alloc::borrow::ToOwned;
+use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::{String, ToString as _};
 use alloc::vec::Vec;
@@ -32,7 +33,7 @@ pub(super) struct TendonEntry {
     description: TendonDescription,
     moment_arms: Vec<(String, ArmEntry)>,
     rope: Option<RopeEntry>,
-    /// What keeps the tendon from being used: its stiffness is missing.
+    /// Fault that keeps the tendon from being used: its stiffness is missing.
     gap: Option<Located>,
 }
 
@@ -68,7 +69,7 @@ pub(super) struct JointOfFile<'a> {
     pub(super) friction: Friction,
 }
 
-/// Reads `[motors]`.
+/// Reads the motors of `[motors]`, in the order of the file.
 pub(super) fn motors(s: &Section<'_>) -> Result<Vec<MotorEntry>, Located> {
     let entries = s.entries().into_iter();
     let read = entries.map(|(name, _, value)| value.section()?.whole(|s| motor(s, name)));
@@ -270,28 +271,28 @@ pub(super) fn crossed(tendons: &[TendonEntry]) -> impl Iterator<Item = &str> {
     arms.map(|(joint, _)| joint.as_str())
 }
 
-/// What keeps tendons from being used, however the arm is.
+/// Faults that keep tendons from being used, whatever the arm.
 pub(super) fn gaps(tendons: &[TendonEntry]) -> impl Iterator<Item = Located> {
     tendons.iter().filter_map(|tendon| tendon.gap.clone())
 }
 
-/// What tendons make of the joints of an arm.
+/// Joints of an arm, coupled by its tendons.
 pub(super) struct Coupled {
     pub(super) coupling: Coupling,
-    /// What becomes of each joint's transmission.
+    /// Transmission of each joint in the coupled robot.
     pub(super) drives: Vec<CoupledDrive>,
-    /// Why the estimate cannot have this robot.
+    /// Reason why the robot cannot be estimated.
     pub(super) gap: Option<Located>,
 }
 
-/// What becomes of the transmission of a joint.
+/// Transmission of a joint in a coupled robot.
 pub(super) enum CoupledDrive {
-    /// It stays as the file describes the joint.
+    /// Transmission that the file describes for the joint.
     Own,
     /// The joint has a tendon of its own, and others cross it.
     Crossed(Routing),
-    /// It is that of a tendon of the file.
-    Tendon(Transmission),
+    /// Transmission by a tendon of the file.
+    Tendon(Box<Transmission>),
 }
 
 /// Couples joints by the motors and tendons of the file.
@@ -377,7 +378,10 @@ pub(super) fn couple(
                 };
                 let entry = paired.tendon.checked_sub(shorthand);
                 match entry.and_then(|i| tendons.get(i)) {
-                    Some(entry) => CoupledDrive::Tendon(transmission(entry, paired, joint, motors)),
+                    Some(entry) => {
+                        let tendon = transmission(entry, paired, joint, motors);
+                        CoupledDrive::Tendon(Box::new(tendon))
+                    }
                     None if is_single(&paired.routing) => CoupledDrive::Own,
                     None => CoupledDrive::Crossed(paired.routing),
                 }

@@ -64,7 +64,9 @@ pub enum PairingError {
         second: String,
     },
     /// A joint of the group has a passive spring.
-    #[error("joint '{joint}' has a passive spring, which is not estimated beside tendons yet")]
+    #[error(
+        "joint '{joint}' has a passive spring, which is not estimated together with tendons yet"
+    )]
     Spring {
         /// Name of the joint.
         joint: String,

@@ -6,7 +6,7 @@
 //! tau_i = Σ_j B_ij tau_j,     deflection_i = own + Σ_j rho_ij e_j(q_j)
 //! ```
 //!
-//! So beside the tendon's own parameters it knows the friction and the encoder of every joint, which are parameters of that joint.
+//! In addition to the tendon's own parameters the equation has the friction and the encoder of every joint, which are parameters of that joint.
 
 use super::equation::{Equations, Side};
 use super::loaded::{Common, Loaded};

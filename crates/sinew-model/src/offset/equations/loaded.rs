@@ -7,7 +7,7 @@ use crate::offset::effects::{
     AllEffects, Drive, Effect, Factors, JointRow, PER_JOINT, Point, total,
 };
 
-/// What is wanted of a block's equations.
+/// Parts of a block's equations to compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Content {
     /// Residuals, and how they move with the state.
@@ -16,7 +16,7 @@ pub(crate) enum Content {
     Residuals,
 }
 
-/// What the joints of a block have in common.
+/// State and signals that the joints of a block have in common.
 pub(super) struct Common<'a> {
     /// State: `d` entries, then those of the changes.
     pub(super) x: &'a [f64],
@@ -41,9 +41,9 @@ pub(super) struct Loaded {
     pub(super) joint: usize,
     pub(super) rows: bool,
     pub(super) tau: f64,
-    /// Standard deviation of what is unknown of it beside the noise, N·m.
+    /// Standard deviation of the unknown part of the torque, in addition to the noise, N·m.
     pub(super) unknown_nm: f64,
-    /// What the encoders of other joints add to `theta_measured − q`, rad.
+    /// Errors of the encoders of other joints in `theta_measured − q`, rad.
     pub(super) others_rad: f64,
 }
 
