@@ -71,12 +71,12 @@ pub(super) fn adapt(table: &mut Table, robot: &Robot) -> Result<(), String> {
     set(table, joint, "coulomb_nm", each(&coulomb));
     set(table, joint, "viscous_nm_s_per_rad", each(&viscous));
     set(table, "motor_friction", "coulomb_nm", each(&drive));
-    let share = |t: &Transmission| Value::Float(rounded(MOTOR_TORQUE * t.stiffness_nm_per_rad));
+    let share = |t: &Transmission| Value::Float(rounded(MOTOR_TORQUE * motor_stiffness(t)));
     let spread = |t: &Transmission| Value::Table(Table::from_iter([("std".into(), share(t))]));
     set(table, "motor_torque", "offset_nm", each(&spread));
     set(table, "motor_torque", "ripple_nm", each(&share));
     // One number for all joints: that of the softest.
-    let softest = elastic.iter().map(|(_, t)| t.stiffness_nm_per_rad);
+    let softest = elastic.iter().map(|(_, t)| motor_stiffness(t));
     let noise = rounded(MOTOR_TORQUE * softest.fold(f64::INFINITY, f64::min));
     set(table, "motor_torque", "noise_nm", Value::Float(noise));
 
@@ -103,11 +103,23 @@ pub(super) fn adapt(table: &mut Table, robot: &Robot) -> Result<(), String> {
     Ok(())
 }
 
+/// Torque in N·m where the motor's is recorded, of one rad of the tendon's coordinate.
+fn motor_stiffness(t: &Transmission) -> f64 {
+    let ratio = t.routing.as_ref().map(|routing| routing.drive_ratio.abs());
+    ratio.map_or(t.stiffness_nm_per_rad, |ratio| {
+        ratio * t.stiffness_nm_per_rad
+    })
+}
+
 /// Offsets from session B on, and the slips of C.
 fn offsets(elastic: &[(&str, &Transmission)], main: &[String]) -> Vec<Value> {
-    let offset = |name: &str, at_s: Value, rad: Value| {
+    let offset = |joint: &str, at_s: Value, rad: Value| {
+        let own = elastic.iter().find(|(name, _)| *name == joint);
+        let routing = own.and_then(|(_, t)| t.routing.as_ref());
+        // Variants know the tendons by this key.
+        let tendon = routing.map_or(joint, |routing| &routing.tendon);
         Value::Table(Table::from_iter([
-            ("joint".into(), Value::String(name.into())),
+            ("joint".into(), Value::String(tendon.into())),
             ("kind".into(), Value::String("physical".into())),
             ("shape".into(), Value::String("step".into())),
             ("at_s".into(), at_s),

@@ -560,3 +560,24 @@ fn a_motor_without_inertia_is_named_with_its_joint() {
         assert!(said.contains(word), "{said}");
     }
 }
+
+#[test]
+fn the_protocol_is_adapted_to_tendons_with_names_of_their_own() {
+    for (name, tendons) in [
+        ("coupled-arm", &["shoulder", "elbow", "wrist"][..]),
+        ("differential-wrist", &["right", "left"]),
+    ] {
+        let robot = robot(name);
+        let plan = crate::protocol::plan_adapted("S7", &robot).unwrap_or_else(|e| panic!("{e}"));
+        let mut simulation =
+            Simulation::new(&plan.simulated, &plan.scenario).unwrap_or_else(|e| panic!("{e}"));
+        for _ in 0..500 {
+            simulation.next_frame().expect("steps");
+        }
+        for (i, tendon) in tendons.iter().enumerate() {
+            assert_eq!(simulation.tendon_names()[i], *tendon);
+            // Opened between the sessions, at 60 s.
+            assert!(simulation.offset_at(i, 61.0).physical > 0.0, "{tendon}");
+        }
+    }
+}
