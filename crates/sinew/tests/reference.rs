@@ -130,10 +130,11 @@ fn robot_toml() {
             &whole[at..]
         )
     };
+    let tendon = "[[tendons]]\nname = \"t\"\ndrums_mm = { m = 1.0 }\nmoment_arms_mm = { elbow = 1.0 }\nstiffness_n_per_mm = 1.0\n";
     let inline = |words: &str| after(words, "").replacen(&unknown, &format!("{unknown}, "), 1);
     agree(
         "robot.md",
-        &["joints.NAME"],
+        &["joints.NAME", "motors.NAME"],
         &[
             ("", format!("{unknown}\n{whole}")),
             ("joints.NAME", after("[joints.elbow]", "\n")),
@@ -146,6 +147,17 @@ fn robot_toml() {
                 format!("{whole}\n[[joints.elbow.anchors]]\n{unknown}\n"),
             ),
             ("tolerances", after("[tolerances]", "\n")),
+            (
+                "joints.NAME.spring",
+                after("[joints.elbow]", "\n")
+                    .replace(&unknown, &format!("spring = {{ {unknown} }}")),
+            ),
+            ("motors.NAME", format!("{whole}\n[motors.m]\n{unknown}\n")),
+            (
+                "motors.NAME.friction",
+                format!("{whole}\n[motors.m]\nfriction = {{ {unknown} }}\n"),
+            ),
+            ("tendons[]", format!("{whole}\n{tendon}{unknown}\n")),
         ],
         |text| {
             let (folder, path) = file("robot.toml", text);
@@ -164,21 +176,28 @@ fn mapping_files() {
         ("", with("") + joints),
         ("time", with("[time]\ncolumn = \"time_s\"\n")),
         ("joints.NAME", with(joints)),
+        ("motors.NAME", with(&format!("{joints}[motors.m]\n"))),
         ("mcap", with("[mcap]\n")),
     ];
     let quantities = ["q", "theta", "dq", "tau_el", "tau_m", "tau_ext"];
     let sources = quantities.map(|quantity| format!("joints.tilt.{quantity}"));
-    for source in sources.iter().map(String::as_str).chain(["temperature"]) {
+    let motors = ["motors.m.theta", "motors.m.tau_m", "temperature"];
+    for source in sources.iter().map(String::as_str).chain(motors) {
         let column = "column = \"a\"";
         sections.push(("SOURCE", with(&format!("[{source}]\n{column}\n"))));
         let sum = format!("[{source}]\nsum = [{{ {column}, {UNKNOWN} = 1 }}]\n");
         sections.push(("SOURCE.sum[]", sum));
     }
-    agree("mapping.md", &["joints.NAME"], &sections, |text| {
-        let (_folder, path) = file("mapping.toml", text);
-        let log = "examples/05-your-own-robot/nod.csv";
-        refusal(&["log", "info", log, "--mapping", &path])
-    });
+    agree(
+        "mapping.md",
+        &["joints.NAME", "motors.NAME"],
+        &sections,
+        |text| {
+            let (_folder, path) = file("mapping.toml", text);
+            let log = "examples/05-your-own-robot/nod.csv";
+            refusal(&["log", "info", log, "--mapping", &path])
+        },
+    );
 }
 
 #[test]

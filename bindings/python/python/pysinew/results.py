@@ -4183,7 +4183,7 @@ class RoutingCheck(Record):
     motors: list[str]
     """Motors in the order of the drums."""
     tendons: list[TendonRouting]
-    """Tendons."""
+    """Tendons in the order of `robot.toml`, those of the shorthand first."""
     unobservable: list[Combination]
     """Combinations of elongations that the motion of the joints does not show at `q = 0`."""
 
@@ -4610,7 +4610,7 @@ class SimulatedResult(Record):
     frames: Frames
     """Frames lost, repeated and delayed on their way into the file."""
     injected: list[str] | None
-    """Which joints' offsets are injected into the recording instead of felt by the spring."""
+    """Which tendons' offsets are injected into the recording instead of felt by the spring."""
     joint_coulomb_nm: dict[str, float]
     """Coulomb friction at the joint, N·m."""
     joint_viscous_nm_s_per_rad: dict[str, float]
@@ -4649,6 +4649,8 @@ class SimulatedResult(Record):
     """Stiffness, N·m/rad, at the reference temperature."""
     temperature_change_k: float
     """Drawn temperature change, K."""
+    tendons: list[TrueTendon] | None
+    """Tendons, where they cross several joints or have names of their own."""
     viscoelastic_fraction: dict[str, float]
     """Share of delayed elasticity."""
 
@@ -4679,6 +4681,7 @@ class SimulatedResult(Record):
         "steps": "Step",
         "stiffness_nm_per_rad": "",
         "temperature_change_k": "",
+        "tendons": "TrueTendon",
         "viscoelastic_fraction": "",
     }
 
@@ -4779,7 +4782,7 @@ class Step(Record):
     at_s: float
     """When, s."""
     joint: str
-    """Which joint."""
+    """Which joint, or which tendon."""
     size_rad: float
     """By how much, rad."""
 
@@ -5369,6 +5372,31 @@ class TrendResult(Record):
     }
 
 
+class TrueTendon(Record):
+    """A tendon that crosses several joints, or has a name of its own."""
+
+    __slots__ = ()
+
+    drive_ratio: float
+    """Position in the tendon's coordinate over that at the motor's shaft."""
+    joint: str
+    """Joint that it is paired with, in whose rad its values are."""
+    moment_arms: dict[str, float]
+    """By how much the coordinate moves per rad of every joint that the tendon crosses."""
+    motor: str
+    """Its motor."""
+    name: str
+    """Its name."""
+
+    _fields = {
+        "drive_ratio": "",
+        "joint": "",
+        "moment_arms": "",
+        "motor": "",
+        "name": "",
+    }
+
+
 class UnitSlip(Record):
     """Another unit in which the value would be usual."""
 
@@ -5820,6 +5848,21 @@ class WarningNoBaseline(Record):
     }
 
 
+class WarningNoJointEncoder(Record):
+    """The position of a joint is not recorded: its motor's stands in, and its tendon is not estimated."""
+
+    __slots__ = ()
+
+    joint: str
+    """Joint."""
+    kind: Literal["no-joint-encoder"]
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+    }
+
+
 class WarningNotZeroed(Record):
     """A baseline's encoders were not zeroed as robot.toml states; the zero was estimated instead."""
 
@@ -6133,7 +6176,7 @@ Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
 GroupEquations = Literal["tendon", "joint"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
 JointMotion = Literal["revolute", "prismatic"]
-JointRefusal = Union[Literal["rigid", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia"], JointRefusalNoUsableFrame]
+JointRefusal = Union[Literal["rigid", "no-joint-position", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia"], JointRefusalNoUsableFrame]
 JumpCause = Literal["strand-failure", "slip", "unknown"]
 Law = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched", "line", "rope"]
 LifeNotUsed = Literal["age-unknown", "strain-limit"]
@@ -6175,7 +6218,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningExternalForce, WarningExternalForceContradicted, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
+Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningExternalForce, WarningExternalForceContradicted, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
 WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
 WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
 Forecaster = Union[Literal["combined"], Law]
@@ -6406,6 +6449,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendNoteRepeated": TrendNoteRepeated,
     "TrendNoteTensioningNotStated": TrendNoteTensioningNotStated,
     "TrendResult": TrendResult,
+    "TrueTendon": TrueTendon,
     "UnitSlip": UnitSlip,
     "UnusableBreaks": UnusableBreaks,
     "UnusableForceNeverPositive": UnusableForceNeverPositive,
@@ -6435,6 +6479,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningMuchLeftOut": WarningMuchLeftOut,
     "WarningNegativePayload": WarningNegativePayload,
     "WarningNoBaseline": WarningNoBaseline,
+    "WarningNoJointEncoder": WarningNoJointEncoder,
     "WarningNotZeroed": WarningNotZeroed,
     "WarningNothingFits": WarningNothingFits,
     "WarningPayloadContradicted": WarningPayloadContradicted,
@@ -6469,7 +6514,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "external-force": WarningExternalForce, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "external-force-contradicted": WarningExternalForceContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "external-force": WarningExternalForce, "unexplained": WarningUnexplained, "no-joint-encoder": WarningNoJointEncoder, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "external-force-contradicted": WarningExternalForceContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},
 }
 Record._classes = _CLASSES

@@ -101,7 +101,7 @@ pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
     let (baseline, _) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
     let recorded = &simulated.sessions[1];
     let from_s = recorded.blocks.first().map_or(0.0, |b| b.time_s);
-    let names = robot.joint_names();
+    let names = &robot.tendon_names();
     let mut judges: Vec<Judge> = (recorded.elastic.iter())
         .map(|i| Judge::new(names[*i].clone()))
         .collect();

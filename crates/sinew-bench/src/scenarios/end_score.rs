@@ -75,7 +75,7 @@ pub struct EndScore {
 impl EndScore {
     pub(super) fn of(end: End, robot: &Robot, truth_rad: &[f64], said: &SessionEstimate) -> Self {
         let error = |joint: &TendonEstimate| {
-            let truth_rad = truth_rad[robot.arm.joint_index(&joint.name)?];
+            let truth_rad = truth_rad[robot.tendon_index(&joint.name)?];
             let offset = joint.offset_rad;
             Some(Gaussian::new(offset.mean - truth_rad, offset.deviation))
         };

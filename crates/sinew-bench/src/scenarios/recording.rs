@@ -184,7 +184,7 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &SessionEstima
         .joints
         .iter()
         .filter_map(|joint| {
-            let i = plan.robot.arm.joint_index(&joint.name)?;
+            let i = plan.robot.tendon_index(&joint.name)?;
             let truth_rad = simulated.truth_rad[i];
             let [lagging, matched] = &simulated.means;
             let plain = |m: &PaperMeans| Some(m.mean_rad(1, i)? - truth_rad);
@@ -235,7 +235,7 @@ fn watch_c(
     out: &mut Recording,
 ) -> Result<(), SessionError> {
     let whole = &simulated.sessions[2];
-    let names = plan.robot.joint_names();
+    let names = &plan.robot.tendon_names();
     let until = |end_s: f64| -> Result<SessionEstimate, SessionError> {
         let part = Recorded {
             blocks: whole
