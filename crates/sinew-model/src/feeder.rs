@@ -17,7 +17,7 @@
 
 use crate::StepError;
 use crate::offset::{FeatureObserver, OffsetObserver, Sample, TorqueSource, VelocityFilter};
-use crate::routes::Routes;
+use crate::routings::Routings;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -237,7 +237,7 @@ pub struct Feeder<O> {
     /// Motor positions as the observer gets them, rad.
     theta: Vec<f64>,
     /// Routings of tendons that cross several joints.
-    routes: Option<Routes>,
+    routes: Option<Routings>,
     /// Motor torques as the observer gets them, N·m; unused without routings.
     tau_m: Vec<f64>,
     /// Offsets to add: joint, from this time since the start on, ns, and rad.
@@ -268,7 +268,7 @@ impl<O: FrameObserver> Feeder<O> {
             gap_ns: (options.gap_s * 1e9) as i64,
             motors: motors.collect(),
             theta: alloc::vec![0.0; transmissions.len()],
-            routes: Routes::of(transmissions),
+            routes: Routings::of(transmissions),
             tau_m: alloc::vec![f64::NAN; transmissions.len()],
             injections: Vec::new(),
             start_ns: None,

@@ -75,8 +75,8 @@ pub mod wire;
 
 mod error;
 mod gaussian;
-mod routes;
 mod routing;
+mod routings;
 mod tile;
 pub use error::StepError;
 pub use gaussian::{Bounded, Gaussian, Interval95, QUANTILE_975, Z95};

@@ -1,12 +1,12 @@
 //! The robot's own controller, which knows the description, and of the truth what it is told.
 
 use super::error::SimulateError;
-use super::routings::Routings;
 use super::scenario::{Scenario, SetPointKind};
 use rand_chacha::ChaCha8Rng;
 use sinew_model::StepError;
 use sinew_model::correction::{JointCorrection, SetPoint};
 use sinew_model::robot::Robot;
+use sinew_model::tendons::Routings;
 
 /// Feed-forward and PD on the motor, with the elastic deflection compensated:
 ///
@@ -116,7 +116,7 @@ impl Controller {
             let mut feed_forward = self.set_point.tendon_torque()[i];
             if dynamic {
                 let acceleration = match &self.routings {
-                    Some(routings) => routings.of_joints(i, ddq_d),
+                    Some(routings) => routings.path(i, ddq_d),
                     None => ddq_d[i],
                 };
                 feed_forward += self.motor_inertia[i] * acceleration;

@@ -1,7 +1,7 @@
 //! The arm simulator: recordings with a known truth.
 //!
 //! Reading order: [`Scenario`] (what a small TOML file says), [`Simulation`] (frame by frame),
-//! then `plant` (the equations and the integrator), `routings` (tendons that cross several joints), `friction`, `controller`, `motion`,
+//! then `plant` (the equations and the integrator), `friction`, `controller`, `motion`,
 //! `contacts`, `sensors`. [`protocol`] has named scenarios, [`control`] scores one without and with its correction, [`year`]
 //! makes up a tendon's year.
 
@@ -15,7 +15,6 @@ mod friction;
 mod motion;
 mod plant;
 pub mod protocol;
-mod routings;
 mod run;
 mod sampled;
 pub mod scenario;

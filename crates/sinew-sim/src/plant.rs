@@ -1,9 +1,9 @@
 //! The joint-elastic arm and its integrator.
 
 use super::friction::Friction;
-use super::routings::Routings;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace};
+use sinew_model::tendons::Routings;
 
 /// An end stop: a stiff spring with some damping beyond an angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -369,5 +369,5 @@ impl Plant {
 
 /// Extension of tendon `i` of those that cross several joints, rad of its coordinate.
 fn extension(routings: &Routings, s: &State, inputs: &Inputs<'_>, i: usize) -> f64 {
-    s.theta[i] - inputs.delta_e[i] - routings.of_joints(i, &s.q) - s.creep[i]
+    s.theta[i] - inputs.delta_e[i] - routings.path(i, &s.q) - s.creep[i]
 }

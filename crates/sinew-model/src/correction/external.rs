@@ -8,7 +8,7 @@ use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, MomentumObserver, StateVariableFilter};
 use crate::offset::VelocityFilter;
-use crate::routes::Routes;
+use crate::routings::Routings;
 use crate::transmission::{Friction, Transmission};
 use alloc::vec::Vec;
 
@@ -367,7 +367,7 @@ impl ExternalTorqueObserver {
 /// Variance of the elastic torque of joint `j` by what is not known of offsets and stiffnesses, (N·m)², over all tendons that cross it.
 fn spring_variance(
     correction: &Correction,
-    routes: &Routes,
+    routes: &Routings,
     j: usize,
     tau_el: impl Iterator<Item = f64> + Clone,
 ) -> f64 {

@@ -232,8 +232,7 @@ impl Set<'_> {
             for (i, (((tau_el, tendon), theta), joint)) in rows.zip(joints).enumerate() {
                 *tau_el = torque(i);
                 *tendon = carried(i);
-                let arms = routes.moment_arms(i).iter().zip(self.q_d);
-                let position = arms.fold(0.0, |sum, (arm, q)| sum + arm * q);
+                let position = routes.path(i, self.q_d);
                 *theta = match joint {
                     Some(j) => {
                         let x = j.spring.deflection(*tendon).unwrap_or(0.0);

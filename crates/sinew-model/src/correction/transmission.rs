@@ -3,7 +3,7 @@
 use super::error::CorrectionError;
 use super::spring::Spring;
 use crate::error::is_input;
-use crate::routes::Routes;
+use crate::routings::Routings;
 use crate::transmission::Transmission;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
@@ -108,7 +108,7 @@ impl Corrected {
 pub struct Correction {
     joints: Vec<Option<Corrected>>,
     /// Routings of tendons that cross several joints.
-    routes: Option<Routes>,
+    routes: Option<Routings>,
 }
 
 impl Correction {
@@ -152,7 +152,7 @@ impl Correction {
         }
         Ok(Self {
             joints,
-            routes: Routes::of(transmissions),
+            routes: Routings::of(transmissions),
         })
     }
 
@@ -207,7 +207,7 @@ impl Correction {
         &self.joints
     }
 
-    pub(super) fn routes(&self) -> Option<&Routes> {
+    pub(super) fn routes(&self) -> Option<&Routings> {
         self.routes.as_ref()
     }
 
@@ -283,7 +283,7 @@ impl Correction {
     /// Sums the torques of all tendons at every joint.
     fn joint_torques(
         &self,
-        routes: &Routes,
+        routes: &Routings,
         theta_measured: &[f64],
         q: &[f64],
         tau_el: &mut [f64],
@@ -292,13 +292,8 @@ impl Correction {
         let tendons = self.joints.iter().zip(theta_measured).enumerate();
         for (i, (joint, measured)) in tendons {
             let Some(joint) = joint else { continue };
-            let arms = routes.moment_arms(i);
-            let by_joints = arms.iter().zip(q).fold(0.0, |sum, (arm, q)| sum + arm * q);
-            let x = routes.drive_ratio(i) * measured - joint.delta_e - by_joints;
-            let torque = joint.spring.torque(x);
-            for (to, arm) in tau_el.iter_mut().zip(arms) {
-                *to += arm * torque;
-            }
+            let x = routes.drive_ratio(i) * measured - joint.delta_e - routes.path(i, q);
+            routes.add_torque(i, joint.spring.torque(x), tau_el);
         }
         for (to, joint) in tau_el.iter_mut().zip(&self.joints) {
             if joint.is_none() {

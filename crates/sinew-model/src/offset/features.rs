@@ -29,7 +29,7 @@ use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor, PARAMETERS_PER_BODY};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, StateVariableFilter};
-use crate::routes::Routes;
+use crate::routings::Routings;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -56,7 +56,7 @@ pub struct FeatureObserver {
     stood_s: f64,
     phi: Vec<f64>,
     /// Routings of tendons that cross several joints, and room for `Φ` of a block.
-    routes: Option<(Routes, Vec<f64>)>,
+    routes: Option<(Routings, Vec<f64>)>,
     sum: Block,
     count: u32,
     since_start_s: f64,
@@ -131,7 +131,7 @@ impl FeatureObserver {
     /// of the tendon paired with it: `y_i = theta_i − Σ_j rho_ij q_j` and `Φ_i = Σ_j B_ij Φ_j`.
     #[must_use]
     pub fn with_transmissions(mut self, transmissions: &[Option<Transmission>]) -> Self {
-        let routes = Routes::of(transmissions);
+        let routes = Routings::of(transmissions);
         self.routes = routes.map(|routes| (routes, self.phi.clone()));
         self
     }

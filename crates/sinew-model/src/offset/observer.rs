@@ -6,7 +6,7 @@ use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, MomentumObserver, StateVariableFilter};
-use crate::routes::Routes;
+use crate::routings::Routings;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -61,7 +61,7 @@ pub struct OffsetObserver {
     arm: Arm,
     transmissions: Vec<Option<Transmission>>,
     /// Routings of tendons that cross several joints.
-    routes: Option<Routes>,
+    routes: Option<Routings>,
     config: OffsetConfig,
     ws: ArmWorkspace,
     observer: MomentumObserver,
@@ -123,7 +123,7 @@ impl OffsetObserver {
         Ok(Self {
             arm: arm.clone(),
             transmissions: transmissions.to_vec(),
-            routes: Routes::of(transmissions),
+            routes: Routings::of(transmissions),
             config,
             ws: ArmWorkspace::new(arm),
             observer: MomentumObserver::new(&gains)?,

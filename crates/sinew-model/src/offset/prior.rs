@@ -12,7 +12,7 @@ use super::layout::Layout;
 use super::state_entry::{self, StateEntry};
 use crate::Gaussian;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
-use crate::routes::Routes;
+use crate::routings::Routings;
 use crate::tolerances::Tolerances;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
@@ -38,7 +38,7 @@ pub struct Prior {
     /// What of `inertial` motion depends on.
     pub(crate) base: BaseParameters,
     /// Routings of tendons that cross several joints.
-    pub(crate) routes: Option<Routes>,
+    pub(crate) routes: Option<Routings>,
     tolerances: Tolerances,
 }
 
@@ -71,7 +71,7 @@ impl Prior {
             payload_body: payload_body.min(arm.dof().saturating_sub(1)),
             payload_at,
             base: arm.base_parameters(),
-            routes: Routes::of(transmissions),
+            routes: Routings::of(transmissions),
             tolerances,
         }
     }

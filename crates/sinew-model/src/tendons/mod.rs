@@ -66,6 +66,7 @@ mod strand_pair;
 mod table;
 
 pub use crate::routing::Routing;
+pub use crate::routings::Routings;
 pub use analysis::{Equations, Group, JointEquationsReason, MAX_CONDITION, Observability, Sensors};
 pub use coupling::Coupling;
 pub use description::{

@@ -9,7 +9,6 @@ use crate::controller_model::ControllerModel;
 use crate::error::SimulateError;
 use crate::motion::Trajectory;
 use crate::plant::{Drive, Inputs, Plant, PointForce};
-use crate::routings::Routings;
 use crate::sampled::{SampledOffset, SampledPayload, SampledTemperature};
 use crate::scenario::{Jam, OffsetKind, Scenario};
 use crate::sensors::Sensors;
@@ -17,6 +16,7 @@ use sinew_log::Frame;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, BodyInertia};
 use sinew_model::correction::JointCorrection;
+use sinew_model::tendons::Routings;
 use std::collections::VecDeque;
 
 /// The true state behind a frame. All of length `n`.
@@ -168,7 +168,7 @@ impl Simulation {
     pub(crate) fn weight(&self, offset: &SampledOffset, i: usize) -> f64 {
         match self.routings() {
             Some(routings) if offset.kind == OffsetKind::JointEncoder => {
-                routings.moment_arms(i)[offset.joint]
+                routings.moment_arm(i, offset.joint)
             }
             _ if offset.joint == i => 1.0,
             _ => 0.0,

@@ -93,7 +93,7 @@ impl Simulation {
             .filter_map(|j| Some((robot.arm.joint_index(&j.joint)?, j.clone())))
             .collect();
         let controller_model = ControllerModel::new(robot, scenario)?;
-        let routings = Routings::of(&transmissions);
+        let routings = Routings::of(&robot.transmissions);
         let controller = Controller::new(
             robot,
             routings.clone(),
@@ -206,7 +206,10 @@ impl Simulation {
             let scale = self.stiffness_scale[i];
             let s = &mut self.plant.state;
             let (held, position) = match &self.plant.routings {
-                Some(routings) => (routings.tendon_torque(i, &g), routings.of_joints(i, &s.q)),
+                Some(routings) => (
+                    routings.torque_of(i, g.iter().copied()),
+                    routings.path(i, &s.q),
+                ),
                 None => (g[i], s.q[i]),
             };
             let creep = drive.viscoelastic_fraction * held / (drive.stiffness_nm_per_rad * scale);

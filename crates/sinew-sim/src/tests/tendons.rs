@@ -3,7 +3,6 @@
 use super::shipped_robot;
 use crate::friction::Friction;
 use crate::plant::{Drive, Inputs, Plant, State};
-use crate::routings::Routings;
 use crate::scenario::{
     Correction, Draw, Encoder, FrictionSpec, KnownOffset, Motion, Offset, OffsetKind, PerJoint,
     Record, Scenario, SetPointKind, Shape, Waypoint,
@@ -13,6 +12,7 @@ use crate::{FaultCounts, SimulateOptions, Simulation, run};
 use sinew_log::Frame;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
+use sinew_model::tendons::Routings;
 use std::path::Path;
 
 const GRAVITY_M_S2: f64 = 9.81;
@@ -256,7 +256,7 @@ fn energy_changes_by_the_work_of_the_motors() {
     for name in ["coupled-arm", "differential-wrist"] {
         let robot = robot(name);
         let transmissions: Vec<_> = robot.transmissions.iter().flatten().collect();
-        let routings = Routings::of(&transmissions).expect("tendons of several joints");
+        let routings = Routings::of(&robot.transmissions).expect("tendons of several joints");
         const CUBIC_PER_RAD2: f64 = 2.0;
         let drives: Vec<Drive> = transmissions
             .iter()

@@ -18,12 +18,12 @@ use crate::offset::effects::{
     AllEffects, ENCODER, Effect, FORCE, JointParameter as P, JointRow, Measured, PER_JOINT, Point,
     total,
 };
-use crate::routes::Routes;
+use crate::routings::Routings;
 
 /// Fills `out` with the equations of `block` around the state in `common`. Never allocates.
 pub(super) fn linearise(
     model: &ReducedModel,
-    routes: &Routes,
+    routes: &Routings,
     block: &Block,
     joints: impl Iterator<Item = Option<Measured>>,
     common: &Common<'_>,
@@ -45,7 +45,7 @@ pub(super) fn linearise(
 fn linearise_tendon(
     i: usize,
     model: &ReducedModel,
-    routes: &Routes,
+    routes: &Routings,
     block: &Block,
     measured: &[Option<Measured>],
     common: &Common<'_>,

@@ -24,7 +24,7 @@ use crate::offset::error::MapError;
 use crate::offset::joint_prior::JointPrior;
 use crate::offset::layout::Layout;
 use crate::offset::prior::Prior;
-use crate::routes::Routes;
+use crate::routings::Routings;
 use alloc::vec::Vec;
 
 /// The model whose parameters blocks can identify.
@@ -43,7 +43,7 @@ pub(crate) struct ReducedModel {
     /// Columns of the body that carries the payload: those of `Φ_c` each is made of, and how much.
     payload_columns: Vec<(usize, usize, f64)>,
     /// Routings of tendons that cross several joints.
-    pub(crate) routes: Option<Routes>,
+    pub(crate) routes: Option<Routings>,
     base: BaseParameters,
 }
 

@@ -6,9 +6,17 @@ use crate::routing::moved_by_others;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
-/// Routings of all joints as matrices; joints with a tendon of their own have a row of the identity.
+/// Routings of all tendons of a robot as matrices, each in the coordinate of the joint that its tendon is paired with; joints with a tendon of their own
+/// have a row of the identity.
+///
+/// ```text
+/// y_i = drive_ratio_i theta_motor − Σ_j rho_ij q_j,   tau_el_j = Σ_i rho_ij f_i,   f = B tau_el,   tau_motor_i = drive_ratio_i f_i
+/// ```
+///
+/// # Realtime
+/// No method but the constructor allocates, locks or panics.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Routes {
+pub struct Routings {
     n: usize,
     /// `rho`, row-major `n × n`.
     moment_arms: Vec<f64>,
@@ -20,9 +28,11 @@ pub(crate) struct Routes {
     drive_ratios: Vec<f64>,
 }
 
-impl Routes {
-    /// Routes of a robot; `None` where every joint has a tendon of its own.
-    pub(crate) fn of(transmissions: &[Option<Transmission>]) -> Option<Self> {
+impl Routings {
+    /// Collects the routings of a robot; `None` where every joint has a tendon of its own. Allocates.
+    ///
+    /// * `transmissions`: one entry per joint, `None` for a rigid one.
+    pub fn of(transmissions: &[Option<Transmission>]) -> Option<Self> {
         let routing = |t: &Option<Transmission>| t.as_ref().is_some_and(|t| t.routing.is_some());
         if !transmissions.iter().any(routing) {
             return None;
@@ -59,9 +69,9 @@ impl Routes {
         Some(routes)
     }
 
-    /// Row `i` of `rho`.
+    /// Moment arms of tendon `i`, `rho_i`, length `n`; empty where there is no such tendon.
     #[inline]
-    pub(crate) fn moment_arms(&self, i: usize) -> &[f64] {
+    pub fn moment_arms(&self, i: usize) -> &[f64] {
         let n = self.n;
         self.moment_arms.get(i * n..(i + 1) * n).unwrap_or_default()
     }
@@ -75,16 +85,31 @@ impl Routes {
             .unwrap_or_default()
     }
 
-    /// Entry `ij` of `rho`; 0 where there is none.
+    /// Moment arm of tendon `i` at joint `j`, `rho_ij`; 0 where there is none.
     #[inline]
-    pub(crate) fn moment_arm(&self, i: usize, j: usize) -> f64 {
+    pub fn moment_arm(&self, i: usize, j: usize) -> f64 {
         self.moment_arms(i).get(j).copied().unwrap_or(0.0)
     }
 
-    /// `drive_ratio` of joint `i`.
+    /// Position in the coordinate of tendon `i` over that at the shaft of its motor; 1 where there is no such tendon.
     #[inline]
-    pub(crate) fn drive_ratio(&self, i: usize) -> f64 {
+    pub fn drive_ratio(&self, i: usize) -> f64 {
         self.drive_ratios.get(i).copied().unwrap_or(1.0)
+    }
+
+    /// Path of tendon `i` by joint positions, velocities or accelerations, `Σ_j rho_ij x_j`.
+    #[inline]
+    pub fn path(&self, i: usize, x: &[f64]) -> f64 {
+        let arms = self.moment_arms(i).iter().zip(x);
+        arms.fold(0.0, |sum, (arm, x)| sum + arm * x)
+    }
+
+    /// Adds the torque `f` of tendon `i` to the elastic torques of the joints, N·m.
+    #[inline]
+    pub fn add_torque(&self, i: usize, f: f64, tau_el: &mut [f64]) {
+        for (to, arm) in tau_el.iter_mut().zip(self.moment_arms(i)) {
+            *to += arm * f;
+        }
     }
 
     /// By how much the coordinate of tendon `i` moves with the joints beyond `q_i`, `Σ_j rho_ij q_j − q_i`, rad.
@@ -111,9 +136,9 @@ impl Routes {
         }
     }
 
-    /// `Σ_j B_ij x_j`.
+    /// Torque of tendon `i` that carries elastic torques of the joints, `Σ_j B_ij tau_j`, N·m.
     #[inline]
-    pub(crate) fn torque_of(&self, i: usize, x: impl Iterator<Item = f64>) -> f64 {
+    pub fn torque_of(&self, i: usize, x: impl Iterator<Item = f64>) -> f64 {
         let shares = self.torque_shares(i).iter().zip(x);
         shares.fold(0.0, |sum, (share, x)| sum + share * x)
     }
