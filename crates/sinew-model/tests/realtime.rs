@@ -18,7 +18,7 @@ use sinew_model::offset::{
     Comparison, FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, Sample, TorqueSource,
     VelocityFilter,
 };
-use sinew_model::tendons::{Coupling, CouplingDescription, CouplingState, Input, Output};
+use sinew_model::tendons::{Coupling, CouplingDescription, CouplingState, Input, Output, Routing};
 use sinew_model::transmission::Transmission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -212,11 +212,43 @@ fn offset_steps_allocate_nothing_with_any_source() {
     }
 }
 
+/// Springs, and the same with tendons that run over the joint before their own.
+fn transmissions(n: usize) -> [Vec<Option<Transmission>>; 2] {
+    let springs = vec![Some(Transmission::spring(40.0)); n];
+    let routed = (0..n).map(|i| {
+        // B = rho⁻ᵀ of rho = 1 + ½ on the diagonal below.
+        let arm = |j: usize| match i.checked_sub(j) {
+            Some(0) => 1.0,
+            Some(1) => 0.5,
+            _ => 0.0,
+        };
+        let share = |j: usize| j.checked_sub(i).map_or(0.0, |k| (-0.5_f64).powi(k as i32));
+        Some(Transmission {
+            routing: Some(Routing {
+                tendon: i.to_string(),
+                motor: i.to_string(),
+                drive_ratio: 2.0,
+                moment_arms: (0..n).map(arm).collect(),
+                torque_shares: (0..n).map(share).collect(),
+            }),
+            ..Transmission::spring(40.0)
+        })
+    });
+    [springs, routed.collect()]
+}
+
 #[test]
 fn features_allocate_nothing() {
+    for transmissions in transmissions(arm().dof()) {
+        features_allocate_nothing_with(&transmissions);
+    }
+}
+
+fn features_allocate_nothing_with(transmissions: &[Option<Transmission>]) {
     let arm = arm();
     let n = arm.dof();
-    let mut features = FeatureObserver::new(&arm, FeatureConfig::default());
+    let mut features =
+        FeatureObserver::new(&arm, FeatureConfig::default()).with_transmissions(transmissions);
     let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
     let (theta, torque, broken) = (vec![0.05; n], vec![0.4; n], vec![f64::NAN; n]);
     let mut block = features.block().clone();
@@ -237,17 +269,22 @@ fn features_allocate_nothing() {
 
 #[test]
 fn corrections_and_contacts_allocate_nothing() {
+    for mut transmissions in transmissions(arm().dof()) {
+        transmissions[1] = None;
+        corrections_and_contacts_allocate_nothing_with(&transmissions);
+    }
+}
+
+fn corrections_and_contacts_allocate_nothing_with(transmissions: &[Option<Transmission>]) {
     let arm = arm();
     let n = arm.dof();
-    let mut transmissions = vec![Some(Transmission::spring(40.0)); n];
-    transmissions[1] = None;
     let none = vec![JointCorrection::default(); n];
     let tolerances = ContactTolerances::new(vec![0.01; n]);
     let config = ExternalTorqueConfig::default();
     let mut observer =
-        ExternalTorqueObserver::new(&arm, &transmissions, &none, config, tolerances).unwrap();
+        ExternalTorqueObserver::new(&arm, transmissions, &none, config, tolerances).unwrap();
     let mut detector = ContactDetector::new(n, ContactConfig::default()).unwrap();
-    let mut set_point = SetPoint::new(&arm, &transmissions, &none).unwrap();
+    let mut set_point = SetPoint::new(&arm, transmissions, &none).unwrap();
     let (mut q, mut dq, ddq) = (vec![0.0; n], vec![0.0; n], vec![0.3; n]);
     let (push, broken) = (vec![0.5; n], vec![f64::NAN; n]);
     let mut theta = vec![0.0; n];
@@ -303,19 +340,25 @@ fn tendons_allocate_nothing() {
 #[cfg(feature = "wire")]
 #[test]
 fn what_a_microcontroller_does_with_a_sample_allocates_nothing() {
+    for transmissions in transmissions(arm().dof()) {
+        a_microcontroller_allocates_nothing_with(&transmissions);
+    }
+}
+
+#[cfg(feature = "wire")]
+fn a_microcontroller_allocates_nothing_with(transmissions: &[Option<Transmission>]) {
     use sinew_model::feeder::{Feeder, FeederOptions, Reading};
     use sinew_model::wire::BlockSender;
 
     let arm = arm();
     let n = arm.dof();
-    let transmissions = vec![Some(Transmission::spring(40.0)); n];
     let config = FeatureConfig::default();
     let options = FeederOptions::default();
-    let observer = OffsetObserver::new(&arm, &transmissions, OffsetConfig::default()).unwrap();
-    let mut offset = Feeder::new(observer, &transmissions, options);
-    let features = FeatureObserver::new(&arm, config);
+    let observer = OffsetObserver::new(&arm, transmissions, OffsetConfig::default()).unwrap();
+    let mut offset = Feeder::new(observer, transmissions, options);
+    let features = FeatureObserver::new(&arm, config).with_transmissions(transmissions);
     let mut sender = BlockSender::new(&features);
-    let mut features = Feeder::new(features, &transmissions, options);
+    let mut features = Feeder::new(features, transmissions, options);
     let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
     let (theta, torque) = (vec![0.05; n], vec![0.4; n]);
     let (mut blocks, mut refused) = (0, 0);
