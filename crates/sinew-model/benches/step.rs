@@ -6,8 +6,10 @@ mod own_models;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use sinew_model::arm::ArmWorkspace;
+use sinew_model::feeder::{Feeder, FeederOptions, Reading};
 use sinew_model::observer::MomentumObserver;
-use sinew_model::offset::{OffsetConfig, OffsetObserver, Sample};
+use sinew_model::offset::{FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, Sample};
+use sinew_model::tendons::Routing;
 use sinew_model::transmission::Transmission;
 use std::hint::black_box;
 use std::time::Instant;
@@ -62,6 +64,64 @@ fn offset_step(c: &mut Criterion) {
     group.finish();
 }
 
+/// Tendons that run over the joint before their own.
+fn routed(n: usize) -> Vec<Option<Transmission>> {
+    let tendon = |i: usize| {
+        // B = rho⁻ᵀ of rho = 1 + ½ on the diagonal below.
+        let arm = |j: usize| match i.checked_sub(j) {
+            Some(0) => 1.0,
+            Some(1) => 0.5,
+            _ => 0.0,
+        };
+        let share = |j: usize| j.checked_sub(i).map_or(0.0, |k| (-0.5_f64).powi(k as i32));
+        Some(Transmission {
+            routing: Some(Routing {
+                tendon: i.to_string(),
+                motor: i.to_string(),
+                drive_ratio: 2.0,
+                moment_arms: (0..n).map(arm).collect(),
+                torque_shares: (0..n).map(share).collect(),
+            }),
+            ..Transmission::spring(40.0)
+        })
+    };
+    (0..n).map(tendon).collect()
+}
+
+/// Blocks of the absolute estimate, a sample at a time, from joints with tendons of their own and from routed ones.
+fn feature_step(c: &mut Criterion) {
+    let mut group = c.benchmark_group("feeder and feature step");
+    for (n, arm, samples) in own_models::moving_arms() {
+        let own = vec![Some(Transmission::spring(40.0)); n];
+        for (name, transmissions) in [("own tendons", own), ("routed tendons", routed(n))] {
+            let features = FeatureObserver::new(&arm, FeatureConfig::default())
+                .with_transmissions(&transmissions);
+            let mut feeder = Feeder::new(features, &transmissions, FeederOptions::default());
+            let mut all = samples.iter().cycle();
+            let torque = vec![0.3; n];
+            let mut time_ns = 0;
+            group.bench_function(BenchmarkId::new(name, n), |b| {
+                b.iter(|| {
+                    let (q, _) = all.next().expect("a cycle has no end");
+                    time_ns += 1_000_000;
+                    feeder.take(&Reading {
+                        time_ns,
+                        segment: 0,
+                        q: black_box(q),
+                        theta: black_box(q),
+                        dq: &[],
+                        tau_el: &[],
+                        tau_m: &torque,
+                        tau_ext: &[],
+                        temperature_c: 20.0,
+                    })
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
 /// What matters to a loop is not the mean: how long single steps took, the clock's 20–50 ns included.
 fn print_slowest(n: usize, offset: &mut OffsetObserver, samples: &own_models::Motion) {
     let mut times: Vec<u128> = Vec::with_capacity(100_000);
@@ -87,5 +147,5 @@ fn print_slowest(n: usize, offset: &mut OffsetObserver, samples: &own_models::Mo
     );
 }
 
-criterion_group!(benches, observer_step, offset_step);
+criterion_group!(benches, observer_step, offset_step, feature_step);
 criterion_main!(benches);
