@@ -2,7 +2,9 @@
 
 use crate::support::shared;
 use sinew_estimate::Request;
-use sinew_estimate::session::{self, Learning, SessionEstimate, SessionOptions, Verdict, Window};
+use sinew_estimate::session::{
+    self, Learning, SessionEstimate, SessionOptions, Verdict, Warning, Window,
+};
 use sinew_log::Mapping;
 use sinew_model::Gaussian;
 
@@ -98,4 +100,45 @@ fn motors_that_are_decoupled_already_are_refused() {
         "column = \"theta.elbow_rad\"",
     );
     assert_eq!(read(&plain).unwrap().0.joints.len(), 3);
+}
+
+#[test]
+fn a_loop_that_carries_more_than_its_pretension_is_named() {
+    let Some(folder) = shared("tendons/recordings") else {
+        return;
+    };
+    let from = folder.join("../robots/coupled-arm");
+    let robot = tempfile::tempdir().unwrap();
+    let urdf = "coupled-arm.urdf";
+    std::fs::copy(from.join(urdf), robot.path().join(urdf)).unwrap();
+    let text = std::fs::read_to_string(from.join("robot.toml")).unwrap();
+    // 2 r f0 of the elbow's loop on 20 mm.
+    for (pretension_n, limit_nm) in [(20.0, 0.8), (2000.0, 80.0)] {
+        let with = format!("kind = \"loop\"\npretension_n = {pretension_n}\n");
+        let text = text.replacen("kind = \"loop\"\n", &with, 1);
+        std::fs::write(robot.path().join("robot.toml"), text).unwrap();
+        let request = Request {
+            robot: Some(robot.path().to_owned()),
+            ..Request::new(folder.join("coupled-arm-session.parquet"))
+        };
+        let options = SessionOptions::default();
+        let whole = Window::default();
+        let (estimate, _) =
+            session::estimate(&request, whole, None, &options, &mut |_| {}).unwrap();
+        let named = estimate.warnings.iter().find_map(|warning| match warning {
+            Warning::BeyondPretension {
+                joint,
+                torque_nm,
+                limit_nm,
+            } => Some((joint, torque_nm, limit_nm)),
+            _ => None,
+        });
+        let elbow = estimate.joints.iter().find(|j| j.name == "elbow").unwrap();
+        let most_nm = elbow.torque_nm.max.max(-elbow.torque_nm.min);
+        assert_eq!(named.is_some(), most_nm > limit_nm, "{most_nm}");
+        if let Some((joint, torque_nm, limit)) = named {
+            assert_eq!((joint.as_str(), *torque_nm), ("elbow", most_nm));
+            assert!((limit - limit_nm).abs() < 1e-12);
+        }
+    }
 }

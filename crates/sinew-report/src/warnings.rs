@@ -65,6 +65,7 @@ fn session_joint(warning: &Warning) -> Option<&str> {
         | Warning::RopeCreeps { joint, .. }
         | Warning::TendonCreeps { joint, .. }
         | Warning::Unexplained { joint, .. }
+        | Warning::BeyondPretension { joint, .. }
         | Warning::Stuck { joint, .. }
         | Warning::TemperatureUnknown { joint, .. }
         | Warning::DriftUnknown { joint, .. }
@@ -246,6 +247,15 @@ pub fn session_warning(warning: &Warning) -> String {
         ),
         Warning::NoJointEncoder { joint } => format!(
             "{joint}: its position is not recorded, so the elongation of its tendon cannot be estimated. The position of its motor stands in for the estimate of the other joints"
+        ),
+        Warning::BeyondPretension {
+            joint,
+            torque_nm,
+            limit_nm,
+        } => format!(
+            "{joint}: the loop carried up to {} N·m. Beyond {} N·m, 2 r f0, one of its strands is slack and the loop half as stiff, which the estimate does not model. Increase the pretension, or record a motion with lower torque",
+            rounded(*torque_nm, 3),
+            rounded(*limit_nm, 3)
         ),
         Warning::Stuck {
             joint,

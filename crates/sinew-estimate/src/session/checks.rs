@@ -24,6 +24,23 @@ const CREEPS: f64 = 0.3;
 /// data is seen.
 const LIKELY: f64 = 0.3;
 
+/// Loops of `[[tendons]]` that carried more than both of their strands do.
+fn beyond_pretension(context: &Context<'_>, joints: &[TendonEstimate]) -> Vec<Warning> {
+    let of = |joint: &TendonEstimate| {
+        let index = context.robot.tendon_index(&joint.name)?;
+        let transmission = context.robot.transmissions.get(index)?.as_ref()?;
+        let tendon = (transmission.routing.as_ref()).and(transmission.tendon.as_ref())?;
+        let limit_nm = 2.0 * tendon.joint_pulley_radius_m * tendon.pretension_n?;
+        let torque_nm = joint.torque_nm.min.abs().max(joint.torque_nm.max.abs());
+        (torque_nm > limit_nm).then(|| Warning::BeyondPretension {
+            joint: joint.name.clone(),
+            torque_nm,
+            limit_nm,
+        })
+    };
+    joints.iter().filter_map(of).collect()
+}
+
 /// Warnings for an estimate; `far` are those of parameters far from what was believed, `stands` says of every elastic
 /// joint how it stands at the end.
 pub(super) fn warnings(
@@ -56,6 +73,7 @@ pub(super) fn warnings(
             before_end_s: recorded.end_s() - change.time_s,
         }));
     }
+    out.extend(beyond_pretension(context, joints));
     out.extend(stands_at_end(joints, stands));
     for (joint, inflation) in joints.iter().zip(inflations) {
         if inflation.creep_95_rad > 0.0 {

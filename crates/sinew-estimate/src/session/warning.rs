@@ -108,6 +108,15 @@ pub enum Warning {
         /// Joint.
         joint: String,
     },
+    /// A loop carried more than twice its pretension, so that one of its strands was slack and the loop half as stiff.
+    BeyondPretension {
+        /// Tendon.
+        joint: String,
+        /// Largest size of the torque that the loop carried, N·m.
+        torque_nm: f64,
+        /// Torque up to which both strands stay taut, `2 r f0`, N·m.
+        limit_nm: f64,
+    },
     /// A joint hardly moved while its motor turned.
     Stuck {
         /// Joint.
