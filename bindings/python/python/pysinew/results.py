@@ -5641,6 +5641,29 @@ class WarningAnchorDisagrees(Record):
     }
 
 
+class WarningBeyondPretension(Record):
+    """A loop carried more than twice its pretension, so that one of its strands was slack and the loop half as
+    stiff.
+    """
+
+    __slots__ = ()
+
+    joint: str
+    """Tendon."""
+    kind: Literal["beyond-pretension"]
+    limit_nm: float
+    """Torque up to which both strands stay taut, `2 r f0`, N·m."""
+    torque_nm: float
+    """Largest size of the torque that the loop carried, N·m."""
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+        "limit_nm": "",
+        "torque_nm": "",
+    }
+
+
 class WarningChangeMayEnd(Record):
     """A change came so late that it may be a contact."""
 
@@ -6218,7 +6241,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningExternalForce, WarningExternalForceContradicted, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
+Warning = Union[WarningAnchorDisagrees, WarningBeyondPretension, WarningChangeMayEnd, WarningDriftUnknown, WarningExternalForce, WarningExternalForceContradicted, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
 WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
 WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
 Forecaster = Union[Literal["combined"], Law]
@@ -6467,6 +6490,7 @@ _CLASSES: Mapping[str, Any] = {
     "UnusableTemperature": UnusableTemperature,
     "UnusableTooFewReadings": UnusableTooFewReadings,
     "WarningAnchorDisagrees": WarningAnchorDisagrees,
+    "WarningBeyondPretension": WarningBeyondPretension,
     "WarningChangeMayEnd": WarningChangeMayEnd,
     "WarningDriftUnknown": WarningDriftUnknown,
     "WarningExternalForce": WarningExternalForce,
@@ -6514,7 +6538,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "external-force": WarningExternalForce, "unexplained": WarningUnexplained, "no-joint-encoder": WarningNoJointEncoder, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "external-force-contradicted": WarningExternalForceContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "external-force": WarningExternalForce, "unexplained": WarningUnexplained, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "external-force-contradicted": WarningExternalForceContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},
 }
 Record._classes = _CLASSES
