@@ -32,7 +32,7 @@ use crate::offset::FeatureObserver;
 use alloc::vec::Vec;
 
 /// Version of what is written; another one is refused.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// Checksum of every content and image.
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
