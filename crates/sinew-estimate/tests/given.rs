@@ -5,6 +5,7 @@ use sinew_estimate::robot_dir;
 use sinew_estimate::session::SessionOptions;
 use sinew_estimate::{EstimateDocument, Given, Method, Opener, Plan, Request, estimate};
 use sinew_log::{Arrays, Frame, OpenOptions, Quantities, Quantity, Recording};
+use sinew_sim::{Scenario, SimulateOptions};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -49,7 +50,10 @@ impl Arrays for Held {
 
 /// The frames of a file, as something that opens them from memory.
 fn held(file: &Path) -> Opener {
-    let mut recording = sinew_log::open(file, &OpenOptions::default()).unwrap();
+    held_as(sinew_log::open(file, &OpenOptions::default()).unwrap())
+}
+
+fn held_as(mut recording: Recording) -> Opener {
     let joints = recording.joints().to_vec();
     let quantities = recording.channels().union();
     let mut frames = Vec::new();
@@ -122,4 +126,45 @@ fn a_recording_in_memory_needs_a_robot() {
     };
     let error = estimate(&request, &plan, &mut |_| {}).unwrap_err();
     assert!(error.to_string().contains("no robot.toml"), "{error}");
+}
+
+/// Arrays have motors in the order of the joints, whatever the motors are called.
+#[test]
+fn motors_with_names_of_their_own_are_read_from_arrays_in_the_order_of_the_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrist.mcap");
+    let place = root().join("robots/differential-wrist");
+    let robot = robot_dir::load(&place, None).unwrap();
+    let text = std::fs::read_to_string(root().join("examples/scenarios/differential-wrist.toml"));
+    let scenario = Scenario::from_toml(&text.unwrap(), "wrist").unwrap();
+    sinew_sim::run(
+        &robot.robot,
+        &scenario,
+        &SimulateOptions::new(&file),
+        &mut |_| {},
+    )
+    .unwrap();
+    let mut recording = sinew_log::open(&file, &OpenOptions::default()).unwrap();
+    let (joints, motors) = (
+        robot.robot.joint_names().to_vec(),
+        robot.robot.motor_names(),
+    );
+    assert_ne!(joints, motors);
+    fn all(names: &[String]) -> Vec<&str> {
+        names.iter().map(String::as_str).collect()
+    }
+    recording
+        .select_driven(&all(&joints), &all(&motors))
+        .unwrap();
+    let mut of_file = Request::new(file);
+    of_file.robot = Some(place);
+    let mut in_memory = Request::new("memory".into());
+    in_memory.given = Given::default().with_recording("memory", held_as(recording));
+    in_memory.given.robot = Some(Arc::new(robot));
+    let [of_file, of_memory] = [&of_file, &in_memory].map(|request| {
+        let (document, _) = answered(request, Method::Absolute);
+        document.session.map(|session| session.joints)
+    });
+    assert_eq!(of_memory, of_file);
+    assert_eq!(of_file.unwrap().len(), 2);
 }

@@ -217,7 +217,8 @@ impl Recording {
     }
 
     /// As [`select`](Self::select), with the motor whose position and torque stand beside each joint, `theta.MOTOR_rad` and
-    /// `tau_m.MOTOR_nm`. A motor that is not recorded has neither.
+    /// `tau_m.MOTOR_nm`. A motor that is not recorded has neither. Arrays in memory have motors in the order of the joints, whatever
+    /// their names.
     ///
     /// # Errors
     /// As `select`; a number of motors that is not that of the joints.
@@ -232,6 +233,11 @@ impl Recording {
             let (motors, joints) = (motors.len(), joints.len());
             return Err(request(format!("{motors} motors for {joints} joints")));
         }
+        // Arrays have the motors in the order of the joints.
+        let motors = match self.format() {
+            Format::Arrays => joints,
+            _ => motors,
+        };
         let mut channels = Channels {
             joints: Vec::with_capacity(joints.len()),
             temperature: self.found.1.temperature,
