@@ -7,14 +7,31 @@ use sinew_estimate::session::{
 };
 use sinew_log::Mapping;
 use sinew_model::Gaussian;
+use std::path::Path;
+
+/// The reference robot, with one text of its robot.toml in the place of another.
+fn robot(folder: &Path, name: &str, (from, to): (&str, &str)) -> tempfile::TempDir {
+    let place = folder.join("../robots").join(name);
+    let copy = tempfile::tempdir().unwrap();
+    let urdf = format!("{name}.urdf");
+    std::fs::copy(place.join(&urdf), copy.path().join(&urdf)).unwrap();
+    let text = std::fs::read_to_string(place.join("robot.toml")).unwrap();
+    assert!(text.contains(from), "{from}");
+    std::fs::write(copy.path().join("robot.toml"), text.replacen(from, to, 1)).unwrap();
+    copy
+}
 
 /// The session of a reference robot since its baseline, and the elongations it truly had, mm.
-fn read(name: &str, motor_torque: bool) -> Option<(SessionEstimate, serde_json::Value)> {
+fn read(
+    name: &str,
+    motor_torque: bool,
+    edit: (&str, &str),
+) -> Option<(SessionEstimate, serde_json::Value)> {
     let folder = shared("tendons/recordings")?;
-    let robot = folder.join("../robots").join(name);
+    let robot = robot(&folder, name, edit);
     let temperature_c = Some(Gaussian::new(20.0, 0.1));
     let request = |part: &str| Request {
-        robot: Some(robot.clone()),
+        robot: Some(robot.path().to_owned()),
         ..Request::new(folder.join(format!("{name}-{part}.parquet")))
     };
     let learning = Learning {
@@ -37,11 +54,15 @@ fn read(name: &str, motor_torque: bool) -> Option<(SessionEstimate, serde_json::
     Some((estimate, serde_json::from_str(&truth).unwrap()))
 }
 
-/// Every elongation is inside its 95 % interval, which is no wider than that of a joint with a tendon of its own.
+const ELBOW: &str = "shoulder = 10.0, elbow = 20.0";
+
+/// Every elongation is inside its 95 % interval, which is no wider than that of a joint with a tendon of its own. So it is where a moment
+/// arm at another joint is described 3 % too large.
 #[test]
 fn a_coupled_arm_is_read_as_it_was_simulated() {
-    for motor_torque in [false, true] {
-        let Some((estimate, truth)) = read("coupled-arm", motor_torque) else {
+    let off = "shoulder = 10.3, elbow = 20.0";
+    for (motor_torque, described) in [(false, ELBOW), (true, ELBOW), (true, off)] {
+        let Some((estimate, truth)) = read("coupled-arm", motor_torque, (ELBOW, described)) else {
             return;
         };
         assert_eq!(estimate.joints.len(), 3);
@@ -107,16 +128,10 @@ fn a_loop_that_carries_more_than_its_pretension_is_named() {
     let Some(folder) = shared("tendons/recordings") else {
         return;
     };
-    let from = folder.join("../robots/coupled-arm");
-    let robot = tempfile::tempdir().unwrap();
-    let urdf = "coupled-arm.urdf";
-    std::fs::copy(from.join(urdf), robot.path().join(urdf)).unwrap();
-    let text = std::fs::read_to_string(from.join("robot.toml")).unwrap();
     // 2 r f0 of the elbow's loop on 20 mm.
     for (pretension_n, limit_nm) in [(20.0, 0.8), (2000.0, 80.0)] {
         let with = format!("kind = \"loop\"\npretension_n = {pretension_n}\n");
-        let text = text.replacen("kind = \"loop\"\n", &with, 1);
-        std::fs::write(robot.path().join("robot.toml"), text).unwrap();
+        let robot = robot(&folder, "coupled-arm", ("kind = \"loop\"\n", &with));
         let request = Request {
             robot: Some(robot.path().to_owned()),
             ..Request::new(folder.join("coupled-arm-session.parquet"))

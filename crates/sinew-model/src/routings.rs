@@ -26,6 +26,8 @@ pub struct Routings {
     stiffness: Vec<f64>,
     /// `drive_ratio`; 1 of a joint with a motor of its own.
     drive_ratios: Vec<f64>,
+    /// Tendons with joints other than their own that they cross.
+    crossings: Vec<(usize, usize)>,
 }
 
 impl Routings {
@@ -44,6 +46,7 @@ impl Routings {
             torque_shares: alloc::vec![0.0; n * n],
             stiffness: alloc::vec![0.0; n],
             drive_ratios: alloc::vec![1.0; n],
+            crossings: Vec::new(),
         };
         for (i, transmission) in transmissions.iter().enumerate() {
             let row = i * n..(i + 1) * n;
@@ -65,8 +68,15 @@ impl Routings {
                 shares.copy_from_slice(&routing.torque_shares);
                 routes.drive_ratios[i] = routing.drive_ratio;
             }
+            let others = (0..n).filter(|j| *j != i && arms[*j] != 0.0);
+            routes.crossings.extend(others.map(|j| (i, j)));
         }
         Some(routes)
+    }
+
+    /// Tendons, each with a joint other than its own that it crosses.
+    pub(crate) fn crossings(&self) -> &[(usize, usize)] {
+        &self.crossings
     }
 
     /// Moment arms of tendon `i`, `rho_i`, length `n`; empty where there is no such tendon.

@@ -43,6 +43,8 @@ pub struct Tolerances {
     pub viscoelastic: f64,
     /// Gear ratio, relative.
     pub gear: f64,
+    /// Moment arm of a tendon at a joint other than its own, relative.
+    pub moment_arm: f64,
     /// What `theta − q` may show of an unloaded spring right after tensioning, rad; 0 where the
     /// encoders are zeroed then.
     pub zero_rad: f64,
@@ -73,6 +75,7 @@ impl Default for Tolerances {
             motor_current: 0.1,
             viscoelastic: 0.02,
             gear: 0.003,
+            moment_arm: 0.01,
             zero_rad: 0.0,
             temperature_k: 5.0,
             external_force_n: 2.0,
@@ -91,7 +94,7 @@ impl Tolerances {
     }
 
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 24] = [
+    pub const KEYS: [&'static str; 25] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -113,6 +116,7 @@ impl Tolerances {
         "motor_current_percent",
         "viscoelastic_percent",
         "gear_percent",
+        "moment_arm_percent",
         "zero_mrad",
         "temperature_k",
         "external_force_n",
@@ -143,6 +147,7 @@ impl Tolerances {
             "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),
             "viscoelastic_percent" => (&mut self.viscoelastic, PERCENT),
             "gear_percent" => (&mut self.gear, PERCENT),
+            "moment_arm_percent" => (&mut self.moment_arm, PERCENT),
             "zero_mrad" => (&mut self.zero_rad, MILLI),
             "temperature_k" => (&mut self.temperature_k, 1.0),
             "external_force_n" => (&mut self.external_force_n, 1.0),

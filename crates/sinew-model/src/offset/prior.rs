@@ -107,6 +107,10 @@ impl Prior {
         Layout {
             joints: self.joints.len(),
             bodies: self.joints.len() * PARAMETERS_PER_BODY,
+            arms: self
+                .routes
+                .as_ref()
+                .map_or(0, |routes| routes.crossings().len()),
             is_coupled: self.routes.is_some(),
         }
     }
@@ -132,7 +136,16 @@ impl Prior {
 
     /// What entry `k` of the state is.
     pub fn describe(&self, k: usize) -> Option<StateEntry> {
-        StateEntry::of(self.layout(), k)
+        let entry = StateEntry::of(self.layout(), k)?;
+        let arm = k.checked_sub(self.layout().arm_start());
+        let crossings = self.routes.as_ref().map_or(&[][..], Routings::crossings);
+        Some(match arm.and_then(|arm| crossings.get(arm)) {
+            Some((tendon, _)) => StateEntry {
+                joint: Some(*tendon),
+                ..entry
+            },
+            None => entry,
+        })
     }
 
     /// Deflection of elastic joint `i`'s spring that motion and gravity ask for, friction and contact aside, one row per block, rad:
@@ -212,6 +225,9 @@ impl Prior {
                     (mean[k], deviation[k]) = (believed.mean, believed.deviation);
                 }
             }
+        }
+        for k in self.layout().arm_start()..self.body_start() {
+            deviation[k] = self.tolerances.moment_arm.max(FIXED);
         }
         for b in 0..self.joints.len() {
             let at = self.body_start() + b * PARAMETERS_PER_BODY;

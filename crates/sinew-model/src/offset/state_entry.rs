@@ -1,6 +1,7 @@
 //! The entries of a state in words.
 
 use super::effects::bodies::Bodies;
+use super::effects::moment_arm::MomentArm;
 use super::effects::payload::HeldPayload;
 use super::effects::{Effect, JOINT_PARAMETERS, Parameter};
 use super::layout::Layout;
@@ -8,7 +9,7 @@ use super::layout::Layout;
 /// One entry of the state in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StateEntry {
-    /// Joint or body it belongs to; `None` for the payload.
+    /// Joint, tendon or body it belongs to; `None` for the payload.
     pub joint: Option<usize>,
     /// What it is.
     pub name: &'static str,
@@ -35,8 +36,10 @@ pub(crate) fn parameter(layout: Layout, k: usize) -> Option<(Option<usize>, &'st
         let of = all.get(k % all.len())?;
         Some((Some(k / all.len()), of))
     };
-    if k < layout.body_start() {
+    if k < layout.arm_start() {
         own(0, &JOINT_PARAMETERS)
+    } else if k < layout.body_start() {
+        Some((None, MomentArm::DESCRIPTION.parameters.first()?))
     } else if k < layout.payload_place() {
         own(layout.body_start(), Bodies::DESCRIPTION.parameters)
     } else {

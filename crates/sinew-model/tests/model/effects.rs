@@ -62,6 +62,8 @@ fn defaults() -> HashMap<String, String> {
             in_unit([entry.mean, entry.deviation], of.unit),
         );
     }
+    let arm = in_unit([0.0, tolerances.moment_arm], "");
+    out.insert("moment arm error".into(), arm);
     let force = in_unit([0.0, tolerances.external_force_n], "N");
     let place = in_unit([0.0, tolerances.payload_reach_m], "m");
     for axis in ["x", "y", "z"] {

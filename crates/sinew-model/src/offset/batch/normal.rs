@@ -229,6 +229,7 @@ mod tests {
         let layout = Layout {
             joints: JOINTS,
             bodies: 11,
+            arms: 0,
             is_coupled: false,
         };
         // A load picked up before, a slip of the first joint, creep of the second, and a force on both.

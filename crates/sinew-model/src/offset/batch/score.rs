@@ -200,6 +200,7 @@ mod tests {
         let layout = Layout {
             joints: 2,
             bodies: 5,
+            arms: 0,
             is_coupled: false,
         };
         let kind = ChangeKind::Payload;
@@ -287,6 +288,7 @@ mod tests {
         let layout = Layout {
             joints: 1,
             bodies: 7,
+            arms: 0,
             is_coupled: false,
         };
         let total = layout.dimension();

@@ -24,6 +24,7 @@ mod example;
 pub(crate) mod external_force;
 mod gear;
 mod joint_friction;
+pub(crate) mod moment_arm;
 mod motor_torque;
 mod offset;
 pub(crate) mod payload;
@@ -222,6 +223,7 @@ effects![
     thermal::Thermal,
     slack::Slack,
     encoder::Encoder,
+    moment_arm::MomentArm,
     stuck_friction::StuckFriction,
     joint_friction::JointFriction,
     bodies::Bodies,

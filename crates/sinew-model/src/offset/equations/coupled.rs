@@ -15,8 +15,8 @@ use crate::cholesky::dot;
 use crate::offset::block::Block;
 use crate::offset::change::ChangeKind;
 use crate::offset::effects::{
-    AllEffects, ENCODER, Effect, FORCE, JointParameter as P, JointRow, Measured, PER_JOINT, Point,
-    total,
+    AllEffects, ENCODER, Effect, FORCE, Factors, JointParameter as P, JointRow, Measured,
+    PER_JOINT, Point, total,
 };
 use crate::routings::Routings;
 
@@ -130,6 +130,18 @@ fn linearise_tendon(
             }
         }
     }
+    let arms = ArmErrors {
+        i,
+        model,
+        routes,
+        measured,
+        turned: &block.turned,
+        x: common.x,
+    };
+    for (error, [torque, deflection]) in arms.state().zip(arms.columns()) {
+        tau += error * torque;
+        others_rad += error * deflection;
+    }
     let loaded = Loaded {
         joint: i,
         rows,
@@ -141,14 +153,80 @@ fn linearise_tendon(
     let is_loaded = link.torque_gain > 0.0;
     out.push(link);
     if rows {
-        out.cross_rows((i, Side::Link), others.iter().map(|d| factors.row(d)));
+        let of_arms = arms.rows(&factors);
+        out.cross_rows(
+            (i, Side::Link),
+            others.iter().map(|d| factors.row(d)),
+            of_arms,
+        );
     }
     if let (Some(drive), true) = (&is.drive, common.motor && is_loaded) {
         let (motor, factors) = loaded.motor_side(&point, drive, &mut derivatives);
         out.push(motor);
         if rows {
-            out.cross_rows((i, Side::Motor), others.iter().map(|d| factors.row(d)));
+            let of_arms = arms.rows(&factors);
+            out.cross_rows(
+                (i, Side::Motor),
+                others.iter().map(|d| factors.row(d)),
+                of_arms,
+            );
         }
+    }
+}
+
+/// Errors of moment arms in the equations of tendon `i`.
+struct ArmErrors<'a> {
+    i: usize,
+    model: &'a ReducedModel,
+    routes: &'a Routings,
+    measured: &'a [Option<Measured>],
+    /// Low-passed joint positions, rad.
+    turned: &'a [f64],
+    x: &'a [f64],
+}
+
+impl ArmErrors<'_> {
+    /// Values in the state.
+    fn state(&self) -> impl Iterator<Item = f64> {
+        let layout = self.model.layout;
+        let own = self.x.get(layout.arm_start()..layout.body_start());
+        own.unwrap_or_default().iter().copied()
+    }
+
+    /// Torque and deflection by a unit of every error: `−B_ij ρ_tj f_t` with `f_t = K_t (y_t − Δ_e − y₀)`, and `ρ_ij LP[q_j]` of the tendon itself.
+    fn columns(&self) -> impl Iterator<Item = [f64; 2]> {
+        let shares = self.routes.torque_shares(self.i);
+        self.routes.crossings().iter().map(move |(t, j)| {
+            let arm = self.routes.moment_arm(*t, *j);
+            let share = shares.get(*j).copied().unwrap_or(0.0);
+            let deflection = match *t == self.i {
+                true => arm * self.turned.get(*j).copied().unwrap_or(0.0),
+                false => 0.0,
+            };
+            [-share * arm * self.tension(*t), deflection]
+        })
+    }
+
+    /// Torque that tendon `t` carries, by its nominal stiffness, N·m.
+    fn tension(&self, t: usize) -> f64 {
+        let joint = self.model.joints.get(t).and_then(Option::as_ref);
+        let (Some(joint), Some(Some(is))) = (joint, self.measured.get(t)) else {
+            return 0.0;
+        };
+        let own = self.x.get(self.model.layout.own(t)).unwrap_or_default();
+        let at = |parameter: P| own.get(parameter as usize).copied().unwrap_or(0.0);
+        joint.stiffness_nm_per_rad * (is.y - at(P::Offset) - at(P::Zero))
+    }
+
+    /// Row of an equation over the errors.
+    fn rows(&self, factors: &Factors) -> impl Iterator<Item = f64> {
+        let Factors {
+            joint_torque,
+            deflection,
+            ..
+        } = *factors;
+        let columns = self.columns();
+        columns.map(move |[torque, path]| joint_torque * torque + deflection * path)
     }
 }
 
@@ -233,10 +311,11 @@ mod tests {
                 x[layout.place(joint, none)] = 0.0;
             }
         }
+        x[layout.arm_start()..layout.body_start()].fill(0.0);
         x[layout.payload_place()..].fill(0.0);
         let at = linearised(&x);
         assert_eq!(at.list.len(), 4);
-        let mut crossed = 0;
+        let (mut crossed, mut of_arms) = (0, 0);
         for place in 0..layout.payload_place() {
             const STEP: f64 = 1e-5;
             let moved = |by: f64| {
@@ -256,7 +335,9 @@ mod tests {
                     e.side
                 );
                 let is_of_other =
-                    place < layout.body_start() && !layout.own(e.joint).contains(&place);
+                    place < layout.arm_start() && !layout.own(e.joint).contains(&place);
+                let is_of_arm = (layout.arm_start()..layout.body_start()).contains(&place);
+                of_arms += usize::from(is_of_arm && row.abs() > 1e-6);
                 crossed += usize::from(is_of_other && row.abs() > 1e-6);
                 let mut whole = alloc::vec![0.0; x.len()];
                 at.add_to(e, 1.0, &mut whole);
@@ -265,5 +346,7 @@ mod tests {
         }
         // Friction, three numbers and stiction, in two equations, and the encoder in that of the link alone; of both joints.
         assert_eq!(crossed, 2 * (2 * 4 + ENCODER));
+        // Both errors are in all four equations.
+        assert_eq!(of_arms, 2 * 4);
     }
 }

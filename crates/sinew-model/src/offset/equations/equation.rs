@@ -68,7 +68,7 @@ pub(crate) struct Equations {
     width: usize,
     /// Changes that have happened by the block's time.
     active: Vec<Active>,
-    /// Rows over the parameters of the other joints, of the link and the motor side of every joint; empty where every joint has a tendon of its own.
+    /// Rows over the parameters of the other joints and the errors of moment arms, of the link and the motor side of every joint; empty where every joint has a tendon of its own.
     cross: Vec<f64>,
     /// What the block measures at every joint, while coupled equations are made.
     pub(super) measured: Vec<Option<Measured>>,
@@ -114,13 +114,13 @@ impl Equations {
             carried: alloc::vec![0.0; n * width],
             width,
             active: Vec::with_capacity(changes.len()),
-            cross: alloc::vec![0.0; 2 * coupled * coupled * PER_JOINT],
+            cross: alloc::vec![0.0; 2 * coupled * layout.body_start()],
             measured: Vec::with_capacity(coupled),
             of_others: alloc::vec![[0.0; PER_JOINT]; coupled],
         }
     }
 
-    /// How an equation moves with the parameters of all joints but its own; empty where every joint has a tendon of its own.
+    /// How an equation moves with the parameters of all joints but its own and with the errors of moment arms; empty where every joint has a tendon of its own.
     fn cross(&self, e: &Equation) -> &[f64] {
         self.cross
             .get(self.cross_place((e.joint, e.side)))
@@ -128,17 +128,28 @@ impl Equations {
     }
 
     fn cross_place(&self, (joint, side): (usize, Side)) -> Range<usize> {
-        let width = self.layout.joints * PER_JOINT;
+        let width = self.layout.body_start();
         let row = 2 * joint + usize::from(side == Side::Motor);
         row * width..(row + 1) * width
     }
 
-    /// Takes how an equation moves with the parameters of every joint. Never allocates.
-    pub(super) fn cross_rows(&mut self, of: (usize, Side), rows: impl Iterator<Item = JointRow>) {
-        let place = self.cross_place(of);
+    /// Takes how an equation moves with the parameters of every joint, and with the errors of moment arms. Never allocates.
+    pub(super) fn cross_rows(
+        &mut self,
+        of: (usize, Side),
+        rows: impl Iterator<Item = JointRow>,
+        arms: impl Iterator<Item = f64>,
+    ) {
+        let (place, joints) = (self.cross_place(of), self.layout.arm_start());
         let to = self.cross.get_mut(place).unwrap_or_default();
-        for (to, row) in to.chunks_exact_mut(PER_JOINT).zip(rows) {
+        let Some((of_joints, of_arms)) = to.split_at_mut_checked(joints) else {
+            return;
+        };
+        for (to, row) in of_joints.chunks_exact_mut(PER_JOINT).zip(rows) {
             to.copy_from_slice(&row);
+        }
+        for (to, x) in of_arms.iter_mut().zip(arms) {
+            *to = x;
         }
     }
 
@@ -315,6 +326,7 @@ mod tests {
         let layout = Layout {
             joints: 3,
             bodies: 5,
+            arms: 0,
             is_coupled: false,
         };
         let force = ChangePoint {

@@ -64,6 +64,7 @@ impl ReducedModel {
             layout: Layout {
                 joints: prior.joints(),
                 bodies: base.count(),
+                arms: prior.layout().arms,
                 is_coupled: prior.routes.is_some(),
             },
             joints: prior.joints.clone(),
