@@ -3,13 +3,14 @@
 //! `cargo bench -p sinew-model --bench step`
 
 mod own_models;
+#[path = "../tests/support/routed.rs"]
+mod routed;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::feeder::{Feeder, FeederOptions, Reading};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, Sample};
-use sinew_model::tendons::Routing;
 use sinew_model::transmission::Transmission;
 use std::hint::black_box;
 use std::time::Instant;
@@ -64,36 +65,12 @@ fn offset_step(c: &mut Criterion) {
     group.finish();
 }
 
-/// Tendons that run over the joint before their own.
-fn routed(n: usize) -> Vec<Option<Transmission>> {
-    let tendon = |i: usize| {
-        // B = rho⁻ᵀ of rho = 1 + ½ on the diagonal below.
-        let arm = |j: usize| match i.checked_sub(j) {
-            Some(0) => 1.0,
-            Some(1) => 0.5,
-            _ => 0.0,
-        };
-        let share = |j: usize| j.checked_sub(i).map_or(0.0, |k| (-0.5_f64).powi(k as i32));
-        Some(Transmission {
-            routing: Some(Routing {
-                tendon: i.to_string(),
-                motor: i.to_string(),
-                drive_ratio: 2.0,
-                moment_arms: (0..n).map(arm).collect(),
-                torque_shares: (0..n).map(share).collect(),
-            }),
-            ..Transmission::spring(40.0)
-        })
-    };
-    (0..n).map(tendon).collect()
-}
-
 /// Blocks of the absolute estimate, a sample at a time, from joints with tendons of their own and from routed ones.
 fn feature_step(c: &mut Criterion) {
     let mut group = c.benchmark_group("feeder and feature step");
     for (n, arm, samples) in own_models::moving_arms() {
         let own = vec![Some(Transmission::spring(40.0)); n];
-        for (name, transmissions) in [("own tendons", own), ("routed tendons", routed(n))] {
+        for (name, transmissions) in [("own tendons", own), ("routed tendons", routed::routed(n))] {
             let features = FeatureObserver::new(&arm, FeatureConfig::default())
                 .with_transmissions(&transmissions);
             let mut feeder = Feeder::new(features, &transmissions, FeederOptions::default());

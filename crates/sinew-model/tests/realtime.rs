@@ -18,8 +18,11 @@ use sinew_model::offset::{
     Comparison, FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, Sample, TorqueSource,
     VelocityFilter,
 };
-use sinew_model::tendons::{Coupling, CouplingDescription, CouplingState, Input, Output, Routing};
+use sinew_model::tendons::{Coupling, CouplingDescription, CouplingState, Input, Output};
 use sinew_model::transmission::Transmission;
+#[path = "support/routed.rs"]
+mod routed;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -214,27 +217,7 @@ fn offset_steps_allocate_nothing_with_any_source() {
 
 /// Springs, and the same with tendons that run over the joint before their own.
 fn transmissions(n: usize) -> [Vec<Option<Transmission>>; 2] {
-    let springs = vec![Some(Transmission::spring(40.0)); n];
-    let routed = (0..n).map(|i| {
-        // B = rho⁻ᵀ of rho = 1 + ½ on the diagonal below.
-        let arm = |j: usize| match i.checked_sub(j) {
-            Some(0) => 1.0,
-            Some(1) => 0.5,
-            _ => 0.0,
-        };
-        let share = |j: usize| j.checked_sub(i).map_or(0.0, |k| (-0.5_f64).powi(k as i32));
-        Some(Transmission {
-            routing: Some(Routing {
-                tendon: i.to_string(),
-                motor: i.to_string(),
-                drive_ratio: 2.0,
-                moment_arms: (0..n).map(arm).collect(),
-                torque_shares: (0..n).map(share).collect(),
-            }),
-            ..Transmission::spring(40.0)
-        })
-    });
-    [springs, routed.collect()]
+    [vec![Some(Transmission::spring(40.0)); n], routed::routed(n)]
 }
 
 #[test]
