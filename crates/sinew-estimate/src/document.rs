@@ -1,6 +1,6 @@
 //! What commands print as JSON.
 
-use crate::replay::Estimate;
+use crate::replay::{Estimate, JointRefusal};
 use crate::session::{LimitState, SessionEstimate};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
@@ -39,6 +39,12 @@ impl EstimateDocument {
     /// Whether part of the recording was lost.
     pub fn is_damaged(&self) -> bool {
         self.reading.damaged
+    }
+
+    /// Whether a tendon has no estimate because the position of its joint is not recorded.
+    pub fn lacks_encoder(&self) -> bool {
+        let mut joints = self.reading.joints.iter();
+        joints.any(|joint| joint.refused == Some(JointRefusal::NoJointPosition))
     }
 
     /// Whether a tendon is past the elongation at which to tension again.

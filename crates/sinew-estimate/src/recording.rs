@@ -51,8 +51,15 @@ impl Opened {
         fn all(names: &[String]) -> Vec<&str> {
             names.iter().map(String::as_str).collect()
         }
-        recording.select_driven(&all(names), &all(&motors))?;
-        let without_encoder = without_encoder(&request.name(), &loaded, recording.channels())?;
+        recording.select_driven(&all(names), &loaded.robot.motors_at_shaft())?;
+        // A position under a name that the robot does not have may be that of the joint.
+        let has_strangers = warnings
+            .iter()
+            .any(|warning| matches!(warning, RecordingWarning::UnknownJoints { .. }));
+        let without_encoder = match has_strangers {
+            true => Vec::new(),
+            false => without_encoder(&request.name(), &loaded, recording.channels())?,
+        };
         for joint in &without_encoder {
             loaded.robot.transmissions[*joint] = None;
         }

@@ -154,7 +154,7 @@ fn motors_with_names_of_their_own_are_read_from_arrays_in_the_order_of_the_joint
         names.iter().map(String::as_str).collect()
     }
     recording
-        .select_driven(&all(&joints), &all(&motors))
+        .select_driven(&all(&joints), &robot.robot.motors_at_shaft())
         .unwrap();
     let mut of_file = Request::new(file);
     of_file.robot = Some(place);

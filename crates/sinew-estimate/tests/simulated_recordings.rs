@@ -188,12 +188,13 @@ fn the_difference_to_an_earlier_recording_forgets_model_errors() {
 /// A joint without an encoder has no estimate, which a warning says, and the others keep theirs.
 #[test]
 fn a_joint_without_an_encoder_does_not_stop_the_others() {
+    use sinew_estimate::baseline::Baseline;
     use sinew_estimate::session::{self, SessionOptions, Warning, Window};
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("whole.csv");
     simulated(&shipped("work-session.toml"), &whole);
     let text = std::fs::read_to_string(&whole).unwrap();
-    let without = |columns: &[&str]| {
+    let without = |columns: &[&str], baseline: Option<(&Baseline, &str)>| {
         let mut lines = text.lines();
         let header: Vec<&str> = lines.next().unwrap().split(',').collect();
         let kept: Vec<usize> = (0..header.len())
@@ -216,10 +217,12 @@ fn a_joint_without_an_encoder_does_not_stop_the_others() {
             from_s: 0.0,
             to_s: 60.0,
         };
-        session::estimate(&request, minute, None, &options, &mut |_| {})
+        session::estimate(&request, minute, baseline, &options, &mut |_| {})
     };
-    let all = without(&[]).unwrap().0;
-    let part = without(&["q.wrist_rad"]).unwrap().0;
+    let (all, baseline) = without(&[], None).unwrap();
+    // What is known of the wrist does not keep a baseline from the others.
+    without(&["q.wrist_rad"], Some((&baseline, "all"))).unwrap();
+    let part = without(&["q.wrist_rad"], None).unwrap().0;
     let wrist = "wrist".to_owned();
     let says = Warning::NoJointEncoder { joint: wrist };
     assert!(part.warnings.contains(&says) && !all.warnings.contains(&says));
@@ -240,9 +243,23 @@ fn a_joint_without_an_encoder_does_not_stop_the_others() {
         "q.shoulder_pitch_rad",
         "q.shoulder_yaw_rad",
     ];
-    let error = without(&columns).unwrap_err().to_string();
+    let error = without(&columns, None).unwrap_err().to_string();
     assert!(
         error.contains("motor positions alone do not show it"),
+        "{error}"
+    );
+    // A position under another name may be the joint's.
+    let log = folder.path().join("renamed.csv");
+    std::fs::write(&log, text.replacen("q.wrist_rad", "q.wrst_rad", 1)).unwrap();
+    let request = Request {
+        robot: Some(robot_folder()),
+        ..Request::new(log)
+    };
+    let options = SessionOptions::default();
+    let error = session::estimate(&request, Window::default(), None, &options, &mut |_| {});
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("of 'wrist'") && error.contains("did you mean 'wrst'"),
         "{error}"
     );
 }

@@ -67,30 +67,30 @@ impl Quantity {
     }
 }
 
-/// Joint of the frames, with the motor whose position and torque stand beside it.
+/// Joint of the frames, with the motor whose position and torque the frames hold for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct DrivenJoint {
     /// Name of the joint in the recording.
     pub(crate) joint: String,
     /// Name of the motor in the recording.
     pub(crate) motor: String,
+    /// Whether the position of the motor is reflected to the joint, so that both move alike; otherwise it is that at its shaft.
+    pub(crate) is_reflected: bool,
 }
 
 impl DrivenJoint {
-    /// Joints with motors of their own names.
+    /// Joints with motors of their own names, reflected to them.
     pub(crate) fn of_joints(joints: &[String]) -> Vec<Self> {
-        Self::pairs(joints, joints)
+        joints.iter().map(|joint| Self::new(joint, None)).collect()
     }
 
-    /// Joints and motors in the same order.
-    pub(crate) fn pairs(joints: &[String], motors: &[String]) -> Vec<Self> {
-        let pairs = joints.iter().zip(motors);
-        pairs
-            .map(|(joint, motor)| Self {
-                joint: joint.clone(),
-                motor: motor.clone(),
-            })
-            .collect()
+    /// Joint with the motor at whose shaft is measured; `None`: a motor of the joint's name, reflected to it.
+    pub(crate) fn new(joint: &str, motor: Option<&str>) -> Self {
+        Self {
+            joint: joint.to_owned(),
+            motor: motor.unwrap_or(joint).to_owned(),
+            is_reflected: motor.is_none(),
+        }
     }
 
     /// Name under which a quantity is recorded.

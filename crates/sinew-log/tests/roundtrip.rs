@@ -197,7 +197,7 @@ fn motors_are_recorded_under_their_own_names() {
         let mut recording = open(&path, &OpenOptions::default()).unwrap();
         // The other way round than they were written.
         recording
-            .select_driven(&["joint_1", "joint_0"], &["right", "left"])
+            .select_driven(&["joint_1", "joint_0"], &[Some("right"), Some("left")])
             .unwrap();
         for want in &written {
             let frame = recording.next_frame().unwrap().unwrap();

@@ -450,3 +450,33 @@ fn lines_that_begin_with_a_hash_are_comments_or_the_header() {
     let error = error_of(b"# nothing\n", "a.csv", &OpenOptions::default());
     assert!(error.contains("no header line"), "{error}");
 }
+
+/// A motor at its shaft is not taken to the turn of a joint, nor compared with it; its own turns are counted.
+#[test]
+fn a_motor_at_its_shaft_keeps_its_turn() {
+    use std::f64::consts::{PI, TAU};
+    // Four times the joint's position, and 5 rad off.
+    let q = |k: i64| 0.01 * k as f64;
+    let counting = |k: i64| 4.0 * q(k) + 5.0;
+    let wrapping = |k: i64| (counting(k) + PI).rem_euclid(TAU) - PI;
+    let encoders: [(&dyn Fn(i64) -> f64, usize); 2] = [(&counting, 0), (&wrapping, 1)];
+    for (shown, wraps) in encoders {
+        let text = table("time_s,q.a_rad,theta.m_rad", 200, |k| {
+            format!("{},{}", q(k), shown(k))
+        });
+        let reader = Box::new(std::io::Cursor::new(text.into_bytes()));
+        let mut recording =
+            sinew_log::Recording::from_reader(reader, "a.csv", &OpenOptions::default()).unwrap();
+        recording.select_driven(&["a"], &[Some("m")]).unwrap();
+        for k in 0..200 {
+            let theta = recording.next_frame().unwrap().unwrap().theta[0];
+            let expected = shown(0) + 4.0 * q(k);
+            assert!((theta - expected).abs() < 1e-9, "{k}: {theta} {expected}");
+        }
+        assert!(recording.next_frame().unwrap().is_none());
+        let health = recording.health();
+        assert_eq!(health.suspicions, [""; 0]);
+        assert_eq!(health.unwrapped.len(), wraps, "{:?}", health.unwrapped);
+        assert!(health.unwrapped.iter().all(|count| count.joint == "m"));
+    }
+}

@@ -204,7 +204,11 @@ impl Baseline {
                 robot.joint_names().join(", ")
             )));
         }
-        if self.stiffness_nm_per_rad != stiffness(robot) {
+        // A joint that is rigid now, as one whose encoder is not recorded, is left alone: what is known of the others holds.
+        let now = stiffness(robot);
+        let pairs = self.stiffness_nm_per_rad.iter().zip(&now);
+        let mut differs = pairs.map(|(then, now)| *now > 0.0 && then != now);
+        if self.stiffness_nm_per_rad.len() != now.len() || differs.any(|differs| differs) {
             return Err(wrong(
                 "was learned with another stiffness_nm_per_rad in robot.toml; learn it again"
                     .into(),

@@ -4,7 +4,8 @@
 //! A value that differs from the previous one of its signal by more than half a
 //! period is taken to the nearest turn. After a gap the same holds, and for the
 //! motor side the turn is chosen so that `theta − q` changes least, so that both
-//! sides land on the same turn; at the start it is taken to the joint side's. A signal whose raw values span more than one
+//! sides land on the same turn; at the start it is taken to the joint side's. The position of a motor at its shaft moves otherwise
+//! than its joint: it is taken to the turn of the sample before. A signal whose raw values span more than one
 //! period does not come from a wrapping encoder and is left as it is.
 
 use crate::frame::{DrivenJoint, Frame, Quantity, is_absent};
@@ -89,7 +90,7 @@ struct Slope {
 /// Unwraps, converts and watches the signals; one frame after the other.
 #[derive(Debug)]
 pub struct Conditioner {
-    joints: Vec<String>,
+    joints: Vec<DrivenJoint>,
     n: usize,
     gap_ns: i64,
     /// Six blocks of `n`, as [`Quantity::PER_JOINT`].
@@ -130,7 +131,7 @@ impl Conditioner {
             .map(|signal| 0.5 * signal.period.unwrap_or(f64::INFINITY))
             .collect();
         Conditioner {
-            joints: joints.iter().map(|j| j.joint.clone()).collect(),
+            joints: joints.to_vec(),
             n,
             gap_ns,
             signals,
@@ -344,9 +345,10 @@ impl Conditioner {
             let theta = n + joint;
             if let Some(period) = self.signals[theta].period {
                 let mut expected = self.last[theta];
-                if expected.is_nan() && period >= SHORTEST_TURN_RAD {
+                let is_reflected = self.joints[joint].is_reflected;
+                if is_reflected && expected.is_nan() && period >= SHORTEST_TURN_RAD {
                     expected = frame.q[joint];
-                } else if new_segment {
+                } else if is_reflected && new_segment {
                     let moved = frame.q[joint] - q_before;
                     if moved.is_finite() {
                         expected += moved;
@@ -413,7 +415,7 @@ impl Conditioner {
                 if self.non_finite[index] > 0 {
                     health.non_finite.push(SignalCount {
                         quantity,
-                        joint: self.joints[joint].clone(),
+                        joint: self.joints[joint].recorded(quantity).to_owned(),
                         count: self.non_finite[index],
                     });
                 }
@@ -426,7 +428,7 @@ impl Conditioner {
                 if wraps > 0 {
                     health.unwrapped.push(SignalCount {
                         quantity,
-                        joint: self.joints[joint].clone(),
+                        joint: self.joints[joint].recorded(quantity).to_owned(),
                         count: wraps,
                     });
                 }
@@ -442,7 +444,8 @@ impl Conditioner {
 
     fn suspect_signal(&self, quantity: Quantity, joint: usize, health: &mut Health) {
         let index = quantity.index() * self.n + joint;
-        let name = format!("{}.{}", quantity.symbol(), self.joints[joint]);
+        let name = self.joints[joint].recorded(quantity);
+        let name = format!("{}.{name}", quantity.symbol());
         let (minimum, maximum) = (self.minimum[index], self.maximum[index]);
         if self.finite[index] == 0 {
             if self.non_finite[index] > 0 {
@@ -484,11 +487,11 @@ impl Conditioner {
         let covariance = slope.q_theta - slope.q * slope.theta / slope.count;
         let span = self.maximum[joint] - self.minimum[joint];
         let enough = slope.count >= 16.0 && variance > 0.0 && span.is_finite();
-        if !enough || span < SLOPE_SPAN_RAD {
+        if !enough || span < SLOPE_SPAN_RAD || !self.joints[joint].is_reflected {
             return;
         }
         let ratio = covariance / variance;
-        let name = &self.joints[joint];
+        let name = &self.joints[joint].joint;
         if slope.apart[1] - slope.apart[0] <= ONE_SIGNAL_RAD {
             health.suspicion(format!(
                 "theta.{name} moves as q.{name} does to the last digit: one encoder or one topic for both sides? ignore this for a rigid joint"

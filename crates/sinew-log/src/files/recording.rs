@@ -213,16 +213,23 @@ impl Recording {
     /// A name that is not recorded or given twice, with the names there are and the nearest
     /// one; or a call after the first frame. The selection is then unchanged.
     pub fn select(&mut self, joints: &[&str]) -> Result<(), LogError> {
-        self.select_driven(joints, joints)
+        self.select_driven(joints, &vec![None; joints.len()])
     }
 
-    /// As [`select`](Self::select), with the motor whose position and torque stand beside each joint, `theta.MOTOR_rad` and
-    /// `tau_m.MOTOR_nm`. A motor that is not recorded has neither. Arrays in memory have motors in the order of the joints, whatever
-    /// their names.
+    /// Selects joints as [`select`](Self::select) does, with the motor at whose shaft position and torque are measured, `theta.MOTOR_rad` and
+    /// `tau_m.MOTOR_nm`. `None`: those under the name of the joint, reflected to it. A motor that is not recorded has neither. Arrays in
+    /// memory have motors in the order of the joints, whatever their names.
+    ///
+    /// The position of a motor at its shaft moves with several joints, or by a ratio: its turns are counted from one sample to the next, and it is not
+    /// compared with the joint's.
     ///
     /// # Errors
     /// As `select`; a number of motors that is not that of the joints.
-    pub fn select_driven(&mut self, joints: &[&str], motors: &[&str]) -> Result<(), LogError> {
+    pub fn select_driven(
+        &mut self,
+        joints: &[&str],
+        motors: &[Option<&str>],
+    ) -> Result<(), LogError> {
         let request = |reason: String| LogError::request(&self.file, reason);
         if self.started {
             return Err(request(
@@ -233,11 +240,7 @@ impl Recording {
             let (motors, joints) = (motors.len(), joints.len());
             return Err(request(format!("{motors} motors for {joints} joints")));
         }
-        // Arrays have the motors in the order of the joints.
-        let motors = match self.format() {
-            Format::Arrays => joints,
-            _ => motors,
-        };
+        let is_arrays = self.format() == Format::Arrays;
         let mut channels = Channels {
             joints: Vec::with_capacity(joints.len()),
             temperature: self.found.1.temperature,
@@ -255,21 +258,21 @@ impl Recording {
                 return Err(request(format!("joint '{joint}' is selected twice")));
             }
             let mut own = self.found.1.joints[index];
-            if motor != joint {
+            let other = motor.filter(|motor| motor != joint && !is_arrays);
+            if let Some(motor) = other {
                 let of_motor = find(motor).map(|index| self.found.1.joints[index]);
                 own.take_motor(of_motor.unwrap_or_default());
             }
             channels.joints.push(own);
         }
-        let owned = |names: &[&str]| {
-            names
-                .iter()
-                .map(|&name| name.to_owned())
-                .collect::<Vec<_>>()
-        };
-        self.joints = owned(joints);
+        self.joints = joints.iter().map(|&joint| joint.to_owned()).collect();
         self.channels = channels;
-        self.driven = DrivenJoint::pairs(&self.joints, &owned(motors));
+        let pairs = joints.iter().zip(motors);
+        let driven = pairs.map(|(joint, motor)| DrivenJoint {
+            motor: motor.filter(|_| !is_arrays).unwrap_or(joint).to_owned(),
+            ..DrivenJoint::new(joint, *motor)
+        });
+        self.driven = driven.collect();
         self.reader.select(&self.driven);
         self.joiner = self.reader.joiner(&self.driven, &self.options);
         Ok(())

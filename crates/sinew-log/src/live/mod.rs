@@ -101,8 +101,8 @@ pub const TOPICS_MOST: usize = 1024;
 pub struct LiveOptions {
     /// Joints of the frames, in this order: the robot's own.
     pub joints: Vec<String>,
-    /// Motor whose position and torque stand beside each joint; empty: motors have the names of the joints.
-    pub motors: Vec<String>,
+    /// Motor of each joint at whose shaft position and torque are measured; `None`: one of the joint's name, reflected to it. Empty: all are.
+    pub motors: Vec<Option<String>>,
     /// What the robot's topics lie in, such as `/arm7`; empty: anywhere.
     pub namespace: String,
     /// Topics, interfaces, mapping and times, as for a recording. A name without a leading `/` lies in the
@@ -201,12 +201,15 @@ impl Live {
                 ));
             }
         }
-        let motors = match options.motors.len() {
-            0 => joints,
-            n if n == joints.len() => &options.motors,
-            n => return request(format!("{n} motors for {} joints", joints.len())),
-        };
-        let driven = DrivenJoint::pairs(joints, motors);
+        let motors = &options.motors;
+        if !(motors.is_empty() || motors.len() == joints.len()) {
+            let (motors, joints) = (motors.len(), joints.len());
+            return request(format!("{motors} motors for {joints} joints"));
+        }
+        let motor = |i: usize| motors.get(i).and_then(Option::as_deref);
+        let driven = joints.iter().enumerate();
+        let driven = driven.map(|(i, joint)| DrivenJoint::new(joint, motor(i)));
+        let driven: Vec<DrivenJoint> = driven.collect();
         let filter = TopicFilter::new(options);
         let (names, ambiguous) = choose_so_far(&Survey::default(), filter.wishes());
         let mut samples = Samples::new(names, mapping, Vec::new());

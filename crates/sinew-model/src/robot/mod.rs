@@ -101,6 +101,13 @@ impl Robot {
         self.named(|routing| &routing.motor)
     }
 
+    /// Motor of each joint at whose shaft position and torque are measured, in the order of `q`; `None`: the joint's own, reflected to it.
+    pub fn motors_at_shaft(&self) -> Vec<Option<&str>> {
+        let all = self.transmissions.iter();
+        all.map(|t| Some(t.as_ref()?.routing.as_ref()?.motor.as_str()))
+            .collect()
+    }
+
     fn named(&self, name: impl Fn(&Routing) -> &String) -> Vec<String> {
         let joints = self.joint_names().iter().zip(&self.transmissions);
         joints

@@ -233,11 +233,7 @@ fn columns_and_topics_have_the_names_of_the_motors() {
         }
         let mut recording = sinew_log::open(&out, &Default::default()).expect("opens");
         let joints: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
-        let motors: Vec<&str> = simulation
-            .motor_names()
-            .iter()
-            .map(String::as_str)
-            .collect();
+        let motors = robot.motors_at_shaft();
         recording.select_driven(&joints, &motors).expect("both");
         let mut count = 0;
         while let Some(frame) = recording.next_frame().expect("reads") {

@@ -97,7 +97,9 @@ impl Files {
         config.times = settings.times;
         config.alarms = settings.alarms.clone();
         let live = LiveOptions {
-            motors: robot.motor_names(),
+            motors: (robot.motors_at_shaft().into_iter())
+                .map(|motor| motor.map(str::to_owned))
+                .collect(),
             ..live_options(settings, robot.joint_names().to_vec(), open)
         };
         Ok((config, live))

@@ -134,7 +134,7 @@ impl Estimate {
             false => tables::document(&document, self.session.nuisance),
         })?;
         Ok(Finish::lossy(
-            document.is_damaged() || document.passes_limit(),
+            document.is_damaged() || document.lacks_encoder() || document.passes_limit(),
         ))
     }
 

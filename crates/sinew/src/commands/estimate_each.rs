@@ -50,7 +50,7 @@ impl Estimate {
         }
         let damaged = (document.recordings.iter())
             .filter_map(|r| r.estimate.as_ref())
-            .any(|e| e.is_damaged() || e.passes_limit());
+            .any(|e| e.is_damaged() || e.lacks_encoder() || e.passes_limit());
         Ok(Finish::lossy(failed > 0 || damaged))
     }
 }

@@ -31,7 +31,10 @@ impl RecordedNames<'_> {
             let why = format!("{joints} joints have {motors} motors: each has one");
             return Err(refuse(path, why));
         }
-        Ok(DrivenJoint::pairs(self.joints, self.motors))
+        let pairs = self.joints.iter().zip(self.motors);
+        Ok(pairs
+            .map(|(joint, motor)| DrivenJoint::new(joint, Some(motor)))
+            .collect())
     }
 }
 
