@@ -130,12 +130,12 @@ class Projected:
         self.unit = self.root / np.linalg.norm(self.root)
 
     def without_zero(self, columns):
-        """Weighted, and the zero, which may be anything, projected out."""
+        """Returns the weighted columns after projection on the complement of the free zero."""
         a = np.column_stack([self.root * c for c in columns])
         return a - np.outer(self.unit, self.unit @ a)
 
     def linear(self, place):
-        """Amplitudes of at least 0, and what is left."""
+        """Returns the non-negative amplitudes and the residual."""
         a = self.without_zero(self.law.columns(place, self.t))
         b = self.without_zero([self.y])[:, 0]
         if a.shape[1] == 1:
@@ -148,7 +148,8 @@ class Projected:
         return self.linear(place)[1]
 
     def jacobian(self, place):
-        """Kaufman's: what moves within the span of the terms in use is taken up by their amplitudes."""
+        """Jacobian in Kaufman's approximation: changes within the span of the active terms are absorbed by their
+        amplitudes."""
         beta = self.linear(place)[0]
         used = self.without_zero(self.law.columns(place, self.t))[:, beta > 0]
         slopes = self.law.slopes(place, self.t)
@@ -198,7 +199,7 @@ def together(problem, starts, jac):
 
 
 def run(way, curves):
-    """Sums of squares and seconds of processor: a busy machine doesn't count."""
+    """Returns the sums of squares and the processor time, s, which does not depend on the load of the machine."""
     squares, start = {}, time.process_time()
     for curve in curves:
         t, strain, weight = (np.array(curve[k]) for k in ["time_s", "strain", "count"])

@@ -86,7 +86,7 @@ class Piece:
 
 
 def weight(rope, wrap, radius):
-    """What a guide counts for: one that bends the rope to 20 diameters or closer in full."""
+    """Weight of a guide: one that bends the rope to 20 diameters or closer in full."""
     d = 1e-3 * tomllib.loads((ROOT / "ropes" / f"{rope}.toml").read_text())["published"]["diameter_mm"]["value"]
     bent = 2 * radius / -np.expm1(-radius * np.radians(wrap) / d)
     return min(1.0, 20 * d / bent)
@@ -122,7 +122,7 @@ class Tendon:
     def lengths(self, y, mean):
         tensions = [mean - self.half + extra for extra in self.extra]
         return [
-            sum(piece.longer_m(state, n) for piece, state in zip(pieces, states)) + self.case["give_m_per_n"] * n
+            sum(piece.longer_m(state, n) for piece, state in zip(pieces, states)) + self.case["series_compliance_m_per_n"] * n
             for pieces, states, n in zip(self.strands, self.split(y), tensions)
         ]
 
@@ -154,7 +154,7 @@ class Tendon:
 
 
 def cases():
-    """Random strung tendons, the same every time: half of them joints with two ropes."""
+    """Returns reproducible random tendons at constant length; half of them are joints with two ropes."""
     random = np.random.default_rng(22)
     # Those of the paper: a rope more would make other cases.
     ropes = [
@@ -180,7 +180,7 @@ def cases():
             "lowest_n": round(0.75 * tension, 1),
             "celsius": round(random.uniform(0, 55), 1),
             "length_m": length,
-            "give_m_per_n": float(random.choice([0.0, 1e-6, 1e-5, 5e-5])),
+            "series_compliance_m_per_n": float(random.choice([0.0, 1e-6, 1e-5, 5e-5])),
             "guides": guides,
             "joint": {"radius_m": radius, "torque_nm": round(random.uniform(0, 0.8) * tension * radius, 3)} if two else None,
         })
@@ -192,15 +192,15 @@ def sinew(case):
         "rope", "pretension", case["rope"], "--tension", case["tension_n"], "--lowest", case["lowest_n"],
         "--temperature", case["celsius"], "--length", 1e3 * case["length_m"], "--draws", 20, "--json",
     ]
-    if case["give_m_per_n"]:
-        args += ["--series-stiffness", 1e-3 / case["give_m_per_n"]]
+    if case["series_compliance_m_per_n"]:
+        args += ["--series-stiffness", 1e-3 / case["series_compliance_m_per_n"]]
     for wrap, radius, at in case["guides"]:
         args += ["--guide", f"{wrap}:{1e3 * radius}@{1e3 * at}"]
     if case["joint"]:
         args += ["--joint-radius", 1e3 * case["joint"]["radius_m"], "--torque", case["joint"]["torque_nm"]]
     build = ["cargo", "run", "-q", "--locked", "-p", "sinew", "--"] if not PROGRAM else [PROGRAM]
     run = subprocess.run([*build, *map(str, args)], check=True, cwd=ROOT, capture_output=True, text=True)
-    schedule = json.loads(run.stdout)["schedule_new"]
+    schedule = json.loads(run.stdout)["schedule_as_delivered"]
     sag = schedule["left_alone"]["sag_rad"]
     return {
         "tension_at_end_n": schedule["tension_at_end_n"]["value"],

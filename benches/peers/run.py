@@ -10,10 +10,11 @@ same run.
 Needs python3 with venv, gcc or clang (both: apt-get install clang), cargo. Installs `pin`,
 `cmeel-eigen`, `casadi` and `mujoco` from PyPI into a virtual environment under target/peers.
 
-Programs are run in turn, round after round, pinned to one core; a program's figure is its least
+Programs are run in turn in several rounds, pinned to one core; the reported value of a program is its smallest
 time per pass over all rounds, which is what the code costs when nothing disturbs it. Each program
-writes the values it computed; the run fails unless they agree to 1e-9. Meshes are ignored: none of this looks at a shape.
-A robot that one of them can't read is named with the reason and left out, and the others are measured.
+writes the values it computed; the run fails unless they agree to 1e-9. Meshes are ignored, because they do not affect
+the computations.
+A robot that a program cannot read is reported with the reason and skipped; the other robots are measured.
 """
 
 import argparse
@@ -66,7 +67,7 @@ GRAVITY = [0.0, 0.0, -9.81]
 
 
 def compile_newer(command, output, sources):
-    """Runs a compiler unless its output is newer than what it is made of."""
+    """Runs a compiler unless its output is newer than all sources."""
     stamp = output.stat().st_mtime if output.exists() else 0
     if all(Path(s).stat().st_mtime < stamp for s in sources):
         return
@@ -112,7 +113,7 @@ def build_programs():
 
 
 def write_code(robot, sinew):
-    """What is written for this robot alone: name -> (path, engine)."""
+    """Returns the generated programs for this robot: name -> (path, engine)."""
     folder = WORK / f"{robot.name}-code"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -161,11 +162,11 @@ def listing(model):
 
 
 class Refused(Exception):
-    """A robot that an engine can't read."""
+    """Error of an engine that cannot read a robot."""
 
 
 def asked(engine, of, *arguments):
-    """What an engine makes of a robot."""
+    """Result of an engine for a robot."""
     try:
         return of(*arguments)
     except (ValueError, RuntimeError, subprocess.CalledProcessError) as error:
@@ -175,7 +176,7 @@ def asked(engine, of, *arguments):
 
 
 def without_shapes(text):
-    """A description without what is seen or touched: meshes may not be there."""
+    """Returns a description without visual and collision elements, because their meshes may be missing."""
     return re.sub(r"<(visual|collision)\b(?:[^>]*/>|.*?</\1>)", "", text, flags=re.S)
 
 

@@ -62,7 +62,7 @@ def picture(rng, moved_mm, tilt_deg, pixels, look_deg, distortion, blur, noise, 
     spot = np.hypot(*np.meshgrid(np.arange(WIDTH) - 480, np.arange(HEIGHT) - 60))
     level = light * (1 - 0.75 * ink) + 0.15 * np.exp(-((spot / 60) ** 2))
     level = smooth(level, blur)
-    # Shot noise grows with the light, read noise doesn't; 4000 electrons are white.
+    # Shot noise grows with the light, read noise does not; 4000 electrons are white.
     electrons = rng.poisson(np.clip(level, 0, None) * 4000 / noise**2) * noise**2
     level = np.clip(electrons / 4000 + rng.normal(0, 0.004 * noise, level.shape), 0, 1)
     return np.rint(255 * level ** (1 / gamma)).astype(np.uint8)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Writes the recordings of this example: three made-up ropes on a bench, 60 N for 85 min.
+"""Writes the recordings of this example: three simulated ropes on a bench, 60 N for 85 min.
 
-Made, not measured: strain 0.6 or 0.4 % at once, creep b ln(1 + t/30 s), readings every 5 s with
-0.0002 % of noise and a slow wave of 0.0004 % as a room's temperature leaves it.
+The data are simulated: immediate strain 0.6 or 0.4 %, creep b ln(1 + t/30 s), one sample per 5 s with
+0.0002 % of noise and a slow wave of 0.0004 %, as caused by the room temperature.
 """
 import math
 import random

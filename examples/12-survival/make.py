@@ -1,7 +1,7 @@
-"""Makes up events.csv: ropes of two types of arms over three years, what broke and what was replaced in time.
+"""Writes a simulated events.csv: failures and preventive replacements of ropes of two arm types over three years.
 
-Ropes wear: their lives are Weibull's with a shape of 2 and a scale of 420 days (elbows) or 700 (wrists). One in five
-is replaced at a yearly service before it breaks.
+The rope lifetimes have a Weibull distribution with a shape of 2 and a scale of 420 days (elbows) or 700 (wrists). One in five
+is replaced at a yearly service before it fails.
 """
 
 import datetime
@@ -28,7 +28,7 @@ for arm in range(1, 11):
                 break
             rows.append((day, unit, kind, event))
             if event == "broken":
-                # A rope that breaks is out of sight until somebody says that another was put in.
+                # After a failure the rope is not observed until an installation is recorded.
                 rows.append((day, unit, kind, "installed"))
             if random.random() < 0.15 and day + datetime.timedelta(days=40) < end:
                 rows.append((day + datetime.timedelta(days=40), unit, kind, "loose; tensioned again"))

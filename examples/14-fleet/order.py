@@ -1,10 +1,10 @@
-"""Writes the work order of one day at one site from what `sinew-fleet` answered.
+"""Writes the work order of one day at one site from the results of `sinew-fleet`.
 
 python3 order.py SITE ROBOTS DUE OUTLIERS COMPARE
 
-A tendon that has passed a limit needs work, and so does one that creeps unlike its kind. As many robots are on the order as fit in a
-day: those that are furthest beyond a limit. A rope that departs, or whose batch is worse, is replaced by one of another batch; the
-others are tensioned.
+A tendon that exceeds a limit requires maintenance, and so does an outlier in creep. The order contains at most ROBOTS robots: those
+that exceed a limit most. An outlier, or a rope of a worse batch, is replaced by a rope of another batch; the other ropes are
+re-tensioned.
 """
 
 import csv
@@ -22,7 +22,7 @@ passed = {(row["robot"], row["joint"]): row for row in here if row["state"] == "
 odd = {(row["robot"], row["joint"]): row for row in rows(outliers) if row["site"] == site and float(row["creep_ratio"]) > 1}
 worse = {row["group"] for row in rows(compare) if row["verdict"] == "worse"}
 
-needs = {}  # of each robot: joint, rope, batch, work, why, how far beyond the limit
+needs = {}  # for each robot: joint, batch, action, reason, ratio to the limit
 for key in sorted(set(passed) | set(odd)):
     beyond, why = 0.0, []
     if key in passed:
@@ -30,10 +30,10 @@ for key in sorted(set(passed) | set(odd)):
         beyond = offset / limit
         why.append(f"{offset:.0f} of {limit:.0f} mrad")
     row = passed.get(key) or odd[key]
-    work = "tension"
+    work = "re-tension"
     if key in odd:
-        work = "replace rope, look at clamp"
-        why.append(f"creeps {float(odd[key]['creep_ratio']):.0f} times as usual")
+        work = "replace rope, inspect clamp"
+        why.append(f"creeps {float(odd[key]['creep_ratio']):.0f} times as much as usual")
     elif row["batch"] in worse:
         work = "replace rope"
         why.append("its batch is worse")
@@ -43,9 +43,9 @@ order = sorted(needs, key=lambda robot: -max(line[4] for line in needs[robot]))
 today = order[: int(robots)]
 lines = [(robot, *line[:4]) for robot in today for line in needs[robot]]
 print(f"Work order: {site}, {len(today)} robots, {len(lines)} tendons")
-print(f"Ropes to bring: {sum(line[3] != 'tension' for line in lines)}, none of {', '.join(sorted(worse)) or 'a batch named worse'}")
-print(f"Left for another day: {len(order) - len(today)} robots\n")
-heads = ("robot", "joint", "batch", "work", "why")
+print(f"Required ropes: {sum(line[3] != 're-tension' for line in lines)}, none of {', '.join(sorted(worse)) or 'the batches with the verdict worse'}")
+print(f"Postponed: {len(order) - len(today)} robots\n")
+heads = ("robot", "joint", "batch", "action", "reason")
 widths = [max(len(line[i]) for line in [heads, *lines]) for i in range(len(heads))]
 for line in [heads, *lines]:
     print("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())

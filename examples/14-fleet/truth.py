@@ -1,7 +1,7 @@
-"""Holds the answers against what was simulated: python3 truth.py FLEET DUE OUTLIERS COMPARE DAYS
+"""Compares the results with the simulated truth: python3 truth.py FLEET DUE OUTLIERS COMPARE DAYS
 
-DAYS: what `due --within` was asked for. Exit code 1: fewer than nine in ten of the tendons that pass a limit are listed, or a group
-is called worse that isn't, or the bad batch is called better.
+DAYS is the value of `due --within`. Exit code 1: fewer than nine in ten of the tendons that exceed a limit are listed, or the
+verdict of a group, worse or better, contradicts the truth.
 """
 
 import csv
@@ -21,7 +21,7 @@ truth = {(row["robot"], row["joint"]): row for row in rows(f"{fleet}/truth/tendo
 
 
 def passes(row):
-    """Whether a limit is passed, or will be in so many days."""
+    """Whether a limit is exceeded, or will be within the given number of days."""
     soon = row["state"] == "passes" and float(row["passes_utc_s"]) - float(row["end_utc_s"]) <= float(days) * DAY_S
     return row["state"] == "passed" or soon
 

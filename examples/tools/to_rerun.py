@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Logs what `sinew estimate LOG --series FILE.parquet` wrote for the Rerun viewer.
+"""Converts the output of `sinew estimate LOG --series FILE.parquet` for the Rerun viewer.
 
     python examples/tools/to_rerun.py out/offsets.parquet out/offsets.rrd
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// What an address begins with.
+/// URL scheme of bucket addresses.
 pub(crate) const SCHEME: &str = "s3://";
 
 /// A folder in a bucket.
@@ -10,7 +10,7 @@ pub(crate) const SCHEME: &str = "s3://";
 pub struct Address {
     /// Name of the bucket.
     pub bucket: String,
-    /// Folder in it, without `/` at its ends; empty: all of it.
+    /// Folder in the bucket, without leading and trailing `/`; empty for the whole bucket.
     pub prefix: String,
 }
 
@@ -26,7 +26,7 @@ impl std::fmt::Display for Address {
 }
 
 impl Address {
-    /// What a folder's name says: `None` where it is one of this computer's.
+    /// Parses the name of a folder; `None` for a local folder.
     pub(crate) fn of(folder: &Path) -> Option<Self> {
         let (bucket, prefix) = {
             let rest = folder.to_str()?.strip_prefix(SCHEME)?;
@@ -39,16 +39,16 @@ impl Address {
     }
 }
 
-/// A folder as an argument; an address of another kind, or without a bucket, is none.
+/// Parses a folder argument; rejects other URL schemes and addresses without a bucket.
 pub(crate) fn folder_or_address(path: PathBuf) -> Result<PathBuf, String> {
     match Address::of(&path) {
         Some(address) if address.bucket.is_empty() => {
-            Err(format!("write {SCHEME}BUCKET/FOLDER: a bucket is missing"))
+            Err(format!("bucket missing, expected {SCHEME}BUCKET/FOLDER"))
         }
         Some(_) => Ok(path),
         None => match path.to_str().and_then(|text| text.split_once("://")) {
             Some((scheme, _)) if scheme.bytes().all(|b| b.is_ascii_alphanumeric()) => Err(format!(
-                "reads folders and {SCHEME}BUCKET/FOLDER, not {scheme}://; copy it here with that store's program"
+                "unsupported scheme {scheme}://, expected a folder or {SCHEME}BUCKET/FOLDER; copy the folder to this computer first"
             )),
             _ => Ok(path),
         },

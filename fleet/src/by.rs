@@ -1,8 +1,8 @@
-//! What groups are made by.
+//! Grouping key of a comparison.
 
 use clap::ValueEnum;
 
-/// What groups are made by.
+/// Grouping key of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum By {
     /// Ropes, freed of joint, batch, site and temperature

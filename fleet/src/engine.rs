@@ -1,8 +1,8 @@
-//! Records as tables of DataFusion: each session once, whatever was copied twice.
+//! Records as DataFusion tables, with each session once even if files were copied.
 
 use crate::FleetError;
 use crate::args::Source;
-use crate::columns::data_type;
+use crate::columns::{data_type, present_name, version_1_name};
 use crate::folder::{Folder, RECORDS, RecordFile, SIDES, side};
 use crate::functions;
 use crate::sessions::{self, Sessions};
@@ -23,7 +23,7 @@ use sinew_watch_core::table::COLUMNS;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A file's address: no character of its name is a pattern.
+/// File URL of a path; characters of the name are not interpreted as patterns.
 fn url_of(path: &Path) -> Result<url::Url, FleetError> {
     let wrong = |source| FleetError::Folder {
         path: path.into(),
@@ -33,27 +33,34 @@ fn url_of(path: &Path) -> Result<url::Url, FleetError> {
     url::Url::from_file_path(&path).map_err(|()| wrong(std::io::ErrorKind::InvalidFilename.into()))
 }
 
-/// Columns of all files: those of a record, then what some file has besides.
+/// Union of the columns of all files: those of a record, then additional ones of some files.
 fn columns(folder: &Folder) -> SchemaRef {
     let mut fields: Vec<Field> = (COLUMNS.iter())
         .map(|name| Field::new(*name, data_type(name), true))
         .collect();
     for field in folder.files().flat_map(|file| file.schema.fields()) {
         if !fields.iter().any(|f| f.name() == field.name()) {
-            fields.push(field.as_ref().clone().with_nullable(true));
+            // Columns of version 1 get the type of the present ones, so that both can be combined.
+            let mut field = field.as_ref().clone().with_nullable(true);
+            if present_name(field.name()) != field.name() {
+                field = field
+                    .clone()
+                    .with_data_type(data_type(present_name(field.name())));
+            }
+            fields.push(field);
         }
     }
     Arc::new(Schema::new(fields))
 }
 
-/// Tables of a folder.
+/// Query engine over the tables of a folder.
 pub struct Engine {
-    /// What the folder holds.
+    /// Content of the folder.
     pub folder: Folder,
     context: SessionContext,
     runtime: tokio::runtime::Runtime,
     source: Source,
-    /// Folders of robot types beside those in `types/`, for the functions of Sinew.
+    /// Folders of further robot types, in addition to those in `types/`, for the Sinew functions.
     described: Vec<PathBuf>,
 }
 
@@ -66,7 +73,7 @@ impl Engine {
         Self::of(source, Folder::open(&source.folder)?, &[])
     }
 
-    /// Opens a folder and reads all of every file.
+    /// Opens a folder and reads every column of every file.
     ///
     /// # Errors
     /// [`FleetError`].
@@ -74,7 +81,7 @@ impl Engine {
         Self::of(source, Folder::verified(&source.folder)?, &[])
     }
 
-    /// Opens a folder whose robot types are described elsewhere, too.
+    /// Opens a folder with further robot type descriptions.
     ///
     /// # Errors
     /// [`FleetError`].
@@ -86,14 +93,14 @@ impl Engine {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .enable_all()
             .build()
-            .map_err(|e| FleetError::Engine(format!("can't start threads: {e}")))?;
+            .map_err(|e| FleetError::Engine(format!("cannot start threads: {e}")))?;
         let pool = FairSpillPool::new(source.memory_mb as usize * 1_000_000);
         let environment = RuntimeEnvBuilder::new()
             .with_memory_pool(Arc::new(pool))
             .build_arc()?;
         let mut config = SessionConfig::new().with_information_schema(true);
         config.options_mut().execution.parquet.pushdown_filters = true;
-        // A sort keeps so much back for its last step; the default is ten times a small pool's share.
+        // Memory reserved by a sort for its last step; the default is ten times the share of a small pool.
         config.options_mut().execution.sort_spill_reservation_bytes = 2_000_000;
         let context = SessionContext::new_with_config_rt(config, environment);
         let engine = Self {
@@ -108,28 +115,39 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Makes the tables.
+    /// Registers the tables.
     async fn register(&self) -> Result<(), FleetError> {
         let schema = columns(&self.folder);
         self.files("_clean", &self.folder.clean, &schema)?;
-        self.files("_doubtful", &self.folder.doubtful, &schema)?;
-        let names: Vec<String> = (schema.fields().iter())
-            .map(|f| format!("\"{}\"", f.name()))
+        self.files("_ambiguous", &self.folder.ambiguous, &schema)?;
+        // Value of a column; version 1 of the schema has another name for some.
+        let value = |name: &str| {
+            let old = version_1_name(name).filter(|old| schema.index_of(old).is_ok());
+            match old {
+                Some(old) => format!("coalesce(\"{name}\", \"{old}\")"),
+                None => format!("\"{name}\""),
+            }
+        };
+        let names: Vec<String> = (schema.fields().iter().map(|f| f.name()))
+            .filter(|name| present_name(name) == name.as_str())
+            .map(|name| format!("{} AS \"{name}\"", value(name)))
             .collect();
         let names = names.join(", ");
         let session = "robot, joint, time_utc_s";
-        // Of what differs under one key the better founded, and then whichever, but always the same.
-        let better =
-            "frames DESC NULLS LAST, offset_deviation_rad NULLS LAST, offset_rad, source, baseline";
+        // Among different rows with one key: the one with more frames, then a deterministic choice.
+        let better = format!(
+            "frames DESC NULLS LAST, {} NULLS LAST, offset_rad, source, baseline",
+            value("offset_std_rad")
+        );
         let view = |name: &str, key: &str, order: &str| {
             let clean = format!("SELECT {names} FROM _clean");
             let once = format!(
                 "SELECT {names} FROM (SELECT *, row_number() OVER (PARTITION BY {key} ORDER BY {order}) AS _nth \
-                 FROM _doubtful) WHERE _nth = 1"
+                 FROM _ambiguous) WHERE _nth = 1"
             );
             let parts = match (
                 self.folder.clean.is_empty(),
-                self.folder.doubtful.is_empty(),
+                self.folder.ambiguous.is_empty(),
             ) {
                 (_, true) => clean,
                 (true, false) => once,
@@ -142,7 +160,7 @@ impl Engine {
             view(
                 "every_version",
                 &format!("{session}, sinew_version"),
-                better,
+                &better,
             ),
             view("records", session, &format!("{version} DESC, {better}")),
         ];
@@ -155,7 +173,7 @@ impl Engine {
                 let options = CsvReadOptions::new()
                     .comment(b'#')
                     .schema_infer_max_records(10_000);
-                // In memory a join knows how few they are, and keeps them there instead of the records, whichever comes first.
+                // In memory, the size of a side table is known, so that a join keeps it in memory instead of the records.
                 let frame = self.context.read_csv(&path, options.clone()).await?;
                 let schema = Arc::new(frame.schema().as_arrow().clone());
                 match frame.collect().await {
@@ -163,7 +181,7 @@ impl Engine {
                         let table = MemTable::try_new(schema, vec![rows])?;
                         self.context.register_table(name, Arc::new(table))?;
                     }
-                    // Whoever asks for it is told what is wrong with it.
+                    // The query that uses the table gets the error.
                     Err(_) => self.context.register_csv(name, path, options).await?,
                 }
             }
@@ -171,13 +189,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Order of versions as SQL: larger is newer.
+    /// SQL expression for the order of versions; larger is newer.
     fn version_order(&self) -> String {
-        let known = self.folder.versions();
-        if known.is_empty() {
+        let versions = self.folder.versions();
+        if versions.is_empty() {
             return "1".into();
         }
-        let whens: Vec<String> = (known.iter().enumerate())
+        let whens: Vec<String> = (versions.iter().enumerate())
             .map(|(i, v)| format!("WHEN '{}' THEN {}", v.replace('\'', "''"), i + 1))
             .collect();
         format!("CASE sinew_version {} ELSE 0 END", whens.join(" "))
@@ -207,34 +225,37 @@ impl Engine {
         Ok(())
     }
 
-    /// Rows of a question. Where a file turns out to be damaged, all are read through, it is refused, and the
-    /// question is asked again.
+    /// Executes a query. If a file turns out to be damaged, all files are read completely, the damaged one is rejected, and the
+    /// query is repeated.
     ///
     /// # Errors
-    /// [`FleetError::Engine`].
-    pub fn ask(&mut self, sql: &str) -> Result<Answer, FleetError> {
-        match self.try_ask(sql) {
-            // What one of our own functions refused is no damage.
-            Err(Wrong::Question(error) | Wrong::Reading(error)) if is_ours(&error) => {
+    ///
+    /// Returns [`FleetError::Engine`] for an invalid query, and more specific variants for unknown columns, tables and types.
+    pub fn query(&mut self, sql: &str) -> Result<Answer, FleetError> {
+        match self.try_query(sql) {
+            // An error of a Sinew function is not a damaged file.
+            Err(QueryError::Plan(error) | QueryError::Execution(error))
+                if is_sinew_error(&error) =>
+            {
                 Err(error.into())
             }
-            Err(Wrong::Reading(error)) => {
-                let before = self.folder.refused.len();
+            Err(QueryError::Execution(error)) => {
+                let before = self.folder.rejected.len();
                 let verified = Folder::verified(&self.source.folder)?;
-                if verified.refused.len() == before {
+                if verified.rejected.len() == before {
                     return Err(error.into());
                 }
                 *self = Self::of(&self.source, verified, &self.described)?;
-                self.try_ask(sql).map_err(FleetError::from)
+                self.try_query(sql).map_err(FleetError::from)
             }
-            Err(Wrong::Question(error)) => Err((self.missing_table(sql))
+            Err(QueryError::Plan(error)) => Err((self.missing_table(sql))
                 .or_else(|| self.wrong_type(sql))
                 .unwrap_or(error.into())),
             other => other.map_err(FleetError::from),
         }
     }
 
-    /// The first table of a question that isn't there.
+    /// Returns the error for the first unknown table of a query.
     fn missing_table(&self, sql: &str) -> Option<FleetError> {
         let state = self.context.state();
         let dialect = state.config_options().sql_parser.dialect;
@@ -247,7 +268,7 @@ impl Engine {
             .filter(|name| side(&self.folder.path, name).is_some());
         Some(FleetError::NoTable {
             name: missing.table().to_owned(),
-            known: ["records", "every_version"]
+            available: ["records", "every_version"]
                 .into_iter()
                 .chain(sides)
                 .map(str::to_owned)
@@ -255,7 +276,7 @@ impl Engine {
         })
     }
 
-    /// The first function of a question that doesn't take the column of a record it is given.
+    /// Returns the error for the first function of a query that does not accept the type of its column.
     fn wrong_type(&self, sql: &str) -> Option<FleetError> {
         let state = self.context.state();
         let dialect = state.config_options().sql_parser.dialect;
@@ -268,10 +289,10 @@ impl Engine {
                 let given = std::slice::from_ref(&field);
                 let aggregate = state.aggregate_functions().get(&function);
                 let scalar = state.scalar_functions().get(&function);
-                let refused = aggregate
+                let is_rejected = aggregate
                     .is_some_and(|f| fields_with_udf(given, f.as_ref()).is_err())
                     || scalar.is_some_and(|f| fields_with_udf(given, f.as_ref()).is_err());
-                refused.then(|| FleetError::WrongType {
+                is_rejected.then(|| FleetError::WrongType {
                     function,
                     column,
                     data_type: field.data_type().clone(),
@@ -279,18 +300,18 @@ impl Engine {
             })
     }
 
-    /// Rows of a table.
+    /// Returns the number of rows of a table.
     ///
     /// # Errors
     /// [`FleetError::Engine`].
     pub fn count(&mut self, table: &str) -> Result<u64, FleetError> {
-        let answer = self.ask(&format!("SELECT count(*) FROM {table}"))?;
+        let answer = self.query(&format!("SELECT count(*) FROM {table}"))?;
         let counts = answer.batches.iter().filter(|batch| batch.num_rows() > 0);
         let mut counts = counts.map(|batch| batch.column(0).as_primitive::<Int64Type>().value(0));
         Ok(counts.next().map_or(0, |n| n.unsigned_abs()))
     }
 
-    /// The plan of a question, with the functions of Sinew written out.
+    /// Plans a query after expansion of the Sinew functions.
     async fn plan(&self, sql: &str) -> Result<DataFrame, DataFusionError> {
         let state = self.context.state();
         let dialect = state.config_options().sql_parser.dialect;
@@ -300,52 +321,52 @@ impl Engine {
         self.context.execute_logical_plan(plan).await
     }
 
-    fn try_ask(&self, sql: &str) -> Result<Answer, Wrong> {
+    fn try_query(&self, sql: &str) -> Result<Answer, QueryError> {
         self.runtime.block_on(async {
-            let frame = self.plan(sql).await.map_err(Wrong::Question)?;
+            let frame = self.plan(sql).await.map_err(QueryError::Plan)?;
             let schema = Arc::new(frame.schema().as_arrow().clone());
-            let batches = frame.collect().await.map_err(Wrong::Reading)?;
+            let batches = frame.collect().await.map_err(QueryError::Execution)?;
             Ok(Answer { schema, batches })
         })
     }
 
-    /// Reads the sessions of robots whose names follow each other.
+    /// Reads the sessions of robots with consecutive names.
     pub(crate) fn sessions(&mut self, robots: &[String]) -> Result<Vec<Sessions>, FleetError> {
         let (Some(first), Some(last)) = (robots.first(), robots.last()) else {
             return Ok(Vec::new());
         };
         let quoted = |name: &str| format!("'{}'", name.replace('\'', "''"));
-        // What a civil clock didn't date is no part of a trend.
+        // Sessions without a UTC date are not part of a trend.
         let sql = format!(
             "SELECT {} FROM records WHERE robot >= {} AND robot <= {} AND clock = 'utc' AND offset_rad IS NOT NULL \
-             AND offset_deviation_rad > 0",
+             AND offset_std_rad > 0",
             sessions::COLUMNS.join(", "),
             quoted(first),
             quoted(last)
         );
-        sessions::sessions(&self.ask(&sql)?.batches)
+        sessions::sessions(&self.query(&sql)?.batches)
     }
 }
 
-/// Whether one of our own functions said so.
-fn is_ours(error: &DataFusionError) -> bool {
+/// Whether the error comes from a Sinew function.
+fn is_sinew_error(error: &DataFusionError) -> bool {
     match error.find_root() {
         DataFusionError::External(inner) => inner.is::<FleetError>(),
         _ => false,
     }
 }
 
-/// What a question found.
+/// Result of a query.
 #[derive(Debug, Clone)]
 pub struct Answer {
-    /// Its columns.
+    /// Schema of the rows.
     pub schema: SchemaRef,
-    /// Its rows.
+    /// Batches of rows.
     pub batches: Vec<RecordBatch>,
 }
 
 impl Answer {
-    /// Every part of a column that has several as a column of its own: `days.low` of `days`.
+    /// Splits struct columns into one column per field: `days.low` of `days`.
     pub(crate) fn flat(self) -> Result<Self, FleetError> {
         let wrong = |e: datafusion::arrow::error::ArrowError| FleetError::Engine(e.to_string());
         let flat = |batch: &RecordBatch| batch.normalize(".", None).map_err(wrong);
@@ -355,17 +376,17 @@ impl Answer {
     }
 }
 
-enum Wrong {
-    /// The question.
-    Question(DataFusionError),
-    /// While it was answered.
-    Reading(DataFusionError),
+enum QueryError {
+    /// Invalid query or failed planning.
+    Plan(DataFusionError),
+    /// Failure while reading or executing.
+    Execution(DataFusionError),
 }
 
-impl From<Wrong> for FleetError {
-    fn from(wrong: Wrong) -> Self {
+impl From<QueryError> for FleetError {
+    fn from(wrong: QueryError) -> Self {
         match wrong {
-            Wrong::Question(error) | Wrong::Reading(error) => error.into(),
+            QueryError::Plan(error) | QueryError::Execution(error) => error.into(),
         }
     }
 }

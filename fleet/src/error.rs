@@ -1,4 +1,4 @@
-//! Why there is no answer.
+//! Errors of the fleet program.
 
 use crate::address::Address;
 use crate::by::By;
@@ -10,232 +10,232 @@ use sinew_files::names;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Why there is no answer.
+/// Error of the fleet program.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FleetError {
-    /// A folder that isn't one, or can't be read or made.
+    /// Folder missing, unreadable or not writable.
     #[error("{path}: {source}{cure}", path = path.display(), cure = cure(source))]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// Records would be mixed with others'.
-    #[error("{path} has files in it; name a folder that is new or empty", path = .0.display())]
+    /// Output folder not empty.
+    #[error("{path}: folder is not empty; specify a new or empty folder", path = .0.display())]
     NotEmpty(PathBuf),
-    /// Nothing to read.
+    /// Folder without files of records.
     #[error(
-        "{path}: no file of records in it; give the folder that holds the monitors' records/, or make one up with sinew-fleet simulate", path = .0.display()
+        "{path}: no file of records found; specify the folder that contains the monitors' records/, or simulate one with sinew-fleet simulate", path = .0.display()
     )]
     NoRecords(PathBuf),
-    /// No tendon can creep.
+    /// Robot without a tendon that can creep.
     #[error(
-        "{robot}: no joint has a tendon with a rope, a pretension and retension_at_mm; a simulated fleet needs them"
+        "{robot}: no joint has a tendon with rope, pretension and retension_at_mm; a simulated fleet requires them"
     )]
     NoTendon {
-        /// The robot.
+        /// Name of the robot.
         robot: String,
     },
-    /// Nothing to compare.
+    /// Too few groups to compare.
     #[error("{}", no_groups(*.by, *.groups, *.tendons, *.too_few, *.ages))]
     NoGroups {
-        /// What was to be compared.
+        /// Grouping key of the comparison.
         by: By,
-        /// Groups there are.
+        /// Number of groups.
         groups: usize,
-        /// Tendons whose creep can be told.
+        /// Number of tendons with an estimated creep rate.
         tendons: usize,
         /// Tendons with too few sessions.
         too_few: usize,
-        /// Ages asked for.
+        /// Requested range of rope ages.
         ages: Ages,
     },
-    /// Too few to say what is usual.
+    /// Too few tendons to determine the usual creep.
     #[error(
-        "{tendons} tendons have 10 sessions over days {} to {} of their rope, {too_few} have not: what is usual needs {needed}; \
-         name other ages with --ages",
+        "{tendons} tendons have 10 sessions over days {} to {} of their rope, {too_few} have fewer; the usual creep requires {needed} tendons; \
+         set other ages with --ages",
         ages.from_days, ages.to_days
     )]
     TooFewTendons {
-        /// Those whose creep can be told.
+        /// Number of tendons with an estimated creep rate.
         tendons: usize,
-        /// How many are needed.
+        /// Required number of tendons.
         needed: usize,
-        /// Those with too few sessions.
+        /// Number of tendons with too few sessions.
         too_few: usize,
-        /// Ages asked for.
+        /// Requested range of rope ages.
         ages: Ages,
     },
-    /// Equations without a solution.
+    /// Singular equations of the comparison.
     #[error(
-        "the comparison's equations have no solution: some tendon's creep isn't a number; please report this with the records"
+        "the comparison's equations have no solution: the creep of a tendon is not finite; report this with the records"
     )]
     NoDraws,
-    /// What is usual can't be told.
+    /// Chains that have not converged.
     #[error(
-        "what is usual can't be told from these tendons: the model's draws have not come together (ratio {ratio:.2}); \
-         more tendons of each batch would help, or other ages (--ages)"
+        "the usual creep of these tendons is not determined: the chains have not converged (ratio {ratio:.2}); \
+         use more tendons of each batch, or other ages (--ages)"
     )]
     DrawsApart {
         /// [`disagreement`](crate::hierarchy::Draws::disagreement) of the chains.
         ratio: f64,
     },
-    /// A text file, with the place of what is wrong.
+    /// Invalid text file, with file and line.
     #[error(transparent)]
     File(#[from] sinew_files::Located),
-    /// A scenario that can't be made of a robot.
+    /// Scenario unsuitable for a robot.
     #[error(transparent)]
     Scenario(#[from] sinew_sim::protocol::PlanError),
-    /// A recording that can't be made.
+    /// Failed simulation of a recording.
     #[error(transparent)]
     Simulate(#[from] sinew_sim::SimulateError),
-    /// A table to write.
+    /// Failed output of a table.
     #[error(transparent)]
     Log(#[from] sinew_log::LogError),
-    /// A robot.
+    /// Invalid robot description.
     #[error(transparent)]
     Robot(#[from] sinew_estimate::robot_dir::RobotDirError),
-    /// A rope.
+    /// Unknown rope or invalid catalogue.
     #[error(transparent)]
     Catalogue(#[from] sinew_rope::CatalogueError),
-    /// A question names a column that isn't there.
-    #[error("no column '{name}' in the tables of this question{hint} there are {known}", hint = names::hint(name, known), known = names::list(known))]
+    /// Unknown column in a query.
+    #[error("no column '{name}' in the tables of this query{hint} available: {available}", hint = names::hint(name, available), available = names::list(available))]
     NoColumn {
-        /// The name.
+        /// Name of the column.
         name: String,
-        /// Columns there are.
-        known: Vec<String>,
+        /// Available columns.
+        available: Vec<String>,
     },
-    /// A question names a table that isn't there.
-    #[error("no table '{name}'{hint} there are {known}; robots, tendons and events are there if their .csv file lies in the folder", hint = names::hint(name, known), known = names::list(known))]
+    /// Unknown table in a query.
+    #[error("no table '{name}'{hint} available: {available}; robots, tendons and events require their .csv file in the folder", hint = names::hint(name, available), available = names::list(available))]
     NoTable {
-        /// The name.
+        /// Name of the table.
         name: String,
-        /// Tables there are.
-        known: Vec<String>,
+        /// Available tables.
+        available: Vec<String>,
     },
-    /// Too few robots to say what they have in common.
+    /// Too few baselines to pool.
     #[error(
-        "{folder}: {found} baselines of '{robot}' can be used; what robots have in common needs two or more, better six: \
-         put one of each robot there, made by sinew baseline LOG --out ROBOT.baseline", folder = .folder.display()
+        "{folder}: {found} usable baselines of '{robot}', at least 2 required, 6 recommended: \
+         add one of each robot, recorded by sinew baseline LOG --out ROBOT.baseline", folder = .folder.display()
     )]
     TooFewBaselines {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// The type.
+        /// Name of the robot type.
         robot: String,
-        /// How many there are.
+        /// Number of usable baselines.
         found: usize,
     },
-    /// A baseline.
+    /// Invalid baseline.
     #[error(transparent)]
     Baseline(#[from] sinew_estimate::session::SessionError),
-    /// A file that can't be written.
+    /// Failed output of a file.
     #[error(transparent)]
     Output(#[from] sinew_files::OutputError),
-    /// A file of trends that is something else.
+    /// File that is not a state file of `due`.
     #[error(
-        "{path}: not written by sinew-fleet due --state, so it stays as it is; name a file that isn't there yet", path = .0.display()
+        "{path}: not written by sinew-fleet due --state, therefore not overwritten; specify a new file", path = .0.display()
     )]
     NoState(PathBuf),
-    /// A file of trends that can't be read.
+    /// Unreadable state file.
     #[error("{path}: {source}", path = path.display())]
     StateUnread {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A function of Sinew that was asked in another way.
-    #[error("{function} is written {usage}")]
+    /// Invalid call of a Sinew function.
+    #[error("invalid call of {function}; write {usage}")]
     Usage {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// How it is written.
+        /// Correct form of the call.
         usage: &'static str,
     },
-    /// A trend of more than one tendon.
+    /// Trend over rows of several tendons.
     #[error(
-        "{function}: one of the groups holds {} and {}; add GROUP BY robot, joint", .tendons[0], .tendons[1]
+        "{function}: a group contains {} and {}; add GROUP BY robot, joint", .tendons[0], .tendons[1]
     )]
     SeveralTendons {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
         /// Two of the tendons.
         tendons: [String; 2],
     },
-    /// A limit that is none, or not the same in all rows of a tendon.
-    #[error(
-        "{function}: the limit must be one number of mm above 0 for a tendon; here it is {found}"
-    )]
+    /// Invalid limit, or limit that differs between the rows of a tendon.
+    #[error("{function}: invalid limit {found}, expected one number of mm above 0 per tendon")]
     NoLimit {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// What it is.
+        /// Value found.
         found: String,
     },
-    /// A function that doesn't take the type of a column.
-    #[error("{function}({column}): {column} is {}, which {function} doesn't take; name another column", type_name(.data_type))]
+    /// Function called with a column of an unsupported type.
+    #[error("{function}({column}): unsupported type of {column}: {}; use another column", type_name(.data_type))]
     WrongType {
-        /// The function.
+        /// Name of the function.
         function: String,
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// What the column holds.
+        /// Type of the column.
         data_type: DataType,
     },
-    /// Nothing says who asks.
+    /// Missing credentials.
     #[error(
         "{0}: no credentials; set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY (those of a profile: aws configure \
          export-credentials --format env), or AWS_SKIP_SIGNATURE=true for a public bucket"
     )]
     NoCredentials(Address),
-    /// The keys are wrong or don't allow it.
+    /// Rejected credentials.
     #[error(
-        "{0}: these credentials may not list or read it; look at AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and what they are \
-         allowed: s3:ListBucket and s3:GetObject"
+        "{0}: the credentials do not permit listing or reading; check AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and their \
+         permissions: s3:ListBucket and s3:GetObject"
     )]
     Forbidden(Address),
-    /// No bucket of that name.
+    /// Unknown bucket.
     #[error(
-        "{address}: {endpoint} has no bucket '{}'; look at its name, AWS_REGION and AWS_ENDPOINT_URL", .address.bucket
+        "{address}: {endpoint} has no bucket '{}'; check its name, AWS_REGION and AWS_ENDPOINT_URL", .address.bucket
     )]
     NoBucket {
-        /// What was asked for.
+        /// Address of the folder.
         address: Address,
-        /// Who was asked.
+        /// Endpoint of the store.
         endpoint: String,
     },
-    /// A folder of a bucket without anything.
-    #[error("{0}: nothing lies there; give the folder that holds the monitors' records/")]
-    EmptyPrefix(Address),
-    /// Nobody answers.
+    /// Empty folder of a bucket.
     #[error(
-        "{address}: {endpoint} doesn't answer; look at the network, AWS_ENDPOINT_URL and AWS_REGION"
+        "{0}: folder not found or empty; specify the folder that contains the monitors' records/"
+    )]
+    EmptyPrefix(Address),
+    /// Endpoint that does not respond.
+    #[error(
+        "{address}: {endpoint} does not respond; check the network, AWS_ENDPOINT_URL and AWS_REGION"
     )]
     Unreachable {
-        /// What was asked for.
+        /// Address of the folder.
         address: Address,
-        /// Who was asked.
+        /// Endpoint of the store.
         endpoint: String,
     },
-    /// A bucket that can't be read, for another reason.
-    #[error("{address}: {said}")]
+    /// Other error of a bucket.
+    #[error("{address}: {message}")]
     Bucket {
-        /// What was asked for.
+        /// Address of the folder.
         address: Address,
-        /// What the store says.
-        said: String,
+        /// Message of the store.
+        message: String,
     },
-    /// A program that was built without buckets.
+    /// Program built without S3 support.
     #[cfg(not(feature = "s3"))]
     #[error(
-        "{0}: this sinew-fleet was built without buckets; build it with cargo install --path fleet --features s3"
+        "{0}: this sinew-fleet was built without S3 support; build it with cargo install --path fleet --features s3"
     )]
     NoS3(Address),
-    /// SQL, or a query that can't be done.
+    /// Invalid or failed query.
     #[error("{0}")]
     Engine(String),
 }
@@ -248,7 +248,7 @@ impl From<DataFusionError> for FleetError {
         };
         let schema = match error.find_root() {
             DataFusionError::SchemaError(schema, _) => schema,
-            // Others hold it as well: its words are all that can be had.
+            // The error is shared; only its message is available.
             DataFusionError::External(inner) if inner.is::<Self>() => {
                 return Self::Engine(inner.to_string());
             }
@@ -261,28 +261,28 @@ impl From<DataFusionError> for FleetError {
         else {
             return Self::Engine(error.strip_backtrace());
         };
-        let mut known: Vec<String> = valid_fields.iter().map(|f| f.name.clone()).collect();
-        known.sort_unstable();
-        known.dedup();
+        let mut available: Vec<String> = valid_fields.iter().map(|f| f.name.clone()).collect();
+        available.sort_unstable();
+        available.dedup();
         Self::NoColumn {
             name: field.name.clone(),
-            known,
+            available,
         }
     }
 }
 
-/// What one of our own functions refused, whatever it was wrapped in on the way.
+/// Extracts an error of this crate from the engine's wrapping.
 fn own(error: DataFusionError) -> Result<FleetError, DataFusionError> {
     match error {
         DataFusionError::External(inner) => match inner.downcast::<FleetError>() {
             Ok(own) => Ok(*own),
             Err(inner) => Err(DataFusionError::External(inner)),
         },
-        DataFusionError::Context(said, inner) => {
-            own(*inner).map_err(|inner| DataFusionError::Context(said, Box::new(inner)))
+        DataFusionError::Context(context, inner) => {
+            own(*inner).map_err(|inner| DataFusionError::Context(context, Box::new(inner)))
         }
-        DataFusionError::Diagnostic(said, inner) => {
-            own(*inner).map_err(|inner| DataFusionError::Diagnostic(said, Box::new(inner)))
+        DataFusionError::Diagnostic(diagnostic, inner) => {
+            own(*inner).map_err(|inner| DataFusionError::Diagnostic(diagnostic, Box::new(inner)))
         }
         DataFusionError::Shared(inner) => match Arc::try_unwrap(inner) {
             Ok(inner) => own(inner),
@@ -292,7 +292,7 @@ fn own(error: DataFusionError) -> Result<FleetError, DataFusionError> {
     }
 }
 
-/// What a column holds, for people.
+/// Describes a column type for messages.
 fn type_name(of: &DataType) -> String {
     match of {
         DataType::Utf8 | DataType::Utf8View | DataType::LargeUtf8 => "a text".into(),
@@ -302,30 +302,30 @@ fn type_name(of: &DataType) -> String {
     }
 }
 
-/// What to do about a folder.
+/// Returns the remedy for a folder error.
 fn cure(source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory => {
-            "; give the folder that holds the monitors' records/"
+            "; specify the folder that contains the monitors' records/"
         }
         _ => "",
     }
 }
 
-/// Why there is nothing to compare, and what to do.
+/// Message for a comparison without groups.
 fn no_groups(by: By, groups: usize, tendons: usize, too_few: usize, ages: Ages) -> String {
     if tendons == 0 {
         return format!(
-            "none of {too_few} tendons has 10 sessions over its days {} to {} since it was fitted; name other ages with \
-             --ages, or see that events.csv dates new ropes by 'replaced'",
+            "none of {too_few} tendons has 10 sessions over its days {} to {} since installation; set other ages with \
+             --ages, or add the installation dates to events.csv as 'replaced'",
             ages.from_days, ages.to_days
         );
     }
     let cure = match by {
-        By::Rope => "name ropes in tendons.csv (robot, joint, rope) or robot.toml",
-        By::Batch => "name batches in tendons.csv (robot, joint, rope, batch)",
-        By::Site => "name sites in robots.csv (robot, site)",
-        By::Temperature | By::RopeTemperature => "records need temperature_c",
+        By::Rope => "specify ropes in tendons.csv (robot, joint, rope) or robot.toml",
+        By::Batch => "specify batches in tendons.csv (robot, joint, rope, batch)",
+        By::Site => "specify sites in robots.csv (robot, site)",
+        By::Temperature | By::RopeTemperature => "records require temperature_c",
     };
     let found = match groups {
         0 => "no group".to_owned(),

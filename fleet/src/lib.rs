@@ -1,17 +1,16 @@
-//! Questions to the records of a fleet: which tendon next, which batch is worse, where does a new robot start from.
+//! Analysis of the records of a fleet: next maintenance, worse batches, priors of new robots.
 //!
-//! A folder of `sinew-record/1` files goes in ([`folder`]), DataFusion answers SQL on it ([`engine`]), and the
-//! trend of single tendons is that of `sinew trend`.
+//! Input is a folder of `sinew-record/2` files ([`folder`]); DataFusion executes SQL on it ([`engine`]), and the trend of single
+//! tendons is that of `sinew trend`.
 //!
-//! Reading order: [`args`], [`bucket`] (folders elsewhere), [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
-//! [`query`] (SQL with the functions of Sinew), [`rows`], [`due`] (which tendon passes its limit when),
-//! [`creep`] (how fast a tendon creeps), [`gather`] (all of them), [`hierarchy`] (groups and what can be told of them),
-//! [`compare`] (which group is worse), [`outliers`] (which tendon departs), [`pool`] (what a new robot
-//! starts from), [`report`] (all of it as a page), [`simulate`] (fleets whose truth is known).
+//! Reading order: [`args`], [`bucket`] (folders in a bucket), [`folder`] (files, duplicates, unreadable files), [`engine`]
+//! (tables), [`query`] (SQL with the Sinew functions), [`rows`], [`due`] (tendons that may exceed a limit), [`creep`] (creep rate
+//! of a tendon), [`gather`] (creep rates of all tendons), [`hierarchy`] (hierarchical model of groups), [`compare`] (worse
+//! groups), [`outliers`] (deviating tendons), [`pool`] (priors of new robots), [`report`] (page of a fleet), [`simulate`]
+//! (fleets with known ground truth).
 
 mod address;
 pub mod args;
-mod beside;
 pub mod bucket;
 mod by;
 mod columns;
@@ -24,10 +23,11 @@ pub mod folder;
 mod functions;
 pub mod gather;
 pub mod hierarchy;
-pub mod known_creep;
+mod metadata;
 pub mod outliers;
 pub mod pool;
 pub mod query;
+pub mod reference_creep;
 pub mod report;
 pub mod rows;
 mod sessions;
@@ -40,22 +40,23 @@ pub use error::FleetError;
 use args::{Args, Command};
 use std::process::ExitCode;
 
-/// Does what the program is asked for.
+/// Runs the command of the arguments.
 ///
 /// # Errors
-/// [`FleetError`].
+///
+/// Returns [`FleetError`] if the input is invalid or the output cannot be written.
 pub fn run(args: &Args) -> Result<ExitCode, FleetError> {
     let mut args = args.clone();
     // Kept until there is an answer.
     let _copied = bucket::copy(&mut args)?;
     match &args.command {
-        Command::Simulate(asked) => simulate::command(asked),
-        Command::Rows(asked) => rows::command(asked),
-        Command::Query(asked) => query::command(asked),
-        Command::Due(asked) => due::command(asked),
-        Command::Compare(asked) => compare::command(asked),
-        Command::Outliers(asked) => outliers::command(asked),
-        Command::Pool(asked) => pool::command(asked),
-        Command::Report(asked) => report::command(asked),
+        Command::Simulate(request) => simulate::command(request),
+        Command::Rows(request) => rows::command(request),
+        Command::Query(request) => query::command(request),
+        Command::Due(request) => due::command(request),
+        Command::Compare(request) => compare::command(request),
+        Command::Outliers(request) => outliers::command(request),
+        Command::Pool(request) => pool::command(request),
+        Command::Report(request) => report::command(request),
     }
 }

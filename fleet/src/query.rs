@@ -3,7 +3,7 @@
 use crate::FleetError;
 use crate::args::Query;
 use crate::engine::{Answer, Engine};
-use crate::rows::tell_refused;
+use crate::rows::report_rejected;
 use crate::table;
 use datafusion::arrow::csv::WriterBuilder;
 use sinew_files::AtomicFile;
@@ -14,26 +14,26 @@ use std::process::ExitCode;
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Query) -> Result<ExitCode, FleetError> {
-    let mut engine = Engine::described(&asked.source, &asked.robots)?;
-    let answer = engine.ask(&asked.sql)?.flat()?;
-    match &asked.csv {
+pub fn command(request: &Query) -> Result<ExitCode, FleetError> {
+    let mut engine = Engine::described(&request.source, &request.robots)?;
+    let answer = engine.query(&request.sql)?.flat()?;
+    match &request.csv {
         Some(path) => {
             let rows = write_csv(&answer, path)?;
             println!("{}: {rows} rows", path.display());
         }
         None => {
-            let (text, rows) = table::render(&answer, asked.rows)?;
+            let (text, rows) = table::render(&answer, request.rows)?;
             print!("{text}");
-            if rows > asked.rows {
+            if rows > request.rows {
                 println!(
                     "… {} rows more; --rows N shows more, --csv FILE writes all",
-                    rows - asked.rows
+                    rows - request.rows
                 );
             }
         }
     }
-    Ok(tell_refused(&engine.folder))
+    Ok(report_rejected(&engine.folder))
 }
 
 /// Writes the rows; how many.

@@ -1,4 +1,4 @@
-//! `rows`: what a folder holds, what is twice, what can't be read.
+//! `rows`: contents, duplicates and unreadable files of a folder.
 
 use crate::FleetError;
 use crate::args::Rows;
@@ -13,10 +13,10 @@ use std::process::ExitCode;
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Rows) -> Result<ExitCode, FleetError> {
-    let mut engine = match asked.verify {
-        true => Engine::verified(&asked.source)?,
-        false => Engine::open(&asked.source)?,
+pub fn command(request: &Rows) -> Result<ExitCode, FleetError> {
+    let mut engine = match request.verify {
+        true => Engine::verified(&request.source)?,
+        false => Engine::open(&request.source)?,
     };
     let (files, read) = engine
         .folder
@@ -33,8 +33,8 @@ pub fn command(asked: &Rows) -> Result<ExitCode, FleetError> {
     let lines = [
         ("files", files.to_string()),
         ("rows", read.to_string()),
-        ("the same again", (read - distinct).to_string()),
-        ("of an older version", (distinct - sessions).to_string()),
+        ("duplicates", (read - distinct).to_string()),
+        ("superseded", (distinct - sessions).to_string()),
         ("records", sessions.to_string()),
         ("robots", folder.robots().len().to_string()),
         ("from", day_of(times[0])),
@@ -48,26 +48,26 @@ pub fn command(asked: &Rows) -> Result<ExitCode, FleetError> {
                    round(100.0 * count(offset_rad) / count(*), 1) AS \"with offset %\", \
                    round(100.0 * sum(CASE WHEN clock = 'utc' THEN 1 ELSE 0 END) / count(*), 1) AS \"dated %\" \
                    FROM records GROUP BY robot_type ORDER BY robot_type";
-    let (text, _) = table::render(&engine.ask(by_type)?, usize::MAX)?;
+    let (text, _) = table::render(&engine.query(by_type)?, usize::MAX)?;
     print!("\n{text}");
-    Ok(tell_refused(&engine.folder))
+    Ok(report_rejected(&engine.folder))
 }
 
-/// Says which files were refused, and the exit code.
-pub(crate) fn tell_refused(folder: &Folder) -> ExitCode {
-    for refused in &folder.refused {
-        let path = refused.path.display().to_string();
+/// Reports the rejected files and returns the exit code.
+pub(crate) fn report_rejected(folder: &Folder) -> ExitCode {
+    for file in &folder.rejected {
+        let path = file.path.display().to_string();
         eprintln!(
-            "refused: {}: {}",
+            "rejected: {}: {}",
             plain(&path),
-            plain(&refused.trouble.to_string())
+            plain(&file.error.to_string())
         );
     }
-    match folder.refused.len() {
+    match folder.rejected.len() {
         0 => ExitCode::SUCCESS,
         n => {
             eprintln!(
-                "{n} file(s) refused; what the others hold is above. Copy them again, or move them away"
+                "{n} file(s) rejected; the results above are those of the others. Copy the files again or move them away"
             );
             ExitCode::from(3)
         }

@@ -10,14 +10,13 @@ use sinew_model::Gaussian;
 use sinew_trend::SessionRecord;
 use std::collections::HashMap;
 
-/// All sessions of the present period and of the one before are taken, a period from a tendon's first session on, and those of some days
-/// after each new baseline; of the others one a week. So what is taken of the past changes with the period, not from day to day, and a trend
-/// goes on from yesterday.
+/// Period of the selection of sessions, days. All sessions of the present and of the previous period are used, counted from the
+/// first session of a tendon, all of [`FRESH_DAYS`] after each new baseline, and one per week of the others. The selection
+/// therefore changes with the period and not daily, and a trend can resume from the previous day.
 const PERIOD_DAYS: f64 = 30.0;
 const FRESH_DAYS: f64 = 14.0;
 
-/// What a tendon's monitor recorded: of each day the session with the narrowest interval, as the monitor's own trend
-/// takes them.
+/// Sessions of a tendon: the one with the narrowest interval of each day, as in the trend of the monitor.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sessions {
     pub(crate) tendon: Tendon,
@@ -25,7 +24,7 @@ pub(crate) struct Sessions {
     pub(crate) rows: Vec<SessionRecord>,
 }
 
-/// What a session is made from, in this order.
+/// Columns of a session, in the order of evaluation.
 pub(crate) const COLUMNS: [&str; 11] = [
     "robot",
     "joint",
@@ -34,17 +33,17 @@ pub(crate) const COLUMNS: [&str; 11] = [
     "time_utc_s",
     "duration_s",
     "offset_rad",
-    "offset_deviation_rad",
+    "offset_std_rad",
     "temperature_c",
     "stiffness_ratio",
-    "stiffness_deviation_ratio",
+    "stiffness_std_ratio",
 ];
 
 impl Sessions {
     /// Adds a session: a day's second counts only if it is the better one. A tensioning parts a day in two.
     fn push(&mut self, row: SessionRecord) {
         let day = |r: &SessionRecord| (r.time_utc_s / DAY_S).floor();
-        let width = |r: &SessionRecord| r.offset_rad.map_or(f64::INFINITY, |o| o.deviation);
+        let width = |r: &SessionRecord| r.offset_rad.map_or(f64::INFINITY, |o| o.std);
         match self.rows.last_mut() {
             Some(last) if day(last) == day(&row) && last.baseline == row.baseline => {
                 if width(&row) < width(last) {
@@ -61,9 +60,9 @@ impl Sessions {
 ///
 /// Files hold most rows of a tendon one after the other, so these are put in order, and not all rows by three keys.
 pub(crate) fn sessions(batches: &[RecordBatch]) -> Result<Vec<Sessions>, FleetError> {
-    let mut taken = Taken::default();
+    let mut taken = SessionTable::default();
     for batch in batches {
-        taken.take(batch)?;
+        taken.add(batch)?;
     }
     let mut out = taken.tendons;
     out.sort_by(|a, b| a.tendon.cmp(&b.tendon));
@@ -75,21 +74,21 @@ pub(crate) fn sessions(batches: &[RecordBatch]) -> Result<Vec<Sessions>, FleetEr
     Ok(out)
 }
 
-/// Rows so far, in the order they came in.
+/// Sessions read so far, in the order of their rows.
 #[derive(Default)]
-struct Taken {
+struct SessionTable {
     tendons: Vec<Sessions>,
-    /// Of each its earliest row, s since 1970: that one says the robot's type.
+    /// Time of the earliest row of each tendon, s since 1970; it determines the robot type.
     begun_utc_s: Vec<f64>,
-    /// Places, by robot and joint.
+    /// Indices by robot and joint.
     places: HashMap<String, HashMap<String, usize>>,
 }
 
-impl Taken {
-    /// The place of a tendon.
+impl SessionTable {
+    /// Returns the index of a tendon.
     fn place(&mut self, robot: &str, joint: &str) -> usize {
-        let known = self.places.get(robot).and_then(|joints| joints.get(joint));
-        if let Some(&at) = known {
+        let index = self.places.get(robot).and_then(|joints| joints.get(joint));
+        if let Some(&at) = index {
             return at;
         }
         let at = self.tendons.len();
@@ -104,8 +103,8 @@ impl Taken {
         at
     }
 
-    /// Takes rows.
-    fn take(&mut self, batch: &RecordBatch) -> Result<(), FleetError> {
+    /// Adds the rows of a batch.
+    fn add(&mut self, batch: &RecordBatch) -> Result<(), FleetError> {
         let wrong = |e: datafusion::arrow::error::ArrowError| FleetError::Engine(e.to_string());
         let texts = |i: usize| cast(batch.column(i), &DataType::Utf8).map_err(wrong);
         let [robots, joints, types, baselines] = [texts(0)?, texts(1)?, texts(2)?, texts(3)?];
@@ -120,8 +119,8 @@ impl Taken {
                 .filter(|x| x.is_finite())
         };
         let gaussian = |i: usize, row: usize| {
-            let deviation = number(i + 1, row).filter(|d| *d > 0.0)?;
-            Some(Gaussian::new(number(i, row)?, deviation))
+            let std = number(i + 1, row).filter(|d| *d > 0.0)?;
+            Some(Gaussian::new(number(i, row)?, std))
         };
         let (robot_names, joint_names) = (robots.as_string::<i32>(), joints.as_string::<i32>());
         let mut last: Option<((&str, &str), usize)> = None;
@@ -155,8 +154,8 @@ impl Taken {
     }
 }
 
-/// All recent sessions and those after a new baseline, and of the others one a week: what is months back says how the rope
-/// creeps, and a day more or less of it hardly adds.
+/// Selects all recent sessions, those after a new baseline, and one per week of the others, because a single day contributes little
+/// to the creep months ago.
 pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
     let [first_utc_s, last_utc_s] =
         [rows.first(), rows.last()].map(|row| row.map_or(0.0, |r| r.time_utc_s));
@@ -187,7 +186,7 @@ mod tests {
     use datafusion::arrow::array::{ArrayRef, Float64Array, StringArray};
     use std::sync::Arc;
 
-    /// Robot, joint, day, offset in mrad, deviation in mrad.
+    /// Robot, joint, day, offset in mrad, standard deviation in mrad.
     type Row = (&'static str, &'static str, f64, f64, f64);
 
     fn batch(rows: &[Row]) -> RecordBatch {
@@ -242,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_of_the_past_changes_with_the_period_only() {
+    fn thinned_selection_changes_with_period_only() {
         let days = |count: u32| -> Vec<SessionRecord> {
             let session = |day: u32| SessionRecord {
                 time_utc_s: 1.75e9 + f64::from(day) * DAY_S,

@@ -1,4 +1,5 @@
-//! Rows of any query for a terminal: numbers to the right, never broken; what is too wide goes one below the other.
+//! Formats the rows of a query for a terminal: numbers are right-aligned and never broken, and a table that is too
+//! wide is printed as one block per row with one column per line.
 
 use crate::FleetError;
 use crate::engine::Answer;
@@ -40,7 +41,7 @@ fn six(x: f64) -> String {
     }
 }
 
-/// The first `most` rows, and how many there are in all.
+/// Formats the first `most` rows; returns them with the total number of rows.
 pub(crate) fn render(answer: &Answer, most: usize) -> Result<(String, usize), FleetError> {
     let fields = answer.schema.fields();
     let names: Vec<&str> = fields.iter().map(|f| f.name().as_str()).collect();
@@ -85,7 +86,7 @@ fn lay_out(names: &[&str], right: &[bool], rows: &[Vec<String>]) -> String {
     out
 }
 
-/// One column below the other, a block per row.
+/// Formats one block per row with one column per line.
 fn below(names: &[&str], rows: &[Vec<String>]) -> String {
     let widest = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
     let block = |row: &Vec<String>| {
@@ -102,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_keep_six_digits_and_stand_to_the_right() {
+    fn table_numbers_have_six_digits_right_aligned() {
         assert_eq!(six(0.1 + 0.2), "0.3");
         assert_eq!(six(-1234.5678), "-1234.57");
         assert_eq!(six(1_735_689_600.0), "1735689600");
@@ -113,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_wider_than_the_terminal_is_told_column_by_column() {
+    fn table_wider_than_terminal_lists_columns() {
         let row = vec!["a".repeat(50), "b".repeat(50)];
         let text = lay_out(&["first", "second"], &[false, false], &[row]);
         assert_eq!(text.lines().count(), 2);

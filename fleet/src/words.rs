@@ -1,4 +1,4 @@
-//! Words of states in tables that other programs read.
+//! Machine-readable names of states in tables.
 
 use sinew_trend::{Limit, LimitState, TrendVerdict};
 

@@ -1,4 +1,4 @@
-//! Groups of tendons: a worse one is found, nothing is claimed where nothing is, and what can't be told is said.
+//! Comparison of groups of tendons: significant differences, inconclusive and confounded groups.
 
 use crate::support::tendons::{scatter, tendon};
 use crate::support::{open, session, source, write};
@@ -6,7 +6,7 @@ use sinew_fleet::FleetError;
 use sinew_fleet::args::{By, Compare};
 use sinew_fleet::compare::{Comparison, CreepUnit, Factor, Group, Verdict, compare, compared};
 use sinew_fleet::creep::Ages;
-use sinew_fleet::gather::{CreepingTendon, Gathered};
+use sinew_fleet::gather::{CreepingTendon, FleetTable};
 use std::path::Path;
 
 const AGES: Ages = Ages {
@@ -14,7 +14,7 @@ const AGES: Ages = Ages {
     to_days: 30.0,
 };
 
-fn asked(folder: &Path, by: By) -> Compare {
+fn request(folder: &Path, by: By) -> Compare {
     Compare {
         source: source(folder),
         by,
@@ -27,11 +27,11 @@ fn asked(folder: &Path, by: By) -> Compare {
 }
 
 fn found(tendons: Vec<CreepingTendon>, by: By) -> Comparison {
-    let gathered = Gathered {
+    let gathered = FleetTable {
         tendons,
-        ..Gathered::default()
+        ..FleetTable::default()
     };
-    compared(&gathered, &asked(Path::new("."), by)).unwrap()
+    compared(&gathered, &request(Path::new("."), by)).unwrap()
 }
 
 fn group<'c>(found: &'c Comparison, name: &str) -> &'c Group {
@@ -50,7 +50,7 @@ fn batches(factor: f64) -> Vec<CreepingTendon> {
 }
 
 #[test]
-fn a_batch_that_creeps_more_is_named_with_how_much() {
+fn compare_worse_batch_is_found_with_ratio() {
     let found = found(batches(1.7), By::Batch);
     let names: Vec<&str> = found.worse().map(|g| g.key.name.as_str()).collect();
     assert_eq!(names, ["c"], "{found:?}");
@@ -64,27 +64,27 @@ fn a_batch_that_creeps_more_is_named_with_how_much() {
 }
 
 #[test]
-fn batches_that_are_alike_are_not_called_worse() {
+fn compare_equal_batches_are_inconclusive() {
     let found = found(batches(1.0), By::Batch);
     for group in &found.groups {
-        assert_eq!(group.verdict, Verdict::CantTell, "{group:?}");
+        assert_eq!(group.verdict, Verdict::Inconclusive, "{group:?}");
         assert!(group.ratio[1] < 1.0 && 1.0 < group.ratio[2], "{group:?}");
     }
 }
 
 #[test]
-fn a_batch_of_three_tendons_is_not_judged_by_their_mean() {
+fn compare_batch_of_three_is_inconclusive() {
     let mut tendons = batches(1.0);
     tendons.extend((300..303).map(|i| tendon(i, "e", "hall", 1.6)));
     let found = found(tendons, By::Batch);
     let few = group(&found, "e");
-    assert_eq!(few.verdict, Verdict::CantTell, "{few:?}");
+    assert_eq!(few.verdict, Verdict::Inconclusive, "{few:?}");
     let width = |g: &Group| (g.ratio[2] / g.ratio[1]).ln();
     assert!(width(few) > 1.3 * width(group(&found, "a")), "{few:?}");
 }
 
 #[test]
-fn a_batch_at_a_site_of_its_own_cant_be_told_from_the_site() {
+fn compare_batch_at_single_site_is_confounded() {
     let mut tendons = batches(1.0);
     tendons.extend((300..360).map(|i| tendon(i, "e", "roof", 2.0)));
     let found = found(tendons, By::Batch);
@@ -94,13 +94,16 @@ fn a_batch_at_a_site_of_its_own_cant_be_told_from_the_site() {
     };
     assert_eq!(ties[0].0, Factor::SiteOfRope);
     assert!(ties[0].1.contains("roof"), "{ties:?}");
-    let told = group(&found, "e");
-    assert!(told.ratio[0].is_nan() && told.creep[0].is_nan(), "{told:?}");
+    let confounded = group(&found, "e");
+    assert!(
+        confounded.ratio[0].is_nan() && confounded.creep[0].is_nan(),
+        "{confounded:?}"
+    );
     assert_eq!(found.worse().count(), 0);
 }
 
 #[test]
-fn a_batch_at_two_sites_is_told_though_one_site_creeps_more() {
+fn compare_adjusts_for_site() {
     // Batch c is at the bad site three times of four, the others once of four.
     let tendons = (0..320).map(|i| {
         let batch = ["a", "b", "c", "d"][i % 4];
@@ -117,7 +120,7 @@ fn a_batch_at_two_sites_is_told_though_one_site_creeps_more() {
 }
 
 #[test]
-fn a_single_batch_has_no_other_to_be_held_against() {
+fn compare_single_batch_is_alone() {
     let mut tendons = batches(1.0);
     tendons.extend((300..330).map(|i| {
         let mut other = tendon(i, "z", "hall", 3.0);
@@ -154,10 +157,10 @@ fn records(folder: &Path) {
 }
 
 #[test]
-fn sites_of_records_are_compared_in_milliradians_where_no_type_is_described() {
+fn compare_without_robot_type_uses_offset() {
     let folder = tempfile::tempdir().unwrap();
     records(folder.path());
-    let found = compare(&mut open(folder.path()), &asked(folder.path(), By::Site)).unwrap();
+    let found = compare(&mut open(folder.path()), &request(folder.path(), By::Site)).unwrap();
     assert_eq!(found.unit, CreepUnit::Offset);
     let yard = group(&found, "yard");
     assert_eq!((yard.tendons, yard.robots), (10, 10));
@@ -167,25 +170,25 @@ fn sites_of_records_are_compared_in_milliradians_where_no_type_is_described() {
 }
 
 #[test]
-fn ropes_that_nobody_named_are_asked_for() {
+fn compare_unspecified_batches_is_error() {
     let folder = tempfile::tempdir().unwrap();
     records(folder.path());
-    let refused = compare(&mut open(folder.path()), &asked(folder.path(), By::Batch));
+    let result = compare(&mut open(folder.path()), &request(folder.path(), By::Batch));
     let Err(FleetError::NoGroups {
         groups, tendons, ..
-    }) = &refused
+    }) = &result
     else {
-        panic!("{refused:?}");
+        panic!("{result:?}");
     };
     assert_eq!((*groups, *tendons), (0, 20));
-    let mut old = asked(folder.path(), By::Site);
+    let mut old = request(folder.path(), By::Site);
     old.ages = Ages {
         from_days: 100.0,
         to_days: 300.0,
     };
-    let refused = compare(&mut open(folder.path()), &old);
+    let result = compare(&mut open(folder.path()), &old);
     assert!(matches!(
-        refused,
+        result,
         Err(FleetError::NoGroups {
             tendons: 0,
             too_few: 20,

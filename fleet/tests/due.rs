@@ -1,5 +1,4 @@
-//! What is due: the screen rules out no tendon that the whole trend would list, dates hold against the truth, and a question that goes on
-//! from the last one says what one from nothing says.
+//! Due list: completeness of the bound, dates against the truth, and resumption from stored state.
 
 use crate::support::{change, cut, fleet, numbers, open, repository, session, source, write};
 use datafusion::arrow::array::{ArrayRef, AsArray as _, Float64Array, RecordBatch};
@@ -14,8 +13,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What is asked of a folder.
-fn asked(folder: &Path, follow_all: bool) -> Due {
+/// Request for a folder.
+fn request(folder: &Path, follow_all: bool) -> Due {
     Due {
         source: source(folder),
         robots: Vec::new(),
@@ -29,7 +28,7 @@ fn asked(folder: &Path, follow_all: bool) -> Due {
 }
 
 fn list(folder: &Path, follow_all: bool) -> DueList {
-    due(&mut open(folder), &asked(folder, follow_all)).unwrap()
+    due(&mut open(folder), &request(folder, follow_all)).unwrap()
 }
 
 fn names(list: &DueList) -> BTreeSet<(String, String)> {
@@ -38,7 +37,7 @@ fn names(list: &DueList) -> BTreeSet<(String, String)> {
 }
 
 #[test]
-fn the_screen_drops_no_tendon_that_the_whole_trend_lists() {
+fn screen_keeps_every_due_tendon() {
     let folder = tempfile::tempdir().unwrap();
     let made = fleet(folder.path(), 5, 90);
     let (screened, all) = (list(folder.path(), false), list(folder.path(), true));
@@ -61,7 +60,7 @@ fn the_screen_drops_no_tendon_that_the_whole_trend_lists() {
 }
 
 #[test]
-fn a_tendon_that_has_passed_its_limit_is_listed_first() {
+fn due_exceeded_limits_come_first() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 5, 90);
     let list = list(folder.path(), false);
@@ -84,7 +83,7 @@ fn a_tendon_that_has_passed_its_limit_is_listed_first() {
 }
 
 #[test]
-fn robots_of_a_type_nobody_described_are_counted_and_named() {
+fn due_unknown_robot_type_is_listed() {
     let folder = tempfile::tempdir().unwrap();
     let rows: Vec<_> = (0..30).map(|day| session("arm-1", "elbow", day)).collect();
     write(&folder.path().join("records/a.parquet"), &rows);
@@ -96,13 +95,13 @@ fn robots_of_a_type_nobody_described_are_counted_and_named() {
     assert_eq!(list.unknown_types, ["arm"]);
 }
 
-/// The same question, which goes on from a file and leaves one.
+/// The same request with a state file.
 fn list_from(folder: &Path, state: &Path) -> Result<DueList, FleetError> {
-    let asked = Due {
+    let request = Due {
         state: Some(state.into()),
-        ..asked(folder, false)
+        ..request(folder, false)
     };
-    due(&mut open(folder), &asked)
+    due(&mut open(folder), &request)
 }
 
 /// A fleet of 90 days as it was on day 88, a list of that day with its file of trends, and the whole fleet.
@@ -117,34 +116,34 @@ fn two_days(folder: &Path) -> (DueList, PathBuf, PathBuf) {
 }
 
 #[test]
-fn a_question_goes_on_from_the_last_one_and_says_the_same_as_from_nothing() {
+fn due_resumed_equals_full_run() {
     let folder = tempfile::tempdir().unwrap();
     let (first, state, now) = two_days(folder.path());
-    assert_eq!(first.went_on, 0);
-    let anew = list(&now, false);
+    assert_eq!(first.resumed, 0);
+    let full = list(&now, false);
     let list = list_from(&now, &state).unwrap();
-    assert_eq!(list.followed, anew.followed);
+    assert_eq!(list.followed, full.followed);
     assert_ne!(list.followed, first.followed);
-    let known = |f: &&sinew_fleet::due::Followed| {
+    let known = |f: &&sinew_fleet::due::TrackedTendon| {
         let key = (&f.robot, &f.joint);
         first
             .followed
             .iter()
             .any(|other| (&other.robot, &other.joint) == key)
     };
-    let went_on = list.followed.iter().filter(known).count();
-    assert!(went_on > 2, "{went_on} of {}", list.followed.len());
-    assert_eq!((list.went_on, list.state_unused), (went_on, None));
-    // Asked again, nothing is new.
+    let resumed = list.followed.iter().filter(known).count();
+    assert!(resumed > 2, "{resumed} of {}", list.followed.len());
+    assert_eq!((list.resumed, list.state_unused), (resumed, None));
+    // A repeated query finds no new sessions.
     let again = list_from(&now, &state).unwrap();
     assert_eq!(
-        (again.went_on, again.followed),
-        (anew.followed.len(), anew.followed)
+        (again.resumed, again.followed),
+        (full.followed.len(), full.followed)
     );
 }
 
 #[test]
-fn a_tendon_whose_past_is_corrected_is_followed_anew_and_no_other() {
+fn due_corrected_history_restarts_one_tendon() {
     let folder = tempfile::tempdir().unwrap();
     let (_, state, now) = two_days(folder.path());
     let before = list_from(&now, &state).unwrap();
@@ -172,30 +171,30 @@ fn a_tendon_whose_past_is_corrected_is_followed_anew_and_no_other() {
         columns[batch.schema().index_of("offset_rad").unwrap()] = Arc::new(column) as ArrayRef;
         RecordBatch::try_new(batch.schema(), columns).unwrap()
     });
-    let anew = list(&now, false);
+    let full = list(&now, false);
     let list = list_from(&now, &state).unwrap();
-    assert_eq!(list.followed, anew.followed);
+    assert_eq!(list.followed, full.followed);
     assert_ne!(list.followed, before.followed);
-    assert_eq!(list.went_on, before.followed.len() - 1);
+    assert_eq!(list.resumed, before.followed.len() - 1);
 }
 
 #[test]
-fn another_pretension_follows_every_tendon_anew() {
+fn due_changed_pretension_restarts_all() {
     let folder = tempfile::tempdir().unwrap();
     let (_, state, now) = two_days(folder.path());
     let path = now.join("types/biorob-like/robot.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace("pretension_n = ", "pretension_n = 1")).unwrap();
-    let anew = list(&now, false);
+    let full = list(&now, false);
     let list = list_from(&now, &state).unwrap();
-    assert_eq!((list.went_on, list.followed), (0, anew.followed));
+    assert_eq!((list.resumed, list.followed), (0, full.followed));
 }
 
 #[test]
-fn a_damaged_or_older_file_of_trends_is_no_reason_for_another_answer() {
+fn due_damaged_or_old_state_is_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let (_, state, now) = two_days(folder.path());
-    let anew = list(&now, false);
+    let full = list(&now, false);
     let good = std::fs::read(&state).unwrap();
     let mut flipped = good.clone();
     flipped[good.len() / 2] ^= 1;
@@ -214,26 +213,26 @@ fn a_damaged_or_older_file_of_trends_is_no_reason_for_another_answer() {
         let list = list_from(&now, &state).unwrap();
         assert_eq!(
             (list.state_unused, list.followed),
-            (Some(unused), anew.followed.clone())
+            (Some(unused), full.followed.clone())
         );
         // It is whole again.
         assert_eq!(
-            list_from(&now, &state).unwrap().went_on,
-            anew.followed.len()
+            list_from(&now, &state).unwrap().resumed,
+            full.followed.len()
         );
     }
     let other = folder.path().join("notes.txt");
     std::fs::write(&other, "tension arm 7 on Friday\n").unwrap();
-    let refused = list_from(&now, &other).unwrap_err();
-    assert!(matches!(refused, FleetError::NoState(_)), "{refused}");
+    let error = list_from(&now, &other).unwrap_err();
+    assert!(matches!(error, FleetError::NoState(_)), "{error}");
     assert_eq!(
         std::fs::read_to_string(&other).unwrap(),
         "tension arm 7 on Friday\n"
     );
 }
 
-/// What a monitor says that finds these records in its store.
-fn watched(records: &[Record]) -> RobotSnapshot {
+/// Snapshot of a monitor with these records in its store.
+fn snapshot_of(records: &[Record]) -> RobotSnapshot {
     let robot = robot_dir::load(&repository("robots/biorob-like"), None).unwrap();
     let catalogue = Arc::new(Catalogue::shipped().unwrap());
     let last = records.last().unwrap();
@@ -259,7 +258,7 @@ fn watched(records: &[Record]) -> RobotSnapshot {
 }
 
 #[test]
-fn a_monitor_s_list_of_the_same_records_says_the_same() {
+fn due_equals_list_of_monitor() {
     let life = |robot: &str, from_mrad: f64, daily_mrad: f64| -> Vec<Record> {
         let of_day = |day: u32| Record {
             robot_type: "biorob-like".into(),
@@ -277,12 +276,12 @@ fn a_monitor_s_list_of_the_same_records_says_the_same() {
     ];
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("records/a.parquet"), &lives.concat());
-    let asked = Due {
+    let request = Due {
         robots: vec![repository("robots/biorob-like")],
-        ..asked(folder.path(), true)
+        ..request(folder.path(), true)
     };
-    let list = due(&mut open(folder.path()), &asked).unwrap();
-    let robots = lives.map(|records| watched(&records));
+    let list = due(&mut open(folder.path()), &request).unwrap();
+    let robots = lives.map(|records| snapshot_of(&records));
     let monitors = MonitorsList::of(&robots, list.now_utc_s, 30.0 * 86_400.0);
     let found: Vec<_> = list.due(30.0).collect();
     let names: Vec<&str> = found.iter().map(|f| f.robot.as_str()).collect();
@@ -302,7 +301,7 @@ fn a_monitor_s_list_of_the_same_records_says_the_same() {
             (followed.offset_rad, followed.verdict),
             (row.offset_rad, row.verdict)
         );
-        // Paths are drawn anew, as the fleet's list looks a year ahead and the monitor's three; an interval's end rests on fifty of them.
+        // Paths are drawn again, because the fleet's list covers one year and the monitor's three; an interval end is based on 50 of them.
         let [median, low, high] = worst.at_utc_s.map(Option::unwrap);
         let apart = |here: f64, there: Option<f64>, share: f64| {
             let apart_s = (here - there.unwrap()).abs();

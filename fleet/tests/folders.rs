@@ -1,11 +1,11 @@
 //! Late, repeated, damaged and mixed files.
 
-use crate::support::{cells, fleet, open, session, source, write};
+use crate::support::{cells, fleet, open, session, source, write, write_version_1};
 use datafusion::arrow::array::{ArrayRef, Float32Array, Int32Array, RecordBatch, StringArray};
 use datafusion::parquet::arrow::ArrowWriter;
 use sinew_fleet::FleetError;
 use sinew_fleet::engine::Engine;
-use sinew_fleet::folder::{Folder, Trouble};
+use sinew_fleet::folder::{FileError, Folder};
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ fn ten_days() -> Vec<sinew_watch_core::Record> {
 }
 
 #[test]
-fn a_file_that_was_copied_twice_counts_once() {
+fn copied_file_counts_once() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("a/host-1.parquet"), &ten_days());
     write(&folder.path().join("b/host-1.parquet"), &ten_days());
@@ -27,13 +27,13 @@ fn a_file_that_was_copied_twice_counts_once() {
     assert_eq!(engine.count("records").unwrap(), 20);
     assert_eq!(engine.count("every_version").unwrap(), 20);
     assert_eq!(
-        (engine.folder.clean.len(), engine.folder.doubtful.len()),
+        (engine.folder.clean.len(), engine.folder.ambiguous.len()),
         (0, 2)
     );
 }
 
 #[test]
-fn a_folder_may_have_any_name() {
+fn folder_name_is_not_a_pattern() {
     let folder = tempfile::tempdir().unwrap();
     write(
         &folder.path().join("a [1] * 50%/b=c/x y.parquet"),
@@ -43,7 +43,7 @@ fn a_folder_may_have_any_name() {
 }
 
 #[test]
-fn a_session_twice_within_one_file_counts_once() {
+fn duplicate_session_in_file_counts_once() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = ten_days();
     rows.insert(3, rows[3].clone());
@@ -76,7 +76,7 @@ fn late_files_in_any_order_add_their_sessions() {
 }
 
 #[test]
-fn of_a_session_that_was_estimated_again_the_newer_program_counts() {
+fn newer_version_supersedes_session() {
     let folder = tempfile::tempdir().unwrap();
     let rows = ten_days();
     let again: Vec<_> = (rows.iter().cloned())
@@ -96,7 +96,7 @@ fn of_a_session_that_was_estimated_again_the_newer_program_counts() {
 }
 
 #[test]
-fn the_same_folder_gives_the_same_records_whatever_its_files_are_called() {
+fn records_are_independent_of_file_names() {
     let rows = ten_days();
     let other: Vec<_> = (rows.iter().cloned())
         .map(|mut record| {
@@ -120,7 +120,7 @@ fn the_same_folder_gives_the_same_records_whatever_its_files_are_called() {
 }
 
 #[test]
-fn a_damaged_file_loses_only_itself_and_is_named() {
+fn damaged_file_is_rejected_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [good, cut, text] =
         ["good.parquet", "cut.parquet", "text.parquet"].map(|n| folder.path().join(n));
@@ -131,17 +131,41 @@ fn a_damaged_file_loses_only_itself_and_is_named() {
     std::fs::write(&text, "no parquet").unwrap();
     let mut engine = open(folder.path());
     assert_eq!(engine.count("records").unwrap(), 20);
-    let refused: Vec<&Path> = engine
+    let rejected: Vec<&Path> = engine
         .folder
-        .refused
+        .rejected
         .iter()
         .map(|r| r.path.as_path())
         .collect();
-    assert_eq!(refused, [&cut, &text]);
+    assert_eq!(rejected, [&cut, &text]);
 }
 
 #[test]
-fn damage_that_only_a_whole_reading_shows_loses_only_its_file() {
+fn version_1_columns_are_read_under_present_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let mut newer = session("arm-2", "elbow", 1);
+    newer.provisional = true;
+    write(&path("new.parquet"), &[newer]);
+    write_version_1(&path("old.parquet"), &[session("arm-1", "elbow", 1)]);
+    // The same session twice: the one with the smaller standard deviation counts, whatever the version.
+    let mut wide = session("arm-3", "elbow", 1);
+    wide.offset_std_rad = Some(0.8e-3);
+    write(&path("wide.parquet"), &[wide]);
+    write_version_1(&path("narrow.parquet"), &[session("arm-3", "elbow", 1)]);
+    let mut engine = open(folder.path());
+    let sql = "SELECT robot, CAST(round(1e6 * offset_std_rad) AS BIGINT), provisional FROM records ORDER BY robot";
+    let expected = [
+        ["arm-1", "400", "false"],
+        ["arm-2", "400", "true"],
+        ["arm-3", "400", "false"],
+    ];
+    assert_eq!(cells(&mut engine, sql), expected);
+    assert!(engine.query("SELECT in_doubt FROM records").is_err());
+}
+
+#[test]
+fn damage_outside_keys_rejects_file_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [good, bad] = ["good.parquet", "bad.parquet"].map(|n| folder.path().join(n));
     write(&good, &ten_days());
@@ -156,14 +180,14 @@ fn damage_that_only_a_whole_reading_shows_loses_only_its_file() {
     bytes[start as usize..(start + length) as usize].fill(0xa5);
     std::fs::write(&bad, bytes).unwrap();
     let mut engine = open(folder.path());
-    assert!(engine.folder.refused.is_empty(), "the keys are whole");
+    assert!(engine.folder.rejected.is_empty(), "the keys are whole");
     let found = cells(
         &mut engine,
         "SELECT count(offset_rad) FROM records WHERE offset_rad >= 0",
     );
     assert_eq!(found, [["20"]]);
-    assert_eq!(engine.folder.refused[0].path, bad);
-    assert_eq!(Folder::verified(folder.path()).unwrap().refused.len(), 1);
+    assert_eq!(engine.folder.rejected[0].path, bad);
+    assert_eq!(Folder::verified(folder.path()).unwrap().rejected.len(), 1);
 }
 
 /// A file with columns of its own.
@@ -203,54 +227,60 @@ fn columns_may_be_missing_added_or_of_a_narrower_type() {
 }
 
 #[test]
-fn a_table_that_is_no_record_is_refused_by_the_column_it_lacks() {
+fn file_without_key_column_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("a.parquet"), &ten_days());
     let robot = Arc::new(StringArray::from(vec!["arm-9"])) as ArrayRef;
     other_file(&folder.path().join("b.parquet"), vec![("robot", robot)]);
     let engine = open(folder.path());
-    assert_eq!(engine.folder.refused[0].trouble, Trouble::NoColumn("joint"));
+    assert_eq!(
+        engine.folder.rejected[0].error,
+        FileError::NoColumn("joint")
+    );
 }
 
 #[test]
-fn a_folder_without_records_says_what_to_give() {
+fn folder_without_records_error_has_fix() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = Engine::open(&source(folder.path())).err();
+    let rejected = Engine::open(&source(folder.path())).err();
     assert!(
-        matches!(refused, Some(FleetError::NoRecords(_))),
-        "{refused:?}"
+        matches!(rejected, Some(FleetError::NoRecords(_))),
+        "{rejected:?}"
     );
     let nowhere = Engine::open(&source(&folder.path().join("nothere")))
         .err()
         .unwrap()
         .to_string();
-    assert!(nowhere.contains("give the folder"), "{nowhere}");
+    assert!(nowhere.contains("specify the folder"), "{nowhere}");
 }
 
 #[test]
-fn a_column_or_table_that_isnt_there_is_told_with_those_that_are() {
+fn query_unknown_name_lists_available() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("a.parquet"), &ten_days());
     let mut engine = open(folder.path());
-    let column = engine.ask("SELECT ofset_rad FROM records").unwrap_err();
-    let FleetError::NoColumn { name, known } = &column else {
+    let column = engine.query("SELECT ofset_rad FROM records").unwrap_err();
+    let FleetError::NoColumn { name, available } = &column else {
         panic!("{column:?}");
     };
     assert_eq!(name, "ofset_rad");
-    assert!(known.contains(&"offset_rad".into()) && !known.contains(&"records.offset_rad".into()));
-    let told = column.to_string();
-    assert!(told.contains("did you mean 'offset_rad'?"), "{told}");
+    assert!(
+        available.contains(&"offset_rad".into())
+            && !available.contains(&"records.offset_rad".into())
+    );
+    let message = column.to_string();
+    assert!(message.contains("did you mean 'offset_rad'?"), "{message}");
     let table = engine
-        .ask("SELECT joint FROM (SELECT * FROM record)")
+        .query("SELECT joint FROM (SELECT * FROM record)")
         .unwrap_err();
     assert!(
-        matches!(&table, FleetError::NoTable { name, known } if name == "record" && known.len() == 2),
+        matches!(&table, FleetError::NoTable { name, available } if name == "record" && available.len() == 2),
         "{table:?}"
     );
 }
 
 #[test]
-fn a_sort_larger_than_its_memory_goes_on_disk_with_the_same_answer() {
+fn sort_beyond_memory_limit_spills_to_disk() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 60, 200);
     let sql = "SELECT sum(n * offset_rad) FROM (SELECT offset_rad, row_number() OVER \
@@ -262,7 +292,7 @@ fn a_sort_larger_than_its_memory_goes_on_disk_with_the_same_answer() {
 }
 
 #[test]
-fn a_join_keeps_the_few_robots_in_memory_and_not_the_records() {
+fn join_keeps_robots_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 8, 60);
     let sql = "EXPLAIN SELECT site, count(*) FROM records JOIN robots USING (robot) GROUP BY site";
@@ -274,7 +304,7 @@ fn a_join_keeps_the_few_robots_in_memory_and_not_the_records() {
 }
 
 #[test]
-fn a_table_beside_that_cannot_be_read_fails_only_who_asks_for_it() {
+fn invalid_side_table_fails_own_queries_only() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 4, 60);
     // So many rows are looked at to find out that a number is one.
@@ -283,6 +313,6 @@ fn a_table_beside_that_cannot_be_read_fails_only_who_asks_for_it() {
     std::fs::write(folder.path().join("robots.csv"), text).unwrap();
     let mut engine = open(folder.path());
     assert!(engine.count("records").unwrap() > 100);
-    let refused = engine.ask("SELECT sum(shelf) FROM robots").unwrap_err();
-    assert!(refused.to_string().contains("none"), "{refused}");
+    let rejected = engine.query("SELECT sum(shelf) FROM robots").unwrap_err();
+    assert!(rejected.to_string().contains("none"), "{rejected}");
 }

@@ -1,4 +1,4 @@
-//! SQL functions of Sinew say what the commands say.
+//! SQL functions of Sinew agree with the commands.
 
 use crate::support::{cells, fleet, open, session, source, write};
 use sinew_fleet::FleetError;
@@ -12,12 +12,12 @@ fn number(text: &str) -> Option<f64> {
     (!text.is_empty()).then(|| text.parse().unwrap())
 }
 
-fn refused(engine: &mut Engine, sql: &str) -> FleetError {
-    engine.ask(sql).unwrap_err()
+fn error_of(engine: &mut Engine, sql: &str) -> FleetError {
+    engine.query(sql).unwrap_err()
 }
 
 #[test]
-fn an_offset_is_told_as_length_of_rope_where_the_type_is_described() {
+fn elongation_requires_robot_type() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 3, 30);
     write(
@@ -38,10 +38,10 @@ fn an_offset_is_told_as_length_of_rope_where_the_type_is_described() {
 }
 
 #[test]
-fn a_tendons_trend_and_days_are_those_of_due() {
+fn trend_functions_match_due() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 2, 90);
-    let asked = Due {
+    let request = Due {
         source: source(folder.path()),
         robots: Vec::new(),
         within_days: 30.0,
@@ -52,8 +52,8 @@ fn a_tendons_trend_and_days_are_those_of_due() {
         follow_all: true,
     };
     let mut engine = open(folder.path());
-    let list = due(&mut engine, &asked).unwrap();
-    let sql = "SELECT robot, joint, t.offset_rad, t.offset_deviation_rad, t.last_utc_s, d.median, d.low, \
+    let list = due(&mut engine, &request).unwrap();
+    let sql = "SELECT robot, joint, t.offset_rad, t.offset_std_rad, t.last_utc_s, d.median, d.low, \
                d.high, d.limit FROM (SELECT r.robot AS robot, r.joint AS joint, sinew_trend(r.*) AS t, \
                sinew_days_until(r.*) AS d FROM records r GROUP BY r.robot, r.joint)";
     let rows = cells(&mut engine, sql);
@@ -65,7 +65,7 @@ fn a_tendons_trend_and_days_are_those_of_due() {
             .find(|r| r[0] == found.robot && r[1] == found.joint);
         let numbers: Vec<Option<f64>> = row.unwrap()[2..8].iter().map(|t| number(t)).collect();
         let offset = found.offset_rad;
-        assert_eq!(numbers[..2], [Some(offset.mean), Some(offset.deviation)]);
+        assert_eq!(numbers[..2], [Some(offset.mean), Some(offset.std)]);
         assert_eq!(numbers[2], Some(found.last_utc_s));
         for (days, at) in numbers[3..].iter().zip(found.worst().unwrap().at_utc_s) {
             let expected = at.map(|at| (at - found.last_utc_s) / DAY_S);
@@ -77,7 +77,7 @@ fn a_tendons_trend_and_days_are_those_of_due() {
 }
 
 #[test]
-fn a_limit_of_ones_own_is_passed_the_later_the_larger_it_is() {
+fn days_until_increase_with_limit() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 1, 60);
     let mut engine = open(folder.path());
@@ -95,17 +95,17 @@ fn a_limit_of_ones_own_is_passed_the_later_the_larger_it_is() {
         panic!("one tendon");
     };
     assert_eq!(large[0], "not-within-horizon");
-    let none = refused(&mut engine, &days("0"));
+    let none = error_of(&mut engine, &days("0"));
     assert!(matches!(none, FleetError::NoLimit { .. }), "{none}");
 }
 
 #[test]
-fn more_than_one_tendon_at_a_time_is_refused_and_no_file_with_it() {
+fn trend_of_several_tendons_is_error() {
     let folder = tempfile::tempdir().unwrap();
     let rows = [session("a", "elbow", 1), session("a", "wrist", 1)];
     write(&folder.path().join("1.parquet"), &rows);
     let mut engine = open(folder.path());
-    let several = refused(&mut engine, "SELECT sinew_trend(*) FROM records");
+    let several = error_of(&mut engine, "SELECT sinew_trend(*) FROM records");
     assert!(
         matches!(several, FleetError::SeveralTendons { .. }),
         "{several}"
@@ -114,12 +114,12 @@ fn more_than_one_tendon_at_a_time_is_refused_and_no_file_with_it() {
         several.to_string().contains("GROUP BY robot, joint"),
         "{several}"
     );
-    let usage = refused(&mut engine, "SELECT sinew_trend(offset_rad) FROM records");
+    let usage = error_of(&mut engine, "SELECT sinew_trend(offset_rad) FROM records");
     assert!(matches!(usage, FleetError::Usage { .. }), "{usage}");
 }
 
 #[test]
-fn a_text_where_a_number_belongs_is_told_as_what_it_is() {
+fn function_of_text_column_names_type() {
     let folder = tempfile::tempdir().unwrap();
     write(
         &folder.path().join("1.parquet"),
@@ -130,19 +130,19 @@ fn a_text_where_a_number_belongs_is_told_as_what_it_is() {
         "SELECT sum(robot) FROM records",
         "SELECT avg(r.robot) FROM records r",
     ] {
-        let told = refused(&mut engine, sql);
-        let FleetError::WrongType { column, .. } = &told else {
-            panic!("{told:?}");
+        let error = error_of(&mut engine, sql);
+        let FleetError::WrongType { column, .. } = &error else {
+            panic!("{error:?}");
         };
         assert_eq!(column, "robot");
     }
     // What a function takes is no fault of it.
-    let other = refused(&mut engine, "SELECT max(robot), nothing FROM records");
+    let other = error_of(&mut engine, "SELECT max(robot), nothing FROM records");
     assert!(matches!(other, FleetError::NoColumn { .. }), "{other:?}");
 }
 
 #[test]
-fn types_that_cant_be_read_spoil_no_question_that_needs_none() {
+fn invalid_robot_type_fails_own_functions_only() {
     let folder = tempfile::tempdir().unwrap();
     write(
         &folder.path().join("1.parquet"),
@@ -153,6 +153,6 @@ fn types_that_cant_be_read_spoil_no_question_that_needs_none() {
     let mut engine = open(folder.path());
     assert_eq!(cells(&mut engine, "SELECT count(*) FROM records"), [["1"]]);
     let sql = "SELECT sinew_elongation_mm(offset_rad, robot_type, joint) FROM records";
-    let told = refused(&mut engine, sql);
-    assert!(matches!(told, FleetError::Robot(_)), "{told:?}");
+    let error = error_of(&mut engine, sql);
+    assert!(matches!(error, FleetError::Robot(_)), "{error:?}");
 }

@@ -1,11 +1,11 @@
-//! Tendons that depart from their kind: those that do are listed, and as many others as is said.
+//! Outliers: deviating tendons are found, and the number of false ones is as expected.
 
 use crate::support::source;
 use crate::support::tendons::tendon;
 use sinew_fleet::FleetError;
 use sinew_fleet::args::Outliers;
 use sinew_fleet::creep::Ages;
-use sinew_fleet::gather::{CreepingTendon, Gathered};
+use sinew_fleet::gather::{CreepingTendon, FleetTable};
 use sinew_fleet::outliers::{OutlierList, departing};
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const AGES: Ages = Ages {
 };
 
 fn listed(tendons: Vec<CreepingTendon>, by_chance: f64) -> Result<OutlierList, FleetError> {
-    let asked = Outliers {
+    let request = Outliers {
         source: source(Path::new(".")),
         robots: Vec::new(),
         ages: AGES,
@@ -24,11 +24,11 @@ fn listed(tendons: Vec<CreepingTendon>, by_chance: f64) -> Result<OutlierList, F
         seed: 1,
         csv: None,
     };
-    let gathered = Gathered {
+    let gathered = FleetTable {
         tendons,
-        ..Gathered::default()
+        ..FleetTable::default()
     };
-    departing(&gathered, &asked)
+    departing(&gathered, &request)
 }
 
 /// Usual tendons of four batches, the third of which creeps by 70 % more.
@@ -47,7 +47,7 @@ fn usual(from: usize, count: usize) -> Vec<CreepingTendon> {
 }
 
 #[test]
-fn tendons_that_creep_much_more_or_less_are_listed_with_how_much() {
+fn outliers_are_listed_with_ratio() {
     let mut tendons = usual(0, 300);
     for (i, factor) in [(10, 8.0), (100, 1000.0), (200, 0.1)] {
         // Each from the middle of its kind.
@@ -57,7 +57,7 @@ fn tendons_that_creep_much_more_or_less_are_listed_with_how_much() {
         let base = if i % 4 == 2 { 1.7 } else { 1.0 };
         odd.creep.per_decade_rad = base * factor * 3e-4 / 0.05;
         let share = if factor > 100.0 { 0.2 } else { 0.02 };
-        odd.creep.deviation_rad = share * odd.creep.per_decade_rad;
+        odd.creep.std_rad = share * odd.creep.per_decade_rad;
         tendons[i] = odd;
     }
     let list = listed(tendons, 0.5).unwrap();
@@ -75,12 +75,16 @@ fn tendons_that_creep_much_more_or_less_are_listed_with_how_much() {
             (ratio / true_ratio).ln().abs() < 0.3 && low < ratio && ratio < high,
             "{outlier:?}"
         );
-        assert_eq!(outlier.is_surely_more(), true_ratio > 1.0, "{outlier:?}");
+        assert_eq!(
+            outlier.is_significantly_more(),
+            true_ratio > 1.0,
+            "{outlier:?}"
+        );
     }
 }
 
 #[test]
-fn as_many_are_listed_by_chance_as_is_said() {
+fn outliers_by_chance_have_expected_number() {
     // Of 900 that differ normally 15 are expected, with 4 as a standard deviation.
     let count = |from: usize| listed(usual(from, 300), 5.0).unwrap().outliers.len();
     let all: usize = (0..3).map(|i| count(1000 * i)).sum();
@@ -88,21 +92,21 @@ fn as_many_are_listed_by_chance_as_is_said() {
 }
 
 #[test]
-fn a_tendon_that_is_hardly_known_is_not_listed_whatever_it_reads() {
+fn outliers_exclude_imprecise_tendon() {
     let mut tendons = usual(0, 200);
     tendons[7].creep.per_decade_rad *= 30.0;
-    tendons[7].creep.deviation_rad = 0.7 * tendons[7].creep.per_decade_rad;
+    tendons[7].creep.std_rad = 0.7 * tendons[7].creep.per_decade_rad;
     tendons[8].creep.per_decade_rad *= -1.0;
-    tendons[8].creep.deviation_rad = 3.0 * tendons[8].creep.per_decade_rad.abs();
+    tendons[8].creep.std_rad = 3.0 * tendons[8].creep.per_decade_rad.abs();
     let list = listed(tendons, 0.5).unwrap();
     let named = |robot: &str| list.outliers.iter().any(|o| o.robot == robot);
     assert!(!named("arm-0007") && !named("arm-0008"), "{list:?}");
 }
 
 #[test]
-fn a_tendon_that_shrinks_creeps_less_than_nothing_and_its_interval_says_so() {
+fn outliers_shrinking_tendon_has_negative_ratio() {
     let mut tendons = usual(0, 200);
-    // As much as others grow, and known to a twentieth of that: over what is usual −1 ± 0.1, and what isn't known of the usual.
+    // Shrinks as much as others grow, with a standard deviation of 5 %: ratio −1 ± 0.1, plus the error of the usual creep.
     tendons[8].creep.per_decade_rad = -3e-4 / 0.05;
     let list = listed(tendons, 0.5).unwrap();
     let shrinks = list.outliers.iter().find(|o| o.robot == "arm-0008");
@@ -113,14 +117,14 @@ fn a_tendon_that_shrinks_creeps_less_than_nothing_and_its_interval_says_so() {
         low < ratio - 0.09 && ratio + 0.09 < high && high < 0.0,
         "{outlier:?}"
     );
-    assert!(!outlier.is_surely_more(), "{outlier:?}");
+    assert!(!outlier.is_significantly_more(), "{outlier:?}");
 }
 
 #[test]
-fn a_few_tendons_say_nothing_of_what_is_usual() {
-    let refused = listed(usual(0, 12), 1.0);
+fn outliers_few_tendons_is_error() {
+    let error = listed(usual(0, 12), 1.0);
     assert!(
-        matches!(refused, Err(FleetError::TooFewTendons { tendons: 12, .. })),
-        "{refused:?}"
+        matches!(error, Err(FleetError::TooFewTendons { tendons: 12, .. })),
+        "{error:?}"
     );
 }

@@ -1,4 +1,4 @@
-//! What robots of a type have learned: a new one starts nearer to the truth, and surer of it.
+//! Pooled baselines: the prior of a new robot is closer to the truth and more precise.
 
 use crate::support::repository;
 use sinew_estimate::baseline::Baseline;
@@ -6,14 +6,14 @@ use sinew_estimate::robot_dir;
 use sinew_estimate::session::{Learning, Recorder, SessionOptions, estimator, learn_recorded};
 use sinew_fleet::FleetError;
 use sinew_fleet::args::Pool;
-use sinew_fleet::pool::{LeftOut, pool};
-use sinew_model::offset::alike::Kind;
+use sinew_fleet::pool::{Excluded, pool};
+use sinew_model::offset::shared_parameters::Kind;
 use sinew_model::offset::{FeatureConfig, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use sinew_model::robot::Robot;
 use sinew_sim::{Scenario, Simulation};
 use std::path::Path;
 
-/// Stiffness of all robots of the type over that of robot.toml.
+/// Ratio of the stiffness of all robots of the type to that in robot.toml.
 const STIFFNESS: f64 = 0.82;
 
 fn robot() -> Robot {
@@ -52,7 +52,7 @@ fn learned(robot: &Robot, seed: u64) -> Baseline {
         .0
 }
 
-fn asked(folder: &Path) -> Pool {
+fn request(folder: &Path) -> Pool {
     Pool {
         folder: folder.into(),
         robot: repository("robots/biorob-like"),
@@ -62,7 +62,7 @@ fn asked(folder: &Path) -> Pool {
 }
 
 #[test]
-fn a_new_robot_starts_with_the_stiffness_of_its_type() {
+fn pool_prior_has_stiffness_of_type() {
     let folder = tempfile::tempdir().unwrap();
     let robot = robot();
     for seed in 1..=4 {
@@ -70,18 +70,18 @@ fn a_new_robot_starts_with_the_stiffness_of_its_type() {
         learned(&robot, seed).write(&path).unwrap();
     }
     std::fs::write(folder.path().join("broken.baseline"), "no baseline").unwrap();
-    let pooled = pool(&asked(folder.path())).unwrap();
+    let pooled = pool(&request(folder.path())).unwrap();
     assert_eq!(pooled.robots, 4);
     assert!(
-        matches!(&pooled.left_out[..], [(_, LeftOut::Unreadable(_))]),
+        matches!(&pooled.excluded[..], [(_, Excluded::Unreadable(_))]),
         "{:?}",
-        pooled.left_out
+        pooled.excluded
     );
     let prior = estimator(&robot, &SessionOptions::default())
         .prior()
         .clone();
-    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
-    let start = pooled.start.belief(&robot, &prior, "type").unwrap();
+    let fresh = prior.state_estimate(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let start = pooled.start.state_estimate(&robot, &prior, "type").unwrap();
     let truth = 1.0 / STIFFNESS - 1.0;
     let elastic: Vec<usize> = (0..prior.joints())
         .filter(|i| prior.is_elastic(*i))
@@ -90,14 +90,14 @@ fn a_new_robot_starts_with_the_stiffness_of_its_type() {
     for i in elastic {
         let k = prior.place(i, JointParameter::Compliance);
         let [now, before] = [start.entry(k), fresh.entry(k)];
-        assert!((now.mean - truth).abs() < 2.5 * now.deviation, "{now:?}");
-        surer += usize::from(now.deviation < 0.7 * before.deviation && now.mean > 0.5 * truth);
+        assert!((now.mean - truth).abs() < 2.5 * now.std, "{now:?}");
+        surer += usize::from(now.std < 0.7 * before.std && now.mean > 0.5 * truth);
         let offset = prior.place(i, JointParameter::Offset);
         assert_eq!(start.entry(offset), fresh.entry(offset));
     }
     assert!(surer >= 2, "{surer}");
     let stiffness = pooled
-        .alike
+        .similarity
         .iter()
         .find(|a| a.kind == Kind::Stiffness)
         .unwrap();
@@ -105,11 +105,11 @@ fn a_new_robot_starts_with_the_stiffness_of_its_type() {
 }
 
 #[test]
-fn one_robot_says_nothing_of_its_type() {
+fn pool_single_robot_is_error() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = pool(&asked(folder.path())).unwrap_err();
+    let error = pool(&request(folder.path())).unwrap_err();
     assert!(
-        matches!(refused, FleetError::TooFewBaselines { found: 0, .. }),
-        "{refused}"
+        matches!(error, FleetError::TooFewBaselines { found: 0, .. }),
+        "{error}"
     );
 }

@@ -1,4 +1,4 @@
-//! The page of a fleet says what the commands say.
+//! The page of a fleet agrees with the commands.
 
 use crate::support::{fleet, open, source};
 use sinew_fleet::args::Report;
@@ -6,11 +6,11 @@ use sinew_fleet::creep::Ages;
 use sinew_fleet::report::{command, find};
 
 #[test]
-fn the_page_counts_what_due_and_compare_count() {
+fn page_counts_match_due_and_compare() {
     let folder = tempfile::tempdir().unwrap();
     let fleet_folder = folder.path().join("fleet");
     fleet(&fleet_folder, 12, 60);
-    let asked = Report {
+    let request = Report {
         source: source(&fleet_folder),
         out: folder.path().join("fleet.html"),
         robots: Vec::new(),
@@ -22,9 +22,9 @@ fn the_page_counts_what_due_and_compare_count() {
         },
         seed: 1,
     };
-    command(&asked).unwrap();
-    let html = std::fs::read_to_string(&asked.out).unwrap();
-    let found = find(&mut open(&fleet_folder), &asked).unwrap();
+    command(&request).unwrap();
+    let html = std::fs::read_to_string(&request.out).unwrap();
+    let found = find(&mut open(&fleet_folder), &request).unwrap();
     let due: Vec<_> = found.due.due(56.0).collect();
     assert!(!due.is_empty(), "nothing is due: this shows nothing");
     for followed in due.iter().take(40) {

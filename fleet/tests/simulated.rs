@@ -1,4 +1,4 @@
-//! Simulated fleets: the same again from the same seed, and what is written is what happens.
+//! Simulated fleets: reproducible by seed, and consistent with their ground truth.
 
 use crate::support::{cells, fleet, open, small};
 use sinew_estimate::Request;
@@ -9,7 +9,7 @@ use sinew_fleet::simulate::simulate;
 use std::path::Path;
 
 #[test]
-fn a_seed_makes_the_same_fleet_again() {
+fn simulate_equal_seed_is_reproducible() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|n| folder.path().join(n));
     assert_eq!(fleet(&a, 4, 60), fleet(&b, 4, 60));
@@ -28,11 +28,11 @@ fn a_seed_makes_the_same_fleet_again() {
 }
 
 #[test]
-fn records_are_clean_and_every_tendon_has_a_row_beside() {
+fn simulate_records_are_clean_and_tendons_listed() {
     let folder = tempfile::tempdir().unwrap();
     let made = fleet(folder.path(), 8, 120);
     let mut engine = open(folder.path());
-    assert!(engine.folder.doubtful.is_empty() && engine.folder.refused.is_empty());
+    assert!(engine.folder.ambiguous.is_empty() && engine.folder.rejected.is_empty());
     assert_eq!(engine.count("records").unwrap(), made.rows);
     let sql = "SELECT count(DISTINCT r.robot || r.joint), count(DISTINCT site) > 1 FROM records r \
                JOIN tendons USING (robot, joint) JOIN robots ON robots.robot = r.robot";
@@ -43,26 +43,26 @@ fn records_are_clean_and_every_tendon_has_a_row_beside() {
 }
 
 #[test]
-fn a_record_is_its_truth_within_its_stated_error() {
+fn simulate_errors_match_reported_std() {
     let folder = tempfile::tempdir().unwrap();
     fleet(folder.path(), 100, 90);
     let mut engine = open(folder.path());
     let truth = folder.path().join("truth/tendons.csv");
     let errors = errors_on_the_last_day(&mut engine, &truth);
     let inside = errors.iter().filter(|z| z.abs() < 1.96).count() as f64 / errors.len() as f64;
-    // The errors' tails and the thermometer are not in the stated width: 94 % of 1,500 others were inside. Of these 370
-    // a share strays by 1.3 % as a standard deviation.
+    // The tails of the errors and the thermometer are not in the reported width: 94 % of 1,500 other records were inside. The share
+    // of these 370 has a standard deviation of 1.3 %.
     assert!(errors.len() > 350, "{}", errors.len());
     assert!((0.90..=0.98).contains(&inside), "{inside}");
 }
 
-/// Of each tendon's last record its error by its deviation.
+/// Error of the last record of each tendon, in standard deviations.
 fn errors_on_the_last_day(engine: &mut sinew_fleet::engine::Engine, truth: &Path) -> Vec<f64> {
     let text = std::fs::read_to_string(truth).unwrap();
     let rows = cells(
         engine,
         "SELECT robot, joint, last_value(offset_rad ORDER BY time_utc_s), \
-         last_value(offset_deviation_rad ORDER BY time_utc_s), max(time_utc_s) \
+         last_value(offset_std_rad ORDER BY time_utc_s), max(time_utc_s) \
          FROM records WHERE offset_rad IS NOT NULL GROUP BY robot, joint",
     );
     let mut out = Vec::new();
@@ -71,8 +71,8 @@ fn errors_on_the_last_day(engine: &mut sinew_fleet::engine::Engine, truth: &Path
         let [end, offset]: [f64; 2] = [cell[3].parse().unwrap(), cell[4].parse().unwrap()];
         let found = rows.iter().find(|r| r[0] == cell[0] && r[1] == cell[1]);
         if let Some(row) = found.filter(|r| r[4].parse::<f64>().unwrap() > end) {
-            let [mean, deviation]: [f64; 2] = [row[2].parse().unwrap(), row[3].parse().unwrap()];
-            out.push((mean - offset) / deviation);
+            let [mean, std]: [f64; 2] = [row[2].parse().unwrap(), row[3].parse().unwrap()];
+            out.push((mean - offset) / std);
         }
     }
     out
@@ -82,34 +82,31 @@ fn errors_on_the_last_day(engine: &mut sinew_fleet::engine::Engine, truth: &Path
 fn records_are_not_mixed_with_what_is_there() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mine.txt"), "").unwrap();
-    let refused = simulate(&small(folder.path(), 1, 30));
-    assert!(
-        matches!(refused, Err(FleetError::NotEmpty(_))),
-        "{refused:?}"
-    );
+    let error = simulate(&small(folder.path(), 1, 30));
+    assert!(matches!(error, Err(FleetError::NotEmpty(_))), "{error:?}");
 }
 
 #[test]
-fn a_rope_that_isnt_there_is_refused_before_anything_is_written() {
+fn simulate_unknown_rope_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let mut asked = small(&folder.path().join("out"), 1, 30);
-    asked.ropes = vec!["hemp".into()];
-    assert!(matches!(simulate(&asked), Err(FleetError::Catalogue(_))));
-    assert!(!asked.out.exists());
+    let mut request = small(&folder.path().join("out"), 1, 30);
+    request.ropes = vec!["hemp".into()];
+    assert!(matches!(simulate(&request), Err(FleetError::Catalogue(_))));
+    assert!(!request.out.exists());
 }
 
-/// Right after tensioning a minute teaches the baseline; the minute that follows is of the last day.
+/// The baseline is recorded right after tensioning; the following minute is of the last day.
 #[test]
-fn recordings_of_some_robots_hold_what_their_tendons_are_longer_by() {
+fn simulate_recordings_contain_true_offsets() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("fleet");
-    let asked = Simulate {
+    let request = Simulate {
         recordings: 2,
         ..small(&out, 3, 60)
     };
-    assert_eq!(simulate(&asked).unwrap().recordings, 2);
+    assert_eq!(simulate(&request).unwrap().recordings, 2);
     let truth = std::fs::read_to_string(out.join("truth/tendons.csv")).unwrap();
-    let mut judged = 0;
+    let mut assessed = 0;
     for robot in ["arm-0001", "arm-0002"] {
         let mut request = Request::new(out.join(format!("recordings/{robot}.mcap")));
         request.robot = Some(out.join("types/biorob-like"));
@@ -125,14 +122,11 @@ fn recordings_of_some_robots_hold_what_their_tendons_are_longer_by() {
             let row = truth.lines().find(|line| line.starts_with(&own)).unwrap();
             let true_rad: f64 = row.split(',').nth(4).unwrap().parse().unwrap();
             let off = joint.offset_rad.mean - true_rad;
-            assert!(
-                off.abs() < 4.0 * joint.offset_rad.deviation,
-                "{row}: {joint:?}"
-            );
-            assert!(joint.offset_rad.deviation < 2e-3, "{joint:?}");
-            judged += 1;
+            assert!(off.abs() < 4.0 * joint.offset_rad.std, "{row}: {joint:?}");
+            assert!(joint.offset_rad.std < 2e-3, "{joint:?}");
+            assessed += 1;
         }
     }
-    assert_eq!(judged, 8);
+    assert_eq!(assessed, 8);
     assert!(!out.join("recordings/arm-0003.mcap").exists());
 }

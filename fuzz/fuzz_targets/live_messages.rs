@@ -3,9 +3,9 @@
 
 use libfuzzer_sys::fuzz_target;
 use sinew_log::Quantity;
-use sinew_log::live::{Census, Live, LiveOptions};
+use sinew_log::live::{Live, LiveOptions, TopicDiscovery};
 
-/// Topics with their types: of use, of another type, of nobody.
+/// Topics with their types: relevant, of another type, irrelevant.
 const TOPICS: [(&str, &str); 8] = [
     ("/joint_states", "sensor_msgs/msg/JointState"),
     (
@@ -23,7 +23,7 @@ const TOPICS: [(&str, &str); 8] = [
 fuzz_target!(|bytes: &[u8]| {
     let joints = ["a", "b"].map(str::to_owned);
     let mut live = Live::new(&LiveOptions::of_joints(&joints)).expect("options as they come");
-    let mut census = Census::default();
+    let mut census = TopicDiscovery::default();
     let mut rest = bytes;
     let mut last = None;
     let mut received_ns = 0_i64;

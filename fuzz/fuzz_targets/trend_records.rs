@@ -31,12 +31,12 @@ fuzz_target!(|text: &str| {
         for r in records.iter().take(40) {
             assert!(
                 r.offset_rad
-                    .is_none_or(|g| g.mean.is_finite() && g.deviation > 0.0)
+                    .is_none_or(|g| g.mean.is_finite() && g.std > 0.0)
             );
             let record = Record {
                 time_s: r.time_utc_s - start + 3600.0,
                 offset_rad: r.offset_rad,
-                shared: r.shared_error,
+                shared: r.systematic_error,
                 temperature_c: r.temperature_c,
                 reference_c: r.reference_c,
                 stiffness: r.stiffness_ratio,
@@ -44,7 +44,7 @@ fuzz_target!(|text: &str| {
             // Numbers whose squares overflow are refused, not taken.
             if let Ok(added) = trend.add(record) {
                 assert!(
-                    (0.0..=1.0 + 1e-9).contains(&added.jump_probability),
+                    (0.0..=1.0 + 1e-9).contains(&added.step_probability),
                     "{added:?}"
                 );
             }

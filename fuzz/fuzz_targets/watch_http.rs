@@ -8,7 +8,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{Request, StatusCode};
 use libfuzzer_sys::fuzz_target;
 use sinew_watch::config::WebSettings;
-use sinew_watch::runtime::{Board, Health, Seen};
+use sinew_watch::runtime::{Health, RobotRegistry, RobotState};
 use sinew_watch::store::{Place, Store};
 use sinew_watch::web::guard::Guard;
 use sinew_watch::web::routes::{API, router};
@@ -25,22 +25,24 @@ struct Monitor {
     app: App,
 }
 
-/// One without a token, with an empty store and a robot that isn't watched.
+/// Monitor without a token, with an empty store and a robot that is not monitored.
 fn monitor() -> &'static Monitor {
     static MONITOR: OnceLock<Monitor> = OnceLock::new();
     MONITOR.get_or_init(|| {
         let place = Place::Memory(0);
-        // What is in memory lives as long as it is open.
+        // An in-memory store exists as long as a handle to it.
         std::mem::forget(Store::open(place.clone()).expect("memory"));
-        let (board, health) = (Arc::new(Board::default()), Arc::new(Health::new(1)));
-        board.slot("arm").put(Seen::NotWatched("fuzzed".into()));
-        let mut ticker = Ticker::new(Arc::clone(&board), Arc::clone(&health), None);
+        let (registry, health) = (Arc::new(RobotRegistry::default()), Arc::new(Health::new(1)));
+        registry
+            .slot("arm")
+            .put(RobotState::NotMonitored("fuzzed".into()));
+        let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), None);
         let (_tell, ticks) = tokio::sync::watch::channel(Arc::new(ticker.tick(0.0)));
         let guard = Guard::new(&WebSettings::default(), None);
         let tokio = tokio::runtime::Builder::new_current_thread();
         Monitor {
             tokio: { tokio }.enable_all().build().expect("a runtime"),
-            app: App::new((board, health), guard, ticks, place),
+            app: App::new((registry, health), guard, ticks, place),
         }
     })
 }
@@ -104,7 +106,7 @@ fuzz_target!(|bytes: &[u8]| {
             "{}",
             endpoint.path
         );
-        // Events go on for ever.
+        // The event stream does not end.
         if endpoint.path.ends_with("events") {
             return;
         }

@@ -1,4 +1,4 @@
-//! Any text as the monitor's configuration: no panic; what is let through can be watched.
+//! Any text as the monitor's configuration: no panic; an accepted one can be monitored.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -15,11 +15,11 @@ fuzz_target!(|text: &str| {
     let elsewhere = config.web.bind.is_some_and(|bind| !bind.ip().is_loopback());
     assert!(!elsewhere || config.web.needs_token());
     for robot in &config.robots {
-        // It stands in addresses and file names.
+        // The name is part of addresses and file names.
         assert!(!robot.name.contains(['/', '\\']) && !robot.name.starts_with('.'));
-        assert!(!robot.door.source().is_empty());
+        assert!(!robot.transport.source().is_empty());
         let celsius = robot.estimate.temperature_c;
-        assert!(celsius.is_none_or(|c| c.mean.is_finite() && c.deviation > 0.0));
+        assert!(celsius.is_none_or(|c| c.mean.is_finite() && c.std > 0.0));
         let times = robot.times;
         for time_s in [
             times.stale_after_s,

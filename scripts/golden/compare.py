@@ -1,4 +1,4 @@
-"""What has changed between two records of golden.py, by the rules of rules.toml."""
+"""Comparison of two records of golden.py by the rules of rules.toml."""
 
 import csv
 import datetime
@@ -17,7 +17,7 @@ BINARY = {".mcap", ".png", ".parquet", ".jpg"}
 
 # ---------------------------------------------------------------- compare: what is a number
 
-# A number that isn't part of a name (wrist_1, S7, fig6). The sign counts where no word precedes it.
+# A number that is not part of a name (wrist_1, S7, fig6). The sign counts where no word precedes it.
 NUMBER = re.compile(r"(?:(?<![\w.])[-−+])?(?<![A-Za-z_0-9.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+−]?\d+)?")
 BOX = re.compile(r"[─━│┃┌┐└┘├┤┬┴┼═╞╪╡]+")
 
@@ -77,7 +77,7 @@ def fill(template, groups):
 
 
 def one_by_one(rules, names):
-    """Rules that share their cases may stand in one table, a row each."""
+    """Expands rules of the same cases that share one table, one row each."""
     for rule in rules:
         rows = rule.pop("each", None)
         yield from [rule] if rows is None else [{**rule, **dict(zip(names, row))} for row in rows]
@@ -149,7 +149,7 @@ class Tree:
 
 
 class Outcome:
-    """What became of one case."""
+    """Outcome of one case."""
 
     ORDER = ["identical", "renamed", "within ulps", "words differ", "explained", "NUMBERS DIFFER"]
 
@@ -344,7 +344,7 @@ def word_lines(old, new):
 
 
 def table(text):
-    """A CSV as rows by column name, cells as numbers where they are; None where it isn't one."""
+    """A CSV as rows by column name, cells as numbers if numeric; None if the text is not CSV."""
     rows = list(csv.reader(io.StringIO(text)))
     if len(rows) < 2 or len(set(rows[0])) < len(rows[0]) or any(len(r) != len(rows[0]) for r in rows):
         return None
@@ -359,7 +359,7 @@ def table(text):
 
 
 def documents(text):
-    """One JSON document, or one a line; None where it isn't that."""
+    """One JSON document, or one per line; None if the text is not JSON."""
     try:
         return json.loads(text)
     except ValueError:

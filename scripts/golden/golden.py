@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Shows that two builds of `sinew` say the same numbers: records what each command prints and
-writes (cases.toml), then compares two records, by the rules of rules.toml where a change is meant.
+"""Compares the numbers of two builds of `sinew`: records the output and the files of each command
+(cases.toml), then compares two records by the rules of intended changes in rules.toml.
 
     golden.py record --binary BIN --out DIR [--tree REPOSITORY] [--side before|after]
     golden.py compare BEFORE AFTER [--report FILE]
 
-Only the standard library of Python 3.11 is used. README.md says more.
+Only the standard library of Python 3.11 is used. See README.md.
 """
 
 import argparse

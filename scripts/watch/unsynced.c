@@ -1,7 +1,7 @@
-/* A disk that keeps what was synced, and of everything else what it likes: LD_PRELOAD.
+/* Simulation of a disk that keeps synced data and an arbitrary part of the other data (LD_PRELOAD).
  *
  * When the program syncs a file of the folder SINEW_DISK, its bytes are copied to the folder SINEW_DISK_KEEPS. After the
- * program was killed, the files there are what the disk is sure to have. scripts/watch/prove mixes them with what was
+ * program was killed, the files there contain the data that is guaranteed to be on the disk. scripts/watch/prove mixes them with what was
  * written since, page by page. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -38,7 +38,7 @@ static void keep(int file) {
   if (rename(beside, to) != 0) abort();
 }
 
-/* What is synced is kept before the program is told that it is. */
+/* Copies synced data before the call returns to the program. */
 int fsync(int file) {
   int (*real)(int) = (int (*)(int))dlsym(RTLD_NEXT, "fsync");
   int done = real(file);

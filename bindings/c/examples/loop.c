@@ -2,10 +2,10 @@
  *
  *     loop ROBOT_DIR BASELINE [SAVE] < samples
  *
- * Standard input stands in for the robot: a line per sample with its time, s, the joint positions and the motor
- * positions, rad, in the robot's order; `nan` is a motor position that is not measured. SAVE is the next baseline.
+ * Standard input replaces the robot: one line per sample with its time, s, the joint positions and the motor
+ * positions, rad, in the robot's order; `nan` is a missing motor position. SAVE is the file of the next baseline.
  *
- * Nothing between "Sample" and "Work" allocates, locks, waits or prints: it may stand in a control thread. */
+ * Nothing between "Sample" and "Work" allocates, locks, waits or prints: it may run in a control thread. */
 #include <sinew.h>
 
 #include <math.h>
@@ -14,10 +14,10 @@
 #include <stdlib.h>
 
 #define MOST_JOINTS 64
-/* Between two lines, s. */
+/* Interval of the output, s. */
 static const double PRINT_S = 10.0;
 
-/* A whole file as a text to be freed; null where that fails. */
+/* Reads a file as a text that the caller frees; null on failure. */
 static char *text_of(const char *path) {
     FILE *file = fopen(path, "rb");
     if (file == NULL) return NULL;
@@ -32,7 +32,7 @@ static char *text_of(const char *path) {
     return text;
 }
 
-/* The next sample; whether there was one. */
+/* Reads the next sample; false at the end of the input. */
 static bool sample_of(FILE *robot, size_t joints, double *t_s, double *q, double *theta) {
     if (fscanf(robot, "%lf", t_s) != 1) return false;
     for (size_t i = 0; i < joints; i++)
@@ -42,7 +42,7 @@ static bool sample_of(FILE *robot, size_t joints, double *t_s, double *q, double
     return true;
 }
 
-/* Offsets with their 95 % intervals, and why they are provisional where they are. */
+/* Prints the offsets with their 95 % intervals, and the reasons for provisional ones. */
 static void print(const sinew_robot *robot, sinew_offsets *offsets, double since_s) {
     sinew_offset of_joints[MOST_JOINTS];
     const size_t joints = sinew_robot_joints(robot);
@@ -51,7 +51,7 @@ static void print(const sinew_robot *robot, sinew_offsets *offsets, double since
     for (size_t i = 0; i < joints; i++) {
         const sinew_offset *offset = &of_joints[i];
         const char *name = sinew_robot_joint_name(robot, i);
-        printf("  %s %+.2f ± %.2f", name, 1e3 * offset->offset_rad, 1.96e3 * offset->deviation_rad);
+        printf("  %s %+.2f ± %.2f", name, 1e3 * offset->offset_rad, 1.96e3 * offset->std_rad);
         if (offset->provisional != SINEW_PROVISIONAL_NONE)
             printf(" (%s)", sinew_provisional_text((int)offset->provisional));
     }
@@ -105,16 +105,16 @@ int main(int count, char **arguments) {
     while (sample_of(stdin, joints, &t_s, q, theta)) {
         if (isnan(first_s)) first_s = before_s = t_s;
 
-        /* Sample. What cannot be used is refused, with a reason, and changes nothing. */
-        sinew_stepped became = SINEW_STEPPED_TAKEN;
+        /* Sample. An unusable sample is rejected with a reason and leaves the estimate unchanged. */
+        sinew_stepped became = SINEW_STEPPED_ACCEPTED;
         status = sinew_offsets_step(offsets, t_s - before_s, q, theta, NULL, NAN, joints, &became);
 
-        /* Work. A recording is faster than a robot: here the loop waits for the solution. Beside a robot it must not:
+        /* Work. A recording is faster than a robot, so the loop waits for the solution here. On a robot it must not wait:
          * call sinew_offsets_start_worker once instead, before the loop. */
         if (status == SINEW_STATUS_OK && became == SINEW_STEPPED_BLOCK) status = sinew_offsets_work(offsets);
 
         /* Output. */
-        if (status != SINEW_STATUS_REFUSED && status != SINEW_STATUS_OK) {
+        if (status != SINEW_STATUS_REJECTED && status != SINEW_STATUS_OK) {
             fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text((int)status));
             answer = EXIT_FAILURE;
             break;
@@ -129,7 +129,7 @@ int main(int count, char **arguments) {
         fprintf(stderr, isnan(first_s) ? "no samples\n" : "after %g s: no number where one is due\n", t_s);
         answer = EXIT_FAILURE;
     }
-    /* After a fault nothing is saved: the file from before stays. */
+    /* After an error nothing is saved, and an existing file is kept. */
     if (answer == EXIT_SUCCESS && count > 3) answer = save(offsets, t_s, arguments[3]);
     sinew_offsets_free(offsets);
     sinew_robot_free(robot);

@@ -2,7 +2,7 @@
 //
 //     loop_cpp ROBOT_DIR BASELINE < samples
 //
-// Standard input as loop.c reads it. What is refused at construction throws with the sentence.
+// Standard input has the format of loop.c. A failed construction throws an exception with the error message.
 #include <sinew.hpp>
 
 #include <cstdio>
@@ -16,7 +16,7 @@
 
 namespace {
 
-/// Between two lines, s.
+/// Interval of the output, s.
 constexpr double PRINT_S = 10.0;
 
 std::string text_of(const char *path) {
@@ -25,14 +25,14 @@ std::string text_of(const char *path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Throws what a call answered, unless all is well.
+/// Throws an exception unless the status is OK.
 void need(sinew_status status, const char *what) {
     if (status != SINEW_STATUS_OK) throw sinew::error(status, std::string(what) + ": " + sinew_status_text(status));
 }
 
-/// Whether a sample was refused because a value of it is missing.
-bool lacks_something(sinew_status status) noexcept {
-    return status == SINEW_STATUS_REFUSED || status == SINEW_STATUS_NOT_FINITE;
+/// Whether a sample was rejected because a value is missing.
+bool is_incomplete(sinew_status status) noexcept {
+    return status == SINEW_STATUS_REJECTED || status == SINEW_STATUS_NOT_FINITE;
 }
 
 bool read(std::istream &robot, std::vector<double> &values) {
@@ -60,20 +60,20 @@ void run(const char *folder, const char *baseline) {
         before_s = t_s[0];
 
         // Realtime from here …
-        sinew_stepped became = SINEW_STEPPED_TAKEN;
+        sinew_stepped became = SINEW_STEPPED_ACCEPTED;
         const sinew_status stepped = offsets.step(dt_s, q_rad.data(), theta_rad.data(), nullptr, absent, &became);
         const sinew_status observed = observer.step(dt_s, q_rad.data(), theta_rad.data());
         const sinew_status observer_read = observer.delta_e(delta_e_rad.data());
         const sinew_status read_out = offsets.read(nullptr, of_joints.data());
         // … to here.
 
-        // A sample that lacks something is refused and changes nothing: the next one goes on.
-        if (!lacks_something(stepped)) need(stepped, "offsets");
-        if (!lacks_something(observed)) need(observed, "observer");
+        // An incomplete sample is rejected and leaves the estimate unchanged.
+        if (!is_incomplete(stepped)) need(stepped, "offsets");
+        if (!is_incomplete(observed)) need(observed, "observer");
         need(observer_read, "delta_e");
         need(read_out, "read");
 
-        // A recording is faster than a robot: here the loop waits. Beside a robot call start_worker() before the loop.
+        // A recording is faster than a robot: here the loop waits. On a robot, call start_worker() before the loop.
         if (stepped == SINEW_STATUS_OK && became == SINEW_STEPPED_BLOCK) need(offsets.work(), "work");
 
         if (t_s[0] - first_s < print_s) continue;
@@ -82,8 +82,8 @@ void run(const char *folder, const char *baseline) {
         for (std::size_t i = 0; i < n; ++i) {
             const sinew_offset &offset = of_joints[i];
             const double mean_mm = 1e3 * robot.elongation_m(i, offset.offset_rad);
-            const double deviation_mm = 1e3 * robot.elongation_m(i, offset.deviation_rad);
-            std::printf("  %s %+.3f ± %.3f mm", robot.joint_name(i).c_str(), mean_mm, 1.96 * deviation_mm);
+            const double std_mm = 1e3 * robot.elongation_m(i, offset.std_rad);
+            std::printf("  %s %+.3f ± %.3f mm", robot.joint_name(i).c_str(), mean_mm, 1.96 * std_mm);
             if (offset.provisional != SINEW_PROVISIONAL_NONE) std::printf(" (%s)", sinew_provisional_text(offset.provisional));
         }
         std::printf("\n");

@@ -17,7 +17,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     if std::env::args().any(|argument| argument == "--check") {
-        eprintln!("include/sinew.h is not what the sources give: run bindings/c/header/write");
+        eprintln!("include/sinew.h does not match the sources; run bindings/c/header/write");
         return ExitCode::FAILURE;
     }
     match std::fs::write(&header, written) {
@@ -40,5 +40,5 @@ fn written_header(here: &Path) -> Result<String, String> {
     bindings.write(&mut written);
     let written = String::from_utf8(written).map_err(|error| error.to_string())?;
     // A heading of Rust's pages, worded for C.
-    Ok(written.replace("// # Safety\n// ", "// The caller sees to it: "))
+    Ok(written.replace("// # Safety\n// ", "// Preconditions: "))
 }

@@ -12,155 +12,156 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Version of this interface: raised when a program compiled against an older header may no longer be right.
+// Version of this interface, incremented by changes that are incompatible with programs compiled against an older header.
 #define SINEW_ABI_VERSION 2
 
-// What a call returns.
+// Status of a call.
 typedef enum {
-    // It was done.
+    // Call completed without error.
     SINEW_STATUS_OK = 0,
-    // A pointer that must not be null is.
+    // A required pointer is null.
     SINEW_STATUS_NULL = 1,
-    // An array has another length than the robot has joints, or there is no such joint.
+    // The length of an array differs from the number of joints, or a joint index is out of range.
     SINEW_STATUS_LENGTH = 2,
     // An input is NaN or infinite. Nothing has changed.
     SINEW_STATUS_NOT_FINITE = 3,
-    // The time step is none. Nothing has changed.
+    // Invalid time step. Nothing has changed.
     SINEW_STATUS_TIME_STEP = 4,
-    // A sample cannot be used; what it lacks stands beside. Nothing has changed.
-    SINEW_STATUS_REFUSED = 5,
-    // A text or a value was refused; the sentence says why.
+    // Unusable sample; the step result names the reason. Nothing has changed.
+    SINEW_STATUS_REJECTED = 5,
+    // Invalid text or value; the message states the reason.
     SINEW_STATUS_INVALID = 6,
     // A text is not UTF-8.
     SINEW_STATUS_ENCODING = 7,
-    // The buffer is too short; the length needed stands beside.
+    // Buffer too short; the required length is returned.
     SINEW_STATUS_SHORT = 8,
     // An offset is provisional: the offsets cannot be saved now.
     SINEW_STATUS_PROVISIONAL = 9,
-    // Sinew has a fault of its own. The handle must only be freed.
+    // Internal error of Sinew. The handle may only be freed.
     SINEW_STATUS_PANIC = 10,
     // The worker was started or taken before. Nothing has changed.
     SINEW_STATUS_WORKER_TAKEN = 11,
-    // The system has no thread to give.
+    // The system could not create a thread.
     SINEW_STATUS_THREAD = 12,
 } sinew_status;
 
-// What became of a sample.
+// Result of a step.
 typedef enum {
-    // It was taken.
-    SINEW_STEPPED_TAKEN = 0,
-    // It was taken as the first one: at the start, or after a pause.
+    // Sample accepted by the estimator.
+    SINEW_STEPPED_ACCEPTED = 0,
+    // Accepted as the first sample, at the start or after a gap.
     SINEW_STEPPED_RESTARTED = 1,
-    // It was taken and completed a block of some 0.2 s, which the worker may take.
+    // Accepted; it completed a block of about 0.2 s for the worker.
     SINEW_STEPPED_BLOCK = 2,
-    // Refused: a joint position is missing or not finite.
+    // Rejected: a joint position is missing or not finite.
     SINEW_STEPPED_NO_JOINT_POSITION = 3,
-    // Refused: an elastic joint's motor position is missing or not finite.
+    // Rejected: the motor position of an elastic joint is missing or not finite.
     SINEW_STEPPED_NO_MOTOR_POSITION = 4,
-    // Refused: its time is not after that of the last sample taken.
+    // Rejected: its time is not after that of the last accepted sample.
     SINEW_STEPPED_NO_TIME_STEP = 5,
-    // Refused: a value is too large to be one.
+    // Rejected: a value is implausibly large.
     SINEW_STEPPED_OUT_OF_RANGE = 6,
 } sinew_stepped;
 
-// Why an offset is provisional: its interval is wide, or may still move by more than it states.
+// Reason for a provisional offset: its interval is wide, or may still change by more than it states.
 typedef enum {
-    // It is not: the offset is settled.
+    // Not provisional: the offset is settled.
     SINEW_PROVISIONAL_NONE = 0,
     // No window has been solved yet.
     SINEW_PROVISIONAL_STARTING = 1,
     // A step of this offset explains the newest blocks. The interval is the hull of both hypotheses.
     SINEW_PROVISIONAL_STEP = 2,
     // The window contains a change so late that it may be a contact that has not ended.
-    SINEW_PROVISIONAL_CHANGE_MAY_END = 3,
+    SINEW_PROVISIONAL_CHANGE_NEAR_END = 3,
     // Too many blocks are rejected as outliers for the remaining ones to be representative.
     SINEW_PROVISIONAL_REJECTED = 4,
-    // The window could not be solved: the estimate is the one before. `sinew_offsets_error` has the sentence.
-    SINEW_PROVISIONAL_REFUSED = 5,
+    // The window could not be solved: the estimate is the previous one. `sinew_offsets_error` returns the message.
+    SINEW_PROVISIONAL_NOT_SOLVED = 5,
 } sinew_provisional;
 
-// What the gripper holds.
+// Kind of the payload in the gripper.
 typedef enum {
-    // Something unknown: it is estimated along.
+    // Unknown payload, estimated jointly.
     SINEW_PAYLOAD_UNKNOWN = 0,
-    // Nothing.
+    // Gripper without a payload.
     SINEW_PAYLOAD_EMPTY = 1,
-    // A stated mass.
+    // Payload of specified mass.
     SINEW_PAYLOAD_STATED = 2,
 } sinew_payload;
 
-// An arm with the memory its pass needs. One thread at a time.
+// Arm with the workspace of the momentum terms. Not thread-safe: one thread at a time.
 typedef struct sinew_arm sinew_arm;
 
-// The observer of a robot. One thread at a time.
+// Observer of a robot. Not thread-safe: one thread at a time.
 typedef struct sinew_observer sinew_observer;
 
-// Offsets of a robot's tendons since a baseline: the control loop's side. One thread at a time.
+// Offsets of a robot's tendons since a baseline, for the control loop. Not thread-safe: one thread at a time.
 typedef struct sinew_offsets sinew_offsets;
 
-// A robot: joints, masses, stiffness, tendons. Never changes; may be read from several threads.
+// Robot: joints, masses, stiffness, tendons. Immutable; may be read from several threads.
 typedef struct sinew_robot sinew_robot;
 
-// The worker of offsets, which solves windows. One thread at a time, which may be another than that of its offsets.
+// Worker that solves the windows of offsets. One thread at a time, which may differ from that of the offsets.
 typedef struct sinew_worker sinew_worker;
 
-// What is known of a session.
+// Options of a session.
 typedef struct {
-    // What the gripper holds: a `sinew_payload`.
+    // Payload in the gripper, a `sinew_payload`.
     uint32_t payload;
-    // Its mass where it is stated, kg.
+    // Mass of a specified payload, kg.
     double payload_kg;
-    // How well that is known, one standard deviation, kg; NaN: 2 %.
-    double payload_deviation_kg;
-    // Temperature where samples do not carry it, °C; NaN: not stated.
+    // Standard deviation of the payload mass, kg; NaN: 2 %.
+    double payload_std_kg;
+    // Temperature for samples without one, °C; NaN: not specified.
     double temperature_c;
-    // How well that is known, one standard deviation, K; NaN: 2 K.
-    double temperature_deviation_k;
-    // Whether a motor torque that samples carry is used.
+    // Standard deviation of the temperature, K; NaN: 2 K.
+    double temperature_std_k;
+    // Whether the motor torque of samples is used.
     bool motor_torque;
-    // Whether ropes may creep within the session: not those of steel.
+    // Whether ropes may creep within the session; false for steel ropes.
     bool creep;
 } sinew_offsets_options;
 
-// What an answer states besides offsets. Times are in s since the first sample.
+// Estimate of all quantities except the offsets. Times are in s since the first sample.
 typedef struct {
-    // Blocks that the worker has taken.
+    // Number of blocks that the worker has processed.
     uint64_t blocks;
-    // Blocks that the loop has completed and that are neither in the answer nor dropped: one or two while the worker
-    // keeps up. Where it grows the answer is old.
+    // Number of completed blocks that are neither in the answer nor dropped: one or two while the worker keeps up. An
+    // increasing number means that the answer is outdated.
     uint64_t blocks_behind;
-    // Blocks that were dropped because the worker was late by more than ten seconds.
+    // Number of blocks dropped because the worker was late by more than ten seconds.
     uint64_t blocks_dropped;
-    // Middle of the last block taken, s; NaN before the first one.
+    // Midpoint of the last processed block, s; NaN before the first block.
     double time_s;
-    // Middle of the last block of the solution, s; NaN before the first one. The age is `time_s - solved_s`.
+    // Midpoint of the last block of the solution, s; NaN before the first solution. The age of the solution is `time_s - solved_s`.
     double solved_s;
-    // Probability, 0 to 1, that something touches the arm in the last block; 0 until a window has been solved.
+    // Probability, 0 to 1, of a contact in the last block; 0 until a window has been solved.
     double contact_probability;
-    // Probability, 0 to 1, of a constant external force at the tool, such as a hose; NaN where none was seen.
+    // Probability, 0 to 1, of a constant external force at the tool, such as a hose; NaN if none was detected.
     double external_force_probability;
-    // That force along the axes of the base, N, if it acts; the offsets account for it. NaN where none was seen.
+    // Estimated external force in the base frame, N, if it acts; the offsets account for it. NaN if none was detected.
     double external_force_n[3];
-    // One standard deviation each, N; NaN where none was seen.
-    double external_force_deviation_n[3];
+    // Standard deviation of each component of the external force, N; NaN if none was detected.
+    double external_force_std_n[3];
 } sinew_answer;
 
-// The offset of one joint's tendon.
+// Offset of the tendon of one joint.
 typedef struct {
-    // Posterior mean since the baseline, rad; NaN until a window has been solved, and of a rigid joint.
+    // Posterior mean since the baseline, rad; NaN until a window has been solved, and for a rigid joint.
     double offset_rad;
-    // One standard deviation, rad; NaN where the offset is. The 95 % interval is the offset ± 1.96 deviations.
-    double deviation_rad;
-    // What an unknown temperature, now or in the baseline, adds to the deviation, rad. The deviation contains it; 0
-    // where both are known, NaN of a rigid joint.
+    // Standard deviation of the offset, rad; NaN if the offset is NaN. The 95 % interval is the offset ± 1.96 times this
+    // value.
+    double std_rad;
+    // Contribution of an unknown temperature, now or in the baseline, to the standard deviation, rad, included in it; 0
+    // if both are specified, NaN for a rigid joint.
     double unknown_temperature_rad;
-    // Probability, 0 to 1, that the stiffness has changed since the baseline; NaN where that is not sought.
+    // Probability, 0 to 1, that the stiffness has changed since the baseline; NaN if it is not tested.
     double stiffness_changed_probability;
-    // Time of the step or of the change for which it is provisional, s since the first sample; NaN where there is none.
+    // Time of the step or change that makes the offset provisional, s since the first sample; NaN if there is none.
     double since_s;
-    // Posterior probability of a step, 0 to 1; NaN where none is suspected.
+    // Posterior probability of a step, 0 to 1; NaN if none is suspected.
     double step_probability;
-    // Why it is provisional.
+    // Reason for a provisional offset.
     sinew_provisional provisional;
 } sinew_offset;
 
@@ -178,126 +179,127 @@ uint32_t sinew_abi_version(void);
 // Realtime: yes.
 const char *sinew_version(void);
 
-// A status in words; never null, never freed. Of a number that is none: that.
+// Text of a status; never null, never freed. An invalid number also has a text.
 //
 // Realtime: yes.
 const char *sinew_status_text(int status);
 
-// Makes a robot from the texts of `robot.toml` and of a URDF. Free it with `sinew_robot_free`.
+// Creates a robot from the texts of `robot.toml` and of a URDF. Free it with `sinew_robot_free`.
 //
-// `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be null.
+// `reason` receives the error message, truncated to `why_len` bytes; it may be null.
 //
 // Realtime: no, it allocates.
 //
-// The caller sees to it: Texts end with a zero byte; `out` may be written; `why` is null or has room for `why_len` bytes.
+// Preconditions: Texts end with a zero byte; `out` may be written; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_robot_new(const char *robot_toml,
                              const char *urdf,
                              sinew_robot **out,
-                             char *why,
+                             char *reason,
                              size_t why_len);
 
-// Makes a robot from its folder, or from the path of its `robot.toml`. Free it with `sinew_robot_free`.
+// Creates a robot from its folder, or from the path of its `robot.toml`. Free it with `sinew_robot_free`.
 //
-// Realtime: no, it reads files.
+// Realtime: no, the function reads files.
 //
-// The caller sees to it: As `sinew_robot_new`.
-sinew_status sinew_robot_open(const char *place, sinew_robot **out, char *why, size_t why_len);
+// Preconditions: As `sinew_robot_new`.
+sinew_status sinew_robot_open(const char *place, sinew_robot **out, char *reason, size_t why_len);
 
-// Frees a robot; null is nothing. What was made from it goes on.
+// Frees a robot; null has no effect. Objects created from it remain valid.
 //
 // Realtime: no.
 //
-// The caller sees to it: `robot` is null or was made here and not freed before.
+// Preconditions: `robot` is null or was created here and not freed before.
 void sinew_robot_free(sinew_robot *robot);
 
-// How many joints a robot has; 0 of null.
+// Number of joints of a robot plus its additional tendons, such as a second strand at a joint; 0 for null.
+//
+// Arrays of samples and offsets have this number of entries. The joint position of an additional tendon is 0.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `robot` is null or a robot.
+// Preconditions: `robot` is null or a robot.
 size_t sinew_robot_joints(const sinew_robot *robot);
 
-// Name of a joint, as long as the robot is there; null where there is none.
+// Name of a joint, valid as long as the robot; null if there is no such joint.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `robot` is null or a robot.
+// Preconditions: `robot` is null or a robot.
 const char *sinew_robot_joint_name(const sinew_robot *robot, size_t joint);
 
-// Name of the tendon that a joint is paired with, as long as the robot is there: the joint's own, unless `robot.toml` has
-// `[[tendons]]`; null where there is no such joint.
+// Name of the tendon of a joint, valid as long as the robot: the name of the joint, unless `robot.toml` has
+// `[[tendons]]`; null if there is no such joint.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `robot` is null or a robot.
-const char *sinew_robot_tendon_name(const sinew_robot *robot,
-                                    size_t joint);
+// Preconditions: `robot` is null or a robot.
+const char *sinew_robot_tendon_name(const sinew_robot *robot, size_t joint);
 
-// Name of the motor of that tendon. Positions and torques of a motor with a name of its own are those at its shaft.
+// Name of the motor of a joint's tendon. Positions and torques of a separately named motor refer to its shaft.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `robot` is null or a robot.
+// Preconditions: `robot` is null or a robot.
 const char *sinew_robot_motor_name(const sinew_robot *robot,
                                    size_t joint);
 
-// Index of a joint by its name.
+// Finds the index of a joint by its name.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `robot` is null or a robot; `name` ends with a zero byte; `out` is null or may be written.
+// Preconditions: `robot` is null or a robot; `name` ends with a zero byte; `out` is null or may be written.
 sinew_status sinew_robot_joint_index(const sinew_robot *robot, const char *name, size_t *out);
 
-// Elongation of a joint's tendon, m, for an offset, rad; NaN where there is no tendon.
+// Elongation of a joint's tendon, m, for an offset, rad; NaN if the joint has no tendon.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `robot` is null or a robot.
+// Preconditions: `robot` is null or a robot.
 double sinew_robot_elongation_m(const sinew_robot *robot, size_t joint, double offset_rad);
 
-// Nothing stated: an unknown payload, temperatures as samples carry them, motor torque used, ropes that may creep.
+// Default options: unknown payload, temperature from the samples, motor torque used, creep allowed.
 //
 // Realtime: yes.
 sinew_offsets_options sinew_offsets_options_default(void);
 
-// Makes the offsets of a robot since a baseline: the text of the file that `sinew baseline` writes. Free them with
+// Creates the offsets of a robot since a baseline, given as the text of a file of `sinew baseline`. Free them with
 // `sinew_offsets_free`; the robot may be freed before.
 //
-// `baseline` may be null: offsets are then against the zero of the encoders. `options` may be null: nothing is stated.
-// `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be null.
+// `baseline` may be null: offsets then refer to the encoder zero. `options` may be null: the defaults apply. `reason`
+// receives the error message, truncated to `why_len` bytes; it may be null.
 //
-// Nothing is solved until a worker works. It is driven by `sinew_offsets_start_worker`, `sinew_offsets_work` or
+// Windows are solved by the worker only, which is run by `sinew_offsets_start_worker`, `sinew_offsets_work` or
 // `sinew_offsets_take_worker`.
 //
-// Realtime: no, it allocates: all memory that the loop ever needs.
+// Realtime: no, it allocates all memory of the loop.
 //
-// The caller sees to it: `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
-// written; `why` is null or has room for `why_len` bytes.
+// Preconditions: `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
+// written; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_offsets_new(const sinew_robot *robot,
                                const char *baseline,
                                const sinew_offsets_options *options,
                                sinew_offsets **out,
-                               char *why,
+                               char *reason,
                                size_t why_len);
 
-// Frees offsets; null is nothing. Where `sinew_offsets_start_worker` started a thread, it ends the thread and waits for
-// the solution under way.
+// Frees offsets; null has no effect. A thread started by `sinew_offsets_start_worker` is stopped, after its present
+// solution.
 //
 // Realtime: no.
 //
-// The caller sees to it: `offsets` is null or was made here and not freed before.
+// Preconditions: `offsets` is null or was created by `sinew_offsets_new` and not freed before.
 void sinew_offsets_free(sinew_offsets *offsets);
 
-// Takes a sample, `dt_s` after the one before; of the first that does not matter.
+// Adds a sample, `dt_s` after the previous one; ignored for the first sample.
 //
 // `q_rad`, `theta_rad`: joint and motor positions, rad, `joints` each, in the robot's order. `tau_m_nm`: motor torques,
-// N·m, or null; `temperature_c`: °C, NaN where it is not known. `stepped`, which may be null, gets what became of it. A
-// sample that lacks something is refused with `SINEW_STATUS_REFUSED` and changes nothing. Its time has passed all the
-// same: the next `dt_s` counts from it.
+// N·m, or null; `temperature_c`: °C, NaN if not measured. `stepped`, which may be null, receives the result of the
+// step. An incomplete sample is rejected with `SINEW_STATUS_REJECTED` and leaves the estimate unchanged. The clock still
+// advances: the next `dt_s` counts from this sample.
 //
 // Realtime: yes. No allocation, lock, wait, log or clock.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile; arrays have `joints` numbers; `stepped` is null or may be written.
+// Preconditions: `offsets` is not used concurrently; arrays have `joints` numbers; `stepped` is null or may be written.
 sinew_status sinew_offsets_step(sinew_offsets *offsets,
                                 double dt_s,
                                 const double *q_rad,
@@ -307,103 +309,103 @@ sinew_status sinew_offsets_step(sinew_offsets *offsets,
                                 size_t joints,
                                 sinew_stepped *stepped);
 
-// The next sample does not go on where the last one was: the filters start anew, what is known stays.
+// Marks a gap before the next sample: the filters are re-initialised, the estimates are kept.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile.
+// Preconditions: `offsets` is not used concurrently.
 sinew_status sinew_offsets_interrupt(sinew_offsets *offsets);
 
 // Reads the latest answer of the worker: `answer`, and the offset of every joint in `of_joints`, in the robot's order.
 //
 // Either may be null. Both come from the same answer, while two calls may come from two. `joints` is the number of the
-// robot's joints, else the status is `SINEW_STATUS_LENGTH`. A rigid joint's numbers are NaN.
+// robot's joints, else the status is `SINEW_STATUS_LENGTH`. The values of a rigid joint are NaN.
 //
-// Realtime: yes. No allocation, lock, wait, log or clock. It is for the thread that steps, as it takes the answer out of
-// a triple buffer.
+// Realtime: yes. No allocation, lock, wait, log or clock. Call it in the thread that steps, because it takes the
+// answer from a triple buffer.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile; `answer` is null or may be written; `of_joints` is null or has room for
+// Preconditions: `offsets` is not used concurrently; `answer` is null or may be written; `of_joints` is null or has room for
 // `joints` offsets.
 sinew_status sinew_offsets_read(sinew_offsets *offsets,
                                 sinew_answer *answer,
                                 sinew_offset *of_joints,
                                 size_t joints);
 
-// Why an offset is provisional, in a word or two, such as `step`; never null, never freed. Of a number that is no
-// `sinew_provisional`: `unknown`.
+// Short name of the reason for a provisional offset, such as `step`; never null, never freed. For an invalid number:
+// `unknown`.
 //
 // Realtime: yes.
 const char *sinew_provisional_text(int provisional);
 
-// Starts a thread that works until the offsets are freed: it takes blocks and solves windows. Once, before the loop.
+// Starts a thread that processes blocks and solves windows until the offsets are freed. Call it once, before the loop.
 //
-// The thread inherits the scheduling policy and priority of the one that calls: call it before the loop's thread becomes
-// a realtime one. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before. `SINEW_STATUS_THREAD`: the system
-// has no thread to give, and the worker is as before.
+// The thread inherits the scheduling policy and priority of the calling thread: call it before that thread becomes
+// a realtime thread. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before. `SINEW_STATUS_THREAD`: the system
+// could not create a thread, and the worker is unchanged.
 //
 // Realtime: no.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile.
+// Preconditions: `offsets` is not used concurrently.
 sinew_status sinew_offsets_start_worker(sinew_offsets *offsets);
 
-// Takes all blocks that are ready and solves the window where that is due, in the thread that calls: some hundredths of
-// a second every 2 s of samples.
+// Processes all completed blocks and solves the window if due, in the calling thread. A solution takes some hundredths
+// of a second, every 2 s of samples.
 //
-// For a program of a single thread, between samples. Beside a loop in another thread use `sinew_offsets_start_worker` or
+// For single-threaded programs, between samples. For a loop in another thread use `sinew_offsets_start_worker` or
 // `sinew_offsets_take_worker`. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 //
 // Realtime: no.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile.
+// Preconditions: `offsets` is not used concurrently.
 sinew_status sinew_offsets_work(sinew_offsets *offsets);
 
-// Takes the worker out, for a thread of the caller's own: `sinew_worker_work` in it, while the loop's thread uses the
+// Takes the worker, for a thread of the caller that calls `sinew_worker_work` while the thread of the loop uses the
 // offsets. Free it with `sinew_worker_free`, before or after the offsets.
 //
 // `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 //
 // Realtime: no.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile; `out` is null or may be written.
+// Preconditions: `offsets` is not used concurrently; `out` is null or may be written.
 sinew_status sinew_offsets_take_worker(sinew_offsets *offsets,
                                        sinew_worker **out);
 
-// Takes all blocks that are ready and solves the window where that is due: some hundredths of a second every 2 s of
-// samples. Call it some fifty times a second, such as with a pause of 20 ms between calls.
+// Processes all completed blocks and solves the window if due, which takes some hundredths of a second, every 2 s of
+// samples. Call it about fifty times a second, for example with a pause of 20 ms between calls.
 //
-// After its offsets were freed it does nothing more.
+// After its offsets were freed it has no effect.
 //
 // Realtime: no.
 //
-// The caller sees to it: `worker` is used by nobody else meanwhile; its offsets may be.
+// Preconditions: `worker` is not used concurrently; its offsets may be.
 sinew_status sinew_worker_work(sinew_worker *worker);
 
-// Frees a worker; null is nothing. Its offsets then keep their last answer, and blocks are dropped and counted.
+// Frees a worker; null has no effect. Its offsets then keep their last answer, and blocks are dropped and counted.
 //
 // Realtime: no.
 //
-// The caller sees to it: `worker` is null or was taken from offsets and not freed before.
+// Preconditions: `worker` is null or was taken from offsets and not freed before.
 void sinew_worker_free(sinew_worker *worker);
 
-// Why the window could not be solved last time: the sentence goes to `why`, cut at `why_len` bytes. It is empty where
-// the window was solved, or has never been tried.
+// Reason why the last window could not be solved: the message is written to `reason`, truncated to `why_len` bytes. It is
+// empty if the last window was solved or none has been tried.
 //
 // Realtime: no, it may wait for the worker.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile; `why` is null or has room for `why_len` bytes.
+// Preconditions: `offsets` is not used concurrently; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_offsets_error(const sinew_offsets *offsets,
-                                 char *why,
+                                 char *reason,
                                  size_t why_len);
 
-// Writes the last solution as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
+// Writes the last solution to `text` as a zero-terminated baseline, which serves as the baseline of the next session.
 //
-// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero
-// included; it may be null. With `text` null or `capacity` too small nothing is written and the status is
+// `recording` names this session, which ended at `end_time_ns` of its clock. `length` receives the required bytes,
+// including the zero; it may be null. With `text` null or `capacity` too small nothing is written and the status is
 // `SINEW_STATUS_SHORT`. While an offset is provisional the status is `SINEW_STATUS_PROVISIONAL`.
 //
 // Realtime: no, it allocates and may wait for the worker.
 //
-// The caller sees to it: `offsets` is used by nobody else meanwhile; `recording` ends with a zero byte; `text` is null or has room for
+// Preconditions: `offsets` is not used concurrently; `recording` ends with a zero byte; `text` is null or has room for
 // `capacity` bytes; `length` is null or may be written.
 sinew_status sinew_offsets_save(sinew_offsets *offsets,
                                 const char *recording,
@@ -412,34 +414,34 @@ sinew_status sinew_offsets_save(sinew_offsets *offsets,
                                 size_t capacity,
                                 size_t *length);
 
-// Makes an observer: gain `K_I`, 1/s (20 serves most encoders), and the cut-off of the velocity filter, rad/s (40). Free it
-// with `sinew_observer_free`; the robot may be freed before.
+// Creates an observer with gain `K_I`, 1/s (20 suits most encoders), and cut-off of the velocity filter, rad/s (40). Free
+// it with `sinew_observer_free`; the robot may be freed before.
 //
-// Realtime: no, it allocates: all memory that is ever needed.
+// Realtime: no, it allocates all memory of the observer.
 //
-// The caller sees to it: `robot` is a robot; `out` may be written; `why` is null or has room for `why_len` bytes.
+// Preconditions: `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_observer_new(const sinew_robot *robot,
                                 double gain_per_s,
                                 double cutoff_rad_per_s,
                                 sinew_observer **out,
-                                char *why,
+                                char *reason,
                                 size_t why_len);
 
-// Frees an observer; null is nothing.
+// Frees an observer; null has no effect.
 //
 // Realtime: no.
 //
-// The caller sees to it: `observer` is null or was made here and not freed before.
+// Preconditions: `observer` is null or was created by `sinew_observer_new` and not freed before.
 void sinew_observer_free(sinew_observer *observer);
 
-// Steps by `dt_s` to a sample; the first one only starts the filters and doesn't look at `dt_s`.
+// Advances the observer by `dt_s` to a sample; the first sample initialises the filters and ignores `dt_s`.
 //
-// `q_rad`, `theta_rad`: `joints` each. `tau_ext_nm`: the known external torque, or null. A sample that is refused changes
-// nothing.
+// `q_rad`, `theta_rad`: `joints` each. `tau_ext_nm`: measured external torque, or null. A rejected sample leaves the
+// observer unchanged.
 //
 // Realtime: yes. No allocation, lock, log or clock.
 //
-// The caller sees to it: `observer` is used by nobody else meanwhile; arrays have `joints` numbers.
+// Preconditions: `observer` is not used concurrently; arrays have `joints` numbers.
 sinew_status sinew_observer_step(sinew_observer *observer,
                                  double dt_s,
                                  const double *q_rad,
@@ -447,53 +449,53 @@ sinew_status sinew_observer_step(sinew_observer *observer,
                                  const double *tau_ext_nm,
                                  size_t joints);
 
-// The next sample is a start: after a gap.
+// Marks a gap: the next sample re-initialises the filters.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `observer` is used by nobody else meanwhile.
+// Preconditions: `observer` is not used concurrently.
 sinew_status sinew_observer_reset(sinew_observer *observer);
 
-// Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN of a rigid one.
+// Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN for a rigid joint.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `observer` is an observer; `delta_e_rad` has room for `joints` numbers.
+// Preconditions: `observer` is an observer; `delta_e_rad` has room for `joints` numbers.
 sinew_status sinew_observer_delta_e(const sinew_observer *observer, double *delta_e_rad, size_t joints);
 
 // Elastic torque of every joint, N·m.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `observer` is an observer; `tau_el_nm` has room for `joints` numbers.
+// Preconditions: `observer` is an observer; `tau_el_nm` has room for `joints` numbers.
 sinew_status sinew_observer_tau_el(const sinew_observer *observer, double *tau_el_nm, size_t joints);
 
-// Whether the start has faded to a thousandth; false of null.
+// Whether the initial transient has decayed to a thousandth; false for null.
 //
 // Realtime: yes.
 //
-// The caller sees to it: `observer` is null or an observer.
+// Preconditions: `observer` is null or an observer.
 bool sinew_observer_is_settled(const sinew_observer *observer);
 
-// Makes an arm with its workspace. Free it with `sinew_arm_free`; the robot may be freed before.
+// Creates an arm with its workspace. Free it with `sinew_arm_free`; the robot may be freed before.
 //
 // Realtime: no, it allocates.
 //
-// The caller sees to it: `robot` is a robot; `out` may be written; `why` is null or has room for `why_len` bytes.
-sinew_status sinew_arm_new(const sinew_robot *robot, sinew_arm **out, char *why, size_t why_len);
+// Preconditions: `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
+sinew_status sinew_arm_new(const sinew_robot *robot, sinew_arm **out, char *reason, size_t why_len);
 
-// Frees an arm; null is nothing.
+// Frees an arm; null has no effect.
 //
 // Realtime: no.
 //
-// The caller sees to it: `arm` is null or was made here and not freed before.
+// Preconditions: `arm` is null or was created by `sinew_arm_new` and not freed before.
 void sinew_arm_free(sinew_arm *arm);
 
-// Momentum terms: `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
+// Computes the momentum terms `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
 //
 // Realtime: yes. One pass over the joints.
 //
-// The caller sees to it: `arm` is used by nobody else meanwhile; arrays have `joints` numbers.
+// Preconditions: `arm` is not used concurrently; arrays have `joints` numbers.
 sinew_status sinew_arm_momentum(sinew_arm *arm,
                                 const double *q_rad,
                                 const double *dq_rad_s,

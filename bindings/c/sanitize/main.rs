@@ -1,5 +1,5 @@
-//! A million steps through the C interface, where RealtimeSanitizer ends the program at the first allocation or lock:
-//! `sinew-c-sanitize ROBOT_DIR BASELINE`, and with `--allocate` behind, to see it end.
+//! A million steps through the C interface. RealtimeSanitizer terminates the program at the first allocation or lock.
+//! Usage: `sinew-c-sanitize ROBOT_DIR BASELINE [--allocate]`; with `--allocate` one step allocates, to test the sanitizer.
 
 #![feature(sanitize)]
 
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 const STEPS: u32 = 1_000_000;
 const DT_S: f64 = 1e-3;
-/// So long the loop waits for the worker, outside of its cycles; later it is late, and blocks are dropped.
+/// Number of initial steps in which the loop waits for the worker between cycles; later blocks are dropped.
 const WAITS: u32 = 60_000;
 
 struct Loop {
@@ -29,7 +29,7 @@ struct Loop {
     of_joints: Vec<MaybeUninit<SinewOffset>>,
 }
 
-/// One cycle at `t`: what a control loop would do.
+/// Executes one cycle of a control loop at time `t`, s.
 #[sanitize(realtime = "nonblocking")]
 fn cycle(state: &mut Loop, t: f64, allocate: bool) -> f64 {
     for (i, (q, theta)) in state.q.iter_mut().zip(&mut state.theta).enumerate() {
@@ -37,7 +37,7 @@ fn cycle(state: &mut Loop, t: f64, allocate: bool) -> f64 {
         *theta = *q + 0.01 * (0.3 * t).sin();
     }
     let (q, theta, n) = (state.q.as_ptr(), state.theta.as_ptr(), state.q.len());
-    // SAFETY: handles that are there, arrays of `n` numbers; what is read was written.
+    // SAFETY: valid handles, arrays of `n` numbers; values are written before they are read.
     let mut mean = unsafe {
         sinew_offsets_step(state.offsets, DT_S, q, theta, null(), f64::NAN, n, null_mut());
         sinew_observer_step(state.observer, DT_S, q, theta, null(), n);
@@ -87,7 +87,7 @@ fn main() {
         state.q = vec![0.0; sinew_robot_joints(robot)];
         state.theta = state.q.clone();
         state.of_joints = vec![MaybeUninit::uninit(); state.q.len()];
-        // It solves meanwhile, and is late: blocks are dropped.
+        // The worker solves concurrently and falls behind: blocks are dropped.
         assert_eq!(sinew_offsets_start_worker(state.offsets), Status::Ok);
     }
     let (mut last_rad, mut longest) = (f64::NAN, Duration::ZERO);

@@ -1,12 +1,12 @@
-//! From pointers of C to references, and from sentences to buffers.
+//! Conversion of C pointers to references, and of messages to buffers.
 
 use crate::status::Status;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Runs a call; a panic becomes a status.
+/// Runs a call and converts a panic to a status.
 pub(crate) fn guarded(call: impl FnOnce() -> Result<(), Status>) -> Status {
-    // What a panic left half done is only freed afterwards.
+    // A handle in an inconsistent state after a panic may only be freed.
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(())) => Status::Ok,
         Ok(Err(status)) => status,
@@ -14,39 +14,39 @@ pub(crate) fn guarded(call: impl FnOnce() -> Result<(), Status>) -> Status {
     }
 }
 
-/// A text of the caller.
+/// Reads a text of the caller.
 ///
 /// # Safety
-/// `text` is null or ends with a zero byte, and stays as it is during the call.
+/// `text` is null or ends with a zero byte, and does not change during the call.
 pub(crate) unsafe fn text<'a>(text: *const c_char) -> Result<&'a str, Status> {
     if text.is_null() {
         return Err(Status::Null);
     }
-    // SAFETY: not null, and the caller's promise.
+    // SAFETY: not null, and guaranteed by the caller.
     unsafe { CStr::from_ptr(text) }
         .to_str()
         .map_err(|_| Status::Encoding)
 }
 
-/// A handle of the caller.
+/// Borrows a handle of the caller.
 ///
 /// # Safety
-/// `handle` is null or was given out by a constructor and not freed.
+/// `handle` is null or was created by a constructor and not freed.
 pub(crate) unsafe fn shared<'a, T>(handle: *const T) -> Result<&'a T, Status> {
-    // SAFETY: the caller's promise; null becomes a status.
+    // SAFETY: guaranteed by the caller; null becomes a status.
     unsafe { handle.as_ref() }.ok_or(Status::Null)
 }
 
-/// A handle of the caller that is changed.
+/// Borrows a handle of the caller mutably.
 ///
 /// # Safety
-/// As [`shared`], and nobody else uses it during the call.
+/// As [`shared`], and the handle is not used concurrently.
 pub(crate) unsafe fn unique<'a, T>(handle: *mut T) -> Result<&'a mut T, Status> {
-    // SAFETY: the caller's promise; null becomes a status.
+    // SAFETY: guaranteed by the caller; null becomes a status.
     unsafe { handle.as_mut() }.ok_or(Status::Null)
 }
 
-/// An array of the caller.
+/// Borrows an array of the caller.
 ///
 /// # Safety
 /// `values` is null or points to `length` numbers.
@@ -54,11 +54,11 @@ pub(crate) unsafe fn array<'a>(values: *const f64, length: usize) -> Result<&'a 
     if values.is_null() {
         return Err(Status::Null);
     }
-    // SAFETY: not null, and the caller's promise.
+    // SAFETY: not null, and guaranteed by the caller.
     Ok(unsafe { std::slice::from_raw_parts(values, length) })
 }
 
-/// An array of the caller that may be left out.
+/// Borrows an optional array of the caller; null is an empty slice.
 ///
 /// # Safety
 /// As [`array`].
@@ -67,7 +67,7 @@ pub(crate) unsafe fn optional<'a>(values: *const f64, length: usize) -> &'a [f64
     unsafe { array(values, length) }.unwrap_or(&[])
 }
 
-/// An array of the caller that is filled with `from`.
+/// Copies `from` into an array of the caller.
 ///
 /// # Safety
 /// `into` is null or has room for as many numbers as `from` has.
@@ -75,52 +75,52 @@ pub(crate) unsafe fn fill(into: *mut f64, from: &[f64]) -> Result<(), Status> {
     if into.is_null() {
         return Err(Status::Null);
     }
-    // SAFETY: not null, and the caller's promise; what a handle holds is not the caller's array.
+    // SAFETY: not null, and guaranteed by the caller; what a handle holds is not the caller's array.
     unsafe { std::ptr::copy_nonoverlapping(from.as_ptr(), into, from.len()) };
     Ok(())
 }
 
-/// A place of the caller that gets a value, unless it is null.
+/// Writes a value to a pointer of the caller, unless it is null.
 ///
 /// # Safety
 /// `place` is null or may be written.
 pub(crate) unsafe fn put<T>(place: *mut T, value: T) {
     if !place.is_null() {
-        // SAFETY: not null, and the caller's promise; what was there is not dropped.
+        // SAFETY: not null, and guaranteed by the caller; what was there is not dropped.
         unsafe { place.write(value) };
     }
 }
 
-/// Gives a handle out.
+/// Creates a handle and passes its ownership to the caller.
 ///
 /// # Safety
 /// `out` is null or may be written.
 pub(crate) unsafe fn give<T>(
     out: *mut *mut T,
-    make: impl FnOnce() -> Result<T, Refusal>,
-) -> Result<(), Refusal> {
+    make: impl FnOnce() -> Result<T, CallError>,
+) -> Result<(), CallError> {
     if out.is_null() {
         return Err(Status::Null.into());
     }
     let handle = Box::into_raw(Box::new(make()?));
-    // SAFETY: not null, and the caller's promise.
+    // SAFETY: not null, and guaranteed by the caller.
     unsafe { out.write(handle) };
     Ok(())
 }
 
-/// Takes a handle back; null is nothing.
+/// Frees a handle; null has no effect.
 ///
 /// # Safety
-/// `handle` is null or was given out by [`give`] and not taken back before.
+/// `handle` is null or was created by [`give`] and not freed before.
 pub(crate) unsafe fn take<T>(handle: *mut T) {
     if !handle.is_null() {
-        // SAFETY: made by `Box::into_raw`, and the caller's promise. A drop that panics would be caught.
+        // SAFETY: made by `Box::into_raw`, and guaranteed by the caller. A drop that panics would be caught.
         let boxed = unsafe { Box::from_raw(handle) };
         let _ = catch_unwind(AssertUnwindSafe(move || drop(boxed)));
     }
 }
 
-/// Writes a text into a buffer of the caller, cut at `room` bytes with its zero.
+/// Writes a text into a buffer of the caller, truncated to `room` bytes including the final zero.
 ///
 /// # Safety
 /// `into` is null or has room for `room` bytes.
@@ -129,62 +129,62 @@ pub(crate) unsafe fn write(into: *mut c_char, room: usize, text: &str) {
         return;
     }
     let mut end = text.len().min(room - 1);
-    // Never half a letter.
+    // A truncated text ends at a character boundary.
     while !text.is_char_boundary(end) {
         end -= 1;
     }
-    // SAFETY: `end + 1` bytes at most `room`; the caller's promise.
+    // SAFETY: `end + 1` bytes at most `room`; guaranteed by the caller.
     unsafe {
         std::ptr::copy_nonoverlapping(text.as_ptr().cast(), into, end);
         into.add(end).write(0);
     }
 }
 
-/// Why a constructor refused.
-pub(crate) enum Refusal {
-    /// By a status alone.
+/// Error of a constructor.
+pub(crate) enum CallError {
+    /// Error described by its status.
     Status(Status),
-    /// With a sentence.
-    Sentence(String),
+    /// Invalid input, with a message.
+    Message(String),
 }
 
-impl From<Status> for Refusal {
+impl From<Status> for CallError {
     fn from(status: Status) -> Self {
         Self::Status(status)
     }
 }
 
-impl<E: std::error::Error> From<E> for Refusal {
+impl<E: std::error::Error> From<E> for CallError {
     fn from(error: E) -> Self {
-        Self::Sentence(error.to_string())
+        Self::Message(error.to_string())
     }
 }
 
-/// Runs a call that may refuse with a sentence, which goes to `why`, cut at `why_len` bytes with its zero.
+/// Runs a call and writes its error message to `reason`, truncated to `why_len` bytes including the final zero.
 ///
 /// # Safety
-/// `why` is null or has room for `why_len` bytes.
+/// `reason` is null or has room for `why_len` bytes.
 pub(crate) unsafe fn explained(
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
-    call: impl FnOnce() -> Result<(), Refusal>,
+    call: impl FnOnce() -> Result<(), CallError>,
 ) -> Status {
-    let mut sentence = String::new();
+    let mut message = String::new();
     let status = guarded(|| {
-        call().map_err(|refusal| match refusal {
-            Refusal::Status(status) => status,
-            Refusal::Sentence(words) => {
-                sentence = words;
+        call().map_err(|error| match error {
+            CallError::Status(status) => status,
+            CallError::Message(text) => {
+                message = text;
                 Status::Invalid
             }
         })
     });
-    // Never without a sentence.
-    if sentence.is_empty() && status != Status::Ok {
-        sentence = status.text().to_string_lossy().into_owned();
+    // Every error has a message.
+    if message.is_empty() && status != Status::Ok {
+        message = status.text().to_string_lossy().into_owned();
     }
-    // SAFETY: the caller's promise.
-    unsafe { write(why, why_len, &sentence) };
+    // SAFETY: guaranteed by the caller.
+    unsafe { write(reason, why_len, &message) };
     status
 }
 
@@ -194,9 +194,9 @@ mod tests {
     use crate::status::Status;
 
     #[test]
-    fn a_panic_is_a_status() {
+    fn panic_becomes_status() {
         assert_eq!(guarded(|| panic!("as if")), Status::Panic);
-        // SAFETY: no room is stated.
+        // SAFETY: the length of the buffer is zero.
         let status = unsafe { explained(std::ptr::null_mut(), 0, || panic!("as if")) };
         assert_eq!(status, Status::Panic);
     }

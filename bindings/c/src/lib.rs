@@ -1,17 +1,17 @@
-//! The C interface: opaque handles made from texts, stepped in a control loop.
+//! C interface of Sinew: opaque handles, created from texts and stepped in a control loop.
 //!
-//! The one crate of Sinew with unsafe code: pointers of the caller are checked for null, lengths are compared, and
-//! everything else is the caller's promise, stated at each function. Nothing is computed here.
+//! The only crate of Sinew with unsafe code: pointers of the caller are checked for null, lengths are compared, and
+//! everything else is guaranteed by the caller, stated at each function. The crate contains no computations.
 //!
-//! Every function says its realtime class. Constructors allocate and may fail with a sentence; steps allocate, lock and
-//! log nothing. A panic, which would be a fault of Sinew, becomes `Status::Panic` and never crosses into C.
+//! Every function states its realtime class. Constructors allocate and may fail with a message; steps do not allocate,
+//! lock or log. A panic, which indicates a defect of Sinew, becomes `Status::Panic` and never crosses into C.
 //!
 //! Reading order: [`status`], `borrow` (pointers to references), [`robot`], [`offsets`], [`observer`], [`momentum`].
-//! `include/sinew.h` is made from this by `header/`.
+//! `header/` generates `include/sinew.h` from this crate.
 
 // Pointers come from C.
 #![allow(unsafe_code)]
-// Each unsafe block says why it may.
+// Each unsafe block states its justification.
 #![warn(clippy::undocumented_unsafe_blocks)]
 
 mod borrow;

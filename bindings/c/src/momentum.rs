@@ -1,60 +1,60 @@
-//! The momentum pass of an arm.
+//! Momentum terms of an arm.
 
-use crate::borrow::{Refusal, array, explained, fill, give, guarded, shared, take, unique};
+use crate::borrow::{CallError, array, explained, fill, give, guarded, shared, take, unique};
 use crate::robot::SinewRobot;
 use crate::status::Status;
 use sinew_model::arm::{Arm, ArmWorkspace};
 use std::ffi::c_char;
 
-/// An arm with the memory its pass needs. One thread at a time.
+/// Arm with the workspace of the momentum terms. Not thread-safe: one thread at a time.
 pub struct SinewArm {
     arm: Arm,
     workspace: ArmWorkspace,
 }
 
-/// Makes an arm with its workspace. Free it with `sinew_arm_free`; the robot may be freed before.
+/// Creates an arm with its workspace. Free it with `sinew_arm_free`; the robot may be freed before.
 ///
 /// Realtime: no, it allocates.
 ///
 /// # Safety
-/// `robot` is a robot; `out` may be written; `why` is null or has room for `why_len` bytes.
+/// `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_arm_new(
     robot: *const SinewRobot,
     out: *mut *mut SinewArm,
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        explained(why, why_len, || {
+        explained(reason, why_len, || {
             give(out, || {
                 let arm = shared(robot)?.robot.arm.clone();
                 let workspace = ArmWorkspace::new(&arm);
-                Ok::<_, Refusal>(SinewArm { arm, workspace })
+                Ok::<_, CallError>(SinewArm { arm, workspace })
             })
         })
     }
 }
 
-/// Frees an arm; null is nothing.
+/// Frees an arm; null has no effect.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `arm` is null or was made here and not freed before.
+/// `arm` is null or was created by `sinew_arm_new` and not freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_arm_free(arm: *mut SinewArm) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { take(arm) }
 }
 
-/// Momentum terms: `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
+/// Computes the momentum terms `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
 ///
 /// Realtime: yes. One pass over the joints.
 ///
 /// # Safety
-/// `arm` is used by nobody else meanwhile; arrays have `joints` numbers.
+/// `arm` is not used concurrently; arrays have `joints` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_arm_momentum(
     arm: *mut SinewArm,
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn sinew_arm_momentum(
     g: *mut f64,
     joints: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on; as many results as joints.
+    // SAFETY: guaranteed by the caller; as many results as joints.
     guarded(|| unsafe {
         let SinewArm { arm, workspace } = unique(arm)?;
         let (q, dq) = (array(q_rad, joints)?, array(dq_rad_s, joints)?);

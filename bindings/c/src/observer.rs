@@ -1,4 +1,4 @@
-//! The paper's observer: elastic torque and offset of every joint, sample by sample.
+//! Observer of the paper: elastic torque and offset of every joint, per sample.
 
 use crate::borrow::{array, explained, fill, give, guarded, shared, take, unique};
 use crate::robot::SinewRobot;
@@ -6,28 +6,28 @@ use crate::status::Status;
 use sinew_model::offset::{OffsetConfig, OffsetObserver, Sample, VelocityFilter};
 use std::ffi::c_char;
 
-/// The observer of a robot. One thread at a time.
+/// Observer of a robot. Not thread-safe: one thread at a time.
 pub struct SinewObserver(OffsetObserver);
 
-/// Makes an observer: gain `K_I`, 1/s (20 serves most encoders), and the cut-off of the velocity filter, rad/s (40). Free it
-/// with `sinew_observer_free`; the robot may be freed before.
+/// Creates an observer with gain `K_I`, 1/s (20 suits most encoders), and cut-off of the velocity filter, rad/s (40). Free
+/// it with `sinew_observer_free`; the robot may be freed before.
 ///
-/// Realtime: no, it allocates: all memory that is ever needed.
+/// Realtime: no, it allocates all memory of the observer.
 ///
 /// # Safety
-/// `robot` is a robot; `out` may be written; `why` is null or has room for `why_len` bytes.
+/// `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_observer_new(
     robot: *const SinewRobot,
     gain_per_s: f64,
     cutoff_rad_per_s: f64,
     out: *mut *mut SinewObserver,
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        explained(why, why_len, || {
+        explained(reason, why_len, || {
             give(out, || {
                 let robot = &shared(robot)?.robot;
                 let config = OffsetConfig {
@@ -42,27 +42,27 @@ pub unsafe extern "C" fn sinew_observer_new(
     }
 }
 
-/// Frees an observer; null is nothing.
+/// Frees an observer; null has no effect.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `observer` is null or was made here and not freed before.
+/// `observer` is null or was created by `sinew_observer_new` and not freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_observer_free(observer: *mut SinewObserver) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { take(observer) }
 }
 
-/// Steps by `dt_s` to a sample; the first one only starts the filters and doesn't look at `dt_s`.
+/// Advances the observer by `dt_s` to a sample; the first sample initialises the filters and ignores `dt_s`.
 ///
-/// `q_rad`, `theta_rad`: `joints` each. `tau_ext_nm`: the known external torque, or null. A sample that is refused changes
-/// nothing.
+/// `q_rad`, `theta_rad`: `joints` each. `tau_ext_nm`: measured external torque, or null. A rejected sample leaves the
+/// observer unchanged.
 ///
 /// Realtime: yes. No allocation, lock, log or clock.
 ///
 /// # Safety
-/// `observer` is used by nobody else meanwhile; arrays have `joints` numbers.
+/// `observer` is not used concurrently; arrays have `joints` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_observer_step(
     observer: *mut SinewObserver,
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn sinew_observer_step(
     tau_ext_nm: *const f64,
     joints: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let sample = Sample {
             q: array(q_rad, joints)?,
@@ -84,22 +84,22 @@ pub unsafe extern "C" fn sinew_observer_step(
     })
 }
 
-/// The next sample is a start: after a gap.
+/// Marks a gap: the next sample re-initialises the filters.
 ///
 /// Realtime: yes.
 ///
 /// # Safety
-/// `observer` is used by nobody else meanwhile.
+/// `observer` is not used concurrently.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_observer_reset(observer: *mut SinewObserver) -> Status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         unique(observer)?.0.reset();
         Ok(())
     })
 }
 
-/// Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN of a rigid one.
+/// Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN for a rigid joint.
 ///
 /// Realtime: yes.
 ///
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn sinew_observer_delta_e(
     delta_e_rad: *mut f64,
     joints: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe { filled(shared(observer)?.0.delta_e(), delta_e_rad, joints) })
 }
 
@@ -127,11 +127,11 @@ pub unsafe extern "C" fn sinew_observer_tau_el(
     tau_el_nm: *mut f64,
     joints: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe { filled(shared(observer)?.0.tau_el(), tau_el_nm, joints) })
 }
 
-/// Whether the start has faded to a thousandth; false of null.
+/// Whether the initial transient has decayed to a thousandth; false for null.
 ///
 /// Realtime: yes.
 ///
@@ -139,11 +139,11 @@ pub unsafe extern "C" fn sinew_observer_tau_el(
 /// `observer` is null or an observer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_observer_is_settled(observer: *const SinewObserver) -> bool {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { shared(observer) }.is_ok_and(|observer| observer.0.is_settled())
 }
 
-/// Copies all values, if there are as many.
+/// Copies all values if the lengths are equal.
 ///
 /// # Safety
 /// As [`fill`], for `joints` numbers.

@@ -1,7 +1,7 @@
-//! Absolute offsets since a baseline: samples in by a control loop, windows solved by a worker.
+//! Absolute offsets since a baseline: a control loop adds samples, a worker solves windows.
 
 use crate::borrow::{
-    Refusal, array, explained, give, guarded, optional, put, shared, take, text, unique, write,
+    CallError, array, explained, give, guarded, optional, put, shared, take, text, unique, write,
 };
 use crate::robot::SinewRobot;
 use crate::status::Status;
@@ -13,127 +13,128 @@ use sinew_estimate::online::{
 use sinew_estimate::session::{Payload, SessionError, SessionOptions, stated};
 use std::ffi::{CStr, c_char, c_int};
 
-/// Offsets of a robot's tendons since a baseline: the control loop's side. One thread at a time.
+/// Offsets of a robot's tendons since a baseline, for the control loop. Not thread-safe: one thread at a time.
 pub struct SinewOffsets {
     online: OnlineEstimator,
-    /// Whether the worker runs elsewhere.
+    /// Whether the worker was started or taken.
     worker_taken: bool,
 }
 
-/// The worker of offsets, which solves windows. One thread at a time, which may be another than that of its offsets.
+/// Worker that solves the windows of offsets. One thread at a time, which may differ from that of the offsets.
 pub struct SinewWorker(Box<OnlineWorker>);
 
-/// What the gripper holds.
+/// Kind of the payload in the gripper.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SinewPayload {
-    /// Something unknown: it is estimated along.
+    /// Unknown payload, estimated jointly.
     Unknown = 0,
-    /// Nothing.
+    /// Gripper without a payload.
     Empty = 1,
-    /// A stated mass.
+    /// Payload of specified mass.
     Stated = 2,
 }
 
-// Numbers, as C may hand over any.
+// Numbers, because C may pass any value.
 const UNKNOWN: u32 = SinewPayload::Unknown as u32;
 const EMPTY: u32 = SinewPayload::Empty as u32;
 const STATED: u32 = SinewPayload::Stated as u32;
 
-/// What is known of a session.
+/// Options of a session.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct SinewOffsetsOptions {
-    /// What the gripper holds: a `sinew_payload`.
+    /// Payload in the gripper, a `sinew_payload`.
     pub payload: u32,
-    /// Its mass where it is stated, kg.
+    /// Mass of a specified payload, kg.
     pub payload_kg: f64,
-    /// How well that is known, one standard deviation, kg; NaN: 2 %.
-    pub payload_deviation_kg: f64,
-    /// Temperature where samples do not carry it, °C; NaN: not stated.
+    /// Standard deviation of the payload mass, kg; NaN: 2 %.
+    pub payload_std_kg: f64,
+    /// Temperature for samples without one, °C; NaN: not specified.
     pub temperature_c: f64,
-    /// How well that is known, one standard deviation, K; NaN: 2 K.
-    pub temperature_deviation_k: f64,
-    /// Whether a motor torque that samples carry is used.
+    /// Standard deviation of the temperature, K; NaN: 2 K.
+    pub temperature_std_k: f64,
+    /// Whether the motor torque of samples is used.
     pub motor_torque: bool,
-    /// Whether ropes may creep within the session: not those of steel.
+    /// Whether ropes may creep within the session; false for steel ropes.
     pub creep: bool,
 }
 
-/// What became of a sample.
+/// Result of a step.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SinewStepped {
-    /// It was taken.
-    Taken = 0,
-    /// It was taken as the first one: at the start, or after a pause.
+    /// Sample accepted by the estimator.
+    Accepted = 0,
+    /// Accepted as the first sample, at the start or after a gap.
     Restarted = 1,
-    /// It was taken and completed a block of some 0.2 s, which the worker may take.
+    /// Accepted; it completed a block of about 0.2 s for the worker.
     Block = 2,
-    /// Refused: a joint position is missing or not finite.
+    /// Rejected: a joint position is missing or not finite.
     NoJointPosition = 3,
-    /// Refused: an elastic joint's motor position is missing or not finite.
+    /// Rejected: the motor position of an elastic joint is missing or not finite.
     NoMotorPosition = 4,
-    /// Refused: its time is not after that of the last sample taken.
+    /// Rejected: its time is not after that of the last accepted sample.
     NoTimeStep = 5,
-    /// Refused: a value is too large to be one.
+    /// Rejected: a value is implausibly large.
     OutOfRange = 6,
 }
 
-impl From<feeder::Refusal> for SinewStepped {
-    fn from(why: feeder::Refusal) -> Self {
-        match why {
-            feeder::Refusal::JointPosition => Self::NoJointPosition,
-            feeder::Refusal::MotorPosition => Self::NoMotorPosition,
-            feeder::Refusal::TimeStep => Self::NoTimeStep,
+impl From<feeder::RejectionReason> for SinewStepped {
+    fn from(reason: feeder::RejectionReason) -> Self {
+        match reason {
+            feeder::RejectionReason::JointPosition => Self::NoJointPosition,
+            feeder::RejectionReason::MotorPosition => Self::NoMotorPosition,
+            feeder::RejectionReason::TimeStep => Self::NoTimeStep,
             _ => Self::OutOfRange,
         }
     }
 }
 
-/// Why an offset is provisional: its interval is wide, or may still move by more than it states.
+/// Reason for a provisional offset: its interval is wide, or may still change by more than it states.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SinewProvisional {
-    /// It is not: the offset is settled.
+    /// Not provisional: the offset is settled.
     None = 0,
     /// No window has been solved yet.
     Starting = 1,
     /// A step of this offset explains the newest blocks. The interval is the hull of both hypotheses.
     Step = 2,
     /// The window contains a change so late that it may be a contact that has not ended.
-    ChangeMayEnd = 3,
+    ChangeNearEnd = 3,
     /// Too many blocks are rejected as outliers for the remaining ones to be representative.
     Rejected = 4,
-    /// The window could not be solved: the estimate is the one before. `sinew_offsets_error` has the sentence.
-    Refused = 5,
+    /// The window could not be solved: the estimate is the previous one. `sinew_offsets_error` returns the message.
+    NotSolved = 5,
 }
 
-/// The offset of one joint's tendon.
+/// Offset of the tendon of one joint.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SinewOffset {
-    /// Posterior mean since the baseline, rad; NaN until a window has been solved, and of a rigid joint.
+    /// Posterior mean since the baseline, rad; NaN until a window has been solved, and for a rigid joint.
     pub offset_rad: f64,
-    /// One standard deviation, rad; NaN where the offset is. The 95 % interval is the offset ± 1.96 deviations.
-    pub deviation_rad: f64,
-    /// What an unknown temperature, now or in the baseline, adds to the deviation, rad. The deviation contains it; 0
-    /// where both are known, NaN of a rigid joint.
+    /// Standard deviation of the offset, rad; NaN if the offset is NaN. The 95 % interval is the offset ± 1.96 times this
+    /// value.
+    pub std_rad: f64,
+    /// Contribution of an unknown temperature, now or in the baseline, to the standard deviation, rad, included in it; 0
+    /// if both are specified, NaN for a rigid joint.
     pub unknown_temperature_rad: f64,
-    /// Probability, 0 to 1, that the stiffness has changed since the baseline; NaN where that is not sought.
+    /// Probability, 0 to 1, that the stiffness has changed since the baseline; NaN if it is not tested.
     pub stiffness_changed_probability: f64,
-    /// Time of the step or of the change for which it is provisional, s since the first sample; NaN where there is none.
+    /// Time of the step or change that makes the offset provisional, s since the first sample; NaN if there is none.
     pub since_s: f64,
-    /// Posterior probability of a step, 0 to 1; NaN where none is suspected.
+    /// Posterior probability of a step, 0 to 1; NaN if none is suspected.
     pub step_probability: f64,
-    /// Why it is provisional.
+    /// Reason for a provisional offset.
     pub provisional: SinewProvisional,
 }
 
 impl SinewOffset {
     const RIGID: Self = Self {
         offset_rad: f64::NAN,
-        deviation_rad: f64::NAN,
+        std_rad: f64::NAN,
         unknown_temperature_rad: f64::NAN,
         stiffness_changed_probability: f64::NAN,
         since_s: f64::NAN,
@@ -152,15 +153,15 @@ impl From<&OnlineJoint> for SinewOffset {
                 since_s,
                 probability,
             }) => (SinewProvisional::Step, since_s, probability),
-            Some(Provisional::ChangeMayEnd { since_s }) => {
-                (SinewProvisional::ChangeMayEnd, since_s, nan)
+            Some(Provisional::ChangeNearEnd { since_s }) => {
+                (SinewProvisional::ChangeNearEnd, since_s, nan)
             }
             Some(Provisional::Rejected { .. }) => (SinewProvisional::Rejected, nan, nan),
-            Some(Provisional::Refused) => (SinewProvisional::Refused, nan, nan),
+            Some(Provisional::NotSolved) => (SinewProvisional::NotSolved, nan, nan),
         };
         Self {
             offset_rad: joint.offset_rad.mean,
-            deviation_rad: joint.offset_rad.deviation,
+            std_rad: joint.offset_rad.std,
             unknown_temperature_rad: joint.unknown_temperature_rad,
             stiffness_changed_probability: joint.stiffness_changed_probability.unwrap_or(nan),
             since_s,
@@ -170,29 +171,29 @@ impl From<&OnlineJoint> for SinewOffset {
     }
 }
 
-/// What an answer states besides offsets. Times are in s since the first sample.
+/// Estimate of all quantities except the offsets. Times are in s since the first sample.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SinewAnswer {
-    /// Blocks that the worker has taken.
+    /// Number of blocks that the worker has processed.
     pub blocks: u64,
-    /// Blocks that the loop has completed and that are neither in the answer nor dropped: one or two while the worker
-    /// keeps up. Where it grows the answer is old.
+    /// Number of completed blocks that are neither in the answer nor dropped: one or two while the worker keeps up. An
+    /// increasing number means that the answer is outdated.
     pub blocks_behind: u64,
-    /// Blocks that were dropped because the worker was late by more than ten seconds.
+    /// Number of blocks dropped because the worker was late by more than ten seconds.
     pub blocks_dropped: u64,
-    /// Middle of the last block taken, s; NaN before the first one.
+    /// Midpoint of the last processed block, s; NaN before the first block.
     pub time_s: f64,
-    /// Middle of the last block of the solution, s; NaN before the first one. The age is `time_s - solved_s`.
+    /// Midpoint of the last block of the solution, s; NaN before the first solution. The age of the solution is `time_s - solved_s`.
     pub solved_s: f64,
-    /// Probability, 0 to 1, that something touches the arm in the last block; 0 until a window has been solved.
+    /// Probability, 0 to 1, of a contact in the last block; 0 until a window has been solved.
     pub contact_probability: f64,
-    /// Probability, 0 to 1, of a constant external force at the tool, such as a hose; NaN where none was seen.
+    /// Probability, 0 to 1, of a constant external force at the tool, such as a hose; NaN if none was detected.
     pub external_force_probability: f64,
-    /// That force along the axes of the base, N, if it acts; the offsets account for it. NaN where none was seen.
+    /// Estimated external force in the base frame, N, if it acts; the offsets account for it. NaN if none was detected.
     pub external_force_n: [f64; 3],
-    /// One standard deviation each, N; NaN where none was seen.
-    pub external_force_deviation_n: [f64; 3],
+    /// Standard deviation of each component of the external force, N; NaN if none was detected.
+    pub external_force_std_n: [f64; 3],
 }
 
 impl SinewAnswer {
@@ -207,13 +208,12 @@ impl SinewAnswer {
             contact_probability: answer.contact_probability,
             external_force_probability: force.map_or(f64::NAN, |f| f.probability),
             external_force_n: force.map_or([f64::NAN; 3], |f| f.force_n.map(|n| n.mean)),
-            external_force_deviation_n: force
-                .map_or([f64::NAN; 3], |f| f.force_n.map(|n| n.deviation)),
+            external_force_std_n: force.map_or([f64::NAN; 3], |f| f.force_n.map(|n| n.std)),
         }
     }
 }
 
-/// Nothing stated: an unknown payload, temperatures as samples carry them, motor torque used, ropes that may creep.
+/// Default options: unknown payload, temperature from the samples, motor torque used, creep allowed.
 ///
 /// Realtime: yes.
 #[unsafe(no_mangle)]
@@ -221,26 +221,30 @@ pub extern "C" fn sinew_offsets_options_default() -> SinewOffsetsOptions {
     SinewOffsetsOptions {
         payload: SinewPayload::Unknown as u32,
         payload_kg: 0.0,
-        payload_deviation_kg: f64::NAN,
+        payload_std_kg: f64::NAN,
         temperature_c: f64::NAN,
-        temperature_deviation_k: f64::NAN,
+        temperature_std_k: f64::NAN,
         motor_torque: true,
         creep: true,
     }
 }
 
 impl SinewOffsetsOptions {
-    fn session(&self) -> Result<SessionOptions, Refusal> {
+    fn session(&self) -> Result<SessionOptions, CallError> {
         let finite = |value: f64| Some(value).filter(|v| !v.is_nan());
-        let deviation_k = finite(self.temperature_deviation_k);
+        let std_k = finite(self.temperature_std_k);
         let temperature = finite(self.temperature_c);
-        let temperature = temperature.map(|c| stated::temperature(c, deviation_k));
+        let temperature = temperature.map(|c| stated::temperature(c, std_k));
         Ok(SessionOptions {
             payload: match self.payload {
                 UNKNOWN => Payload::Unknown,
                 EMPTY => Payload::Empty,
-                STATED => stated::payload(self.payload_kg, finite(self.payload_deviation_kg))?,
-                _ => return Err(Refusal::Sentence("payload is no sinew_payload".to_owned())),
+                STATED => stated::payload(self.payload_kg, finite(self.payload_std_kg))?,
+                _ => {
+                    return Err(CallError::Message(
+                        "payload is not a valid sinew_payload".to_owned(),
+                    ));
+                }
             },
             motor_torque: self.motor_torque,
             temperature_c: temperature.transpose()?,
@@ -250,32 +254,32 @@ impl SinewOffsetsOptions {
     }
 }
 
-/// Makes the offsets of a robot since a baseline: the text of the file that `sinew baseline` writes. Free them with
+/// Creates the offsets of a robot since a baseline, given as the text of a file of `sinew baseline`. Free them with
 /// `sinew_offsets_free`; the robot may be freed before.
 ///
-/// `baseline` may be null: offsets are then against the zero of the encoders. `options` may be null: nothing is stated.
-/// `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be null.
+/// `baseline` may be null: offsets then refer to the encoder zero. `options` may be null: the defaults apply. `reason`
+/// receives the error message, truncated to `why_len` bytes; it may be null.
 ///
-/// Nothing is solved until a worker works. It is driven by `sinew_offsets_start_worker`, `sinew_offsets_work` or
+/// Windows are solved by the worker only, which is run by `sinew_offsets_start_worker`, `sinew_offsets_work` or
 /// `sinew_offsets_take_worker`.
 ///
-/// Realtime: no, it allocates: all memory that the loop ever needs.
+/// Realtime: no, it allocates all memory of the loop.
 ///
 /// # Safety
 /// `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
-/// written; `why` is null or has room for `why_len` bytes.
+/// written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_new(
     robot: *const SinewRobot,
     baseline: *const c_char,
     options: *const SinewOffsetsOptions,
     out: *mut *mut SinewOffsets,
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        explained(why, why_len, || {
+        explained(reason, why_len, || {
             give(out, || {
                 let robot = shared(robot)?.robot.clone();
                 let options = match options.as_ref() {
@@ -286,7 +290,7 @@ pub unsafe extern "C" fn sinew_offsets_new(
                     true => None,
                     false => Some(Baseline::parse(text(baseline)?, "baseline")?),
                 };
-                let baseline = baseline.map(|known| (known, "baseline".to_owned()));
+                let baseline = baseline.map(|baseline| (baseline, "baseline".to_owned()));
                 Ok(SinewOffsets {
                     online: OnlineEstimator::new(robot, baseline, &options, "session")?,
                     worker_taken: false,
@@ -296,30 +300,30 @@ pub unsafe extern "C" fn sinew_offsets_new(
     }
 }
 
-/// Frees offsets; null is nothing. Where `sinew_offsets_start_worker` started a thread, it ends the thread and waits for
-/// the solution under way.
+/// Frees offsets; null has no effect. A thread started by `sinew_offsets_start_worker` is stopped, after its present
+/// solution.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `offsets` is null or was made here and not freed before.
+/// `offsets` is null or was created by `sinew_offsets_new` and not freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_free(offsets: *mut SinewOffsets) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { take(offsets) }
 }
 
-/// Takes a sample, `dt_s` after the one before; of the first that does not matter.
+/// Adds a sample, `dt_s` after the previous one; ignored for the first sample.
 ///
 /// `q_rad`, `theta_rad`: joint and motor positions, rad, `joints` each, in the robot's order. `tau_m_nm`: motor torques,
-/// N·m, or null; `temperature_c`: °C, NaN where it is not known. `stepped`, which may be null, gets what became of it. A
-/// sample that lacks something is refused with `SINEW_STATUS_REFUSED` and changes nothing. Its time has passed all the
-/// same: the next `dt_s` counts from it.
+/// N·m, or null; `temperature_c`: °C, NaN if not measured. `stepped`, which may be null, receives the result of the
+/// step. An incomplete sample is rejected with `SINEW_STATUS_REJECTED` and leaves the estimate unchanged. The clock still
+/// advances: the next `dt_s` counts from this sample.
 ///
 /// Realtime: yes. No allocation, lock, wait, log or clock.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile; arrays have `joints` numbers; `stepped` is null or may be written.
+/// `offsets` is not used concurrently; arrays have `joints` numbers; `stepped` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_step(
     offsets: *mut SinewOffsets,
@@ -331,18 +335,18 @@ pub unsafe extern "C" fn sinew_offsets_step(
     joints: usize,
     stepped: *mut SinewStepped,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let online = &mut unique(offsets)?.online;
         let (q, theta) = (array(q_rad, joints)?, array(theta_rad, joints)?);
         let tau_m = optional(tau_m_nm, joints);
         let became = match online.step(dt_s, q, theta, tau_m, temperature_c)? {
-            StepOutcome::Taken => SinewStepped::Taken,
+            StepOutcome::Accepted => SinewStepped::Accepted,
             StepOutcome::Restarted => SinewStepped::Restarted,
             StepOutcome::Block => SinewStepped::Block,
-            StepOutcome::Refused(why) => {
-                put(stepped, why.into());
-                return Err(Status::Refused);
+            StepOutcome::Rejected(reason) => {
+                put(stepped, reason.into());
+                return Err(Status::Rejected);
             }
         };
         put(stepped, became);
@@ -350,15 +354,15 @@ pub unsafe extern "C" fn sinew_offsets_step(
     })
 }
 
-/// The next sample does not go on where the last one was: the filters start anew, what is known stays.
+/// Marks a gap before the next sample: the filters are re-initialised, the estimates are kept.
 ///
 /// Realtime: yes.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile.
+/// `offsets` is not used concurrently.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_interrupt(offsets: *mut SinewOffsets) -> Status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         unique(offsets)?.online.interrupt();
         Ok(())
@@ -368,13 +372,13 @@ pub unsafe extern "C" fn sinew_offsets_interrupt(offsets: *mut SinewOffsets) -> 
 /// Reads the latest answer of the worker: `answer`, and the offset of every joint in `of_joints`, in the robot's order.
 ///
 /// Either may be null. Both come from the same answer, while two calls may come from two. `joints` is the number of the
-/// robot's joints, else the status is `SINEW_STATUS_LENGTH`. A rigid joint's numbers are NaN.
+/// robot's joints, else the status is `SINEW_STATUS_LENGTH`. The values of a rigid joint are NaN.
 ///
-/// Realtime: yes. No allocation, lock, wait, log or clock. It is for the thread that steps, as it takes the answer out of
-/// a triple buffer.
+/// Realtime: yes. No allocation, lock, wait, log or clock. Call it in the thread that steps, because it takes the
+/// answer from a triple buffer.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile; `answer` is null or may be written; `of_joints` is null or has room for
+/// `offsets` is not used concurrently; `answer` is null or may be written; `of_joints` is null or has room for
 /// `joints` offsets.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_read(
@@ -383,10 +387,10 @@ pub unsafe extern "C" fn sinew_offsets_read(
     of_joints: *mut SinewOffset,
     joints: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let online = &mut unique(offsets)?.online;
-        if joints != online.robot().arm.dof() {
+        if joints != online.robot().axes() {
             return Err(Status::Length);
         }
         // Before the answer: a newer one may come in between, and the count is then high rather than low.
@@ -407,8 +411,8 @@ pub unsafe extern "C" fn sinew_offsets_read(
     })
 }
 
-/// Why an offset is provisional, in a word or two, such as `step`; never null, never freed. Of a number that is no
-/// `sinew_provisional`: `unknown`.
+/// Short name of the reason for a provisional offset, such as `step`; never null, never freed. For an invalid number:
+/// `unknown`.
 ///
 /// Realtime: yes.
 #[unsafe(no_mangle)]
@@ -419,26 +423,26 @@ pub extern "C" fn sinew_provisional_text(provisional: c_int) -> *const c_char {
         c"step",
         c"change may end",
         c"rejected",
-        c"refused",
+        c"not solved",
     ];
     let at = usize::try_from(provisional).ok();
     let text = at.and_then(|at| TEXTS.get(at).copied());
     text.unwrap_or(c"unknown").as_ptr()
 }
 
-/// Starts a thread that works until the offsets are freed: it takes blocks and solves windows. Once, before the loop.
+/// Starts a thread that processes blocks and solves windows until the offsets are freed. Call it once, before the loop.
 ///
-/// The thread inherits the scheduling policy and priority of the one that calls: call it before the loop's thread becomes
-/// a realtime one. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before. `SINEW_STATUS_THREAD`: the system
-/// has no thread to give, and the worker is as before.
+/// The thread inherits the scheduling policy and priority of the calling thread: call it before that thread becomes
+/// a realtime thread. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before. `SINEW_STATUS_THREAD`: the system
+/// could not create a thread, and the worker is unchanged.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile.
+/// `offsets` is not used concurrently.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_start_worker(offsets: *mut SinewOffsets) -> Status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let offsets = unique(offsets)?;
         if offsets.worker_taken {
@@ -450,19 +454,19 @@ pub unsafe extern "C" fn sinew_offsets_start_worker(offsets: *mut SinewOffsets) 
     })
 }
 
-/// Takes all blocks that are ready and solves the window where that is due, in the thread that calls: some hundredths of
-/// a second every 2 s of samples.
+/// Processes all completed blocks and solves the window if due, in the calling thread. A solution takes some hundredths
+/// of a second, every 2 s of samples.
 ///
-/// For a program of a single thread, between samples. Beside a loop in another thread use `sinew_offsets_start_worker` or
+/// For single-threaded programs, between samples. For a loop in another thread use `sinew_offsets_start_worker` or
 /// `sinew_offsets_take_worker`. `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile.
+/// `offsets` is not used concurrently.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_work(offsets: *mut SinewOffsets) -> Status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let offsets = unique(offsets)?;
         if offsets.worker_taken {
@@ -473,7 +477,7 @@ pub unsafe extern "C" fn sinew_offsets_work(offsets: *mut SinewOffsets) -> Statu
     })
 }
 
-/// Takes the worker out, for a thread of the caller's own: `sinew_worker_work` in it, while the loop's thread uses the
+/// Takes the worker, for a thread of the caller that calls `sinew_worker_work` while the thread of the loop uses the
 /// offsets. Free it with `sinew_worker_free`, before or after the offsets.
 ///
 /// `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
@@ -481,13 +485,13 @@ pub unsafe extern "C" fn sinew_offsets_work(offsets: *mut SinewOffsets) -> Statu
 /// Realtime: no.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile; `out` is null or may be written.
+/// `offsets` is not used concurrently; `out` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_take_worker(
     offsets: *mut SinewOffsets,
     out: *mut *mut SinewWorker,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on. No sentence is asked for.
+    // SAFETY: guaranteed by the caller. No message is required.
     unsafe {
         explained(std::ptr::null_mut(), 0, || {
             give(out, || {
@@ -500,25 +504,25 @@ pub unsafe extern "C" fn sinew_offsets_take_worker(
     }
 }
 
-/// Takes all blocks that are ready and solves the window where that is due: some hundredths of a second every 2 s of
-/// samples. Call it some fifty times a second, such as with a pause of 20 ms between calls.
+/// Processes all completed blocks and solves the window if due, which takes some hundredths of a second, every 2 s of
+/// samples. Call it about fifty times a second, for example with a pause of 20 ms between calls.
 ///
-/// After its offsets were freed it does nothing more.
+/// After its offsets were freed it has no effect.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `worker` is used by nobody else meanwhile; its offsets may be.
+/// `worker` is not used concurrently; its offsets may be.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_worker_work(worker: *mut SinewWorker) -> Status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         unique(worker)?.0.work();
         Ok(())
     })
 }
 
-/// Frees a worker; null is nothing. Its offsets then keep their last answer, and blocks are dropped and counted.
+/// Frees a worker; null has no effect. Its offsets then keep their last answer, and blocks are dropped and counted.
 ///
 /// Realtime: no.
 ///
@@ -526,42 +530,42 @@ pub unsafe extern "C" fn sinew_worker_work(worker: *mut SinewWorker) -> Status {
 /// `worker` is null or was taken from offsets and not freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_worker_free(worker: *mut SinewWorker) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { take(worker) }
 }
 
-/// Why the window could not be solved last time: the sentence goes to `why`, cut at `why_len` bytes. It is empty where
-/// the window was solved, or has never been tried.
+/// Reason why the last window could not be solved: the message is written to `reason`, truncated to `why_len` bytes. It is
+/// empty if the last window was solved or none has been tried.
 ///
 /// Realtime: no, it may wait for the worker.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile; `why` is null or has room for `why_len` bytes.
+/// `offsets` is not used concurrently; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_error(
     offsets: *const SinewOffsets,
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let error = shared(offsets)?.online.error();
         let sentence = error.map_or_else(String::new, |error| error.to_string());
-        write(why, why_len, &sentence);
+        write(reason, why_len, &sentence);
         Ok(())
     })
 }
 
-/// Writes the last solution as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
+/// Writes the last solution to `text` as a zero-terminated baseline, which serves as the baseline of the next session.
 ///
-/// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero
-/// included; it may be null. With `text` null or `capacity` too small nothing is written and the status is
+/// `recording` names this session, which ended at `end_time_ns` of its clock. `length` receives the required bytes,
+/// including the zero; it may be null. With `text` null or `capacity` too small nothing is written and the status is
 /// `SINEW_STATUS_SHORT`. While an offset is provisional the status is `SINEW_STATUS_PROVISIONAL`.
 ///
 /// Realtime: no, it allocates and may wait for the worker.
 ///
 /// # Safety
-/// `offsets` is used by nobody else meanwhile; `recording` ends with a zero byte; `text` is null or has room for
+/// `offsets` is not used concurrently; `recording` ends with a zero byte; `text` is null or has room for
 /// `capacity` bytes; `length` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_offsets_save(
@@ -572,7 +576,7 @@ pub unsafe extern "C" fn sinew_offsets_save(
     capacity: usize,
     length: *mut usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let recording = crate::borrow::text(recording)?;
         let saved = unique(offsets)?.online.save(recording, end_time_ns);

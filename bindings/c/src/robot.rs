@@ -1,4 +1,4 @@
-//! A robot from its texts.
+//! Robot description, created from its texts.
 
 use crate::borrow::{explained, give, guarded, put, shared, take, text};
 use crate::status::Status;
@@ -7,10 +7,10 @@ use sinew_model::robot::{Robot, RobotFile};
 use std::ffi::{CString, c_char};
 use std::path::Path;
 
-/// A robot: joints, masses, stiffness, tendons. Never changes; may be read from several threads.
+/// Robot: joints, masses, stiffness, tendons. Immutable; may be read from several threads.
 pub struct SinewRobot {
     pub(crate) robot: Robot,
-    /// Names of the joints as C reads them.
+    /// Zero-terminated names of the joints.
     names: Vec<CString>,
     /// Names of the tendons and motors of every joint.
     tendons: Vec<CString>,
@@ -19,15 +19,17 @@ pub struct SinewRobot {
 
 impl SinewRobot {
     fn of(robot: Robot) -> Self {
-        // A name with a zero byte is no name in XML.
+        // A zero byte is not allowed in XML.
         let all = |names: &[String]| -> Vec<CString> {
             let names = names.iter().map(String::as_str);
             names
                 .map(|name| CString::new(name).unwrap_or_default())
                 .collect()
         };
+        let axes = (0..robot.axes()).map(|axis| robot.axis_name(axis).to_owned());
+        let axes: Vec<String> = axes.collect();
         Self {
-            names: all(robot.joint_names()),
+            names: all(&axes),
             tendons: all(&robot.tendon_names()),
             motors: all(&robot.motor_names()),
             robot,
@@ -35,25 +37,25 @@ impl SinewRobot {
     }
 }
 
-/// Makes a robot from the texts of `robot.toml` and of a URDF. Free it with `sinew_robot_free`.
+/// Creates a robot from the texts of `robot.toml` and of a URDF. Free it with `sinew_robot_free`.
 ///
-/// `why` gets the sentence of a refusal, cut at `why_len` bytes; it may be null.
+/// `reason` receives the error message, truncated to `why_len` bytes; it may be null.
 ///
 /// Realtime: no, it allocates.
 ///
 /// # Safety
-/// Texts end with a zero byte; `out` may be written; `why` is null or has room for `why_len` bytes.
+/// Texts end with a zero byte; `out` may be written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_robot_new(
     robot_toml: *const c_char,
     urdf: *const c_char,
     out: *mut *mut SinewRobot,
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        explained(why, why_len, || {
+        explained(reason, why_len, || {
             give(out, || {
                 let file = RobotFile::parse(text(robot_toml)?, "robot.toml")?;
                 Ok(SinewRobot::of(file.build(text(urdf)?)?))
@@ -62,9 +64,9 @@ pub unsafe extern "C" fn sinew_robot_new(
     }
 }
 
-/// Makes a robot from its folder, or from the path of its `robot.toml`. Free it with `sinew_robot_free`.
+/// Creates a robot from its folder, or from the path of its `robot.toml`. Free it with `sinew_robot_free`.
 ///
-/// Realtime: no, it reads files.
+/// Realtime: no, the function reads files.
 ///
 /// # Safety
 /// As `sinew_robot_new`.
@@ -72,12 +74,12 @@ pub unsafe extern "C" fn sinew_robot_new(
 pub unsafe extern "C" fn sinew_robot_open(
     place: *const c_char,
     out: *mut *mut SinewRobot,
-    why: *mut c_char,
+    reason: *mut c_char,
     why_len: usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        explained(why, why_len, || {
+        explained(reason, why_len, || {
             give(out, || {
                 let loaded = robot_dir::load(Path::new(text(place)?), None)?;
                 Ok(SinewRobot::of(loaded.robot))
@@ -86,19 +88,21 @@ pub unsafe extern "C" fn sinew_robot_open(
     }
 }
 
-/// Frees a robot; null is nothing. What was made from it goes on.
+/// Frees a robot; null has no effect. Objects created from it remain valid.
 ///
 /// Realtime: no.
 ///
 /// # Safety
-/// `robot` is null or was made here and not freed before.
+/// `robot` is null or was created here and not freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_robot_free(robot: *mut SinewRobot) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { take(robot) }
 }
 
-/// How many joints a robot has; 0 of null.
+/// Number of joints of a robot plus its additional tendons, such as a second strand at a joint; 0 for null.
+///
+/// Arrays of samples and offsets have this number of entries. The joint position of an additional tendon is 0.
 ///
 /// Realtime: yes.
 ///
@@ -106,11 +110,11 @@ pub unsafe extern "C" fn sinew_robot_free(robot: *mut SinewRobot) {
 /// `robot` is null or a robot.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_robot_joints(robot: *const SinewRobot) -> usize {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { shared(robot) }.map_or(0, |robot| robot.names.len())
 }
 
-/// Name of a joint, as long as the robot is there; null where there is none.
+/// Name of a joint, valid as long as the robot; null if there is no such joint.
 ///
 /// Realtime: yes.
 ///
@@ -121,14 +125,14 @@ pub unsafe extern "C" fn sinew_robot_joint_name(
     robot: *const SinewRobot,
     joint: usize,
 ) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let robot = unsafe { shared(robot) };
     let name = robot.ok().and_then(|robot| robot.names.get(joint));
     name.map_or(std::ptr::null(), |name| name.as_ptr())
 }
 
-/// Name of the tendon that a joint is paired with, as long as the robot is there: the joint's own, unless `robot.toml` has
-/// `[[tendons]]`; null where there is no such joint.
+/// Name of the tendon of a joint, valid as long as the robot: the name of the joint, unless `robot.toml` has
+/// `[[tendons]]`; null if there is no such joint.
 ///
 /// Realtime: yes.
 ///
@@ -139,13 +143,13 @@ pub unsafe extern "C" fn sinew_robot_tendon_name(
     robot: *const SinewRobot,
     joint: usize,
 ) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let robot = unsafe { shared(robot) };
     let name = robot.ok().and_then(|robot| robot.tendons.get(joint));
     name.map_or(std::ptr::null(), |name| name.as_ptr())
 }
 
-/// Name of the motor of that tendon. Positions and torques of a motor with a name of its own are those at its shaft.
+/// Name of the motor of a joint's tendon. Positions and torques of a separately named motor refer to its shaft.
 ///
 /// Realtime: yes.
 ///
@@ -156,13 +160,13 @@ pub unsafe extern "C" fn sinew_robot_motor_name(
     robot: *const SinewRobot,
     joint: usize,
 ) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let robot = unsafe { shared(robot) };
     let name = robot.ok().and_then(|robot| robot.motors.get(joint));
     name.map_or(std::ptr::null(), |name| name.as_ptr())
 }
 
-/// Index of a joint by its name.
+/// Finds the index of a joint by its name.
 ///
 /// Realtime: yes.
 ///
@@ -174,7 +178,7 @@ pub unsafe extern "C" fn sinew_robot_joint_index(
     name: *const c_char,
     out: *mut usize,
 ) -> Status {
-    // SAFETY: the caller's promises, handed on.
+    // SAFETY: guaranteed by the caller.
     guarded(|| unsafe {
         let name = text(name)?;
         let index = shared(robot)?.robot.arm.joint_index(name);
@@ -183,7 +187,7 @@ pub unsafe extern "C" fn sinew_robot_joint_index(
     })
 }
 
-/// Elongation of a joint's tendon, m, for an offset, rad; NaN where there is no tendon.
+/// Elongation of a joint's tendon, m, for an offset, rad; NaN if the joint has no tendon.
 ///
 /// Realtime: yes.
 ///
@@ -195,7 +199,7 @@ pub unsafe extern "C" fn sinew_robot_elongation_m(
     joint: usize,
     offset_rad: f64,
 ) -> f64 {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let robot = unsafe { shared(robot) };
     let transmission = robot
         .ok()

@@ -1,39 +1,39 @@
-//! What a call returns, and the version of the interface.
+//! Status codes, and the version of the interface.
 
 use std::ffi::{CStr, c_char, c_int};
 
-/// Version of this interface: raised when a program compiled against an older header may no longer be right.
+/// Version of this interface, incremented by changes that are incompatible with programs compiled against an older header.
 pub const SINEW_ABI_VERSION: u32 = 2;
 
-/// What a call returns.
+/// Status of a call.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// It was done.
+    /// Call completed without error.
     Ok = 0,
-    /// A pointer that must not be null is.
+    /// A required pointer is null.
     Null = 1,
-    /// An array has another length than the robot has joints, or there is no such joint.
+    /// The length of an array differs from the number of joints, or a joint index is out of range.
     Length = 2,
     /// An input is NaN or infinite. Nothing has changed.
     NotFinite = 3,
-    /// The time step is none. Nothing has changed.
+    /// Invalid time step. Nothing has changed.
     TimeStep = 4,
-    /// A sample cannot be used; what it lacks stands beside. Nothing has changed.
-    Refused = 5,
-    /// A text or a value was refused; the sentence says why.
+    /// Unusable sample; the step result names the reason. Nothing has changed.
+    Rejected = 5,
+    /// Invalid text or value; the message states the reason.
     Invalid = 6,
     /// A text is not UTF-8.
     Encoding = 7,
-    /// The buffer is too short; the length needed stands beside.
+    /// Buffer too short; the required length is returned.
     Short = 8,
     /// An offset is provisional: the offsets cannot be saved now.
     Provisional = 9,
-    /// Sinew has a fault of its own. The handle must only be freed.
+    /// Internal error of Sinew. The handle may only be freed.
     Panic = 10,
     /// The worker was started or taken before. Nothing has changed.
     WorkerTaken = 11,
-    /// The system has no thread to give.
+    /// The system could not create a thread.
     Thread = 12,
 }
 
@@ -53,13 +53,13 @@ pub extern "C" fn sinew_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// A status in words; never null, never freed. Of a number that is none: that.
+/// Text of a status; never null, never freed. An invalid number also has a text.
 ///
 /// Realtime: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_status_text(status: c_int) -> *const c_char {
-    let known = Status::ALL.iter().find(|s| **s as c_int == status);
-    known
+    let status = Status::ALL.iter().find(|s| **s as c_int == status);
+    status
         .map_or(c"no status of this version", |s| s.text())
         .as_ptr()
 }
@@ -71,7 +71,7 @@ impl Status {
         Self::Length,
         Self::NotFinite,
         Self::TimeStep,
-        Self::Refused,
+        Self::Rejected,
         Self::Invalid,
         Self::Encoding,
         Self::Short,
@@ -81,24 +81,24 @@ impl Status {
         Self::Thread,
     ];
 
-    /// In words.
+    /// Text of the status in English.
     pub fn text(self) -> &'static CStr {
         match self {
             Self::Ok => c"done",
-            Self::Null => c"a pointer that must not be null is null",
+            Self::Null => c"a required pointer is null",
             Self::Length => {
-                c"an array is not as long as the robot has joints, or there is no such joint"
+                c"an array length differs from the number of joints, or a joint is not found"
             }
             Self::NotFinite => c"an input is NaN or infinite",
             Self::TimeStep => c"the time step must be 1e-9 s to 1e9 s",
-            Self::Refused => c"the sample cannot be used",
-            Self::Invalid => c"a text or a value was refused",
+            Self::Rejected => c"the sample cannot be used",
+            Self::Invalid => c"invalid text or value",
             Self::Encoding => c"a text is not UTF-8",
             Self::Short => c"the buffer is too short",
             Self::Provisional => c"an offset is provisional: the offsets cannot be saved now",
             Self::WorkerTaken => c"the worker was started or taken before",
-            Self::Thread => c"the system has no thread to give",
-            Self::Panic => c"Sinew has a fault of its own; the handle can only be freed",
+            Self::Thread => c"the system could not create a thread",
+            Self::Panic => c"internal error of Sinew; the handle may only be freed",
         }
     }
 }

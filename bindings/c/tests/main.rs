@@ -1,9 +1,9 @@
-//! What C may rely on: the same numbers, a status for whatever it hands over, no allocation in a step.
+//! Tests of the C interface: results equal to the library, a status for any input, no allocation in a step.
 
-// A caller's side of an interface for C, and an allocator that counts.
+// Calls of C functions, and an allocator that counts.
 #![allow(unsafe_code)]
 
+mod invalid_input;
 mod memory;
-mod refusals;
 mod same;
 mod support;

@@ -1,4 +1,4 @@
-//! Steps allocate nothing: calls of the allocator are counted by thread.
+//! Steps do not allocate: calls of the allocator are counted per thread.
 
 use crate::support::{N, Opened, biorob_like, recorded, text};
 use sinew_c::observer::{sinew_observer_free, sinew_observer_new, sinew_observer_step};
@@ -18,15 +18,15 @@ thread_local! {
 }
 
 fn count_one() {
-    // Threads that are going away have no counter any more; nobody reads theirs.
+    // A terminating thread has no counter; its count is not read.
     let _ = COUNT.try_with(|c| c.set(c.get() + 1));
 }
 
-// SAFETY: every call goes to the system's allocator unchanged.
+// SAFETY: every call is forwarded to the system allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count_one();
-        // SAFETY: the caller's promise, handed on.
+        // SAFETY: guaranteed by the caller, forwarded.
         unsafe { System.alloc(layout) }
     }
 
@@ -47,13 +47,13 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 #[test]
-fn steps_allocate_nothing_and_handles_give_their_memory_back() {
+fn steps_do_not_allocate() {
     let (frames, baseline) = recorded(&biorob_like());
     let baseline = text(&baseline.to_text());
     let robot = Opened::biorob_like();
     let (mut offsets, mut observer) = (null_mut(), null_mut());
     let before = COUNT.get();
-    // SAFETY: handles that are there, arrays of four numbers.
+    // SAFETY: valid handles, arrays of four numbers.
     unsafe {
         sinew_offsets_new(
             robot.0,
@@ -74,10 +74,10 @@ fn steps_allocate_nothing_and_handles_give_their_memory_back() {
         let mut worked = 0;
         for (i, frame) in frames.iter().enumerate() {
             let (q, theta) = (frame.q.as_ptr(), frame.theta.as_ptr());
-            // Now and then one that is refused.
+            // Some samples are rejected.
             let joints = if i % 999 == 7 { N - 1 } else { N };
             let nan = f64::NAN;
-            let mut became = SinewStepped::Taken;
+            let mut became = SinewStepped::Accepted;
             let before = COUNT.get();
             sinew_offsets_step(offsets, 0.004, q, theta, null(), nan, joints, &mut became);
             sinew_observer_step(observer, 0.004, q, theta, null(), joints);
@@ -86,7 +86,7 @@ fn steps_allocate_nothing_and_handles_give_their_memory_back() {
                 sinew_offsets_interrupt(offsets);
             }
             assert_eq!(COUNT.get(), before, "sample {i}");
-            // In the first half the worker keeps up; then blocks are dropped.
+            // The worker keeps up during the first half; afterwards blocks are dropped.
             if became == SinewStepped::Block && i < frames.len() / 2 {
                 sinew_offsets_work(offsets);
                 worked += COUNT.get() - before;

@@ -1,4 +1,4 @@
-//! Numbers through C are those of the libraries, to the last bit.
+//! Results through C are bitwise identical to those of the libraries.
 
 use crate::support::{N, Opened, Why, biorob_like, recorded, repository, text};
 use sinew_c::momentum::{sinew_arm_free, sinew_arm_momentum, sinew_arm_new};
@@ -16,14 +16,14 @@ use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Time since the sample before, s.
+/// Time since the previous sample, s.
 fn step_s(frames: &[Frame], at: usize) -> f64 {
     let before = frames[at.saturating_sub(1)].time_ns;
     (frames[at].time_ns - before) as f64 * 1e-9
 }
 
 #[test]
-fn a_robot_is_that_of_the_libraries() {
+fn robot_equals_library() {
     let known = biorob_like();
     let opened = Opened::biorob_like();
     let folder = repository().join("robots/biorob-like");
@@ -51,15 +51,15 @@ fn a_robot_is_that_of_the_libraries() {
     }
 }
 
-/// Bits of what was read, as NaN is no number.
+/// Bits of the values, because NaN does not equal itself.
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// The offsets of the arm, for C.
+/// Creates the offsets of the arm.
 fn made(robot: &Opened, baseline: *const c_char) -> *mut SinewOffsets {
     let mut offsets = null_mut();
-    let mut why = Why::new();
+    let mut reason = Why::new();
     // SAFETY: a robot, a text or null, places.
     let status = unsafe {
         sinew_offsets_new(
@@ -67,18 +67,18 @@ fn made(robot: &Opened, baseline: *const c_char) -> *mut SinewOffsets {
             baseline,
             null(),
             &mut offsets,
-            why.at(),
-            why.room(),
+            reason.at(),
+            reason.room(),
         )
     };
-    assert_eq!(status, Status::Ok, "{}", why.text());
+    assert_eq!(status, Status::Ok, "{}", reason.text());
     offsets
 }
 
-/// Takes a sample.
+/// Adds a sample.
 ///
 /// # Safety
-/// `offsets` are used by nobody else.
+/// `offsets` are not used concurrently.
 unsafe fn stepped(offsets: *mut SinewOffsets, frames: &[Frame], at: usize) -> SinewStepped {
     let (frame, dt_s) = (&frames[at], step_s(frames, at));
     let mut became = SinewStepped::OutOfRange;
@@ -100,10 +100,10 @@ unsafe fn stepped(offsets: *mut SinewOffsets, frames: &[Frame], at: usize) -> Si
     became
 }
 
-/// Reads an answer.
+/// Reads the latest answer.
 ///
 /// # Safety
-/// `offsets` are used by nobody else.
+/// `offsets` are not used concurrently.
 unsafe fn read(offsets: *mut SinewOffsets) -> (SinewAnswer, [SinewOffset; N]) {
     let mut answer = MaybeUninit::uninit();
     let mut of_joints = MaybeUninit::<[SinewOffset; N]>::uninit();
@@ -120,7 +120,7 @@ unsafe fn read(offsets: *mut SinewOffsets) -> (SinewAnswer, [SinewOffset; N]) {
     }
 }
 
-/// Holds an answer for the one that Rust gives.
+/// Compares an answer with that of the library.
 fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut OnlineEstimator) {
     let (behind, dropped) = (rust.blocks_behind(), rust.blocks_dropped());
     let known = rust.answer();
@@ -135,12 +135,9 @@ fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut Onl
     match &known.external_force {
         Some(force) => {
             assert_eq!(answer.external_force_probability, force.probability);
-            let [mean, deviation] = [
-                force.force_n.map(|n| n.mean),
-                force.force_n.map(|n| n.deviation),
-            ];
+            let [mean, std] = [force.force_n.map(|n| n.mean), force.force_n.map(|n| n.std)];
             assert_eq!(answer.external_force_n, mean);
-            assert_eq!(answer.external_force_deviation_n, deviation);
+            assert_eq!(answer.external_force_std_n, std);
         }
         None => assert!(
             answer.external_force_probability.is_nan() && answer.external_force_n[2].is_nan()
@@ -152,13 +149,13 @@ fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut Onl
         assert_eq!(
             bits(&[
                 of.offset_rad,
-                of.deviation_rad,
+                of.std_rad,
                 of.unknown_temperature_rad,
                 of.stiffness_changed_probability
             ]),
             bits(&[
                 own.offset_rad.mean,
-                own.offset_rad.deviation,
+                own.offset_rad.std,
                 own.unknown_temperature_rad,
                 changed
             ])
@@ -171,11 +168,11 @@ fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut Onl
                 since_s,
                 probability,
             }) => (SinewProvisional::Step, [since_s, probability]),
-            Some(Provisional::ChangeMayEnd { since_s }) => {
-                (SinewProvisional::ChangeMayEnd, [since_s, nan])
+            Some(Provisional::ChangeNearEnd { since_s }) => {
+                (SinewProvisional::ChangeNearEnd, [since_s, nan])
             }
             Some(Provisional::Rejected { .. }) => (SinewProvisional::Rejected, [nan; 2]),
-            Some(Provisional::Refused) => (SinewProvisional::Refused, [nan; 2]),
+            Some(Provisional::NotSolved) => (SinewProvisional::NotSolved, [nan; 2]),
         };
         assert_eq!(of.provisional, provisional);
         assert_eq!(bits(&[of.since_s, of.step_probability]), bits(&since));
@@ -183,7 +180,7 @@ fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut Onl
 }
 
 #[test]
-fn offsets_and_what_is_saved_are_those_of_the_libraries() {
+fn offsets_and_saved_baseline_equal_library() {
     let known = biorob_like();
     let (frames, baseline) = recorded(&known);
     let saved = text(&baseline.to_text());
@@ -192,7 +189,7 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
         OnlineEstimator::new(known, baseline, &SessionOptions::default(), "session").unwrap();
     let robot = Opened::biorob_like();
     let offsets = made(&robot, saved.as_ptr());
-    // What was made goes on without the robot.
+    // The offsets remain valid without the robot.
     drop(robot);
     // SAFETY: a handle.
     compare(&unsafe { read(offsets) }, &mut rust);
@@ -205,10 +202,10 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
         // SAFETY: a handle.
         let became = unsafe { stepped(offsets, &frames, i) };
         let as_c = match outcome {
-            StepOutcome::Taken => SinewStepped::Taken,
+            StepOutcome::Accepted => SinewStepped::Accepted,
             StepOutcome::Restarted => SinewStepped::Restarted,
             StepOutcome::Block => SinewStepped::Block,
-            StepOutcome::Refused(why) => panic!("{why:?}"),
+            StepOutcome::Rejected(reason) => panic!("{reason:?}"),
         };
         assert_eq!(became, as_c, "frame {i}");
         if outcome == StepOutcome::Block {
@@ -252,13 +249,13 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
     assert_eq!(text.to_str().unwrap(), next);
 }
 
-/// A handle for another thread.
+/// Handle that is sent to another thread.
 struct Sent(*mut SinewWorker);
-// SAFETY: a worker belongs to one thread at a time, which may be any.
+// SAFETY: a worker may be used by any thread, one at a time.
 unsafe impl Send for Sent {}
 
 #[test]
-fn a_worker_in_another_thread_gives_the_same() {
+fn worker_thread_is_bitwise_identical() {
     let (mut frames, baseline) = recorded(&biorob_like());
     frames.truncate(10_000);
     let baseline = text(&baseline.to_text());
@@ -306,8 +303,8 @@ fn a_worker_in_another_thread_gives_the_same() {
                     continue;
                 }
                 assert_eq!(sinew_offsets_work(alone), Status::Ok);
-                // Every second they are waited for; in between they may be late. Of more than eight blocks the loop hands
-                // over the last ones with a later one only.
+                // The test waits for the answers once per second; in between they may be late. Of more than eight blocks
+                // the loop passes the last ones together with a later block.
                 if !read(alone).0.blocks.is_multiple_of(5) {
                     continue;
                 }
@@ -322,7 +319,7 @@ fn a_worker_in_another_thread_gives_the_same() {
         }
         ends.store(true, Ordering::Release);
     });
-    // A worker may be freed after its offsets, and before them.
+    // A worker may be freed before or after its offsets.
     // SAFETY: each is freed once.
     unsafe {
         sinew_offsets_free(beside);
@@ -337,7 +334,7 @@ fn a_worker_in_another_thread_gives_the_same() {
 }
 
 #[test]
-fn the_observer_and_the_pass_are_those_of_the_model() {
+fn observer_and_momentum_equal_model() {
     let known = biorob_like();
     let (frames, _) = recorded(&known);
     let velocity = VelocityFilter::StateVariable {

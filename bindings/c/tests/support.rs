@@ -1,4 +1,4 @@
-//! An arm of the repository, a recording of it, a baseline.
+//! Test data: an arm of the repository, its recording and its baseline.
 
 use sinew_c::robot::{SinewRobot, sinew_robot_free, sinew_robot_open};
 use sinew_c::status::Status;
@@ -12,20 +12,20 @@ use std::ffi::{CStr, CString, c_char};
 use std::path::{Path, PathBuf};
 use std::ptr::null_mut;
 
-/// Joints of the arm.
+/// Number of joints of the arm.
 pub(crate) const N: usize = 4;
 
 pub(crate) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The arm, as Rust knows it.
+/// Arm of the repository, loaded by the library.
 pub(crate) fn biorob_like() -> Robot {
     let place = repository().join("robots/biorob-like");
     robot_dir::load(&place, None).unwrap().robot
 }
 
-/// The arm, as C knows it.
+/// Arm of the repository, loaded through C.
 pub(crate) struct Opened(pub(crate) *mut SinewRobot);
 
 impl Opened {
@@ -33,10 +33,11 @@ impl Opened {
         let place = repository().join("robots/biorob-like");
         let place = CString::new(place.to_str().unwrap()).unwrap();
         let mut robot = null_mut();
-        let mut why = Why::new();
+        let mut reason = Why::new();
         // SAFETY: a text, a place, room.
-        let status = unsafe { sinew_robot_open(place.as_ptr(), &mut robot, why.at(), why.room()) };
-        assert_eq!(status, Status::Ok, "{}", why.text());
+        let status =
+            unsafe { sinew_robot_open(place.as_ptr(), &mut robot, reason.at(), reason.room()) };
+        assert_eq!(status, Status::Ok, "{}", reason.text());
         Self(robot)
     }
 }
@@ -48,7 +49,7 @@ impl Drop for Opened {
     }
 }
 
-/// Room for a sentence.
+/// Buffer for an error message.
 pub(crate) struct Why([c_char; 512]);
 
 impl Why {
@@ -73,7 +74,7 @@ impl Why {
     }
 }
 
-/// Eighty seconds of the arm, and the baseline they teach.
+/// Frames of the recording and the baseline estimated from them.
 pub(crate) fn recorded(robot: &Robot) -> (Vec<Frame>, Baseline) {
     let file = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
     let mut recording = sinew_log::open(&file, &OpenOptions::default()).unwrap();
@@ -88,7 +89,7 @@ pub(crate) fn recorded(robot: &Robot) -> (Vec<Frame>, Baseline) {
     (frames, baseline)
 }
 
-/// A text for C.
+/// Zero-terminated text for C.
 pub(crate) fn text(text: &str) -> CString {
     CString::new(text).unwrap()
 }

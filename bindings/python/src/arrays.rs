@@ -1,4 +1,4 @@
-//! NumPy arrays as a recording: rows are copied block by block while they are read, never whole.
+//! NumPy arrays as a recording: rows are copied block by block, never all together.
 
 use crate::failure::Failure;
 use numpy::{
@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use sinew_log::{Arrays, Quantities, Quantity};
 use std::sync::Arc;
 
-/// Arrays that Python holds, one row an instant.
+/// Arrays owned by Python, one row per sample.
 pub(crate) struct Held {
     joints: Vec<String>,
     rows: usize,
@@ -19,7 +19,7 @@ pub(crate) struct Held {
 }
 
 impl Held {
-    /// Arrays of one number of rows.
+    /// Combines arrays of equal number of rows.
     pub(crate) fn new<'py>(
         joints: Vec<String>,
         time_ns: &Bound<'py, PyArray1<i64>>,
@@ -43,7 +43,7 @@ impl Held {
             .filter(|n| *n != rows)
         {
             return Err(Failure::new(format!(
-                "temperature_c has {found} values; {rows} are needed, one per time"
+                "temperature_c has {found} values, expected {rows} (one per time)"
             )));
         }
         Ok(Self {
@@ -58,15 +58,15 @@ impl Held {
     }
 }
 
-/// What reads them.
+/// Reader of arrays in memory.
 pub(crate) struct Reader(pub(crate) Arc<Held>);
 
-/// Somebody writes to an array through Rust.
+/// Error message for an array that is being written from Rust.
 fn busy(what: &str) -> String {
-    format!("{what} is being written to")
+    format!("{what} is modified by another call; wait until it has finished")
 }
 
-/// The rows of an array that are there; a resized one may have fewer.
+/// Number of available rows of an array, which a resize may have reduced.
 fn rows<'a>(
     array: &'a PyReadonlyArray2<'_, f64>,
     from: usize,
@@ -89,7 +89,7 @@ fn items<'a, T: numpy::Element + Copy>(
 }
 
 fn fill<T>(into: &mut [T], values: Option<impl Iterator<Item = T>>) -> Result<(), String> {
-    let values = values.ok_or("an array has lost rows since")?;
+    let values = values.ok_or("an array has been shortened since the recording was created")?;
     into.iter_mut()
         .zip(values)
         .for_each(|(into, value)| *into = value);
@@ -129,7 +129,7 @@ impl Arrays for Reader {
             let (from, n) = (from as usize, self.0.joints.len().max(1));
             if quantity == Quantity::Temperature {
                 let Some(array) = &self.0.temperature_c else {
-                    return Err("there is no temperature".into());
+                    return Err("the recording has no temperature".into());
                 };
                 let array = array.bind(py).try_readonly();
                 let array = array.map_err(|_| busy("temperature_c"))?;

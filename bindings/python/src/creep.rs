@@ -1,4 +1,4 @@
-//! Creep tests: read and analysed once, then fitted, withheld, compared, shifted.
+//! Creep tests: analysis, fits, hold-out, comparison, time-temperature shift.
 
 use crate::document::{Document, Shown};
 use crate::failure::Failure;
@@ -14,7 +14,7 @@ use sinew_report::creep;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Where tests come from: files, or texts with a name.
+/// Source of a creep test: a file, or a text with a name.
 #[derive(FromPyObject)]
 enum TestArg {
     #[pyo3(annotation = "(name, text)")]
@@ -23,17 +23,17 @@ enum TestArg {
     File(PathBuf),
 }
 
-/// What files may not say, and how to analyse.
+/// Information missing from files, and options of the analysis.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Asked {
+struct AnalysisArgs {
     columns: Vec<String>,
     specimen_columns: Vec<String>,
     sheet: Option<String>,
     gauge_length_m: Option<f64>,
     area_m2: Option<f64>,
     temperature_c: Option<f64>,
-    keep_faults: bool,
+    keep_artefacts: bool,
     group_by: Vec<String>,
     slope_from_s: f64,
     level: f64,
@@ -43,7 +43,7 @@ struct Asked {
     conditions: Option<String>,
 }
 
-/// What is read and analysed.
+/// Loaded tests with their options.
 struct Held {
     tests: Tests,
     specimens: Vec<Specimen>,
@@ -56,7 +56,7 @@ struct Held {
 }
 
 impl Held {
-    /// What could not be analysed, and what the reader noted.
+    /// Returns the failures of the analysis and the notes of the reader.
     fn warnings(&self, failures: &[sinew_creep::Failure]) -> Vec<String> {
         let failed = failures.iter().map(ToString::to_string);
         self.notes.iter().cloned().chain(failed).collect()
@@ -84,10 +84,10 @@ const INTERVALS: [(&str, IntervalKind); 3] = [
     ("bootstrap", IntervalKind::Bootstrap),
 ];
 
-/// What is asked of a fit.
+/// Options of a fit.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct FitAsked {
+struct FitArgs {
     laws: Vec<String>,
     joint: String,
     noise: String,
@@ -99,14 +99,14 @@ struct FitAsked {
     forecast_temperature_c: Option<f64>,
 }
 
-impl FitAsked {
+impl FitArgs {
     fn request(&self, held: &Held) -> Result<FitRequest, Failure> {
         let law = |name: &String| name.parse::<Law>().map_err(|e| Failure::new(e.to_string()));
         let laws = self.laws.iter().map(law).collect::<Result<Vec<_>, _>>()?;
         let base = match &self.rope {
             None if laws.contains(&Law::Rope) => {
                 return Err(Failure::new(
-                    "the law 'rope' needs rope: a catalogue rope with the breaking load, and for what the records can't tell",
+                    "the law 'rope' requires the option rope: a catalogue rope with its breaking load and the parameters that the records do not determine",
                 ));
             }
             None => None,
@@ -145,39 +145,39 @@ impl CreepTests {
     fn new(
         py: Python<'_>,
         files: Vec<TestArg>,
-        asked: Asked,
+        args: AnalysisArgs,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         if files.is_empty() {
-            return Err(Failure::new("no test is named").into());
+            return Err(Failure::new("no creep test specified; pass at least one file").into());
         }
         let column = |text: &String| text.parse::<ColumnChoice>().map_err(Failure::new);
         let options = TestOptions {
-            columns: (asked.columns.iter().map(column)).collect::<Result<_, _>>()?,
-            specimen_columns: asked.specimen_columns,
-            sheet: asked.sheet,
+            columns: (args.columns.iter().map(column)).collect::<Result<_, _>>()?,
+            specimen_columns: args.specimen_columns,
+            sheet: args.sheet,
         };
         let request = AnalyzeRequest {
             prepare: PrepareOptions {
-                gauge_length_m: asked.gauge_length_m,
-                area_m2: asked.area_m2,
-                temperature_c: asked.temperature_c,
-                keep_faults: asked.keep_faults,
+                gauge_length_m: args.gauge_length_m,
+                area_m2: args.area_m2,
+                temperature_c: args.temperature_c,
+                keep_artefacts: args.keep_artefacts,
             },
             analyze: AnalyzeOptions {
-                slope_from_s: asked.slope_from_s,
-                level: asked.level,
-                seed: asked.seed,
+                slope_from_s: args.slope_from_s,
+                level: args.level,
+                seed: args.seed,
             },
-            group_by: asked.group_by,
+            group_by: args.group_by,
         };
         request.check().map_err(Failure::from)?;
         let conditions = Conditions {
-            standard: asked.standard,
-            preconditioning: asked.preconditioning,
-            conditions: asked.conditions,
+            standard: args.standard,
+            preconditioning: args.preconditioning,
+            conditions: args.conditions,
         };
-        let held = work(py, "analysing", progress.as_ref(), move |pace| {
+        let held = work(py, "analysing", progress.as_ref(), move |tracker| {
             let read = |source: TestArg| match source {
                 TestArg::File(path) => read_test(&path, &options),
                 TestArg::Text(name, text) => read_test_bytes(text.into_bytes(), &name, &options),
@@ -187,8 +187,8 @@ impl CreepTests {
             let mut notes = Vec::new();
             let mut note = |text: &str| notes.push(text.to_owned());
             let (sources, specimens) = sinew_creep::specimens_of(files, &mut note);
-            let told = |done: usize, of: usize| pace.at(done as f64, of as f64);
-            let tests = sinew_creep::analyze_tests(sources.clone(), &specimens, &request, told)?;
+            let report = |done: usize, of: usize| tracker.at(done as f64, of as f64);
+            let tests = sinew_creep::analyze_tests(sources.clone(), &specimens, &request, report)?;
             Ok(Held {
                 tests,
                 specimens,
@@ -203,7 +203,7 @@ impl CreepTests {
         Ok(Self(Arc::new(held)))
     }
 
-    /// Readings, moduli, slope, saturation, recovery and faults.
+    /// Readings, moduli, slope, saturation, recovery and artefacts.
     fn analyze(&self) -> Document {
         let held = self.0.clone();
         let report = held.tests.report(held.conditions.clone());
@@ -219,25 +219,25 @@ impl CreepTests {
             .into()
     }
 
-    /// Laws fitted; with `rope_name` also the fitted rope as a catalogue entry.
+    /// Fitted laws; with `rope_name` also the fitted rope as a catalogue entry.
     fn fit(
         &self,
         py: Python<'_>,
-        asked: FitAsked,
+        args: FitArgs,
         rope_name: Option<String>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(Document, Option<String>)> {
-        let request = asked.request(&self.0)?;
+        let request = args.request(&self.0)?;
         let (held, fitted) = (self.0.clone(), request.clone());
-        let report = work(py, "fitting", progress.as_ref(), move |pace| {
+        let report = work(py, "fitting", progress.as_ref(), move |tracker| {
             Ok(sinew_creep::fit_tests(
                 &held.tests,
                 &fitted,
                 |step, done, of| {
                     if step == FitStep::Forecasting {
-                        pace.say("forecasting");
+                        tracker.set_stage("forecasting");
                     }
-                    pace.at(done as f64, of as f64);
+                    tracker.at(done as f64, of as f64);
                 },
             ))
         })?;
@@ -273,35 +273,35 @@ impl CreepTests {
         Ok((document.into(), entry))
     }
 
-    /// Hides the last share of every test and counts how often the forecast's interval holds it.
-    fn withhold(
+    /// Hides the last share of every test and returns the coverage of the forecast intervals.
+    fn hold_out(
         &self,
         py: Python<'_>,
         share: f64,
-        asked: FitAsked,
+        args: FitArgs,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Document> {
         if !(0.01..=0.9).contains(&share) {
-            let why = format!("share is {share}; it must lie between 0.01 and 0.9");
-            return Err(Failure::new(why).into());
+            let reason = format!("share is {share}; it must lie between 0.01 and 0.9");
+            return Err(Failure::new(reason).into());
         }
-        let request = asked.request(&self.0)?;
+        let request = args.request(&self.0)?;
         let held = self.0.clone();
-        let report = work(py, "forecasting", progress.as_ref(), move |pace| {
-            let told = |done: usize, of: usize| pace.at(done as f64, of as f64);
-            Ok(sinew_creep::withhold_tests(
+        let report = work(py, "forecasting", progress.as_ref(), move |tracker| {
+            let report = |done: usize, of: usize| tracker.at(done as f64, of as f64);
+            Ok(sinew_creep::hold_out_tests(
                 &held.tests,
                 share,
                 &request,
-                told,
+                report,
             ))
         })?;
         let warnings = self.0.warnings(&report.failures);
         let is_lossy = !report.failures.is_empty() || !report.forecasts_any();
         let held = self.0.clone();
-        Ok(Shown::new(report, creep::withhold_table)
-            .page(move |report| creep::withhold_page(report, &held.tests, &held.conditions))
-            .table("coverage", creep::withhold_csv)
+        Ok(Shown::new(report, creep::hold_out_table)
+            .page(move |report| creep::hold_out_page(report, &held.tests, &held.conditions))
+            .table("coverage", creep::hold_out_csv)
             .warnings(warnings)
             .lossy(is_lossy)
             .into())
@@ -311,8 +311,8 @@ impl CreepTests {
     #[pyo3(signature = (scatter=None))]
     fn compare(&self, scatter: Option<f64>) -> PyResult<Document> {
         if scatter.is_some_and(|share| !(share > 0.0 && share < 10.0)) {
-            let why = "scatter is a share of the value, above 0 and below 10";
-            return Err(Failure::new(why).into());
+            let reason = "scatter is a share of the value, above 0 and below 10";
+            return Err(Failure::new(reason).into());
         }
         let report = sinew_creep::compare(&self.0.tests, scatter);
         let warnings = self.0.warnings(&report.failures);

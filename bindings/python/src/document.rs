@@ -1,4 +1,4 @@
-//! An answer of Sinew: JSON, words, a page, tables.
+//! Result of Sinew: JSON, text, page, tables.
 
 use crate::failure::Failure;
 use crate::table::Table;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 type Of<D, T> = Box<dyn Fn(&D) -> T + Send + Sync>;
 
-/// A document with the ways it is shown.
+/// Document with its text, page and tables.
 pub(crate) struct Shown<D> {
     document: D,
     words: Of<D, String>,
@@ -23,7 +23,7 @@ pub(crate) struct Shown<D> {
 }
 
 impl<D> Shown<D> {
-    /// With how it is told in words.
+    /// Wraps a result with its text form.
     pub(crate) fn new(document: D, words: impl Fn(&D) -> String + Send + Sync + 'static) -> Self {
         Self {
             document,
@@ -35,13 +35,13 @@ impl<D> Shown<D> {
         }
     }
 
-    /// Adds its page.
+    /// Adds the HTML page.
     pub(crate) fn page(mut self, page: impl Fn(&D) -> Page + Send + Sync + 'static) -> Self {
         self.page = Some(Box::new(page));
         self
     }
 
-    /// Adds a table; the first is the one that is meant where none is named.
+    /// Adds a table; the first table is the default.
     pub(crate) fn table(
         mut self,
         name: &'static str,
@@ -51,7 +51,7 @@ impl<D> Shown<D> {
         self
     }
 
-    /// Adds what the command would say on stderr.
+    /// Adds the warnings that the command prints on stderr.
     pub(crate) fn warnings(mut self, warnings: Vec<String>) -> Self {
         self.warnings = warnings;
         self
@@ -64,7 +64,7 @@ impl<D> Shown<D> {
     }
 }
 
-/// What is asked of every answer.
+/// Operations of every result.
 trait Answer: Send + Sync {
     fn json(&self) -> Result<String, serde_json::Error>;
     fn words(&self) -> String;
@@ -106,7 +106,7 @@ impl<D: JsonDocument + Send + Sync> Answer for Shown<D> {
     }
 }
 
-/// An answer of Sinew.
+/// Result of Sinew, as seen by Python.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Document(Arc<dyn Answer>);
 
@@ -118,27 +118,27 @@ impl<D: JsonDocument + Send + Sync + 'static> From<Shown<D>> for Document {
 
 #[pymethods]
 impl Document {
-    /// The JSON that the command prints.
+    /// JSON document that the command prints.
     fn json(&self) -> PyResult<String> {
         Ok(self.0.json().map_err(Failure::from)?)
     }
 
-    /// The words that the command prints.
+    /// Text that the command prints.
     fn words(&self) -> String {
         self.0.words()
     }
 
-    /// The page as one HTML file; `None` where there is none.
+    /// Page as one HTML file; `None` if the result has no page.
     fn html(&self) -> Option<String> {
         self.0.page().map(|page| page.html())
     }
 
-    /// The page at a glance.
+    /// Short form of the page, for notebooks.
     fn glance(&self) -> Option<String> {
         self.0.page().map(|page| glance(&page))
     }
 
-    /// Writes the page; whether there is one.
+    /// Writes the page; false if the result has none.
     fn write_html(&self, path: PathBuf) -> PyResult<bool> {
         let Some(page) = self.0.page() else {
             return Ok(false);
@@ -152,7 +152,7 @@ impl Document {
         self.0.table_names()
     }
 
-    /// A table; the first without a name.
+    /// Table of a name; without a name the first table.
     #[pyo3(signature = (name=None))]
     fn table(&self, name: Option<&str>) -> PyResult<Table> {
         let names = self.0.table_names();
@@ -163,13 +163,13 @@ impl Document {
             .transpose()?
             .ok_or_else(|| {
                 PyKeyError::new_err(match names.is_empty() {
-                    true => "there is no table".to_owned(),
-                    false => format!("no table '{wanted}'; there is {}", names.join(", ")),
+                    true => "this result has no table".to_owned(),
+                    false => format!("no table '{wanted}'; available: {}", names.join(", ")),
                 })
             })
     }
 
-    /// What the command would say on stderr.
+    /// Warnings that the command prints on stderr.
     fn warnings(&self) -> Vec<String> {
         self.0.warnings().to_vec()
     }

@@ -4,7 +4,7 @@ use crate::document::{Document, Shown};
 use crate::failure::Failure;
 use crate::recording::{LogArg, one_of};
 use crate::robot::RobotArg;
-use crate::work::{Pace, work};
+use crate::work::{ProgressTracker, work};
 use pyo3::prelude::*;
 use sinew_estimate::baseline::{self, MergeOptions};
 use sinew_estimate::feeder::Injection;
@@ -20,15 +20,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What right after tensioning was learned, and what sessions since have added.
+/// Reference posterior recorded directly after tensioning, and updated by later sessions.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Baseline {
     pub(crate) baseline: Arc<baseline::Baseline>,
-    /// What it is called in answers and messages.
+    /// Name of the baseline in results and messages.
     pub(crate) name: String,
 }
 
-/// A baseline, or the file of one.
+/// Baseline, or the path of its file.
 #[derive(FromPyObject)]
 pub(crate) enum BaselineArg<'py> {
     #[pyo3(annotation = "Baseline")]
@@ -41,7 +41,7 @@ pub(crate) enum BaselineArg<'py> {
 pub(crate) type Named = (Arc<baseline::Baseline>, String);
 
 impl BaselineArg<'_> {
-    /// Read, where it is a file.
+    /// Returns the baseline, read from its file if necessary.
     pub(crate) fn read(&self) -> Result<Named, Failure> {
         Ok(match self {
             Self::Held(held) => (held.get().baseline.clone(), held.get().name.clone()),
@@ -62,7 +62,7 @@ impl Baseline {
         Ok(Self { baseline, name })
     }
 
-    /// Reads a file's text; `name` stands in messages.
+    /// Parses a baseline; `name` appears in messages.
     #[staticmethod]
     #[pyo3(signature = (text, *, name="baseline"))]
     fn from_text(text: &str, name: &str) -> PyResult<Self> {
@@ -73,29 +73,29 @@ impl Baseline {
         })
     }
 
-    /// The file's text: what the C interface is made from.
+    /// Text of the file, from which the C interface creates offsets.
     fn to_text(&self) -> String {
         self.baseline.to_text()
     }
 
-    /// Writes a file: the `--baseline` of the command.
+    /// Writes a file for the option `--baseline` of the command.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         Ok(self.baseline.write(&path).map_err(Failure::from)?)
     }
 
-    /// The robot's name.
+    /// Name of the robot.
     #[getter]
     fn robot(&self) -> &str {
         &self.baseline.robot
     }
 
-    /// Names of its joints.
+    /// Names of the robot's joints.
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.baseline.joints.clone()
     }
 
-    /// Recordings it was learned from.
+    /// Recordings from which the baseline was estimated.
     #[getter]
     fn recordings(&self) -> Vec<String> {
         self.baseline.recordings.clone()
@@ -133,7 +133,7 @@ impl Stated {
     fn parts(self) -> (f64, Option<f64>) {
         match self {
             Self::Mean(mean) => (mean, None),
-            Self::Both(mean, deviation) => (mean, Some(deviation)),
+            Self::Both(mean, std) => (mean, Some(std)),
         }
     }
 }
@@ -141,27 +141,27 @@ impl Stated {
 /// Temperature of a session, °C.
 pub(crate) fn temperature(stated_c: Option<Stated>) -> Result<Option<Gaussian>, Failure> {
     let parts = stated_c.map(Stated::parts);
-    let read = parts.map(|(c, deviation_k)| stated::temperature(c, deviation_k));
+    let read = parts.map(|(c, std_k)| stated::temperature(c, std_k));
     Ok(read.transpose()?)
 }
 
-/// A constant force from outside, N.
+/// Converts a constant external force, N.
 pub(crate) fn external_force(
     stated_n: Option<([f64; 3], f64)>,
 ) -> Result<Option<[Gaussian; 3]>, Failure> {
-    let read = stated_n.map(|(mean_n, deviation_n)| stated::external_force(mean_n, deviation_n));
+    let read = stated_n.map(|(mean_n, std_n)| stated::external_force(mean_n, std_n));
     Ok(read.transpose()?)
 }
 
 /// Payload of a session; `None`: unknown.
 pub(crate) fn payload(empty: bool, stated_kg: Option<Stated>) -> Result<Payload, Failure> {
     match (empty, stated_kg) {
-        (true, Some(_)) => Err(Failure::new("empty and payload_kg exclude each other")),
+        (true, Some(_)) => Err(Failure::new("empty and payload_kg are mutually exclusive")),
         (true, None) => Ok(Payload::Empty),
         (false, None) => Ok(Payload::Unknown),
         (false, Some(stated_kg)) => {
-            let (mass_kg, deviation_kg) = stated_kg.parts();
-            Ok(stated::payload(mass_kg, deviation_kg)?)
+            let (mass_kg, std_kg) = stated_kg.parts();
+            Ok(stated::payload(mass_kg, std_kg)?)
         }
     }
 }
@@ -175,10 +175,10 @@ enum FilterArg {
     Word(String),
 }
 
-/// What is asked of an estimate beside its recordings.
+/// Options of an estimate besides its recordings.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(crate) struct Asked<'py> {
+pub(crate) struct EstimateArgs<'py> {
     robot: Option<RobotArg<'py>>,
     baseline: Option<BaselineArg<'py>>,
     reference: Option<LogArg<'py>>,
@@ -197,11 +197,11 @@ pub(crate) struct Asked<'py> {
     motor_torque: bool,
     from_s: f64,
     to_s: Option<f64>,
-    live: bool,
+    online: bool,
 }
 
-impl Asked<'_> {
-    /// Who answers: who is asked to, else whose settings are given.
+impl EstimateArgs<'_> {
+    /// Returns the requested method, or the one whose options are set.
     fn method(&self) -> Result<Method, Failure> {
         let paper = self.reference.is_some()
             || self.source.is_some()
@@ -216,9 +216,9 @@ impl Asked<'_> {
         }
     }
 
-    /// All of it is for the absolute estimate alone; nothing asked for is ignored.
-    fn refuse_for_paper(&self) -> Result<(), Failure> {
-        let asked = [
+    /// Rejects options of the absolute estimate for the paper's method.
+    fn check_paper_options(&self) -> Result<(), Failure> {
+        let options = [
             ("empty", self.empty),
             ("payload_kg", self.payload_kg.is_some()),
             ("temperature_c", self.temperature_c.is_some()),
@@ -226,12 +226,12 @@ impl Asked<'_> {
             ("motor_torque", !self.motor_torque),
             ("from_s", self.from_s != 0.0),
             ("to_s", self.to_s.is_some()),
-            ("live", self.live),
+            ("online", self.online),
         ];
-        match asked.into_iter().find(|(_, asked)| *asked) {
+        match options.into_iter().find(|(_, is_set)| *is_set) {
             None => Ok(()),
             Some((option, _)) => Err(Failure::new(format!(
-                "{option} is for the absolute estimate, and the paper's knows nothing of it: add method='absolute', or leave {option} out"
+                "{option} applies to the absolute estimate only: set method='absolute' or remove {option}"
             ))),
         }
     }
@@ -245,11 +245,11 @@ impl Asked<'_> {
             None => {}
         }
         if let Some(reference) = &self.reference {
-            // They are told apart by what they are called.
-            let in_memory = |log: &LogArg<'_>| matches!(log, LogArg::Opened(_));
+            // Recordings are distinguished by their names.
+            let in_memory = |log: &LogArg<'_>| matches!(log, LogArg::Recording(_));
             if reference.name() == log.name() && (in_memory(reference) || in_memory(log)) {
                 return Err(Failure::new(format!(
-                    "the recording and its reference are both called '{}'; give one of them another name=",
+                    "the recording and its reference are both called '{}'; set another name= for one of them",
                     log.name().display()
                 )));
             }
@@ -291,12 +291,12 @@ impl Asked<'_> {
     fn plan(&self) -> Result<Planned, Failure> {
         let method = self.method()?;
         if method == Method::Paper {
-            self.refuse_for_paper()?;
+            self.check_paper_options()?;
         }
         Ok(Planned {
             method,
             window: stated::window(self.from_s, self.to_s)?,
-            live: self.live,
+            online: self.online,
             baseline: self.baseline.as_ref().map(BaselineArg::read).transpose()?,
             options: SessionOptions {
                 payload: payload(self.empty, self.payload_kg)?,
@@ -313,7 +313,7 @@ impl Asked<'_> {
 struct Planned {
     method: Method,
     window: Window,
-    live: bool,
+    online: bool,
     baseline: Option<Named>,
     options: SessionOptions,
 }
@@ -326,26 +326,27 @@ impl Planned {
             window: self.window,
             baseline: baseline.map(|(baseline, name)| (&**baseline, name.as_str())),
             options: self.options,
-            live: self.live,
+            online: self.online,
         }
     }
 }
 
-/// Hands on how far an estimate is.
-fn told(pace: &Pace) -> impl FnMut(Progress) + '_ {
+/// Returns a callback that reports the progress of an estimate.
+fn reporter(tracker: &ProgressTracker) -> impl FnMut(Progress) + '_ {
     |at| {
-        pace.say(match at.reference {
+        tracker.set_stage(match at.reference {
             true => "reference",
             false => "estimating",
         });
-        pace.at(at.bytes_done as f64, at.bytes_total as f64);
+        tracker.at(at.bytes_done as f64, at.bytes_total as f64);
     }
 }
 
-/// An estimate with all its ways to be shown.
+/// Estimate with its text, page and tables.
 fn shown(document: EstimateDocument) -> Document {
     let warnings = document_warnings(&document);
-    let is_lossy = document.is_damaged() || document.passes_limit();
+    let warnings = warnings.iter().map(ToString::to_string).collect();
+    let is_lossy = document.is_damaged() || document.requires_action();
     Shown::new(document, |d| tables::document(d, false))
         .page(sinew_report::page)
         .table("joints", sinew_report::estimate_rows)
@@ -355,23 +356,23 @@ fn shown(document: EstimateDocument) -> Document {
         .into()
 }
 
-/// Estimates a recording: the answer, and what is known afterwards.
+/// Estimates the offsets from a recording and returns the result and the posterior.
 #[pyfunction]
 pub(crate) fn estimate(
     py: Python<'_>,
     log: LogArg<'_>,
-    asked: Asked<'_>,
+    args: EstimateArgs<'_>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Document, Option<Baseline>)> {
-    let planned = asked.plan()?;
-    let request = asked.request(&log)?;
+    let planned = args.plan()?;
+    let request = args.request(&log)?;
     let name = request.log.display().to_string();
-    let (document, next) = work(py, "estimating", progress.as_ref(), move |pace| {
-        let found = sinew_estimate::estimate(&request, &planned.plan(), &mut told(pace));
+    let (document, next) = work(py, "estimating", progress.as_ref(), move |tracker| {
+        let found = sinew_estimate::estimate(&request, &planned.plan(), &mut reporter(tracker));
         let (document, next) = found?;
         let nothing = sinew_report::nothing_estimated(&document.reading);
         match nothing.filter(|_| next.is_none()) {
-            Some(why) => Err(Failure::new(why)),
+            Some(reason) => Err(Failure::new(reason)),
             None => Ok((document, next)),
         }
     })?;
@@ -387,26 +388,26 @@ pub(crate) fn estimate(
 pub(crate) fn estimate_each(
     py: Python<'_>,
     logs: Vec<LogArg<'_>>,
-    asked: Asked<'_>,
+    args: EstimateArgs<'_>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Document> {
-    let planned = asked.plan()?;
+    let planned = args.plan()?;
     let mut requests = Vec::new();
     for log in &logs {
         match log {
-            LogArg::Opened(_) => requests.push(asked.request(log)?),
-            LogArg::Place(place) => {
+            LogArg::Recording(_) => requests.push(args.request(log)?),
+            LogArg::Path(place) => {
                 for file in sinew_log::recordings_of(place).map_err(Failure::from)? {
-                    requests.push(asked.request(&LogArg::Place(file))?);
+                    requests.push(args.request(&LogArg::Path(file))?);
                 }
             }
         }
     }
-    let document = work(py, "estimating", progress.as_ref(), move |pace| {
+    let document = work(py, "estimating", progress.as_ref(), move |tracker| {
         let finished = AtomicUsize::new(0);
         Ok(each(&requests, &planned.plan(), |_| {
             let done = 1 + finished.fetch_add(1, Ordering::Relaxed);
-            pace.at(done as f64, requests.len() as f64);
+            tracker.at(done as f64, requests.len() as f64);
         }))
     })?;
     let is_lossy = document.failed() > 0;
@@ -416,7 +417,7 @@ pub(crate) fn estimate_each(
         .into())
 }
 
-/// Learns a baseline from a recording right after tensioning.
+/// Estimates a baseline from a recording directly after tensioning.
 #[pyfunction]
 #[pyo3(signature = (log, robot, start, temperature_c, motor_torque, from_s, to_s, progress))]
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -445,9 +446,9 @@ pub(crate) fn learn_baseline(
     let start = start.as_ref().map(BaselineArg::read).transpose()?;
     let temperature_c = temperature(temperature_c)?;
     let name = request.log.display().to_string();
-    let (baseline, learned) = work(py, "learning", progress.as_ref(), move |pace| {
+    let (baseline, learned) = work(py, "learning", progress.as_ref(), move |tracker| {
         let learning = Learning {
-            known: start.as_ref().map(|(b, file)| (&**b, file.as_str())),
+            prior: start.as_ref().map(|(b, file)| (&**b, file.as_str())),
             motor_torque,
             temperature_c,
             ..Learning::default()
@@ -456,17 +457,18 @@ pub(crate) fn learn_baseline(
             &request,
             window,
             &learning,
-            &mut told(pace),
+            &mut reporter(tracker),
         )?)
     })?;
-    let warnings = learned.warnings.iter();
-    let warnings = warnings
-        .filter(|w| **w != session::Warning::NoBaseline)
-        .map(sinew_report::session_warning)
+    let warnings = sinew_report::session_warnings(&learned);
+    let warnings = (warnings.iter())
+        .filter(|w| w.code != "no-baseline")
+        .map(ToString::to_string)
         .collect();
     let is_lossy = learned.damaged;
-    let document = Shown::new(BaselineDocument { learned }, |d| {
-        tables::baseline(&d.learned)
+    let joints = baseline.joints.clone();
+    let document = Shown::new(BaselineDocument { learned }, move |d| {
+        tables::baseline(&d.learned, &joints)
     })
     .warnings(warnings)
     .lossy(is_lossy);
@@ -477,7 +479,7 @@ pub(crate) fn learn_baseline(
     Ok((document.into(), baseline))
 }
 
-/// Puts together what several baselines learned.
+/// Merges several baselines.
 #[pyfunction]
 #[pyo3(signature = (baselines, robot, common, fleet, scatter))]
 pub(crate) fn merge_baselines(

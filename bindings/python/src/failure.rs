@@ -1,4 +1,4 @@
-//! Errors of Rust as exceptions: the same sentence, and where it was, if somewhere.
+//! Conversion of Rust errors to exceptions, with the same message and the location, if any.
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -19,27 +19,27 @@ use sinew_sim::protocol::PlanError;
 use sinew_trend::{AnalyzeError, RecordError};
 use std::error::Error;
 
-/// Why something was not done.
+/// Error of an operation, before its conversion to a Python exception.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// In one sentence.
-    Refused(String),
-    /// At a place of a file.
+    /// Error with a message only.
+    Message(String),
+    /// Error with file, line and column.
     Located(Located),
-    /// Python's own.
+    /// Exception raised by Python code.
     Python(PyErr),
 }
 
 impl Failure {
-    /// A sentence of ours.
-    pub(crate) fn new(why: impl Into<String>) -> Self {
-        Self::Refused(why.into())
+    /// Creates an error with a message.
+    pub(crate) fn new(reason: impl Into<String>) -> Self {
+        Self::Message(reason.into())
     }
 }
 
-/// An error that may know a place in a file.
+/// Error with an optional location in a file.
 pub(crate) trait Blame: Error {
-    /// The place.
+    /// Location of the error, if any.
     fn located(&self) -> Option<&Located> {
         None
     }
@@ -143,7 +143,7 @@ impl<E: Blame> From<E> for Failure {
     fn from(error: E) -> Self {
         match error.located() {
             Some(located) => Self::Located(located.clone()),
-            None => Self::Refused(error.to_string()),
+            None => Self::Message(error.to_string()),
         }
     }
 }
@@ -158,8 +158,8 @@ impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Python(error) => error,
-            Failure::Refused(why) => Python::attach(|py| match class(py, "SinewError") {
-                Ok(class) => PyErr::from_type(class.clone(), why),
+            Failure::Message(reason) => Python::attach(|py| match class(py, "SinewError") {
+                Ok(class) => PyErr::from_type(class.clone(), reason),
                 Err(error) => error,
             }),
             Failure::Located(located) => {

@@ -6,40 +6,42 @@ use crate::recording::one_of;
 use crate::robot::RobotArg;
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
 use pyo3::prelude::*;
-use sinew_estimate::feeder::Refusal;
-use sinew_estimate::online::{OnlineEstimator, OnlineJoint, OnlineWorker, StepOutcome};
+use sinew_estimate::feeder::RejectionReason;
+use sinew_estimate::online::{
+    OnlineEstimator as Estimator, OnlineJoint, OnlineWorker, StepOutcome,
+};
 use sinew_estimate::session::SessionOptions;
 use sinew_model::Gaussian;
 use sinew_model::offset::{self, Comparison, OffsetConfig, Sample, VelocityFilter};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What the session is called in messages until it is saved.
+/// Name of the session in messages until it is saved.
 const NAME: &str = "live offsets";
 
 /// A value per joint; lists and other numbers are converted.
 type PerJoint<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
 /// Probability, mean and standard deviation.
-type LiveForce<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type OnlineForce<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// The values in order, whatever the array's steps are.
+/// Returns the values in order, for any stride of the array.
 fn values(array: &PerJoint<'_>) -> Vec<f64> {
     array.as_array().to_vec()
 }
 
-fn refusal(why: Refusal) -> &'static str {
-    match why {
-        Refusal::JointPosition => "refused: a joint position is missing",
-        Refusal::JointVelocity => "refused: a joint velocity is missing",
-        Refusal::MotorPosition => "refused: a motor position is missing",
-        Refusal::Torque => "refused: a torque is missing",
-        Refusal::ExternalTorque => "refused: an external torque is missing",
-        Refusal::TimeStep => "refused: the time step is no time step",
-        Refusal::Range => "refused: a value is too large to be one",
+fn rejection(reason: RejectionReason) -> &'static str {
+    match reason {
+        RejectionReason::JointPosition => "rejected: a joint position is missing",
+        RejectionReason::JointVelocity => "rejected: a joint velocity is missing",
+        RejectionReason::MotorPosition => "rejected: a motor position is missing",
+        RejectionReason::Torque => "rejected: a torque is missing",
+        RejectionReason::ExternalTorque => "rejected: an external torque is missing",
+        RejectionReason::TimeStep => "rejected: the time step is invalid",
+        RejectionReason::Range => "rejected: a value is too large",
     }
 }
 
-/// An object of a class of the package over plain data.
+/// Creates an object of a class of the package from JSON data.
 fn record<'py>(
     py: Python<'py>,
     (module, class): (&str, &str),
@@ -49,48 +51,48 @@ fn record<'py>(
     py.import(module)?.getattr(class)?.call1((data,))
 }
 
-/// Offsets of the tendons of a running robot, sample by sample: ``delta_e = (theta_measured − q) − tau_el / K``.
+/// Online estimator of the tendon offsets of a running robot: ``delta_e = (theta_measured − q) − tau_el / K``.
 ///
-/// ``step`` belongs into the control loop: it averages samples to blocks of 0.2 s and solves nothing. A worker solves the blocks of
-/// the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with what that solution predicts. It
-/// is a thread of its own with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
+/// ``step`` belongs in the control loop: it averages samples over blocks of 0.2 s and solves nothing. A worker solves the blocks of
+/// the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with the prediction of that solution.
+/// It is a separate thread with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
 ///
-/// * ``robot``: its folder or a ``Robot``.
-/// * ``baseline``: offsets since then: a file or a ``Baseline``. ``None``: against the zero of the encoders.
-/// * ``empty``, ``payload_kg``: what the gripper holds, kg, known to 2 % or as ``(mean, deviation)``.
-/// * ``temperature_c``: °C where samples do not carry it, known to 2 K or as ``(mean, deviation)``.
-/// * ``external_force_n``: a constant force from outside at the tool, as ``((x, y, z), deviation)`` along the axes of the base, N.
+/// * ``robot``: folder of the robot or a ``Robot``.
+/// * ``baseline``: reference of the offsets, a file or a ``Baseline``. ``None``: the encoder zero.
+/// * ``empty``, ``payload_kg``: mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
+/// * ``temperature_c``: temperature of samples without one, °C, with a standard deviation of 2 K or as ``(mean, std)``.
+/// * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
 /// * ``motor_torque``: whether the motor torque of the samples is used.
 /// * ``creep``: whether ropes may creep within the session; ``False`` for steel.
-/// * ``worker``: whether a thread inside solves.
+/// * ``worker``: whether an internal thread solves.
 ///
-/// Objects may be used from several threads. Raises ``ValueError`` where the baseline is of another robot or a value is out of range.
+/// Objects are thread-safe. Raises ``ValueError`` if the baseline belongs to another robot or a value is out of range.
 #[pyclass(frozen, module = "pysinew._core")]
-pub(crate) struct LiveOffsets {
+pub(crate) struct OnlineEstimator {
     names: Vec<String>,
-    /// Never held while Python runs.
-    online: Mutex<OnlineEstimator>,
-    /// `None`: a thread has it.
+    /// Never locked while Python code runs.
+    online: Mutex<Estimator>,
+    /// `None` if an internal thread owns the worker.
     worker: Option<Mutex<Box<OnlineWorker>>>,
 }
 
-impl LiveOffsets {
-    fn online(&self) -> MutexGuard<'_, OnlineEstimator> {
+impl OnlineEstimator {
+    fn online(&self) -> MutexGuard<'_, Estimator> {
         self.online.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The answer for a joint; `None`: it is rigid.
+    /// Returns the estimate of a joint; `None` for a rigid joint.
     fn joint(&self, joint: &str) -> Result<Option<OnlineJoint>, Failure> {
         let found = self.names.iter().position(|name| name == joint);
         let index = found.ok_or_else(|| {
             let hint = sinew_files::names::hint(joint, &self.names);
-            let known = self.names.join(", ");
-            Failure::new(format!("no joint '{joint}'{hint} joints are {known}"))
+            let joints = self.names.join(", ");
+            Failure::new(format!("no joint '{joint}'{hint} joints are {joints}"))
         })?;
         Ok(self.online().answer().joint(index).copied())
     }
 
-    /// A value of every joint, all of one answer.
+    /// Returns a value of every joint, all from one estimate.
     fn each<T>(&self, value: impl Fn(Option<&OnlineJoint>) -> T) -> Vec<T> {
         let mut online = self.online();
         let answer = online.answer();
@@ -103,12 +105,12 @@ impl LiveOffsets {
 /// Mean and standard deviation; NaN of a rigid joint.
 fn offset_of(own: Option<&OnlineJoint>) -> (f64, f64) {
     own.map_or((f64::NAN, f64::NAN), |own| {
-        (own.offset_rad.mean, own.offset_rad.deviation)
+        (own.offset_rad.mean, own.offset_rad.std)
     })
 }
 
 #[pymethods]
-impl LiveOffsets {
+impl OnlineEstimator {
     #[new]
     #[pyo3(signature = (
         robot, baseline=None, *, empty=false, payload_kg=None, temperature_c=None, external_force_n=None, motor_torque=true,
@@ -128,7 +130,7 @@ impl LiveOffsets {
     ) -> PyResult<Self> {
         let loaded = robot.load()?;
         let baseline = baseline.as_ref().map(BaselineArg::read).transpose()?;
-        let baseline = baseline.map(|(known, file)| (Arc::unwrap_or_clone(known), file));
+        let baseline = baseline.map(|(baseline, file)| (Arc::unwrap_or_clone(baseline), file));
         let options = SessionOptions {
             payload: payload(empty, payload_kg)?,
             motor_torque,
@@ -137,30 +139,32 @@ impl LiveOffsets {
             creep,
             ..SessionOptions::default()
         };
-        let online = OnlineEstimator::new(loaded.robot.clone(), baseline, &options, NAME);
+        let online = Estimator::new(loaded.robot.clone(), baseline, &options, NAME);
         let mut online = online.map_err(Failure::from)?;
         if worker {
             online.start_worker()?;
         }
         Ok(Self {
-            names: loaded.robot.joint_names().to_vec(),
+            names: (0..loaded.robot.axes())
+                .map(|axis| loaded.robot.axis_name(axis).to_owned())
+                .collect(),
             worker: online.take_worker().map(Mutex::new),
             online: Mutex::new(online),
         })
     }
 
-    /// Names of the joints, in the order of ``q``.
+    /// Names of the joints in the order of ``q``, then of tendons beyond these, whose ``q`` is 0.
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.names.clone()
     }
 
-    /// Takes a sample, ``dt`` seconds after the one before; of the first sample ``dt`` does not matter.
+    /// Adds a sample, ``dt`` seconds after the previous one; ``dt`` of the first sample is ignored.
     ///
-    /// ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. What is not known is NaN or left out. Returns
-    /// ``"taken"``; ``"restarted"`` (the first sample, or the first after a pause); ``"block"`` (it completed a block, which the worker
-    /// may take); or ``"refused: …"`` with the reason (only the clock went on). Raises ``ValueError`` for a wrong number of values or a
-    /// ``dt`` that is not above zero; the state is then unchanged.
+    /// ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. Missing values are NaN or omitted. Returns ``"accepted"``;
+    /// ``"restarted"`` (the first sample, or the first after a gap); ``"block"`` (the sample completed a block for the worker); or
+    /// ``"rejected: …"`` with the reason (only the clock advanced). Raises ``ValueError`` for a wrong number of values or a ``dt`` that is
+    /// not positive; the state is then unchanged.
     #[pyo3(signature = (dt, q, theta, tau_m=None, celsius=f64::NAN))]
     fn step(
         &self,
@@ -174,17 +178,17 @@ impl LiveOffsets {
         let tau_m = tau_m.as_ref().map(values).unwrap_or_default();
         let outcome = self.online().step(dt, &q, &theta, &tau_m, celsius);
         Ok(match outcome.map_err(Failure::from)? {
-            StepOutcome::Taken => "taken",
+            StepOutcome::Accepted => "accepted",
             StepOutcome::Restarted => "restarted",
             StepOutcome::Block => "block",
-            StepOutcome::Refused(why) => refusal(why),
+            StepOutcome::Rejected(reason) => rejection(reason),
         })
     }
 
-    /// Takes all blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s.
+    /// Processes all completed blocks, and solves the window when due: some hundredths of a second every 2 s.
     ///
-    /// Not for a control loop: call it after a ``"block"``, or from another thread. Other threads of Python go on meanwhile. Blocks wait
-    /// for ten seconds; then they are dropped. With ``worker=True`` it does nothing.
+    /// Not for a control loop: call it after a ``"block"``, or from another thread. Other Python threads continue meanwhile. Blocks wait
+    /// for ten seconds; then they are dropped. No effect with ``worker=True``.
     fn work(&self, py: Python<'_>) {
         if let Some(worker) = &self.worker {
             py.detach(|| {
@@ -194,41 +198,39 @@ impl LiveOffsets {
         }
     }
 
-    /// The next sample does not go on where the last one was: the filters start anew, what is known stays.
+    /// Marks a gap before the next sample: the filters are re-initialised, the estimates are kept.
     fn interrupt(&self) {
         self.online().interrupt();
     }
 
-    /// Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 deviations.
+    /// Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 standard deviations.
     ///
-    /// NaN before the first solution, and of a rigid joint. Raises ``ValueError`` where there is no such joint.
+    /// NaN before the first solution, and of a rigid joint. Raises ``ValueError`` for an unknown joint.
     fn offset(&self, joint: &str) -> PyResult<(f64, f64)> {
         Ok(offset_of(self.joint(joint)?.as_ref()))
     }
 
-    /// Offsets of all joints, of one answer: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``.
+    /// Offsets of all joints at one time: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``.
     fn offsets<'py>(
         &self,
         py: Python<'py>,
     ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
-        let (means, deviations) = self.each(offset_of).into_iter().unzip();
-        (
-            PyArray1::from_vec(py, means),
-            PyArray1::from_vec(py, deviations),
-        )
+        let (means, stds) = self.each(offset_of).into_iter().unzip();
+        (PyArray1::from_vec(py, means), PyArray1::from_vec(py, stds))
     }
 
-    /// Why the offset of a joint is provisional: a ``Provisional``. ``None``: it is settled, or the joint is rigid.
+    /// Reason for a provisional offset of a joint: a ``Provisional``. ``None``: the offset is settled, or the joint is rigid.
     ///
-    /// Raises ``ValueError`` where there is no such joint.
+    /// Raises ``ValueError`` for an unknown joint.
     fn provisional<'py>(
         &self,
         py: Python<'py>,
         joint: &str,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let why = self.joint(joint)?.and_then(|own| own.provisional);
+        let reason = self.joint(joint)?.and_then(|own| own.provisional);
         let class = ("pysinew._live", "Provisional");
-        why.map(|why| record(py, class, serde_json::to_string(&why)))
+        reason
+            .map(|reason| record(py, class, serde_json::to_string(&reason)))
             .transpose()
     }
 
@@ -238,7 +240,7 @@ impl LiveOffsets {
         self.online().answer().is_provisional()
     }
 
-    /// Middle of the last block that the answer holds, s since the first sample; NaN before the first block.
+    /// Middle of the last block of the estimate, s since the first sample; NaN before the first block.
     #[getter]
     fn time_s(&self) -> f64 {
         self.online().answer().time_s
@@ -251,7 +253,7 @@ impl LiveOffsets {
     }
 
     /// Age of the solution, ``time_s − solved_s``, s; NaN before the first one. At most 2 while the arm moves; it grows in a
-    /// long stand, whose blocks replace each other.
+    /// long rest phase, whose blocks replace each other.
     #[getter]
     fn age_s(&self) -> f64 {
         let mut online = self.online();
@@ -259,14 +261,14 @@ impl LiveOffsets {
         answer.time_s - answer.solved_s
     }
 
-    /// Blocks completed that are neither in the answer nor dropped. Where the number grows, the worker is too slow or is
-    /// not called, and the answer is old, whatever it says.
+    /// Number of completed blocks that are neither in the estimate nor dropped. If the number grows, the worker is too slow or
+    /// is not called, and the estimate is outdated.
     #[getter]
     fn blocks_behind(&self) -> u64 {
         self.online().blocks_behind()
     }
 
-    /// Blocks lost because the worker was late by more than ten seconds.
+    /// Number of blocks dropped because the worker was late by more than ten seconds.
     #[getter]
     fn blocks_dropped(&self) -> u64 {
         self.online().blocks_dropped()
@@ -278,39 +280,41 @@ impl LiveOffsets {
         self.online().answer().contact_probability
     }
 
-    /// Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` where that is not sought.
+    /// Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` if not estimated.
     ///
-    /// Raises ``ValueError`` where there is no such joint.
+    /// Raises ``ValueError`` for an unknown joint.
     fn stiffness_changed(&self, joint: &str) -> PyResult<Option<f64>> {
         let own = self.joint(joint)?;
         Ok(own.and_then(|own| own.stiffness_changed_probability))
     }
 
-    /// What a temperature that is not known, now or in the baseline, adds to the standard deviation of every joint's offset, ``(n,)``,
-    /// rad; 0 where both are known. The deviations hold it. It is the tolerance of robot.toml: warmth beyond that reads as stretch.
+    /// Contribution of an unknown temperature, now or in the baseline, to the standard deviation of every joint's offset, ``(n,)``, rad;
+    /// 0 if both are known. The standard deviations include it. It covers the tolerance of robot.toml; a larger temperature
+    /// difference biases the offset.
     #[getter]
     fn unknown_temperature_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let unknown_rad = self.each(|own| own.map_or(0.0, |own| own.unknown_temperature_rad));
         PyArray1::from_vec(py, unknown_rad)
     }
 
-    /// A constant force from outside at the tool: the posterior probability that one acts, 0 to 1, then mean and standard deviation
-    /// along the axes of the base, ``(3,)`` each, N, if one does. ``None``: there was none to be seen.
+    /// Constant external force at the tool: its posterior probability, 0 to 1, then mean and standard deviation in the base frame,
+    /// ``(3,)`` each, N, given that it acts. ``None``: no force detected.
     #[getter]
-    fn external_force<'py>(&self, py: Python<'py>) -> Option<LiveForce<'py>> {
+    fn external_force<'py>(&self, py: Python<'py>) -> Option<OnlineForce<'py>> {
         let force = self.online().answer().external_force?;
         let of = |part: fn(Gaussian) -> f64| PyArray1::from_iter(py, force.force_n.map(part));
-        Some((force.probability, of(|f| f.mean), of(|f| f.deviation)))
+        Some((force.probability, of(|f| f.mean), of(|f| f.std)))
     }
 
-    /// Why the last window could not be solved; ``None``: it was. The offsets are then those of the solution before, and provisional.
+    /// Reason why the last window could not be solved, or ``None``. After an error the offsets are those of the previous solution, and
+    /// provisional.
     #[getter]
     fn error(&self) -> Option<String> {
-        self.online().error().map(|why| why.to_string())
+        self.online().error().map(|reason| reason.to_string())
     }
 
-    /// What ``estimate`` gives as ``session`` for a recording of the window's blocks, as of the last solution: a ``SessionEstimate``.
-    /// ``None`` before the first one.
+    /// Last solution in the form of ``session`` of ``estimate``, for the blocks of the window: a ``SessionEstimate``.
+    /// ``None`` before the first solution.
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let estimate = self.online().estimate();
         let class = ("pysinew.results", "SessionEstimate");
@@ -319,10 +323,10 @@ impl LiveOffsets {
             .transpose()
     }
 
-    /// What the last solution knows, as the baseline of the next session.
+    /// Last solution as the baseline of the next session.
     ///
-    /// ``recording`` names this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset is
-    /// provisional.
+    /// ``recording`` is the name of this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset
+    /// is provisional.
     fn save(&self, recording: &str, end_time_ns: i64) -> PyResult<Baseline> {
         let saved = self.online().save(recording, end_time_ns);
         Ok(Baseline {
@@ -386,7 +390,7 @@ impl OffsetObserver {
         Ok(self.0.step(dt, &sample).map_err(Failure::from)?)
     }
 
-    /// The next sample starts anew.
+    /// Restarts the filters at the next sample.
     fn reset(&mut self) {
         self.0.reset();
     }
@@ -409,13 +413,13 @@ impl OffsetObserver {
         PyArray1::from_slice(py, self.0.dq())
     }
 
-    /// Whether the filters have forgotten how they began.
+    /// Whether the start-up transient of the filters has decayed.
     #[getter]
     fn is_settled(&self) -> bool {
         self.0.is_settled()
     }
 
-    /// How long that takes, s.
+    /// Settling time of the filters, s.
     #[getter]
     fn settling_time_s(&self) -> f64 {
         self.0.settling_time_s()

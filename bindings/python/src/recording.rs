@@ -18,7 +18,7 @@ use sinew_log::{
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Where the samples are.
+/// Source of the samples.
 #[derive(Clone)]
 enum Source {
     Files(PathBuf),
@@ -53,40 +53,40 @@ pub(crate) struct Recording {
     description: Option<String>,
 }
 
-/// A recording, or the place of one.
+/// Recording, or the path of one.
 #[derive(FromPyObject)]
 pub(crate) enum LogArg<'py> {
     #[pyo3(annotation = "Recording")]
-    Opened(Bound<'py, Recording>),
+    Recording(Bound<'py, Recording>),
     #[pyo3(annotation = "path")]
-    Place(PathBuf),
+    Path(PathBuf),
 }
 
 impl LogArg<'_> {
-    /// What a request calls it.
+    /// Name of the recording in a request.
     pub(crate) fn name(&self) -> PathBuf {
         match self {
-            Self::Opened(recording) => PathBuf::from(&recording.get().name),
-            Self::Place(path) => path.clone(),
+            Self::Recording(recording) => PathBuf::from(&recording.get().name),
+            Self::Path(path) => path.clone(),
         }
     }
 
-    /// How it is read.
+    /// Options for reading the recording.
     pub(crate) fn options(&self) -> OpenOptions {
         match self {
-            Self::Opened(recording) => recording.get().options.clone(),
-            Self::Place(_) => OpenOptions::default(),
+            Self::Recording(recording) => recording.get().options.clone(),
+            Self::Path(_) => OpenOptions::default(),
         }
     }
 
-    /// Adds it to what is in memory, where it is no file.
+    /// Adds a recording in memory to the inputs; a path has no effect.
     pub(crate) fn give(&self, given: Given) -> Given {
         match self {
-            Self::Opened(recording) => {
+            Self::Recording(recording) => {
                 let recording = recording.get();
                 given.with_recording(&recording.name, recording.opener())
             }
-            Self::Place(_) => given,
+            Self::Path(_) => given,
         }
     }
 }
@@ -97,35 +97,35 @@ const EFFORTS: [(&str, JointEffort); 3] = [
     ("ignore", JointEffort::Ignore),
 ];
 
-/// One of several words.
+/// Finds the value of a keyword.
 pub(crate) fn one_of<T: Clone>(
     what: &str,
     word: &str,
     words: &[(&'static str, T)],
 ) -> Result<T, Failure> {
-    let found = words.iter().find(|(known, _)| *known == word);
+    let found = words.iter().find(|(name, _)| *name == word);
     found.map(|(_, value)| value.clone()).ok_or_else(|| {
-        let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
-        let known = known.join("', '");
-        Failure::new(format!("{what} is '{word}'; it can be '{known}'"))
+        let names: Vec<&str> = words.iter().map(|(name, _)| *name).collect();
+        let names = names.join("', '");
+        Failure::new(format!("{what} is '{word}'; it can be '{names}'"))
     })
 }
 
 impl Recording {
     fn of(name: String, source: Source, options: OpenOptions) -> Result<Self, Failure> {
-        let opened = source.open(&name, &options)?;
+        let reader = source.open(&name, &options)?;
         Ok(Self {
-            joints: opened.joints().to_vec(),
-            channels: opened.channels().clone(),
-            format: opened.format(),
-            description: opened.robot_description().map(str::to_owned),
+            joints: reader.joints().to_vec(),
+            channels: reader.channels().clone(),
+            format: reader.format(),
+            description: reader.robot_description().map(str::to_owned),
             name,
             source,
             options,
         })
     }
 
-    /// Opens it from its start, whenever asked; as it was opened, whoever asks: a reference has its own mapping.
+    /// Opens the recording again from its start, with the options of the first opening; a reference has its own mapping.
     fn opener(&self) -> Opener {
         let (name, source) = (self.name.clone(), self.source.clone());
         let options = self.options.clone();
@@ -141,7 +141,7 @@ impl Recording {
     ) -> PyResult<(Vec<String>, Columns)> {
         let joints = joints.unwrap_or_else(|| self.joints.clone());
         let (opener, options, selected) = (self.opener(), self.options.clone(), joints.clone());
-        let columns = work(py, "reading", progress, move |pace| {
+        let columns = work(py, "reading", progress, move |tracker| {
             let mut recording = opener(&options)?;
             let names: Vec<&str> = selected.iter().map(String::as_str).collect();
             recording.select(&names)?;
@@ -150,7 +150,7 @@ impl Recording {
                 columns.push(frame);
                 if columns.time_ns.len().is_multiple_of(8192) {
                     let at = recording.progress();
-                    pace.at(at.bytes_done as f64, at.bytes_total as f64);
+                    tracker.at(at.bytes_done as f64, at.bytes_total as f64);
                 }
             }
             Ok(columns)
@@ -163,7 +163,7 @@ impl Recording {
 pub(crate) struct Columns {
     pub(crate) time_ns: Vec<i64>,
     segment: Vec<u32>,
-    /// Row by row.
+    /// Values in row-major order.
     pub(crate) by_joint: Vec<(Quantity, Vec<f64>)>,
     pub(crate) temperature_c: Option<Vec<f64>>,
 }
@@ -190,7 +190,7 @@ impl Columns {
         }
     }
 
-    /// NumPy arrays by name; the memory is handed over.
+    /// Returns the NumPy arrays by name without a copy.
     pub(crate) fn arrays<'py>(
         self,
         py: Python<'py>,
@@ -212,12 +212,12 @@ impl Columns {
     }
 }
 
-/// A message as `rosbags` hands it out, or four values: topic, type, time and bytes.
+/// Converts a message of `rosbags`, or a tuple of topic, type, time and bytes.
 fn message(item: &Bound<'_, PyAny>) -> PyResult<(String, String, u64, Vec<u8>)> {
-    let odd = "messages are (connection, timestamp, rawdata) as rosbags hands them out, or (topic, type, time_ns, data)";
+    let invalid = "expected messages (connection, timestamp, rawdata) of rosbags, or (topic, type, time_ns, data)";
     let parts = item
         .cast::<PyTuple>()
-        .map_err(|_| PyTypeError::new_err(odd))?;
+        .map_err(|_| PyTypeError::new_err(invalid))?;
     let bytes = |part: &Bound<'_, PyAny>| -> PyResult<Vec<u8>> {
         match part.cast::<PyBytes>() {
             Ok(bytes) => Ok(bytes.as_bytes().to_vec()),
@@ -242,11 +242,11 @@ fn message(item: &Bound<'_, PyAny>) -> PyResult<(String, String, u64, Vec<u8>)> 
             parts.get_item(2)?.extract()?,
             bytes(&parts.get_item(3)?)?,
         )),
-        _ => Err(PyTypeError::new_err(odd)),
+        _ => Err(PyTypeError::new_err(invalid)),
     }
 }
 
-/// How recordings are opened.
+/// Options for opening a recording.
 #[derive(Default)]
 struct Opening {
     mapping: Option<PathBuf>,
@@ -276,7 +276,7 @@ impl Opening {
     }
 }
 
-/// An array of floats as NumPy has it: the same one where it is one already. What is masked is NaN: not recorded.
+/// Converts to a NumPy array of floats; an array of floats is returned itself. Masked values become NaN: not recorded.
 fn floats<'py>(
     numpy: &Bound<'py, PyAny>,
     array: &Bound<'py, PyAny>,
@@ -291,32 +291,31 @@ fn floats<'py>(
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !matches!(kind.as_str(), "f" | "i" | "u") {
         let dtype = array.getattr("dtype")?.str()?;
-        let why = format!("an array of {dtype} holds no numbers; give floats");
-        return Err(PyTypeError::new_err(why));
+        let reason = format!("an array of {dtype} contains no numbers; pass floats");
+        return Err(PyTypeError::new_err(reason));
     }
     numpy.call_method1("asarray", (array, float64))
 }
 
-/// Nanoseconds that a time may have, up to the year 2262.
+/// Maximum time in nanoseconds, in the year 2262.
 const LAST_NS: f64 = 9.2e18;
 
-/// Refuses times that are none, and names the row of the first.
-fn refuse_odd_times(numpy: &Bound<'_, PyAny>, what: &str, ns: &Bound<'_, PyAny>) -> PyResult<()> {
+/// Rejects invalid times and names the row of the first.
+fn check_times(numpy: &Bound<'_, PyAny>, what: &str, ns: &Bound<'_, PyAny>) -> PyResult<()> {
     let within = numpy.call_method1("less_equal", (numpy.call_method1("abs", (ns,))?, LAST_NS))?;
-    let odd = numpy.call_method1(
+    let invalid = numpy.call_method1(
         "flatnonzero",
         (numpy.call_method1("logical_not", (within,))?,),
     )?;
-    if odd.len()? == 0 {
+    if invalid.len()? == 0 {
         return Ok(());
     }
-    let row: u64 = odd.get_item(0)?.extract()?;
-    let why =
-        format!("{what}: row {row} is no time; every row needs one, at most 9.2e18 ns from 1970");
-    Err(Failure::new(why).into())
+    let row: u64 = invalid.get_item(0)?.extract()?;
+    let reason = format!("{what}: invalid time in row {row}; expected at most 9.2e18 ns from 1970");
+    Err(Failure::new(reason).into())
 }
 
-/// Times in whole nanoseconds, from those or from seconds.
+/// Times in integer nanoseconds, from nanoseconds or seconds.
 fn times<'py>(
     numpy: &Bound<'py, PyAny>,
     time_ns: Option<Bound<'py, PyAny>>,
@@ -330,38 +329,40 @@ fn times<'py>(
             let array = numpy.call_method1("asarray", (time_ns,))?;
             let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
             match kind.as_str() {
-                // Dates of any unit.
+                // `datetime64` of any unit.
                 "M" => {
                     let missing = numpy
                         .call_method1("flatnonzero", (numpy.call_method1("isnat", (&array,))?,))?;
                     if missing.len()? > 0 {
                         let row: u64 = missing.get_item(0)?.extract()?;
-                        let why = format!("time_ns: row {row} is NaT; every row needs a time");
-                        return Err(Failure::new(why).into());
+                        let reason = format!("time_ns: row {row} is NaT; every row needs a time");
+                        return Err(Failure::new(reason).into());
                     }
                     whole(array.call_method1("astype", ("datetime64[ns]",))?)?
                 }
                 "u" => {
-                    refuse_odd_times(numpy, "time_ns", &floats(numpy, &array)?)?;
+                    check_times(numpy, "time_ns", &floats(numpy, &array)?)?;
                     whole(array)?
                 }
                 "i" => numpy.call_method1("asarray", (array, numpy.getattr("int64")?))?,
                 _ => {
-                    let why =
+                    let reason =
                         "time_ns must hold whole numbers or datetime64; give seconds as time_s";
-                    return Err(PyTypeError::new_err(why));
+                    return Err(PyTypeError::new_err(reason));
                 }
             }
         }
         (None, Some(time_s)) => {
             let ns = floats(numpy, &time_s)?.mul(1e9)?;
-            refuse_odd_times(numpy, "time_s", &ns)?;
+            check_times(numpy, "time_s", &ns)?;
             whole(numpy.call_method1("rint", (ns,))?)?
         }
-        _ => return Err(PyTypeError::new_err("give time_ns or time_s, one of them")),
+        _ => return Err(PyTypeError::new_err("specify either time_ns or time_s")),
     };
     let array = array.cast_into::<PyArray1<i64>>();
-    array.map_err(|_| Failure::new("times must be one row of numbers, one per instant").into())
+    array.map_err(|_| {
+        Failure::new("times must be a one-dimensional array of numbers, one per sample").into()
+    })
 }
 
 #[pymethods]
@@ -389,11 +390,11 @@ impl Recording {
         Ok(Self::of(name, Source::Files(path), opening.options()?)?)
     }
 
-    /// A recording from arrays, one row an instant: read block by block, never copied whole.
+    /// A recording from arrays, one row per sample: read block by block, never copied completely.
     ///
     /// `time_ns` (whole numbers or `datetime64`) or `time_s`: `(rows,)`. `q`, `theta`: `(rows, joints)`, rad; `dq`: rad/s;
-    /// `tau_el`, `tau_m`, `tau_ext`: N·m; `temperature_c`: `(rows,)`, °C. NaN means "not recorded". `float64` is taken as
-    /// it is, whatever its strides; other types are converted.
+    /// `tau_el`, `tau_m`, `tau_ext`: N·m; `temperature_c`: `(rows,)`, °C. NaN means "not recorded". `float64` is used
+    /// directly, with any strides; other types are converted.
     #[staticmethod]
     #[pyo3(signature = (*, joints, q, theta, time_ns=None, time_s=None, dq=None, tau_el=None, tau_m=None, tau_ext=None, temperature_c=None, name="arrays", gap_s=None))]
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -431,8 +432,8 @@ impl Recording {
             None => None,
             Some(array) => {
                 let array = floats(&numpy, &array)?.cast_into::<PyArray1<f64>>();
-                let why = "temperature_c must be one row of numbers, one per instant";
-                Some(array.map_err(|_| Failure::new(why))?)
+                let reason = "temperature_c must be one row of numbers, one per instant";
+                Some(array.map_err(|_| Failure::new(reason))?)
             }
         };
         let held = Held::new(joints, &time_ns, by_joint, temperature_c)?;
@@ -444,7 +445,7 @@ impl Recording {
         Ok(Self::of(name.to_owned(), source, opening.options()?)?)
     }
 
-    /// A recording from messages of ROS 2: what `reader.messages()` of the package `rosbags` hands out, or tuples of topic,
+    /// A recording from messages of ROS 2: the results of `reader.messages()` of the package `rosbags`, or tuples of topic,
     /// type, time (ns) and bytes. The iterator is read to its end; only messages of joints are kept.
     #[staticmethod]
     #[pyo3(signature = (messages, *, name="messages", mapping=None, joint_topic=None, motor_topic=None, motor_interface=None, joint_effort=None, gap_s=None))]
@@ -475,7 +476,7 @@ impl Recording {
             given
                 .push(&topic, &kind, time_ns, &data)
                 .map_err(Failure::from)?;
-            // A long bag may be interrupted.
+            // Reading of a long bag can be interrupted.
             if i.is_multiple_of(4096) {
                 py.check_signals()?;
             }
@@ -484,13 +485,13 @@ impl Recording {
         Ok(Self::of(name.to_owned(), source, options)?)
     }
 
-    /// What it is called.
+    /// Name of the recording.
     #[getter]
     fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its format: `mcap`, `csv`, `parquet`, `db3`, `arrays` or `messages`.
+    /// Format of the recording: `mcap`, `csv`, `parquet`, `db3`, `arrays` or `messages`.
     #[getter]
     fn format(&self) -> PyResult<String> {
         let json = serde_json::to_value(self.format).map_err(Failure::from)?;
@@ -514,13 +515,13 @@ impl Recording {
         Ok(out)
     }
 
-    /// The robot's URDF, where it is recorded.
+    /// The robot's URDF, if it is recorded.
     #[getter]
     fn robot_description(&self) -> Option<&str> {
         self.description.as_deref()
     }
 
-    /// Reads it to its end and says what it holds and what was lost.
+    /// Reads the recording completely and reports its content and losses.
     #[pyo3(name = "_info", signature = (*, progress=None))]
     fn info(&self, py: Python<'_>, progress: Option<Bound<'_, PyAny>>) -> PyResult<Document> {
         let (opener, options, name) = (self.opener(), self.options.clone(), self.name.clone());
@@ -528,9 +529,9 @@ impl Recording {
             Source::Files(path) => Some(path.clone()),
             _ => None,
         };
-        let info = work(py, "reading", progress.as_ref(), move |pace| {
+        let info = work(py, "reading", progress.as_ref(), move |tracker| {
             let mut at = |at: sinew_log::Progress| {
-                pace.at(at.bytes_done as f64, at.bytes_total as f64);
+                tracker.at(at.bytes_done as f64, at.bytes_total as f64);
             };
             Ok(match files {
                 Some(path) => RecordingInfo::of_files(&[path], &options, &mut at)?,
@@ -543,7 +544,7 @@ impl Recording {
             .into())
     }
 
-    /// All frames as NumPy arrays by name: `time_ns` `(rows,)`, `q`, `theta` and what else there is `(rows, joints)`.
+    /// All frames as NumPy arrays by name: `time_ns` `(rows,)`, `q`, `theta` and other recorded quantities `(rows, joints)`.
     #[pyo3(signature = (*, joints=None, progress=None))]
     fn arrays<'py>(
         &self,

@@ -1,4 +1,4 @@
-//! A robot: its folder or its texts, what it says of itself, its dynamics.
+//! Robot from a folder or from texts: properties, checks and dynamics.
 
 use crate::document::{Document, Shown};
 use crate::failure::Failure;
@@ -21,11 +21,11 @@ pub(crate) type Floats<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
 /// A robot: joints, masses, stiffness, tendons.
 ///
-/// `place` is its folder, or `robot.toml` itself.
+/// `place` is the folder of the robot, or the path of `robot.toml`.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Robot(Arc<LoadedRobot>);
 
-/// A robot, or the place of one.
+/// Robot, or the path of one.
 #[derive(FromPyObject)]
 pub(crate) enum RobotArg<'py> {
     #[pyo3(annotation = "Robot")]
@@ -35,7 +35,7 @@ pub(crate) enum RobotArg<'py> {
 }
 
 impl RobotArg<'_> {
-    /// Loaded, and kept.
+    /// Loads the robot and keeps it.
     pub(crate) fn load(&self) -> Result<Arc<LoadedRobot>, Failure> {
         Ok(match self {
             Self::Loaded(robot) => robot.get().loaded().clone(),
@@ -84,7 +84,7 @@ impl Robot {
         })))
     }
 
-    /// Its name.
+    /// Name of the robot.
     #[getter]
     fn name(&self) -> &str {
         &self.0.robot.name
@@ -96,21 +96,21 @@ impl Robot {
         self.0.robot.joint_names().to_vec()
     }
 
-    /// Names of the tendons that the joints are paired with, in the order of `q`: a joint's own, unless `robot.toml` has
+    /// Names of the tendons of the joints, in the order of `q`: the names of the joints, unless `robot.toml` has
     /// `[[tendons]]`.
     #[getter]
     fn tendons(&self) -> Vec<String> {
         self.0.robot.tendon_names()
     }
 
-    /// Names of the motors of these tendons, in the order of `q`. Positions and torques of a motor with a name of its own are
-    /// those at its shaft.
+    /// Names of the motors of these tendons, in the order of `q`. Positions and torques of a separately named motor
+    /// refer to its shaft.
     #[getter]
     fn motors(&self) -> Vec<String> {
         self.0.robot.motor_names()
     }
 
-    /// `robot.toml` as it was opened.
+    /// Path of `robot.toml`.
     #[getter]
     fn file(&self) -> PathBuf {
         self.0.file.clone()
@@ -124,13 +124,13 @@ impl Robot {
 
     /// Text of the URDF.
     #[getter]
-    // What Python calls `urdf` is the text.
+    // The property `urdf` of Python is the text.
     #[allow(clippy::misnamed_getters)]
     fn urdf(&self) -> &str {
         &self.0.urdf_text
     }
 
-    /// What was odd in the description, in sentences.
+    /// Warnings about implausible values of the description.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.0.robot.warnings.clone()
@@ -174,7 +174,7 @@ impl Robot {
         if shape.last() != Some(&n) || shape != dq.shape() {
             let (q, dq) = (&shape, dq.shape());
             return Err(Failure::new(format!(
-                "q has the shape {q:?} and dq {dq:?}; both must be alike and end in {n}, the number of joints"
+                "q has the shape {q:?} and dq {dq:?}; both must be equal and end in {n}, the number of joints"
             ))
             .into());
         }
@@ -193,7 +193,7 @@ impl Robot {
         Ok((shaped(p)?, shaped(ct_dq)?, shaped(g)?))
     }
 
-    /// What looks odd in the description; `ropes`: folders with ropes of one's own.
+    /// Checks the description for implausible values; `ropes`: folders with additional ropes.
     #[pyo3(name = "_check", signature = (*, mapping=None, ropes=Vec::new()))]
     fn check(&self, mapping: Option<PathBuf>, ropes: Vec<PathBuf>) -> PyResult<Document> {
         let catalogue = crate::catalogue::with_folders(&ropes)?;

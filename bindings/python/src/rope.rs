@@ -5,7 +5,7 @@ use crate::document::{Document, Shown};
 use crate::failure::Failure;
 use crate::recording::{LogArg, one_of};
 use crate::robot::RobotArg;
-use crate::work::{Pace, work};
+use crate::work::{ProgressTracker, work};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,7 +21,7 @@ use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::predict::{self, Guide};
 use sinew_rope::select::{self, Constraints};
 use sinew_rope::task::{Drive, PretensionTask, RopeTask, TaskError};
-use sinew_rope::{Draws, Ends, pretension};
+use sinew_rope::{Draws, RopeTermination, pretension};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ impl Catalogue {
         self.0.names()
     }
 
-    /// All ropes.
+    /// Lists all ropes.
     #[pyo3(name = "_list")]
     fn list(&self) -> Document {
         let catalogue = self.0.clone();
@@ -95,7 +95,7 @@ impl RopeLaw {
         })
     }
 
-    /// Its name.
+    /// Name of the rope.
     #[getter]
     fn name(&self) -> &str {
         &self.name
@@ -116,7 +116,7 @@ impl RopeLaw {
         Ok(held.map_err(Failure::from)?)
     }
 
-    /// Strain now under a tension, N, at a temperature, °C, and what it is made of, % of the new, unloaded rope.
+    /// Present strain under a tension, N, at a temperature, °C, and its components, % of the new, unloaded rope.
     #[pyo3(signature = (tension_n, *, temperature_c=23.0))]
     fn strain<'py>(
         &self,
@@ -151,9 +151,9 @@ impl RopeLaw {
         let (durations, tensions) = (duration_s.as_array(), tension_n.as_array());
         if durations.len() != tensions.len() {
             let (a, b) = (durations.len(), tensions.len());
-            let why =
+            let reason =
                 format!("duration_s has {a} values and tension_n {b}; both need one per step");
-            return Err(Failure::new(why).into());
+            return Err(Failure::new(reason).into());
         }
         let mut state = self.state;
         let mut strains = Vec::with_capacity(durations.len());
@@ -193,7 +193,10 @@ const STRANDS: [(&str, Strand); 2] = [
     ("negative", Strand::Negative),
 ];
 
-const ENDS: [(&str, Ends); 2] = [("splice", Ends::Spliced), ("knot", Ends::Knotted)];
+const TERMINATIONS: [(&str, RopeTermination); 2] = [
+    ("splice", RopeTermination::Spliced),
+    ("knot", RopeTermination::Knotted),
+];
 
 /// A duty: the file of one, or blocks of duration, tension and temperature.
 #[derive(FromPyObject)]
@@ -218,7 +221,7 @@ impl DutyArg {
                         && (-100.0..=200.0).contains(temperature_c);
                     if !possible {
                         return Err(Failure::new(format!(
-                            "duty, block {i}: {duration_s} s at {tension_n} N and {temperature_c} °C can't be; a time is above 0 s, a tension at least 0 N, a temperature -100 to 200 °C"
+                            "duty, block {i}: {duration_s} s at {tension_n} N and {temperature_c} °C is invalid; expected a duration above 0 s, a tension of at least 0 N and a temperature from -100 to 200 °C"
                         )));
                     }
                     let load = RopeLoad::celsius(*tension_n, *temperature_c);
@@ -230,10 +233,10 @@ impl DutyArg {
     }
 }
 
-/// What a rope has to do.
+/// Load of a rope and its geometry.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(crate) struct Asked<'py> {
+pub(crate) struct LoadArgs<'py> {
     tension_n: Option<f64>,
     temperature_c: f64,
     duty: Option<DutyArg>,
@@ -245,7 +248,7 @@ pub(crate) struct Asked<'py> {
     guides: Vec<GuideArg>,
     stroke_m: f64,
     strokes_per_hour: f64,
-    ends: Option<String>,
+    termination: Option<String>,
     abrasion_factor: f64,
     times_s: Vec<f64>,
     draws: usize,
@@ -253,19 +256,21 @@ pub(crate) struct Asked<'py> {
     ropes: Vec<PathBuf>,
 }
 
-/// What holds the joint, where both a robot and a joint are named.
+/// Returns the drive of the joint if both a robot and a joint are specified.
 fn drive(robot: Option<&RobotArg<'_>>, joint: Option<&str>) -> Result<Option<Drive>, Failure> {
     match (robot, joint) {
         (None, None) => Ok(None),
         (Some(robot), Some(joint)) => Ok(Some(robot.load()?.drive(joint)?)),
-        (Some(_), None) => Err(Failure::new("robot needs joint, whose tendon is meant")),
+        (Some(_), None) => Err(Failure::new(
+            "robot requires joint, which selects the tendon",
+        )),
         (None, Some(_)) => Err(Failure::new(
-            "joint needs robot, which has the joint's tendon",
+            "joint requires robot, which describes the tendon",
         )),
     }
 }
 
-/// What a recording's torques do to a strand of a joint.
+/// Inputs of the duty of a strand, computed from the torques of a recording.
 struct Recorded {
     request: EstimateRequest,
     joint: String,
@@ -275,24 +280,24 @@ struct Recorded {
 }
 
 impl Recorded {
-    fn duty(&self, pace: &Pace) -> Result<Duty, Failure> {
-        let mut told = |at: Progress| pace.at(at.bytes_done as f64, at.bytes_total as f64);
+    fn duty(&self, tracker: &ProgressTracker) -> Result<Duty, Failure> {
+        let mut report = |at: Progress| tracker.at(at.bytes_done as f64, at.bytes_total as f64);
         Ok(strand_duty::recorded(
             &self.request,
             &self.joint,
             &self.tendon,
             self.temperature_c,
             self.strand,
-            &mut told,
+            &mut report,
         )?)
     }
 }
 
-impl Asked<'_> {
-    /// What is stated, and the tendon.
+impl LoadArgs<'_> {
+    /// Returns the rope task, the tendon and the recorded duty.
     fn task(&self) -> Result<(RopeTask, Option<Tendon>, Option<Recorded>), Failure> {
         let tendon = drive(self.robot.as_ref(), self.joint.as_deref())?.map(|d| d.tendon);
-        let ends = self.ends.as_deref();
+        let termination = self.termination.as_deref();
         let task = RopeTask {
             duty: self.duty.as_ref().map(DutyArg::read).transpose()?,
             tension_n: self.tension_n,
@@ -301,7 +306,9 @@ impl Asked<'_> {
             guides: guides(&self.guides),
             stroke_m: self.stroke_m,
             strokes_per_hour: self.strokes_per_hour,
-            ends: ends.map_or(Ok(Ends::NotStated), |word| one_of("ends", word, &ENDS))?,
+            termination: termination.map_or(Ok(RopeTermination::NotSpecified), |word| {
+                one_of("termination", word, &TERMINATIONS)
+            })?,
             abrasion_factor: self.abrasion_factor,
             times_s: self.times_s.clone(),
             draws: self.draws,
@@ -335,34 +342,34 @@ fn named(rope: Option<String>, tendon: Option<&Tendon>) -> Result<String, Failur
     rope.or(own).ok_or_else(|| Failure::new(which))
 }
 
-/// How far a rope stretches under a duty.
+/// Predicts the elongation of a rope under a duty.
 #[pyfunction]
 pub(crate) fn predict_rope(
     py: Python<'_>,
     rope: Option<String>,
     read_at_n: Option<f64>,
-    asked: Asked<'_>,
+    args: LoadArgs<'_>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Document> {
-    let (mut task, tendon, recorded) = asked.task()?;
-    let catalogue = with_folders(&asked.ropes)?;
+    let (mut task, tendon, recorded) = args.task()?;
+    let catalogue = with_folders(&args.ropes)?;
     let rope = find(&catalogue, &named(rope, tendon.as_ref())?)?.clone();
-    let read_at = read_at_n.map(|n| RopeLoad::celsius(n, asked.temperature_c));
-    let (found, rope, request) = work(py, "draws", progress.as_ref(), move |pace| {
+    let read_at = read_at_n.map(|n| RopeLoad::celsius(n, args.temperature_c));
+    let (found, rope, request) = work(py, "draws", progress.as_ref(), move |tracker| {
         if let Some(recorded) = recorded {
-            pace.say("torques");
-            task.duty = Some(recorded.duty(pace)?);
-            pace.say("draws");
+            tracker.set_stage("torques");
+            task.duty = Some(recorded.duty(tracker)?);
+            tracker.set_stage("draws");
         }
         let mut request = task.request(tendon.as_ref())?;
         request.read_at = read_at;
         let draws = request.draws as f64;
-        let told = |done: usize| pace.at(done as f64, draws);
-        let found = predict::predict_with_progress(&rope, &request, &told)?;
+        let report = |done: usize| tracker.at(done as f64, draws);
+        let found = predict::predict_with_progress(&rope, &request, &report)?;
         Ok((found, rope, request))
     })?;
     let is_lossy = found.breaks_after_s.is_some();
-    // The curve between the readings is drawn when somebody looks.
+    // The curve between the data points is computed on first use.
     let curve = Arc::new(move |found: &predict::Prediction| {
         let more = predict::Request {
             times_s: curve_times(&request.times_s, request.duty.summary().duration_s),
@@ -378,7 +385,7 @@ pub(crate) fn predict_rope(
         .into())
 }
 
-/// What a rope must be.
+/// Constraints on a rope.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Limits {
@@ -392,16 +399,16 @@ pub(crate) struct Limits {
     weight_max_g_per_m: Option<f64>,
 }
 
-/// Which ropes meet the constraints, ranked.
+/// Selects the ropes that satisfy the constraints, ranked.
 #[pyfunction]
 pub(crate) fn select_rope(
     py: Python<'_>,
     limits: Limits,
-    asked: Asked<'_>,
+    args: LoadArgs<'_>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Document> {
-    let (mut task, tendon, recorded) = asked.task()?;
-    let catalogue = with_folders(&asked.ropes)?;
+    let (mut task, tendon, recorded) = args.task()?;
+    let catalogue = with_folders(&args.ropes)?;
     if limits.bend_ratio_min.is_some() && limits.pulley_diameter_mm.is_none() {
         return Err(Failure::new("bend_ratio_min needs pulley_diameter_mm").into());
     }
@@ -415,9 +422,9 @@ pub(crate) fn select_rope(
         stiffness_min_n_per_mm: limits.stiffness_min_n_per_mm,
         weight_max_g_per_m: limits.weight_max_g_per_m,
     };
-    let found = work(py, "draws", progress.as_ref(), move |pace| {
+    let found = work(py, "draws", progress.as_ref(), move |tracker| {
         if let Some(recorded) = recorded {
-            task.duty = Some(recorded.duty(pace)?);
+            task.duty = Some(recorded.duty(tracker)?);
         }
         let request = task.request(tendon.as_ref())?;
         Ok(select::select(&catalogue, &request, &constraints)?)
@@ -429,10 +436,10 @@ pub(crate) fn select_rope(
         .into())
 }
 
-/// What is asked of a plan.
+/// Options of a pretension plan.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(crate) struct PlanAsked<'py> {
+pub(crate) struct PlanArgs<'py> {
     tension_n: Option<f64>,
     lowest_n: Option<f64>,
     temperature_c: f64,
@@ -440,7 +447,7 @@ pub(crate) struct PlanAsked<'py> {
     joint: Option<String>,
     length_m: Option<f64>,
     guides: Vec<GuideArg>,
-    give_m_per_n: Option<f64>,
+    series_compliance_m_per_n: Option<f64>,
     joint_radius_m: Option<f64>,
     torque_nm: f64,
     horizon_s: f64,
@@ -455,33 +462,33 @@ pub(crate) struct PlanAsked<'py> {
 pub(crate) fn plan_pretension(
     py: Python<'_>,
     rope: Option<String>,
-    asked: PlanAsked<'_>,
+    args: PlanArgs<'_>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Document> {
-    let drive = drive(asked.robot.as_ref(), asked.joint.as_deref())?;
-    let catalogue = with_folders(&asked.ropes)?;
+    let drive = drive(args.robot.as_ref(), args.joint.as_deref())?;
+    let catalogue = with_folders(&args.ropes)?;
     let rope = named(rope, drive.as_ref().map(|d| &d.tendon))?;
     let rope = find(&catalogue, &rope)?.clone();
     let task = PretensionTask {
-        tension_n: asked.tension_n,
-        lowest_n: asked.lowest_n,
-        temperature_c: asked.temperature_c,
-        length_m: asked.length_m,
-        guides: guides(&asked.guides),
-        give_m_per_n: asked.give_m_per_n,
-        joint_radius_m: asked.joint_radius_m,
-        torque_nm: asked.torque_nm,
-        horizon_s: asked.horizon_s,
-        remove: asked.remove,
-        draws: asked.draws,
-        seed: asked.seed,
+        tension_n: args.tension_n,
+        lowest_n: args.lowest_n,
+        temperature_c: args.temperature_c,
+        length_m: args.length_m,
+        guides: guides(&args.guides),
+        series_compliance_m_per_n: args.series_compliance_m_per_n,
+        joint_radius_m: args.joint_radius_m,
+        torque_nm: args.torque_nm,
+        horizon_s: args.horizon_s,
+        remove: args.remove,
+        draws: args.draws,
+        seed: args.seed,
     };
     let plan = work(py, "procedures", progress.as_ref(), move |_| {
         let request = task
             .request(&rope, drive.as_ref())
             .map_err(|error| match error {
                 TaskError::NoTension => {
-                    Failure::new("state tension_n: the tendon states no pretension_n")
+                    Failure::new("specify tension_n, because the tendon has no pretension_n")
                 }
                 other => other.into(),
             })?;

@@ -1,4 +1,4 @@
-//! Simulated recordings with a known truth, scenarios of the protocol, poses that tell.
+//! Simulated recordings with known ground truth, scenarios of the protocol and informative poses.
 
 use crate::document::{Document, Shown};
 use crate::estimate::BaselineArg;
@@ -26,7 +26,7 @@ pub(crate) enum ScenarioArg {
     File(PathBuf),
 }
 
-/// What is simulated, on which robot.
+/// Scenario to simulate and its robot.
 struct Task {
     scenario: Scenario,
     loaded: Arc<LoadedRobot>,
@@ -39,10 +39,10 @@ impl Task {
         seed: Option<u64>,
         duration_s: Option<f64>,
     ) -> Result<Self, Failure> {
-        let (mut scenario, beside) = match scenario {
+        let (mut scenario, folder) = match scenario {
             ScenarioArg::File(path) => {
-                let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
-                (Scenario::open(path)?, beside)
+                let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+                (Scenario::open(path)?, folder)
             }
             ScenarioArg::Text(text, name) => {
                 let mut scenario = Scenario::from_toml(text, name)?;
@@ -52,18 +52,18 @@ impl Task {
         };
         let loaded = match (robot, &scenario.robot) {
             (Some(robot), _) => robot.load()?,
-            (None, Some(named)) => Arc::new(robot_dir::load(&beside.join(named), None)?),
+            (None, Some(named)) => Arc::new(robot_dir::load(&folder.join(named), None)?),
             (None, None) => {
                 let file = &scenario.file;
-                let why = format!("{file} names no robot; name one with robot");
-                return Err(Failure::new(why));
+                let reason = format!("{file} specifies no robot; set the argument robot");
+                return Err(Failure::new(reason));
             }
         };
         scenario.seed = seed.unwrap_or(scenario.seed);
         if let Some(duration_s) = duration_s {
             if !(duration_s > 0.0 && duration_s.is_finite()) {
-                let why = format!("duration_s is {duration_s}; it must be above 0 s");
-                return Err(Failure::new(why));
+                let reason = format!("duration_s is {duration_s}; it must be above 0 s");
+                return Err(Failure::new(reason));
             }
             scenario.duration_s = Some(duration_s);
         }
@@ -96,15 +96,15 @@ pub(crate) fn simulate<'py>(
     let Task { scenario, loaded } = Task::new(&scenario, robot.as_ref(), seed, duration_s)?;
     let warnings = loaded.robot.warnings.clone();
     let joints = loaded.robot.joint_names().to_vec();
-    let (columns, truth) = work(py, "simulating", progress.as_ref(), move |pace| {
+    let (columns, truth) = work(py, "simulating", progress.as_ref(), move |tracker| {
         let simulation = Simulation::new(&loaded.robot, &scenario)?;
         let mut columns = Columns::new(sinew_sim::recorded_quantities(&scenario));
         let mut keep = |frame: &sinew_log::Frame| {
             columns.push(frame);
             Ok(())
         };
-        let mut told = |at: sinew_sim::Progress| pace.at(at.done_s, at.total_s);
-        let (truth, _) = sinew_sim::record(simulation, &scenario, &mut keep, &mut told)?;
+        let mut report = |at: sinew_sim::Progress| tracker.at(at.done_s, at.total_s);
+        let (truth, _) = sinew_sim::record(simulation, &scenario, &mut keep, &mut report)?;
         Ok((columns, truth))
     })?;
     Ok((columns.arrays(py, &joints)?, shown(truth, warnings)))
@@ -116,7 +116,7 @@ const PACKINGS: [(&str, Compression); 3] = [
     ("none", Compression::None),
 ];
 
-/// Simulates into a file, with its truth beside it.
+/// Simulates into a file and writes the ground truth next to it.
 #[pyfunction]
 #[pyo3(signature = (scenario, out, robot, seed, duration_s, compression, progress))]
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -135,13 +135,13 @@ pub(crate) fn simulate_to(
     let mut options = SimulateOptions::new(&out);
     options.robot_description = Some(loaded.urdf_text.clone());
     options.compression = one_of("compression", compression, &PACKINGS)?;
-    let summary = work(py, "simulating", progress.as_ref(), move |pace| {
-        let mut told = |at: sinew_sim::Progress| pace.at(at.done_s, at.total_s);
+    let summary = work(py, "simulating", progress.as_ref(), move |tracker| {
+        let mut report = |at: sinew_sim::Progress| tracker.at(at.done_s, at.total_s);
         Ok(sinew_sim::run(
             &loaded.robot,
             &scenario,
             &options,
-            &mut told,
+            &mut report,
         )?)
     })?;
     Ok(shown(summary.truth, warnings))
@@ -177,12 +177,12 @@ pub(crate) fn propose_poses(
     let loaded = robot.load()?;
     let baseline = baseline.as_ref().map(BaselineArg::read).transpose()?;
     if !(2..=100).contains(&poses) || !(1..=1000).contains(&candidates) {
-        let why = "poses must be 2 to 100, candidates 1 to 1000";
-        return Err(Failure::new(why).into());
+        let reason = "poses must be 2 to 100, candidates 1 to 1000";
+        return Err(Failure::new(reason).into());
     }
     if !(pause_s > 0.0 && pause_s.is_finite() && (4..=40).contains(&joint_bits)) {
-        let why = "pause_s must be above 0 s, joint_bits 4 to 40";
-        return Err(Failure::new(why).into());
+        let reason = "pause_s must be above 0 s, joint_bits 4 to 40";
+        return Err(Failure::new(reason).into());
     }
     let options = excitation::Options {
         poses,
@@ -196,14 +196,14 @@ pub(crate) fn propose_poses(
         seed,
         ..excitation::Options::default()
     };
-    let proposal = work(py, "trying poses", progress.as_ref(), move |pace| {
-        let known = baseline.as_ref().map(|(b, file)| (&**b, file.as_str()));
-        let mut told = |done: usize, all: usize| pace.at(done as f64, all as f64);
+    let proposal = work(py, "trying poses", progress.as_ref(), move |tracker| {
+        let prior = baseline.as_ref().map(|(b, file)| (&**b, file.as_str()));
+        let mut report = |done: usize, all: usize| tracker.at(done as f64, all as f64);
         Ok(excitation::propose(
             &loaded.robot,
-            known,
+            prior,
             &options,
-            &mut told,
+            &mut report,
         )?)
     })?;
     let motion = proposal.to_toml();

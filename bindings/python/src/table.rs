@@ -1,4 +1,4 @@
-//! Tables on their way out, as an Arrow C stream: columns are handed over, not copied.
+//! Tables as an Arrow C stream, without a copy of the columns.
 
 use crate::failure::Failure;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Table(RecordBatch);
 
-fn refuse(error: ArrowError) -> Failure {
+fn failure(error: ArrowError) -> Failure {
     Failure::new(error.to_string())
 }
 
@@ -33,7 +33,7 @@ impl Table {
         let schema = Schema::new(Vec::from_iter(columns.iter().map(field)));
         let columns = columns.into_iter().map(|(_, column)| column).collect();
         let batch = RecordBatch::try_new(Arc::new(schema), columns);
-        batch.map(Self).map_err(refuse)
+        batch.map(Self).map_err(failure)
     }
 
     /// A table of the library, column by column.
@@ -50,8 +50,8 @@ impl Table {
         self.0.column_by_name(name).ok_or_else(|| {
             let names = self.column_names();
             let hint = sinew_files::names::hint(name, &names);
-            let known = sinew_files::names::list(&names);
-            PyKeyError::new_err(format!("no column '{name}'{hint} columns are {known}"))
+            let columns = sinew_files::names::list(&names);
+            PyKeyError::new_err(format!("no column '{name}'{hint} columns are {columns}"))
         })
     }
 }
@@ -79,7 +79,7 @@ fn column<'a>(kind: CellKind, cells: impl Iterator<Item = Option<&'a Cell>>) -> 
 
 #[pymethods]
 impl Table {
-    /// The Arrow C stream interface. The stream reads the memory of this table; a schema asked for is not looked at.
+    /// Arrow C stream interface. The stream refers to the memory of this table; a requested schema is ignored.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,
@@ -96,7 +96,7 @@ impl Table {
 
     /// The Arrow C schema interface.
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        let schema = FFI_ArrowSchema::try_from(&*self.0.schema()).map_err(refuse)?;
+        let schema = FFI_ArrowSchema::try_from(&*self.0.schema()).map_err(failure)?;
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
@@ -143,11 +143,13 @@ impl Table {
         }
         match any.downcast_ref::<StringArray>() {
             Some(texts) => Ok(PyList::new(py, texts.iter())?.into_any()),
-            None => Err(PyKeyError::new_err(format!("column '{name}' has no kind"))),
+            None => Err(PyKeyError::new_err(format!(
+                "column '{name}' has an unsupported type"
+            ))),
         }
     }
 
-    /// Writes a file; `.parquet`, else CSV.
+    /// Writes a file: Parquet if the name ends in `.parquet`, otherwise CSV.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         Ok(rows_of(&self.0).write(&path).map_err(Failure::from)?)
     }
@@ -159,8 +161,8 @@ impl Table {
 
     /// The first rows as HTML.
     fn _repr_html_(&self) -> String {
-        const SHOWN: usize = 12;
-        let rows = rows_of(&self.0.slice(0, self.0.num_rows().min(SHOWN)));
+        const MAX_SHOWN_ROWS: usize = 12;
+        let rows = rows_of(&self.0.slice(0, self.0.num_rows().min(MAX_SHOWN_ROWS)));
         let text = |cell: &Cell| match cell {
             Cell::Empty => "–".to_owned(),
             Cell::Number(value) => sinew_figure::rounded(*value, 6),
@@ -170,10 +172,13 @@ impl Table {
         };
         let body = rows.rows.iter().map(|row| row.iter().map(text).collect());
         let head: Vec<&str> = rows.columns.iter().map(|(n, _)| n.as_str()).collect();
-        let more = self.0.num_rows().saturating_sub(SHOWN);
+        let more = self.0.num_rows().saturating_sub(MAX_SHOWN_ROWS);
         let caption = match more {
             0 => String::new(),
-            more => format!("the first {SHOWN} of {} rows", SHOWN + more),
+            more => format!(
+                "the first {MAX_SHOWN_ROWS} of {} rows",
+                MAX_SHOWN_ROWS + more
+            ),
         };
         sinew_figure::Table::new(&head, body)
             .captioned(caption)
@@ -181,7 +186,7 @@ impl Table {
     }
 }
 
-/// Back to rows, for what writes and shows those.
+/// Converts a batch to rows for writing and printing.
 fn rows_of(batch: &RecordBatch) -> Rows {
     let schema = batch.schema();
     let columns = schema.fields().iter().map(|field| {

@@ -13,7 +13,7 @@ use sinew_trend::{
 };
 use std::path::PathBuf;
 
-/// Where records come from: files, or texts with a name.
+/// Source of session records: a file, or a text with a name.
 #[derive(FromPyObject)]
 pub(crate) enum Records {
     #[pyo3(annotation = "(kind, name, text)")]
@@ -22,12 +22,12 @@ pub(crate) enum Records {
     File(PathBuf),
 }
 
-/// Tensionings or replacements as somebody states them.
+/// Converts specified tensionings or replacements.
 fn stated(all: Vec<(Option<String>, String)>, replaced: bool) -> Result<Vec<Stated>, Failure> {
     let one = |(joint, date): (Option<String>, String)| {
         let time_utc_s = parse_utc_s(&date).ok_or_else(|| {
             Failure::new(format!(
-                "'{date}' is no date; write such as 2026-03-01 or 2026-03-01T08:30Z"
+                "'{date}' is not a date; expected a form such as 2026-03-01 or 2026-03-01T08:30Z"
             ))
         })?;
         Ok(Stated {
@@ -39,7 +39,7 @@ fn stated(all: Vec<(Option<String>, String)>, replaced: bool) -> Result<Vec<Stat
     all.into_iter().map(one).collect()
 }
 
-/// What months of sessions say.
+/// Evaluates the trend of sessions over months.
 #[pyfunction]
 #[pyo3(signature = (records, robot, tensioned, replaced, duty, ropes, horizon_days, seed, progress))]
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -60,10 +60,10 @@ pub(crate) fn trend(
     let mut all = stated(tensioned, false)?;
     all.extend(stated(replaced, true)?);
     if !(1.0..=36_500.0).contains(&horizon_days) {
-        let why = format!("horizon_days is {horizon_days}; it must be 1 to 36500");
-        return Err(Failure::new(why).into());
+        let reason = format!("horizon_days is {horizon_days}; it must be 1 to 36500");
+        return Err(Failure::new(reason).into());
     }
-    let report = work(py, "reading", progress.as_ref(), move |pace| {
+    let report = work(py, "reading", progress.as_ref(), move |tracker| {
         let mut read = Vec::new();
         for source in &records {
             read.extend(match source {
@@ -74,13 +74,13 @@ pub(crate) fn trend(
         }
         let robot = robot.as_ref().map(|loaded| &loaded.robot);
         let sorted = sort_of(read, robot)?;
-        pace.say("analysing");
+        tracker.set_stage("analysing");
         let request = TrendRequest {
             robot,
             catalogue: &catalogue,
             stated: all,
             duty: duty.as_deref().map(Duty::open).transpose()?,
-            // How long such ropes last is asked of the command: sinew trend --life.
+            // Lifetime statistics are available in the command only: sinew trend --life.
             life: None,
             horizon_days,
             seed,
@@ -88,7 +88,7 @@ pub(crate) fn trend(
         Ok(analyze(sorted, &request)?)
     })?;
     let warnings = report.notes.iter().map(format_note).collect();
-    let is_lossy = report.needs_attention;
+    let is_lossy = report.action_required;
     Ok(Shown::new(report, render_table)
         .page(page)
         .table("sessions", trend_table)

@@ -1,8 +1,8 @@
-//! Rust works on a thread of its own; Python's thread waits without the interpreter, hands on how far the work
-//! is, and may be interrupted.
+//! Runs Rust work on a separate thread. Python's thread waits without the interpreter lock, reports progress, and can be
+//! interrupted.
 //!
-//! A work that is to stop is unwound from where it says next how far it is. Files it was writing are not there then:
-//! they get their names last.
+//! Interrupted work is unwound at its next progress report. Incomplete files do not remain, because a file receives
+//! its final name last.
 
 use crate::failure::Failure;
 use pyo3::exceptions::PyRuntimeError;
@@ -14,80 +14,80 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// How often Python is asked whether to go on.
-const LOOK: Duration = Duration::from_millis(40);
-/// How long a work that is to stop is waited for; it goes on in the background until it looks.
-const PATIENCE: Duration = Duration::from_secs(2);
-/// Stack of the thread, bytes: what a program's main thread has.
+/// Interval at which Python checks for interrupts.
+const POLL_INTERVAL: Duration = Duration::from_millis(40);
+/// Maximum time to wait for interrupted work, which otherwise continues in the background until its next check.
+const STOP_TIMEOUT: Duration = Duration::from_secs(2);
+/// Stack size of the thread, bytes; equal to that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 
-/// What a stopped work is unwound with.
+/// Payload of the unwinding of interrupted work.
 struct Stopped;
 
-/// How far a work is, from its thread to Python's.
+/// Progress of the work, shared between its thread and Python's.
 #[derive(Clone, Default)]
-pub(crate) struct Pace(Arc<State>);
+pub(crate) struct ProgressTracker(Arc<State>);
 
 #[derive(Default)]
 struct State {
-    /// Bits of the share, 0 to 1.
+    /// Bits of the completed share, 0 to 1.
     share: AtomicU64,
-    /// Counts words, so that a new one is noticed.
+    /// Number of stages so far, which reveals a new one.
     words: AtomicUsize,
     word: Mutex<&'static str>,
     stop: AtomicBool,
 }
 
-impl Pace {
-    /// Says how far the work is; does not return where it is to stop.
+impl ProgressTracker {
+    /// Reports progress; does not return if the work is interrupted.
     pub(crate) fn at(&self, done: f64, of: f64) {
         let share = (done / of).clamp(0.0, 1.0);
         if share.is_finite() {
             self.0.share.store(share.to_bits(), Ordering::Relaxed);
         }
-        self.look();
+        self.check_stop();
     }
 
-    /// Says what is being done.
-    pub(crate) fn say(&self, word: &'static str) {
+    /// Reports the current stage.
+    pub(crate) fn set_stage(&self, word: &'static str) {
         let mut now = self.0.word.lock().unwrap_or_else(PoisonError::into_inner);
         if *now != word {
             *now = word;
             self.0.words.fetch_add(1, Ordering::Relaxed);
         }
         drop(now);
-        self.look();
+        self.check_stop();
     }
 
-    fn look(&self) {
+    fn check_stop(&self) {
         if self.0.stop.load(Ordering::Relaxed) {
-            // Past the panic hook: nobody needs to read of it.
+            // Bypasses the panic hook, because an interrupt is not an error.
             resume_unwind(Box::new(Stopped));
         }
     }
 
-    /// What can be seen of it from outside; changes when it moves on.
+    /// Progress visible to Python; the value changes when the work proceeds.
     fn seen(&self) -> (u64, usize) {
         let share = self.0.share.load(Ordering::Relaxed);
         (share, self.0.words.load(Ordering::Relaxed))
     }
 
-    fn tell(&self, callback: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn notify(&self, callback: &Bound<'_, PyAny>) -> PyResult<()> {
         let word = *(self.0.word.lock()).unwrap_or_else(PoisonError::into_inner);
         let share = f64::from_bits(self.0.share.load(Ordering::Relaxed));
         callback.call1((share, word)).map(drop)
     }
 }
 
-/// Does a work, `progress(share, word)` being told now and then how far it is.
+/// Runs work on a thread and calls `progress(share, stage)` from time to time.
 pub(crate) fn work<T: Send + 'static>(
     py: Python<'_>,
     word: &'static str,
     progress: Option<&Bound<'_, PyAny>>,
-    task: impl FnOnce(&Pace) -> Result<T, Failure> + Send + 'static,
+    task: impl FnOnce(&ProgressTracker) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<T> {
-    let pace = Pace::default();
-    pace.say(word);
+    let tracker = ProgressTracker::default();
+    tracker.set_stage(word);
     let (done, result) = sync_channel(1);
     // Waited for by this thread alone, from where Python is not held.
     let result = Mutex::new(result);
@@ -97,42 +97,42 @@ pub(crate) fn work<T: Send + 'static>(
             result.recv_timeout(time)
         })
     };
-    let of_thread = pace.clone();
+    let of_thread = tracker.clone();
     let thread = std::thread::Builder::new()
         .name("pysinew".into())
         .stack_size(STACK_BYTES);
     thread
         .spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| task(&of_thread)));
-            // Nobody waits for what was interrupted.
+            // Results of interrupted work are discarded.
             let _ = done.send(outcome);
         })
-        .map_err(|e| PyRuntimeError::new_err(format!("no thread to work on: {e}")))?;
-    let mut seen = pace.seen();
+        .map_err(|e| PyRuntimeError::new_err(format!("cannot start a thread: {e}")))?;
+    let mut seen = tracker.seen();
     loop {
-        match wait(LOOK) {
+        match wait(POLL_INTERVAL) {
             Ok(outcome) => {
                 if let (Some(callback), Ok(Ok(_))) = (progress, &outcome) {
-                    pace.at(1.0, 1.0);
-                    pace.tell(callback)?;
+                    tracker.at(1.0, 1.0);
+                    tracker.notify(callback)?;
                 }
                 return finish(outcome);
             }
             Err(RecvTimeoutError::Disconnected) => {
-                return Err(PyRuntimeError::new_err("the work has gone"));
+                return Err(PyRuntimeError::new_err("the worker thread has ended"));
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
-        let mut go_on = py.check_signals();
-        let now = pace.seen();
-        if let (Ok(()), Some(callback), true) = (&go_on, progress, now != seen) {
+        let mut signals = py.check_signals();
+        let now = tracker.seen();
+        if let (Ok(()), Some(callback), true) = (&signals, progress, now != seen) {
             seen = now;
-            go_on = pace.tell(callback);
+            signals = tracker.notify(callback);
         }
-        if let Err(why) = go_on {
-            pace.0.stop.store(true, Ordering::Relaxed);
-            let _ = wait(PATIENCE);
-            return Err(why);
+        if let Err(reason) = signals {
+            tracker.0.stop.store(true, Ordering::Relaxed);
+            let _ = wait(STOP_TIMEOUT);
+            return Err(reason);
         }
     }
 }
@@ -144,9 +144,9 @@ fn finish<T>(outcome: Result<Result<T, Failure>, Box<dyn Any + Send>>) -> PyResu
         Err(payload) => {
             let text = payload.downcast_ref::<String>().map(String::as_str);
             let text = text.or(payload.downcast_ref::<&str>().copied());
-            let why = text.unwrap_or("it didn't say why");
+            let reason = text.unwrap_or("no reason reported");
             Err(PyRuntimeError::new_err(format!(
-                "Sinew has a fault of its own here; please report it: {why}"
+                "internal error of Sinew; please report it: {reason}"
             )))
         }
     }

@@ -1,4 +1,4 @@
-"""What the tests share: the repository's examples, and recordings made once."""
+"""Common fixtures: examples of the repository, and recordings simulated once."""
 
 from __future__ import annotations
 
@@ -58,6 +58,6 @@ def work(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def learned(work: Path) -> sn.Learned:
-    """What its first minute teaches."""
+    """Baseline of its first minute."""
     os.chdir(ROOT)
     return sn.learn_baseline(work, ROBOT, to_s=60.0)

@@ -1,4 +1,4 @@
-"""NumPy arrays in: the numbers of a file, no copy, and sentences where they don't fit."""
+"""Input of NumPy arrays: equal to files, without copies, and with error messages."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def joints_of(answer: sn.Estimate) -> Any:
     return document["session"]["joints"], document["reading"]["joints"]
 
 
-def test_arrays_of_a_recording_give_its_estimate_to_the_last_digit(arrays: dict[str, Any]) -> None:
+def test_arrays_estimate_equals_file(arrays: dict[str, Any]) -> None:
     columns = dict(arrays)
     columns["celsius"] = columns.pop("temperature_c", None)
     columns.pop("tau_ext", None)
@@ -96,7 +96,7 @@ print((after - before) / 1024)
     assert grown_mb < 32, f"{grown_mb} MB"
 
 
-def test_what_does_not_fit_is_said(arrays: dict[str, Any]) -> None:
+def test_arrays_inconsistent_shape_error(arrays: dict[str, Any]) -> None:
     joints, q, theta, t = (arrays[k] for k in ("joints", "q", "theta", "time_ns"))
     make = sn.Recording.from_arrays
 
@@ -108,13 +108,13 @@ def test_what_does_not_fit_is_said(arrays: dict[str, Any]) -> None:
     refused(ValueError, r"theta has the shape \[19999, 4\]; \[20000, 4\] is needed", theta=theta[1:])
     refused(ValueError, r"q has the shape \[20000, 3\]", q=q[:, :3])
     refused(ValueError, "q must have rows and columns", q=q[:, 0])
-    refused(ValueError, "one row of numbers", time_ns=t[:, None])
+    refused(ValueError, "one-dimensional array of numbers", time_ns=t[:, None])
     refused(TypeError, "seconds as time_s", time_ns=t * 1e-9)
-    refused(TypeError, "one of them", time_s=t)
+    refused(TypeError, "specify either", time_s=t)
     refused(ValueError, "temperature_c has 3 values", temperature_c=[1.0, 2.0, 3.0])
     refused(ValueError, "runs backwards", time_ns=t[::-1])
-    refused(ValueError, "twice", joints=["a", "a", "b", "c"])
-    with pytest.raises(ValueError, match="has no position of joint 'elbow'"):
+    refused(ValueError, "duplicate column", joints=["a", "a", "b", "c"])
+    with pytest.raises(ValueError, match="position of joint 'elbow' is missing"):
         names = ["shoulder_yaw", "shoulder_pitch", "ellbow", "wrist"]
         sn.estimate_arrays(ROBOT, joints=names, q=q, theta=theta, time_ns=t)
 

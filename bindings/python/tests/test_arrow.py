@@ -21,7 +21,7 @@ def table() -> sn.Table:
 
 
 def addresses(table: sn.Table) -> dict[str, int]:
-    """Where the numbers of each column lie, as pyarrow sees it."""
+    """Memory addresses of the columns, as reported by pyarrow."""
     pa = pytest.importorskip("pyarrow")
     seen = pa.table(table)
     return {name: seen[name].chunk(0).buffers()[1].address for name in seen.column_names}
@@ -70,9 +70,9 @@ def test_pandas_reads_the_memory_of_the_table(table: sn.Table) -> None:
     assert (frame["q.elbow_rad"].to_numpy() == table["q.elbow_rad"]).all()
 
 
-def test_duckdb_asks_questions_of_the_table(table: sn.Table) -> None:
+def test_duckdb_queries_table(table: sn.Table) -> None:
     duckdb = pytest.importorskip("duckdb")
-    # What it answers it copies; what it reads it reads through the same stream.
+    # Results are copied; input is read through the same stream.
     answer = duckdb.sql('select count(*), avg("q.elbow_rad"), max(time_ns) from "table"').fetchall()
     count, mean, last = answer[0]
     assert count == len(table) and last == table["time_ns"].max()
@@ -89,9 +89,9 @@ def test_answers_are_tables() -> None:
     row = rows[2]
     assert row["offset_rad"] == elbow.offset_rad.mean
     assert row["offset_interval_95_rad"] == elbow.offset_rad.half_width_95
-    assert row["verdict"] == "longer" and row["error"] is None
+    assert row["verdict"] == "offset-detected" and row["error"] is None
     assert pa.table(found.table("series")).num_rows > 100
-    with pytest.raises(KeyError, match="there is joints, series"):
+    with pytest.raises(KeyError, match="available: joints, series"):
         found.table("serie")
 
 

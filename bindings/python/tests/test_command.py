@@ -16,7 +16,7 @@ def run(sinew: str, *arguments: str, **options):
     return subprocess.run([sinew, *arguments], capture_output=True, text=True, cwd=ROOT, check=False, **options)
 
 
-def test_it_says_its_version_and_its_mistakes(sinew: str) -> None:
+def test_command_version_and_errors(sinew: str) -> None:
     assert run(sinew, "--version").stdout == f"sinew {sn.__version__}\n"
     wrong = run(sinew, "estimat")
     assert wrong.returncode == 2 and "estimate" in wrong.stderr

@@ -1,4 +1,4 @@
-"""Records and trends for engines that pass Arrow: what they say is what `estimate` and `trend` say."""
+"""Records and trends for engines that pass Arrow agree with `estimate` and `trend`."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def test_a_recording_gives_the_rows_of_its_estimate() -> None:
     session = sn.estimate(SHIPPED, ROBOT).session
     assert session is not None and [row["joint"] for row in rows] == [joint.name for joint in session.joints]
     for row, joint in zip(rows, session.joints):
-        assert (row["offset_rad"], row["offset_deviation_rad"]) == (joint.offset_rad.mean, joint.offset_rad.deviation)
+        assert (row["offset_rad"], row["offset_std_rad"]) == (joint.offset_rad.mean, joint.offset_rad.std)
         assert joint.elongation_m is not None and row["elongation_m"] == joint.elongation_m.mean
-        assert row["time_utc_s"] == session.start_time_utc_s and row["refused"] is None
+        assert row["time_utc_s"] == session.start_time_utc_s and row["rejection"] is None
         assert row["frames"] + row["frames_lost"] == 20_000 and row["strain_ratio"] is None
     # The columns of a record are those that Sinew's own programs write.
     text = (Path("crates/sinew-watch-core/src/table.rs")).read_text()
@@ -46,12 +46,12 @@ def test_a_recording_gives_the_rows_of_its_estimate() -> None:
     assert [name.strip().strip('"') for name in names.split(",") if name.strip()] == list(rows[0])[:-1]
 
 
-def test_what_cannot_be_told_is_no_offset(tmp_path: Path) -> None:
+def test_inconclusive_result_has_no_offset(tmp_path: Path) -> None:
     short = tmp_path / "short.csv"
     sn.simulate("examples/scenarios/stretched-arm.toml", out=short, duration_s=3.0)
     session = sn.estimate(short, ROBOT).session
     assert session is not None
-    told = {joint.name: joint.verdict != "cannot-tell" for joint in session.joints}
+    told = {joint.name: joint.verdict != "inconclusive" for joint in session.joints}
     assert not all(told.values())
     for row in records(recording(str(short))):
         if told[row["joint"]]:
@@ -60,20 +60,20 @@ def test_what_cannot_be_told_is_no_offset(tmp_path: Path) -> None:
             assert row["offset_rad"] is None and row["elongation_m"] is None and row["reason"] == "too-wide"
 
 
-def test_a_recording_that_is_refused_loses_only_itself(tmp_path: Path) -> None:
+def test_rejected_recording_does_not_affect_others(tmp_path: Path) -> None:
     bad = tmp_path / "bad.mcap"
     bad.write_bytes(b"no recording")
     rows = records(recording(str(bad)), recording("nowhere.mcap"), recording(SHIPPED, "hand"), recording(SHIPPED))
-    refused = [row for row in rows if row["refused"] is not None]
-    assert [row["source"] for row in refused] == [str(bad), "nowhere.mcap", SHIPPED]
-    assert all(row["joint"] is None and row["offset_rad"] is None for row in refused)
-    assert "bad.mcap" in refused[0]["refused"] and "'hand'" in refused[2]["refused"]
-    assert len(rows) - len(refused) == len(records(recording(SHIPPED)))
+    rejected = [row for row in rows if row["rejection"] is not None]
+    assert [row["source"] for row in rejected] == [str(bad), "nowhere.mcap", SHIPPED]
+    assert all(row["joint"] is None and row["offset_rad"] is None for row in rejected)
+    assert "bad.mcap" in rejected[0]["rejection"] and "'hand'" in rejected[2]["rejection"]
+    assert len(rows) - len(rejected) == len(records(recording(SHIPPED)))
 
 
 def tendon(days: int, mrad_a_week: float = 1.0) -> list[dict[str, Any]]:
     row = {name: None for name in fleet._RECORD}
-    row |= {"robot": "arm-1", "robot_type": "biorob-like", "joint": "elbow", "clock": "utc", "offset_deviation_rad": 2e-4}
+    row |= {"robot": "arm-1", "robot_type": "biorob-like", "joint": "elbow", "clock": "utc", "offset_std_rad": 2e-4}
     row |= {"temperature_c": 20.0, "duration_s": 60.0, "sinew_version": "0.1.0"}
     # Along a line, with a scatter.
     rad = [1e-3 * mrad_a_week * day / 7 + 1e-4 * (day % 3) for day in range(days)]
@@ -86,13 +86,13 @@ def test_records_in_any_order_give_one_row_that_is_the_trend() -> None:
     follow = sent(fleet._Trend(TYPES, 365.0))
     (found,) = follow(pa.Table.from_pylist(rows, schema=schema)).to_pylist()
     assert [found] == fleet.trend(TYPES)(pa.Table.from_pylist(rows[::-1], schema=schema)).to_pylist()
-    assert (found["robot"], found["joint"], found["sessions"], found["refused"]) == ("arm-1", "elbow", 60, None)
+    assert (found["robot"], found["joint"], found["sessions"], found["rejection"]) == ("arm-1", "elbow", 60, None)
     assert abs(found["offset_rad"] - 59e-3 / 7) < 5e-4
     assert found["limit"] == "retension" and 0 < found["days_low"] <= found["days"]
     (found,) = follow(pa.Table.from_pylist(tendon(60, 5.0), schema=schema)).to_pylist()
     assert (found["limit"], found["state"]) == ("retension", "passed")
 
 
-def test_a_tendon_without_sessions_says_so() -> None:
+def test_tendon_without_sessions_has_reason() -> None:
     (found,) = fleet.trend(TYPES)(pa.Table.from_pylist(tendon(0), schema=fleet._arrow(fleet._RECORD))).to_pylist()
-    assert found["refused"] == "no session with a date and an offset" and found["offset_rad"] is None
+    assert found["rejection"] == "no session with a date and an offset" and found["offset_rad"] is None

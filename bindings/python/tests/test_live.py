@@ -29,7 +29,7 @@ def samples(work: Path, from_s: float, to_s: float) -> Iterator[tuple[float, tup
         yield float(time_s[row]), (float(dt[i]), *sample)
 
 
-def drive(live: sn.LiveOffsets, work: Path, to_s: float, each: Callable[[float], object] = lambda _: None) -> int:
+def drive(live: sn.OnlineEstimator, work: Path, to_s: float, each: Callable[[float], object] = lambda _: None) -> int:
     """Steps from 60 s on, solving after every block; how many blocks there were."""
     blocks = 0
     for now_s, sample in samples(work, 60.0, to_s):
@@ -42,7 +42,7 @@ def drive(live: sn.LiveOffsets, work: Path, to_s: float, each: Callable[[float],
 
 def test_live_offsets_are_those_of_the_recording_so_far(work: Path, learned: sn.Learned) -> None:
     robot = sn.Robot(ROBOT)
-    live = sn.LiveOffsets(robot, learned.learned_baseline)
+    live = sn.OnlineEstimator(robot, learned.learned_baseline)
     assert live.is_provisional and live.result() is None and live.error is None
     assert np.isnan([live.time_s, live.solved_s, live.age_s, *live.offset("elbow")]).all()
     assert {live.provisional(joint).reason for joint in robot.joints} == {"starting"}
@@ -77,11 +77,11 @@ def test_live_offsets_are_those_of_the_recording_so_far(work: Path, learned: sn.
     for i, (own, wanted) in enumerate(zip(now.joints, batch.joints)):
         # Times of blocks are rounded on another clock.
         assert abs(own.offset_rad.mean - wanted.offset_rad.mean) < 1e-9, own.name
-        assert abs(own.offset_rad.deviation - wanted.offset_rad.deviation) < 1e-9, own.name
+        assert abs(own.offset_rad.std - wanted.offset_rad.std) < 1e-9, own.name
         assert (own.verdict, len(own.changes)) == (wanted.verdict, len(wanted.changes))
         assert live.offset(own.name) == (means[i], deviations[i])
         if live.provisional(own.name) is None:
-            assert live.offset(own.name) == (own.offset_rad.mean, own.offset_rad.deviation)
+            assert live.offset(own.name) == (own.offset_rad.mean, own.offset_rad.std)
         changed = live.stiffness_changed(own.name)
         assert changed is None or 0.0 <= changed <= 1.0
     # Unknown where the recording holds no temperature, and nowhere else.
@@ -92,13 +92,13 @@ def test_live_offsets_are_those_of_the_recording_so_far(work: Path, learned: sn.
     assert 0.0 <= live.contact_probability <= 1.0
     assert (live.external_force is None) == (batch.external_force is None)
     if live.external_force is not None:
-        probability, force_n, deviation_n = live.external_force
+        probability, force_n, std_n = live.external_force
         assert 0.0 <= probability < 0.3, "nothing pulls"
-        assert force_n.shape == deviation_n.shape == (3,) and (deviation_n > 0.0).all()
+        assert force_n.shape == std_n.shape == (3,) and (std_n > 0.0).all()
 
 
 def test_a_session_is_saved_where_no_offset_is_provisional(work: Path, learned: sn.Learned) -> None:
-    live = sn.LiveOffsets(ROBOT, learned.learned_baseline)
+    live = sn.OnlineEstimator(ROBOT, learned.learned_baseline)
     saved: list[sn.Baseline] = []
     reasons: set[str] = set()
 
@@ -108,7 +108,7 @@ def test_a_session_is_saved_where_no_offset_is_provisional(work: Path, learned: 
         for why in filter(None, whys):
             reasons.add(why.reason)
             assert (why.reason == "step") == (why.probability is not None)
-            assert (why.since_s is not None) == (why.reason in ("step", "change-may-end"))
+            assert (why.since_s is not None) == (why.reason in ("step", "change-near-end"))
             assert type(why)(why.to_dict()) == why
         if live.is_provisional:
             with pytest.raises(sn.SinewError, match="^session: an offset is provisional"):
@@ -119,35 +119,35 @@ def test_a_session_is_saved_where_no_offset_is_provisional(work: Path, learned: 
     drive(live, work, 80.0, each)
     assert "starting" in reasons and saved
     assert saved[-1].recordings[-1] == "session" and len(saved[-1].recordings) == 2
-    sn.LiveOffsets(ROBOT, saved[-1])
+    sn.OnlineEstimator(ROBOT, saved[-1])
 
 
 def test_the_online_estimate_is_replayed_over_a_recording(work: Path, learned: sn.Learned) -> None:
-    asked = {"baseline": learned.learned_baseline, "from_s": 60.0, "to_s": 120.0}
-    answer = sn.estimate(work, ROBOT, **asked, live=True)
-    assert answer.session is not None and answer.session.live is not None
-    course = answer.session.live
-    assert [joint.name for joint in course.joints] == [joint.name for joint in answer.session.joints]
-    assert course.doubts[0].to_s > course.doubts[0].from_s
-    plain = sn.estimate(work, ROBOT, **asked)
-    assert plain.session is not None and plain.session.live is None
-    with pytest.raises(ValueError, match="live is for the absolute estimate"):
-        sn.estimate(work, ROBOT, method="paper", live=True)
+    method = {"baseline": learned.learned_baseline, "from_s": 60.0, "to_s": 120.0}
+    answer = sn.estimate(work, ROBOT, **method, online=True)
+    assert answer.session is not None and answer.session.online is not None
+    online = answer.session.online
+    assert [joint.name for joint in online.joints] == [joint.name for joint in answer.session.joints]
+    assert online.provisional_intervals[0].to_s > online.provisional_intervals[0].from_s
+    plain = sn.estimate(work, ROBOT, **method)
+    assert plain.session is not None and plain.session.online is None
+    with pytest.raises(ValueError, match="online applies to the absolute estimate only"):
+        sn.estimate(work, ROBOT, method="paper", online=True)
 
 
 def test_what_is_stated_of_a_running_robot(work: Path, learned: sn.Learned) -> None:
     force_n = ((0.0, 0.0, 0.0), 0.1)
-    stated = sn.LiveOffsets(ROBOT, learned.learned_baseline, external_force_n=force_n, empty=True, creep=False)
+    stated = sn.OnlineEstimator(ROBOT, learned.learned_baseline, external_force_n=force_n, empty=True, creep=False)
     drive(stated, work, 120.0)
     assert stated.external_force is not None and stated.external_force[0] == 1.0
-    with pytest.raises(ValueError, match="exclude each other"):
-        sn.LiveOffsets(ROBOT, learned.learned_baseline, empty=True, payload_kg=1.0)
+    with pytest.raises(ValueError, match="mutually exclusive"):
+        sn.OnlineEstimator(ROBOT, learned.learned_baseline, empty=True, payload_kg=1.0)
     with pytest.raises(ValueError, match="not_there"):
-        sn.LiveOffsets(ROBOT, "not_there.baseline")
+        sn.OnlineEstimator(ROBOT, "not_there.baseline")
 
 
-def test_without_a_baseline_offsets_count_from_the_zero_of_the_encoders(work: Path, learned: sn.Learned) -> None:
-    fresh, since = sn.LiveOffsets(ROBOT), sn.LiveOffsets(ROBOT, learned.learned_baseline)
+def test_online_without_baseline_uses_encoder_zero(work: Path, learned: sn.Learned) -> None:
+    fresh, since = sn.OnlineEstimator(ROBOT), sn.OnlineEstimator(ROBOT, learned.learned_baseline)
     for live in (fresh, since):
         drive(live, work, 70.0)
     assert fresh.result().baseline is None and since.result().baseline is not None
@@ -156,7 +156,7 @@ def test_without_a_baseline_offsets_count_from_the_zero_of_the_encoders(work: Pa
 
 @pytest.mark.parametrize("inside", [True, False])
 def test_a_thread_solves(work: Path, learned: sn.Learned, inside: bool) -> None:
-    live = sn.LiveOffsets(ROBOT, learned.learned_baseline, worker=inside)
+    live = sn.OnlineEstimator(ROBOT, learned.learned_baseline, worker=inside)
     ends = threading.Event()
 
     def solve() -> None:
@@ -187,8 +187,8 @@ def test_a_thread_solves(work: Path, learned: sn.Learned, inside: bool) -> None:
     assert isinstance(live.result(), sn.results.SessionEstimate)
 
 
-def test_a_worker_that_is_late_loses_blocks_and_goes_on(work: Path, learned: sn.Learned) -> None:
-    live = sn.LiveOffsets(ROBOT, learned.learned_baseline)
+def test_late_worker_drops_blocks_and_continues(work: Path, learned: sn.Learned) -> None:
+    live = sn.OnlineEstimator(ROBOT, learned.learned_baseline)
     for now_s, sample in samples(work, 60.0, 90.0):
         if live.step(*sample) == "block" and now_s > 85.0:
             live.work()
@@ -196,14 +196,14 @@ def test_a_worker_that_is_late_loses_blocks_and_goes_on(work: Path, learned: sn.
     assert np.isfinite(live.offset("elbow")).all() and live.error is None
 
 
-def test_stubs_and_help_say_the_same() -> None:
+def test_stubs_match_docstrings() -> None:
     stub = Path(sn.__file__).parent / "_core.pyi"
     classes = [node for node in ast.parse(stub.read_text("utf-8")).body if isinstance(node, ast.ClassDef)]
-    own = next(node for node in classes if node.name == "LiveOffsets")
-    assert ast.get_docstring(own) == inspect.getdoc(sn.LiveOffsets)
+    own = next(node for node in classes if node.name == "OnlineEstimator")
+    assert ast.get_docstring(own) == inspect.getdoc(sn.OnlineEstimator)
     for member in own.body:
         if isinstance(member, ast.FunctionDef) and member.name != "__new__":
-            assert ast.get_docstring(member) == inspect.getdoc(getattr(sn.LiveOffsets, member.name)), member.name
+            assert ast.get_docstring(member) == inspect.getdoc(getattr(sn.OnlineEstimator, member.name)), member.name
 
 
 def test_a_baseline_is_a_text(learned: sn.Learned) -> None:
@@ -215,23 +215,23 @@ def test_a_baseline_is_a_text(learned: sn.Learned) -> None:
 
 
 def test_samples_that_can_not_be_used_change_nothing(learned: sn.Learned) -> None:
-    live = sn.LiveOffsets(ROBOT, learned.learned_baseline)
+    live = sn.OnlineEstimator(ROBOT, learned.learned_baseline)
     q = [0.1, 0.2, 0.3, 0.4]
     assert live.step(0.0, q, q) == "restarted"
-    assert live.step(0.002, q, q) == "taken"
-    assert live.step(0.002, [0.1, float("nan"), 0.3, 0.4], q).startswith("refused: a joint position")
-    assert live.step(0.002, q, [float("nan")] * 4).startswith("refused: a motor position")
+    assert live.step(0.002, q, q) == "accepted"
+    assert live.step(0.002, [0.1, float("nan"), 0.3, 0.4], q).startswith("rejected: a joint position")
+    assert live.step(0.002, q, [float("nan")] * 4).startswith("rejected: a motor position")
     for wrong in (0.0, -1.0, float("nan"), 1e10):
         with pytest.raises(ValueError, match="time step"):
             live.step(wrong, q, q)
     with pytest.raises(ValueError, match="one entry per joint"):
         live.step(0.002, q[:3], q)
-    assert live.step(0.002, q, q) == "taken"
+    assert live.step(0.002, q, q) == "accepted"
     live.interrupt()
     assert live.step(0.002, q, q) == "restarted"
-    for asked in (live.offset, live.provisional, live.stiffness_changed):
+    for method in (live.offset, live.provisional, live.stiffness_changed):
         with pytest.raises(ValueError, match="joints are shoulder_yaw"):
-            asked("hip")
+            method("hip")
 
 
 def test_the_observer_finds_a_longer_rope() -> None:
@@ -253,7 +253,7 @@ def test_momentum_is_half_of_twice_the_kinetic_energy() -> None:
     q, dq = rng.normal(size=(2, 7, 3, 4))
     p, ct_dq, g = robot.momentum(q, dq)
     assert p.shape == ct_dq.shape == g.shape == q.shape
-    # p = M(q) dq is linear in dq; g doesn't depend on it.
+    # p = M(q) dq is linear in dq; g does not depend on it.
     twice, _, same = robot.momentum(q, 2.0 * dq)
     assert np.allclose(twice, 2.0 * p, rtol=1e-13) and (same == g).all()
     assert ((p * dq).sum(axis=-1) > 0.0).all()

@@ -1,4 +1,4 @@
-"""The blocks of the manual's page run as they stand."""
+"""The code blocks of the manual run unchanged."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
 
 @pytest.mark.parametrize("number", range(len(BLOCKS)))
 def test_a_block_of_the_page_runs(number: int, tmp_path: Path) -> None:
-    # Where a reader would stand, but what is written goes elsewhere.
+    # Paths as for a reader, but output goes to another folder.
     for name in ("examples", "robots"):
         (tmp_path / name).symlink_to(ROOT / name)
     done = subprocess.run(
@@ -36,8 +36,8 @@ def test_the_page_names_what_there_is() -> None:
     import pysinew as sn
 
     text = PAGE.read_text("utf-8")
-    doors = text[text.index("## Every door") : text.index("`help(")]
-    for name in re.findall(r"`([A-Za-z_]+)`", doors):
+    functions = text[text.index("## Functions") : text.index("`help(")]
+    for name in re.findall(r"`([A-Za-z_]+)`", functions):
         assert hasattr(sn, name) or hasattr(sn.CreepTests, name), name
     first = text.split("```python\n")[1].split("```")[0].strip().splitlines()
     assert len(first) <= 10

@@ -56,7 +56,7 @@ def test_an_iterator_of_rosbags_gives_the_frames_of_its_bag(bag: Path) -> None:
     assert urdf is not None
     text = urdf.encode() + b"\0"
     cdr = b"\0\1\0\0" + len(text).to_bytes(4, "little") + text
-    # `rosbags` leaves out what was recorded before the bag began: the URDF is given as four values.
+    # `rosbags` skips messages recorded before the bag began: the URDF is given as four values.
     described = [("/robot_description", "std_msgs/msg/String", 0, cdr)]
     with Reader(bag) as reader:
         recording = sn.Recording.from_messages(itertools.chain(reader.messages(), described), name="a bag")
@@ -71,8 +71,8 @@ def test_an_iterator_of_rosbags_gives_the_frames_of_its_bag(bag: Path) -> None:
     assert [j.offset_rad.to_dict() for j in found.joints] == [j.offset_rad.to_dict() for j in wanted.joints]
 
 
-def test_odd_messages_are_refused() -> None:
-    with pytest.raises(TypeError, match="as rosbags hands them out"):
+def test_invalid_messages_are_rejected() -> None:
+    with pytest.raises(TypeError, match="of rosbags"):
         sn.Recording.from_messages([("/joint_states", 3)])
     with pytest.raises(ValueError, match="messages: not a recording"):
         sn.Recording.from_messages([("/scan", "sensor_msgs/msg/LaserScan", 0, b"\0\1\0\0")])
@@ -93,7 +93,7 @@ def episodes() -> dict[str, Any]:
 
 
 class Dataset:
-    """What of a LeRobotDataset is looked at."""
+    """Used part of a LeRobotDataset."""
 
     def __init__(self, table: Any, joints: list[str]) -> None:
         self.hf_dataset = table
@@ -123,7 +123,7 @@ def test_an_episode_of_lerobot_is_estimated(episodes: dict[str, Any]) -> None:
         )["session"]["joints"]
 
 
-def test_what_a_data_set_lacks_is_said(episodes: dict[str, Any]) -> None:
+def test_missing_feature_is_reported(episodes: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="2 episodes, from 0 to 3; name one"):
         sn.lerobot(episodes, q="observation.state", theta="observation.motor")
     with pytest.raises(ValueError, match="no episode 1"):

@@ -1,4 +1,4 @@
-"""The JSON of the package is that of the command, to the last digit, on all shipped examples."""
+"""The JSON of the package equals that of the command on all examples."""
 
 from __future__ import annotations
 
@@ -62,9 +62,9 @@ CASES = {
         ["creep", "fit", CREEP[0], "--law", "log-time", "--law", "findley", "--forecast-h", 24],
         lambda: sn.CreepTests(CREEP[0]).fit(["log-time", "findley"], forecast_s=86_400.0),
     ),
-    "creep fit, withheld": (
-        ["creep", "fit", CREEP[0], "--law", "log-time", "--withhold", 0.33],
-        lambda: sn.CreepTests(CREEP[0]).withhold(0.33, ["log-time"]),
+    "creep fit, hold-out": (
+        ["creep", "fit", CREEP[0], "--law", "log-time", "--hold-out", 0.33],
+        lambda: sn.CreepTests(CREEP[0]).hold_out(0.33, ["log-time"]),
     ),
     "trend": (
         ["trend", "examples/10-trend/sessions.csv", "--robot", ROBOT, "--tensioned", "2026-03-02"],
@@ -106,7 +106,7 @@ def test_the_json_is_that_of_the_command(name: str, command, sinew: str) -> None
     import subprocess
 
     arguments, call = CASES[name]
-    # Exit code 3 says that something asks for attention; the answer says so, too.
+    # Exit code 3 means that action is required; the result agrees.
     done = subprocess.run([sinew, *map(str, arguments), "--json"], capture_output=True, text=True, check=False)
     assert done.returncode in (0, 3), done.stderr
     answer = call()

@@ -1,4 +1,4 @@
-"""While Rust works Python goes on, is told how far it is, and may interrupt."""
+"""While Rust works, Python continues, gets progress, and can interrupt."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LONG_FILE = """sn.simulate(
             "examples/scenarios/work-session.toml", robot, out=sys.argv[1], duration_s=7200.0, progress=progress)"""
 
 
-def test_other_threads_go_on() -> None:
+def test_other_threads_continue() -> None:
     counted = 0
     stop = threading.Event()
 
@@ -42,7 +42,7 @@ def test_other_threads_go_on() -> None:
     assert went_on > 10_000, went_on
 
 
-def test_progress_is_told() -> None:
+def test_progress_is_reported() -> None:
     heard: list[tuple[float, str]] = []
     progress = lambda share, word: heard.append((share, word))  # noqa: E731
     sn.simulate("examples/scenarios/work-session.toml", ROBOT, duration_s=60.0, progress=progress)

@@ -1,14 +1,14 @@
-//! Work on so many threads, its results taken as they come.
+//! Work on several threads, with the results handled one by one.
 
 use rayon::prelude::*;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use std::sync::{Mutex, PoisonError};
 
-/// Works on the items in their order, on `jobs` threads, at least one; what `work` hands out is given to `keep`, one at a
-/// time. `work` is told whether to go on. After the first error no item is begun.
+/// Processes the items in their order on `jobs` threads (at least one). Every result that `work` passes on is given
+/// to `keep`, one at a time. `work` can check whether to continue; after the first error no further item is started.
 ///
 /// # Errors
-/// The first error of `work` or `keep`.
+/// Returns the first error of `work` or `keep`.
 pub(crate) fn each<I: Sync, R: Send, E: Send + From<ThreadPoolBuildError>>(
     items: &[I],
     jobs: usize,

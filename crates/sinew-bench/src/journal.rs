@@ -1,4 +1,4 @@
-//! A file of results that a stopped run goes on with: a line of settings, then a line per result.
+//! File of results from which a stopped run resumes: a line of settings, then a line per result.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -9,28 +9,28 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
-/// A file of results that can't be used.
+/// Error of a file of results.
 #[derive(Debug, thiserror::Error)]
-#[error("{file}: {why}")]
+#[error("{file}: {reason}")]
 pub struct JournalError {
-    /// File.
+    /// Path of the file.
     file: String,
-    /// Why, and what to do.
-    why: String,
+    /// Reason and remedy.
+    reason: String,
 }
 
-/// A kind of results that are kept.
+/// Kind of stored results.
 pub(crate) struct Kind {
-    /// What the first line of its files calls it.
+    /// Format name in the first line of its files.
     pub(crate) format: &'static str,
-    /// Changes with what makes the results or writes them: older files can't go on.
+    /// Format version, raised when the results or their format change: older files cannot be resumed.
     pub(crate) version: u32,
-    /// What a file holds, in words.
+    /// Description of the content, for messages.
     pub(crate) holds: &'static str,
 }
 
-/// Something that all results of a file have in common: its name, its value, and what is said of a file with
-/// another one, whose value stands for `{}`.
+/// Setting common to all results of a file: its name, its value, and the message about a file with another value,
+/// which replaces `{}`.
 pub(crate) type Setting = (&'static str, String, &'static str);
 
 /// The first line of a file.
@@ -45,7 +45,7 @@ struct Head {
 }
 
 impl Head {
-    /// Why results under this head don't go on with `settings`.
+    /// Returns the reason why results under this header cannot be resumed with `settings`.
     fn difference(&self, wanted: &Self, settings: &[Setting]) -> Option<String> {
         let value = |name: &str| self.settings.get(name).map_or("", String::as_str);
         if let Some((name, _, other)) = settings.iter().find(|(name, own, _)| value(name) != own) {
@@ -63,7 +63,7 @@ impl Head {
     }
 }
 
-/// Tells what results were made with from anything else: FNV-1a, which is stable over versions.
+/// Returns a checksum of the inputs of the results: FNV-1a, which is stable over versions.
 pub(crate) fn checksum(text: &str) -> String {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
     for byte in text.bytes() {
@@ -72,18 +72,17 @@ pub(crate) fn checksum(text: &str) -> String {
     format!("{hash:016x}")
 }
 
-/// An open file of results, or none: then nothing is kept.
+/// Open file of results; without a file nothing is stored.
 pub(crate) struct Journal {
     name: String,
     file: Option<File>,
 }
 
 impl Journal {
-    /// Opens or starts the file; returns what is in it already. A last line that was cut off is
-    /// removed.
+    /// Opens or creates the file and returns its stored results. A truncated last line is removed.
     ///
     /// # Errors
-    /// Why the file can't be used, and what to do.
+    /// Returns a message if the file cannot be used, with the remedy.
     pub(crate) fn open<R: DeserializeOwned>(
         path: Option<&Path>,
         kind: &Kind,
@@ -105,12 +104,12 @@ impl Journal {
                 .collect(),
         };
         let start = format!("{{\"format\":\"{}\"", kind.format);
-        let wrong = |why: String| journal.refuse(why);
-        let io = |e: std::io::Error| wrong(format!("can't be used: {e}"));
+        let wrong = |reason: String| journal.error(reason);
+        let io = |e: std::io::Error| wrong(format!("cannot be used: {e}"));
         let is_file = std::fs::metadata(path).map_or(true, |about| about.is_file());
         if !is_file || sinew_files::is_stdout(path) {
             return Err(wrong(
-                "a stopped run goes on from its file; name a file".into(),
+                "--out requires a regular file, because a stopped run resumes from it; specify a file".into(),
             ));
         }
         let mut options = OpenOptions::new();
@@ -118,20 +117,25 @@ impl Journal {
         let mut file = options.open(path).map_err(io)?;
         lock(&file).map_err(|holder| {
             wrong(format!(
-                "another run is writing it ({holder}); wait for it, or name another file"
+                "another run is writing it ({holder}); wait for it, or specify another file"
             ))
         })?;
         let length = file.metadata().map_err(io)?.len();
         limits::STUDY.check(length).map_err(wrong)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(|e| match e.kind() {
-            ErrorKind::InvalidData => wrong("is not text; name another file".into()),
+            ErrorKind::InvalidData => wrong("is not text; specify another file".into()),
             _ => io(e),
         })?;
         let whole = text.rfind('\n').map_or(0, |at| at + 1);
         let mut lines = text[..whole].lines();
         let mut done = Vec::new();
-        let foreign = || wrong(format!("is not a file of {}; name another", kind.holds));
+        let foreign = || {
+            wrong(format!(
+                "is not a file of {}; specify another file",
+                kind.holds
+            ))
+        };
         match lines.next() {
             None if !text.is_empty() && !start.starts_with(&text) && !text.starts_with(&start) => {
                 return Err(foreign());
@@ -142,13 +146,13 @@ impl Journal {
                     return Err(foreign());
                 }
                 let found: Option<Head> = serde_json::from_str(first).ok();
-                let why = found.map_or(Some("another version".into()), |f| {
+                let reason = found.map_or(Some("another version".into()), |f| {
                     f.difference(&wanted, settings)
                 });
-                if let Some(why) = why {
+                if let Some(reason) = reason {
                     let holds = kind.holds;
                     return Err(wrong(format!(
-                        "holds {holds} of other settings: {why}; name another file"
+                        "contains {holds} with other settings: {reason}; specify another file"
                     )));
                 }
                 for (k, line) in lines.enumerate() {
@@ -170,7 +174,7 @@ impl Journal {
     /// Adds a line.
     ///
     /// # Errors
-    /// Why it can't be written.
+    /// Returns a message if it cannot be written.
     pub(crate) fn add<T: Serialize>(&mut self, value: &T) -> Result<(), JournalError> {
         let Some(file) = &mut self.file else {
             return Ok(());
@@ -180,15 +184,15 @@ impl Journal {
         let written = written.and_then(|text| {
             (file.write_all((text + "\n").as_bytes()))
                 .and_then(|()| file.flush())
-                .map_err(|e| format!("can't write: {e}"))
+                .map_err(|e| format!("cannot write: {e}"))
         });
-        written.map_err(|why| self.refuse(why))
+        written.map_err(|reason| self.error(reason))
     }
 
-    fn refuse(&self, why: String) -> JournalError {
+    fn error(&self, reason: String) -> JournalError {
         JournalError {
             file: self.name.clone(),
-            why,
+            reason,
         }
     }
 }

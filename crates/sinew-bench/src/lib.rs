@@ -1,12 +1,13 @@
-//! The laboratory: how good the estimates are in scenarios and simulated years, and the figures of the paper.
+//! Studies: accuracy of the estimates in scenarios and simulated years, and the figures of the paper.
 //!
-//! No product depends on it. The program `sinew-bench` runs its studies.
+//! No product depends on this crate. The program `sinew-bench` runs its studies.
 
 mod jobs;
 mod journal;
 mod numbers;
 pub mod paper;
 pub mod scenarios;
+pub mod validation;
 pub mod year;
 
 pub use journal::JournalError;

@@ -1,6 +1,6 @@
 //! The program `sinew-bench`: simulation studies of the accuracy of the estimates.
 //!
-//! `sinew paper`, `sinew scenarios` and `sinew trend simulate-year` run it.
+//! `sinew paper`, `sinew scenarios` and `sinew trend simulate` run it.
 
 mod commands;
 
@@ -14,8 +14,8 @@ use std::process::ExitCode;
     version,
     max_term_width = 80,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 finished, but data was lost\n\
-                  or a threshold was passed."
+    after_help = "Exit codes: 0 done, 1 invalid input, 2 usage, 3 finished, but data was lost\n\
+                  or a threshold was exceeded."
 )]
 struct Cli {
     #[command(flatten)]
@@ -29,7 +29,8 @@ enum Study {
     Paper(commands::paper::Paper),
     #[command(subcommand)]
     Scenarios(commands::scenarios::Scenarios),
-    SimulateYear(Box<commands::simulate_year::SimulateYear>),
+    TrendSimulate(Box<commands::trend_simulate::TrendSimulate>),
+    Validation(commands::validation::Validation),
 }
 
 impl Study {
@@ -37,7 +38,8 @@ impl Study {
         match self {
             Self::Paper(study) => study.run(),
             Self::Scenarios(study) => study.run(),
-            Self::SimulateYear(study) => study.run(),
+            Self::TrendSimulate(study) => study.run(),
+            Self::Validation(study) => study.run(),
         }
     }
 }

@@ -7,6 +7,12 @@ pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// Mean of pairs of a weight and a value; NaN of none.
+pub(crate) fn weighted_mean(pairs: &[(f64, f64)]) -> f64 {
+    let weights: f64 = pairs.iter().map(|(weight, _)| weight).sum();
+    pairs.iter().map(|(weight, v)| weight * v).sum::<f64>() / weights
+}
+
 /// Root mean square; NaN of none.
 pub(crate) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
@@ -18,12 +24,12 @@ pub(crate) fn quantile_of(mut values: Vec<f64>, share: f64) -> f64 {
     quantile(&values, share)
 }
 
-/// Nothing for what isn't finite.
+/// `None` for a non-finite value.
 pub(crate) fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Least-squares line: its value at the middle, its slope, and what is left.
+/// Fits a least-squares line; returns its value at the centre, its slope, and the residuals.
 pub(crate) fn line(points: &[(f64, f64)]) -> (f64, f64, Vec<f64>) {
     let n = points.len() as f64;
     let (mx, my) = points

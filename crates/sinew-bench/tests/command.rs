@@ -57,7 +57,7 @@ fn refused(args: &[&str], dir: &Path, exit: i32, words: &[&str]) {
 }
 
 #[test]
-fn help_of_every_study_fits_80_columns_on_stdout() {
+fn help_fits_80_columns_on_stdout() {
     for command in [
         &["--help"][..],
         &["paper", "--help"],
@@ -65,7 +65,8 @@ fn help_of_every_study_fits_80_columns_on_stdout() {
         &["scenarios", "--help"],
         &["scenarios", "run", "--help"],
         &["scenarios", "show", "--help"],
-        &["simulate-year", "--help"],
+        &["trend-simulate", "--help"],
+        &["validation", "--help"],
     ] {
         let output = bench_here(command);
         assert_eq!(code(&output), 0, "{command:?}");
@@ -78,14 +79,14 @@ fn help_of_every_study_fits_80_columns_on_stdout() {
 }
 
 #[test]
-fn every_study_prints_what_its_schema_says() {
+fn study_output_matches_schema() {
     let folder = tempfile::tempdir().unwrap();
     let figures = folder.path().to_str().unwrap();
     for (name, args) in [
         (
             "trend-simulate",
             &[
-                "simulate-year",
+                "trend-simulate",
                 "--robot",
                 "robots/biorob-like",
                 "--robots",
@@ -110,11 +111,11 @@ fn every_study_prints_what_its_schema_says() {
             ],
         ),
         (
-            "course",
+            "trajectory",
             &[
                 "scenarios",
                 "run",
-                "--course",
+                "--trajectory",
                 "--scenario",
                 "S5",
                 "--n",
@@ -126,13 +127,13 @@ fn every_study_prints_what_its_schema_says() {
         let output = bench_here(args);
         let value: serde_json::Value =
             serde_json::from_str(&out(&output)).unwrap_or_else(|e| panic!("{args:?}: {e}"));
-        assert_eq!(value["schema"], format!("sinew/{name}/1"));
-        let schema = repository().join(format!("docs/schema/{name}-1.json"));
+        assert_eq!(value["schema"], format!("sinew/{name}/2"));
+        let schema = repository().join(format!("docs/schema/{name}-2.json"));
         let schema = std::fs::read_to_string(schema).expect("a published schema");
         let schema = serde_json::from_str(&schema).expect("JSON");
         let faults = checker::check(&schema, &value);
         assert!(faults.is_empty(), "{args:?}: {faults:#?}");
-        // The check sees a key that isn't there and one that is too many.
+        // The check detects a missing key and an additional one.
         let mut spoiled = value.clone();
         let keys = spoiled.as_object_mut().unwrap();
         keys.insert("surplus".into(), 1.into());
@@ -142,7 +143,7 @@ fn every_study_prints_what_its_schema_says() {
 }
 
 #[test]
-fn the_papers_figures_become_files_with_judged_sentences() {
+fn paper_figures_write_files_with_assessed_sentences() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["fig6", "fig7"] {
         let output = bench(
@@ -165,11 +166,11 @@ fn the_papers_figures_become_files_with_judged_sentences() {
         assert_eq!(&file("png")[1..4], b"PNG");
         assert!(file("svg").starts_with(b"<svg"));
         let page = String::from_utf8(file("html")).expect("UTF-8");
-        assert_eq!(page.matches("<svg xmlns").count(), 1);
+        assert_eq!(page.matches("<svg xmlns").count(), 2);
     }
     refused(&["paper", "fig8"], dir.path(), 2, &["fig8", "fig6", "fig7"]);
     refused(&["paper", "fig6"], dir.path(), 1, &["robots/biorob-like"]);
-    // An option that would do nothing is no option.
+    // An option without effect is an error.
     for (figure, option) in [
         ("fig6", "--ropes"),
         ("fig7", "--ropes"),
@@ -180,14 +181,14 @@ fn the_papers_figures_become_files_with_judged_sentences() {
             &["paper", figure, option, "."],
             dir.path(),
             1,
-            &[option, figure, "leave it out"],
+            &[option, figure, "remove the option"],
         );
     }
 }
 
-/// Of a session B that is shorter than a block nothing can be said.
+/// A session B that is shorter than a block cannot be assessed.
 #[test]
-fn a_study_of_which_nothing_is_judged_is_no_success() {
+fn study_without_assessed_recording_fails() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let robot = robot();
     let show = ["scenarios", "show", "S5", "--robot", &robot];
@@ -201,19 +202,19 @@ fn a_study_of_which_nothing_is_judged_is_no_success() {
     assert_eq!(code(&output), 1, "{}{}", out(&output), err(&output));
     let said = out(&output);
     assert!(
-        said.contains("Refused by the estimate") && said.contains("seed 1"),
+        said.contains("Rejected by the estimator") && said.contains("seed 1"),
         "{said}"
     );
 }
 
 #[test]
-fn year_options_that_contradict_are_refused() {
+fn year_conflicting_options_return_error() {
     for (more, exit, words) in [
         (&["--chained"][..], 2, "--chain"),
         (&["--days", "20"][..], 2, "--chain"),
         (&["--chain", "--days", "366"][..], 2, "366"),
         (&["--session", "play"][..], 2, "check"),
-        (&["--chain", "--session", "hard"][..], 1, "--chain away"),
+        (&["--chain", "--session", "hard"][..], 1, "remove --chain"),
         (
             &[
                 "--chain",
@@ -227,7 +228,7 @@ fn year_options_that_contradict_are_refused() {
         ),
     ] {
         let start = [
-            "simulate-year",
+            "trend-simulate",
             "--robot",
             "robots/biorob-like",
             "--robots",
@@ -241,13 +242,13 @@ fn year_options_that_contradict_are_refused() {
 }
 
 #[test]
-fn years_go_on_where_they_ended() {
+fn years_stopped_run_resumes() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("years.jsonl");
     let out = out.to_str().unwrap();
     let run = |robots: &str| -> serde_json::Value {
         let output = bench_here(&[
-            "simulate-year",
+            "trend-simulate",
             "--robot",
             "robots/biorob-like",
             "--joints",
@@ -278,7 +279,7 @@ fn years_go_on_where_they_ended() {
     let rms = |v: &serde_json::Value| v["summary"][0]["tracking_rms_rad"].as_f64().unwrap();
     assert!((rms(&one) - rms(&again)).abs() < 1e-9);
     assert!(std::fs::read_to_string(out).unwrap().lines().count() == 2);
-    // A year that is kept is not lived through again: what stands in the file counts.
+    // A stored year is not simulated again: the content of the file counts.
     let kept = std::fs::read_to_string(out).unwrap();
     let (head, year) = kept.split_once('\n').unwrap();
     let mut year: serde_json::Value = serde_json::from_str(year).unwrap();
@@ -287,7 +288,7 @@ fn years_go_on_where_they_ended() {
     assert_eq!(rms(&run("1")), 77.0);
     std::fs::write(out, "{}\n").unwrap();
     let output = bench_here(&[
-        "simulate-year",
+        "trend-simulate",
         "--robot",
         "robots/biorob-like",
         "--robots",
@@ -299,12 +300,12 @@ fn years_go_on_where_they_ended() {
 }
 
 #[test]
-fn a_study_is_written_by_one_run_at_a_time() {
+fn study_file_is_locked_during_run() {
     let dir = tempfile::tempdir().unwrap();
     let study = || {
         let mut command = Command::new(env!("CARGO_BIN_EXE_sinew-bench"));
         command.current_dir(dir.path());
-        command.args(["simulate-year", "--out", "years.jsonl", "--robots", "9999"]);
+        command.args(["trend-simulate", "--out", "years.jsonl", "--robots", "9999"]);
         command
             .arg("--robot")
             .arg(repository().join("robots/biorob-like"));

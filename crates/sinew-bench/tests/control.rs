@@ -10,7 +10,7 @@ fn scenario(text: &str) -> Scenario {
     Scenario::from_toml(text, "control.toml").unwrap()
 }
 
-/// No friction, perfect sensors: closed forms hold.
+/// Without friction and with perfect sensors the closed forms are valid.
 const STANDING: &str = r#"
 duration_s = 6.0
 settle_s = 6.0
@@ -37,7 +37,7 @@ fn with(extra: &str) -> Scenario {
 }
 
 #[test]
-fn a_corrected_arm_stands_where_it_should_and_feels_nothing() {
+fn corrected_arm_reaches_set_point_without_false_torque() {
     let robot = biorob_like();
     let comparison = compare(&robot, &with("[correction]\noffset = \"true\"\n")).unwrap();
     let corrected = &comparison.with;
@@ -53,7 +53,7 @@ fn a_corrected_arm_stands_where_it_should_and_feels_nothing() {
     let (pitch, elbow) = (&blind.joints[1], &blind.joints[2]);
     let (k, kp) = ([40.0, 20.0, 8.0], [50.0, 25.0, 10.0]);
     let q = [0.9, 0.5, 0.0];
-    // Gravity of the three links in the plane: first moments by hand from the URDF, kg·m.
+    // Gravity of the three links in the plane: first moments computed from the URDF, kg·m.
     let moments = [
         0.55 * 0.12 + (0.3 + 0.25) * 0.31,
         0.3 * 0.13 + 0.25 * 0.31,
@@ -83,7 +83,7 @@ fn a_corrected_arm_stands_where_it_should_and_feels_nothing() {
         (1e3 * elbow.rest_mean_rad - e[1]).abs() < 0.02,
         "{elbow:?} {e:?}"
     );
-    // And a contact of −K delta_e where nothing touches.
+    // A false contact of −K delta_e.
     assert!((pitch.false_torque_nm + 0.40).abs() < 1e-4, "{pitch:?}");
     assert!((elbow.false_torque_nm - 0.12).abs() < 1e-4, "{elbow:?}");
     assert!(blind.contacts.false_share() > 0.99);
@@ -105,7 +105,7 @@ fn solve(mut a: [[f64; 4]; 3]) -> [f64; 3] {
 }
 
 #[test]
-fn what_is_stated_is_what_is_corrected() {
+fn specified_offset_is_corrected() {
     let robot = biorob_like();
     let truth = with("[correction]\noffset = \"true\"\n");
     let stated = with("[correction]\noffset_rad = { shoulder_pitch = 0.010, elbow = -0.006 }\n");
@@ -120,22 +120,34 @@ fn what_is_stated_is_what_is_corrected() {
 }
 
 #[test]
-fn an_estimate_of_the_command_line_is_taken_in_its_units() {
+fn correction_reads_estimate_json_with_units() {
     let robot = biorob_like();
     let json = r#"{"reading": {"joints": [{"name": "elbow", "offset_rad": 0.099, "standard_error_rad": 0.001}]},
         "session": {"joints": [
-            {"name": "shoulder_pitch", "offset_rad": {"mean": 0.01, "deviation": 0.0005}},
-            {"name": "elbow", "offset_rad": {"mean": -0.006, "deviation": 0.00025}}]}}"#;
+            {"name": "shoulder_pitch", "offset_rad": {"mean": 0.01, "std": 0.0005}},
+            {"name": "elbow", "offset_rad": {"mean": -0.006, "std": 0.00025}}]}}"#;
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("since.json"), json).unwrap();
     let mut s = with("[correction]\nestimate = \"since.json\"\n");
     let unread = Simulation::new(&robot, &s).unwrap_err().to_string();
     assert!(unread.contains("not read"), "{unread}");
     s.correction.read_estimate(folder.path()).unwrap();
+    // Schema version 1 calls the standard deviation `deviation`.
+    let mut former = with("[correction]\nestimate = \"since.json\"\n");
+    let text = json.replace("\"std\"", "\"deviation\"");
+    former
+        .correction
+        .take_estimate(&text, "since.json")
+        .unwrap();
+    let former = Simulation::new(&robot, &former).unwrap();
     let simulation = Simulation::new(&robot, &s).unwrap();
+    assert_eq!(
+        former.correction_at(1, 0.0),
+        simulation.correction_at(1, 0.0)
+    );
     let known = simulation.correction_at(1, 0.0);
     assert!((known.delta_e_rad.mean - 0.010).abs() < 1e-15);
-    assert!((known.delta_e_rad.deviation - 0.0005).abs() < 1e-15);
+    assert!((known.delta_e_rad.std - 0.0005).abs() < 1e-15);
     assert_eq!(simulation.correction_at(0, 0.0).delta_e_rad.mean, 0.0);
     let score = run(&robot, &s, &[0.01; 4]).unwrap();
     assert!(score.joints[1].rest_rms_rad < 1e-6);
@@ -154,7 +166,7 @@ fn an_estimate_of_the_command_line_is_taken_in_its_units() {
         message.contains("'elbow'") && message.contains("offset_rad"),
         "{message}"
     );
-    // A joint this robot hasn't.
+    // A joint that the robot does not have.
     let mut s = with("[correction]\nestimate = \"since.json\"\n");
     let odd =
         r#"{"reading": {"joints": [{"name": "hip", "offset_rad": 1, "standard_error_rad": 0}]}}"#;
@@ -191,11 +203,11 @@ at_s = 12.0
 rad = 0.010
 [correction]
 offset = "true"
-offset_deviation_rad = 0.0005
+offset_std_rad = 0.0005
 "#;
 
 #[test]
-fn contacts_are_found_with_the_correction_and_false_without() {
+fn contacts_uncorrected_cause_false_alarms() {
     let robot = biorob_like();
     let s = scenario(WORKING);
     let comparison = compare(&robot, &s).unwrap();
@@ -210,13 +222,13 @@ fn contacts_are_found_with_the_correction_and_false_without() {
 }
 
 #[test]
-fn the_same_scenario_gives_the_same_score() {
+fn score_same_scenario_is_identical() {
     let robot = biorob_like();
     let mut s = scenario(WORKING);
     s.duration_s = Some(4.0);
     let noise = noise_nm(&robot, &s).unwrap();
     assert!(noise.iter().all(|n| *n > 1e-4 && *n < 0.2), "{noise:?}");
-    // As text: a joint that never stood still untouched has no number, and NaN is unlike itself.
+    // As text: a joint that was never at rest without contact has a NaN, which does not equal itself.
     let text = || format!("{:?}", run(&robot, &s, &noise).unwrap());
     assert_eq!(text(), text());
     // Given noise is taken as it is.
@@ -225,8 +237,8 @@ fn the_same_scenario_gives_the_same_score() {
 }
 
 #[test]
-fn a_correction_changes_nothing_else_that_is_drawn() {
-    // Same motion and same contacts, whatever is known.
+fn correction_leaves_other_draws_unchanged() {
+    // Same motion and same contacts with every correction.
     let robot = biorob_like();
     let mut known = scenario(WORKING);
     known.duration_s = Some(5.0);
@@ -241,13 +253,13 @@ fn a_correction_changes_nothing_else_that_is_drawn() {
             break;
         }
         assert_eq!(a.true_state().q_d, b.true_state().q_d);
-        // The rope hasn't given way yet: nothing to correct, bitwise the same.
+        // Before the offset begins there is nothing to correct: bitwise identical.
         assert_eq!(a.true_state(), b.true_state());
     }
 }
 
 #[test]
-fn without_a_correction_there_is_nothing_to_compare() {
+fn compare_without_correction_returns_error() {
     let message = compare(&biorob_like(), &with("")).unwrap_err().to_string();
     assert!(
         message.contains("correction:") && message.contains("offset"),
@@ -256,7 +268,7 @@ fn without_a_correction_there_is_nothing_to_compare() {
 }
 
 #[test]
-fn bad_corrections_name_file_line_key_and_value() {
+fn correction_errors_name_file_line_key_value() {
     let cases: [(&str, &[&str]); 9] = [
         (
             "[correction]\noffset = \"some\"",
@@ -268,7 +280,7 @@ fn bad_corrections_name_file_line_key_and_value() {
         ),
         (
             "[correction]\noffset = \"true\"\noffset_rad = 0.01",
-            &["correction.offset_rad = 0.01 (rad)", "left out"],
+            &["correction.offset_rad = 0.01 (rad)", "omitted"],
         ),
         (
             "[correction]\noffset_rad = { ellbow = 0.01 }",
@@ -280,7 +292,7 @@ fn bad_corrections_name_file_line_key_and_value() {
         ),
         (
             "[correction]\noffset_rad = 0.01\nestimate = \"a.json\"",
-            &["correction.estimate", "left out"],
+            &["correction.estimate", "omitted"],
         ),
         (
             "[correction]\noffset_rad = 0.01\nset_point = \"fast\"",
@@ -308,17 +320,17 @@ fn bad_corrections_name_file_line_key_and_value() {
 }
 
 #[test]
-fn the_page_has_its_table_and_its_closed_forms() {
+fn page_contains_table_and_closed_forms() {
     use sinew_bench::paper::{Effort, Knowledge, RobotCase, control, table, write};
-    // Ten seconds of one session: the table is made, its statistics are not judged here. The full
-    // page is `sinew paper control`, which says itself which sentences hold.
+    // Ten seconds of one session: the table is generated, its statistics are not assessed here. The full page is
+    // `sinew paper control`, which reports the statements that hold.
     let effort = Effort {
         seeds: 1,
         seconds: 10.0,
     };
     let mut made = control(&biorob_like(), effort).unwrap();
     assert_eq!(made.rows.len(), 20);
-    // The sentences of the first row rest on closed forms, not on statistics.
+    // The statements of the first row are based on closed forms, not on statistics.
     for s in &made.sentences[..7] {
         assert!(s.holds, "{s:?}");
     }
@@ -345,7 +357,7 @@ fn the_page_has_its_table_and_its_closed_forms() {
 }
 
 #[test]
-fn the_page_needs_its_joints() {
+fn page_missing_joint_returns_error() {
     use sinew_bench::paper::{Effort, control};
     let mut robot = biorob_like();
     robot.arm = sinew_model::arm::urdf::parse(

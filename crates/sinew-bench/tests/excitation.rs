@@ -1,7 +1,7 @@
-//! Proposed poses are better than random ones, and show what was promised.
+//! Proposed poses are better than random ones, and yield the predicted accuracy.
 //!
 //! `SINEW_SEEDS=30 cargo test -p sinew-bench --test all excitation -- --nocapture` prints the statistics
-//! of as many simulated robots; the ordinary run makes do with a few.
+//! of as many simulated robots; the ordinary run uses a few.
 
 use crate::support;
 
@@ -26,8 +26,8 @@ fn options(poses: usize) -> Options {
 }
 
 /// Half of the 95 % interval, mrad, of a standard deviation in rad.
-fn mrad_95(deviation_rad: f64) -> f64 {
-    1e3 * sinew_model::Z95 * deviation_rad
+fn mrad_95(std_rad: f64) -> f64 {
+    1e3 * sinew_model::Z95 * std_rad
 }
 
 /// Root mean square of the intervals, mrad.
@@ -37,7 +37,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 #[test]
-fn proposed_poses_are_within_limits_and_better_than_random_ones() {
+fn proposed_poses_within_limits_beat_random() {
     let robot = biorob_like();
     let options = options(4);
     let proposal = propose(&robot, None, &options, &mut |_, _| {}).unwrap();
@@ -58,14 +58,11 @@ fn proposed_poses_are_within_limits_and_better_than_random_ones() {
             assert!(way * 15.0 / 8.0 / pair[1].move_s <= 0.5 * limit.velocity + 1e-9);
         }
     }
-    let found = rms(proposal
-        .expected
-        .iter()
-        .map(|e| mrad_95(e.offset_deviation_rad)));
+    let found = rms(proposal.expected.iter().map(|e| mrad_95(e.offset_std_rad)));
     let random = rms(proposal
         .expected
         .iter()
-        .map(|e| mrad_95(e.random_offset_deviation_rad)));
+        .map(|e| mrad_95(e.random_offset_std_rad)));
     println!("rms interval {found:.2} mrad, median random {random:.2} mrad");
     assert!(found <= random, "{found} {random}");
     // Same seed, same list.
@@ -141,7 +138,7 @@ fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f
 }
 
 #[test]
-fn what_is_promised_is_what_simulated_robots_show() {
+fn predicted_accuracy_matches_simulation() {
     let robot = biorob_like();
     let proposal = propose(&robot, None, &options(6), &mut |_, _| {}).unwrap();
     let seeds = seeds(6);
@@ -149,7 +146,7 @@ fn what_is_promised_is_what_simulated_robots_show() {
     for seed in 0..seeds {
         for (name, error, interval) in visited(&robot, &proposal, 500 + seed) {
             let expected = proposal.expected.iter().find(|e| e.name == name).unwrap();
-            let expected_mrad = mrad_95(expected.offset_deviation_rad);
+            let expected_mrad = mrad_95(expected.offset_std_rad);
             println!(
                 "seed {seed} {name}: error {error:+.2}, ± {interval:.2}, expected ± {:.2} mrad",
                 expected_mrad
@@ -164,6 +161,6 @@ fn what_is_promised_is_what_simulated_robots_show() {
         "{seeds} robots: 1.96 RMSE and interval over the interval expected: {error:.2}, {interval:.2}"
     );
     assert!((1.0 / 1.5..1.5).contains(&interval), "{interval}");
-    // 0.67 over thirty robots it wasn't fitted on; of a few the RMSE scatters by a quarter.
+    // 0.67 over thirty robots not used for the fit; for a few robots the RMSE scatters by a quarter.
     assert!(error < 1.6, "{error}");
 }

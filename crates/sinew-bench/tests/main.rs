@@ -2,6 +2,7 @@
 
 mod command;
 mod control;
+mod corrupt_bytes;
 mod coverage;
 mod excitation;
 mod forecasts;
@@ -13,8 +14,8 @@ mod scenarios;
 mod science_figures;
 #[path = "../../sinew-creep/tests/support/score.rs"]
 mod score;
-mod spoiled_bytes;
 #[path = "../../sinew-estimate/tests/support/mod.rs"]
 mod support;
 mod trend_chain;
 mod trend_year;
+mod validation;

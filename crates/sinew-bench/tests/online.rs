@@ -1,4 +1,4 @@
-//! The online estimate where a filter that goes on from block to block was sure and wrong.
+//! Cases in which a recursive filter was wrong with a narrow interval.
 
 use crate::support;
 
@@ -10,14 +10,14 @@ use sinew_model::{Gaussian, Z95};
 use sinew_sim::protocol::plan_named;
 use support::{biorob_like, online_answer, seeds, work_session};
 
-/// Two tendons slip by 5 mrad, 20 s apart, and nobody says so.
+/// Two tendons slip by 5 mrad, 20 s apart, without notice to the estimator.
 #[test]
-fn two_slips_are_provisional_at_once_and_then_followed() {
+fn online_two_slips_provisional_then_tracked() {
     const PITCH: usize = 1;
     const ELBOW: usize = 2;
-    /// Slips of the work session: joint, when, s, and how far, rad.
+    /// Slips of the work session: joint, time, s, and size, rad.
     const SLIPS: [(usize, f64, f64); 2] = [(PITCH, 130.0, 5e-3), (ELBOW, 150.0, 5e-3)];
-    /// The longest silence after a slip in 60 other recordings (docs/src/science/window.md), s.
+    /// The longest silence after a slip in 60 other recordings, s.
     const SILENT_S: f64 = 11.8;
     let robot = biorob_like();
     let (mut inside, mut settled, mut ends) = (0, 0, 0);
@@ -41,7 +41,7 @@ fn two_slips_are_provisional_at_once_and_then_followed() {
                         slip = Some(k);
                     }
                 }
-                let off = (own.offset_rad.mean - truth_rad).abs() / own.offset_rad.deviation;
+                let off = (own.offset_rad.mean - truth_rad).abs() / own.offset_rad.std;
                 if own.provisional.is_none() {
                     settled += 1;
                     inside += usize::from(off < Z95);
@@ -57,36 +57,36 @@ fn two_slips_are_provisional_at_once_and_then_followed() {
         assert!(silent_s.iter().all(|s| *s < SILENT_S), "{silent_s:?}");
         for (joint, _, size_rad) in SLIPS {
             let own = window.answer().joints[joint];
-            let off_rad = own.offset_rad.mean - 1e-3 * truth_mrad[joint] - size_rad;
+            let inconsistency_rad = own.offset_rad.mean - 1e-3 * truth_mrad[joint] - size_rad;
             assert!(own.provisional.is_none(), "{own:?}");
-            ends += usize::from(off_rad.abs() < own.offset_rad.half_width_95());
+            ends += usize::from(inconsistency_rad.abs() < own.offset_rad.half_width_95());
         }
     }
     println!("{inside} of {settled} inside, {ends} slips in the end");
     assert!(10 * inside > 9 * settled && ends >= 3);
 }
 
-/// In four poses a second slip, ten to twenty seconds after the first, looks like lost stiffness: taken for that, the elbow was 31 to 46 mrad off without
-/// doubt.
+/// In four poses a second slip, ten to twenty seconds after the first, resembles a stiffness loss: taken for that,
+/// the elbow had an error of 31 to 46 mrad that was not provisional.
 #[test]
-fn a_second_slip_in_four_poses_is_not_taken_for_lost_stiffness() {
+fn online_second_slip_is_not_stiffness_loss() {
     let plan = plan_named("S9").unwrap();
     for seed in [5008, 5045, 10012, 10022] {
         let recording = record(&plan, seed, Sessions::Chain).unwrap();
         let at_end = |end: &&EndScore| (end.form, end.end) == (Form::Online, End::Chain);
         let end = recording.ends.iter().find(at_end).unwrap();
         for (i, error) in end.errors_rad.iter().enumerate() {
-            let off = error.mean.abs() / error.deviation;
+            let off = error.mean.abs() / error.std;
             println!("{seed}, {i}: {off:.1} deviations, {}", end.is_warned);
             assert!(off < 3.0 || end.is_warned, "{seed}, {i}: {error:?}");
         }
     }
 }
 
-/// A robot that warmed up by 15 K, whose zeros drift: without a thermometer nobody knows by how much, and what somebody
-/// states counts as if it had been recorded.
+/// A robot that warmed up by 15 K, whose zeros drift: without a thermometer the drift is unknown, and a specified
+/// temperature counts as if it had been recorded.
 #[test]
-fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
+fn online_temperature_matches_recording_result() {
     let mut robot = biorob_like();
     robot.tolerances.drift_rad_per_k = Some(0.1e-3);
     let (parts, _) = work_session(&robot, 40, |t| t, &[60.0, 120.0]);
@@ -116,7 +116,7 @@ fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
             } => Some(half_width_95_rad / Z95),
             _ => None,
         });
-        // Who reads the answer can tell that it is not known, as the estimate warns.
+        // The result shows that the temperature is unknown, as the estimate warns.
         let is_unknown = recorded_c.is_nan() && options.temperature_c.is_none();
         assert_eq!(warned_rad.is_some(), is_unknown);
         assert!(
@@ -125,9 +125,9 @@ fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
         );
         for (own, joint) in online.joints.iter().zip(&batch.joints) {
             assert_eq!(own.offset_rad, joint.offset_rad);
-            assert!(own.unknown_temperature_rad < own.offset_rad.deviation);
+            assert!(own.unknown_temperature_rad < own.offset_rad.std);
         }
-        widths.push(online.joints[0].offset_rad.deviation);
+        widths.push(online.joints[0].offset_rad.std);
     }
     // A baseline without a temperature leaves it as unknown as a robot without one.
     let mut untold = baseline.clone();
@@ -137,6 +137,6 @@ fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
     }
     let online = online_answer(&robot, &untold, &plain, &second);
     assert!(online.joints[0].unknown_temperature_rad > 0.0);
-    // 15 K times 0.1 mrad/K, known and unknown alike; the room varies by a few kelvin only.
+    // 15 K times 0.1 mrad/K, with known and unknown temperature; the room varies by a few kelvin only.
     assert!(widths[0] > 1e-3 && widths[2] > 1e-3, "{widths:?}");
 }

@@ -1,16 +1,17 @@
-//! The sentences of the paper, and which of them the figures judge.
+//! Statements of the paper, and those that the figures assess.
 
 use crate::paper_figures::{fig1, fig2, fig4, fig5, fig6, fig7, table1};
-use sinew_bench::paper::{SaidBy, Sentence, Verdict};
+use sinew_bench::paper::{ClaimedBy, Sentence, Verdict};
 
-/// What does not hold: it is right for loads that hang, and a force that pushes the joint on is underestimated.
+/// Statement that does not hold: it is correct for hanging loads, and a force that pushes the joint on is
+/// underestimated.
 pub(crate) const EXTERNAL_FORCES: &str =
     "If the external forces are not known, the position offset is overestimated.";
 
 #[test]
-fn every_sentence_is_judged_or_has_a_reason() {
-    // Sentences of the paper that are judged, and those that have a reason not to be. What elongation spoils, two
-    // sentences more, is judged by `control`, which takes minutes.
+fn paper_sentences_are_assessed_or_have_reason() {
+    // Assessed statements of the paper, and those with a reason for not being assessed. Two further statements, on
+    // errors due to elongation, are assessed by `control`, which takes minutes.
     let figures = [
         (table1(), 1, 0),
         (fig1(), 5, 1),
@@ -22,11 +23,11 @@ fn every_sentence_is_judged_or_has_a_reason() {
     ];
     let mut texts = std::collections::HashSet::new();
     let mut failing = Vec::new();
-    for (figure, judged, not_judged) in figures {
-        let of_paper = |s: &&Sentence| s.said_by == SaidBy::Paper;
+    for (figure, assessed, not_assessed) in figures {
+        let of_paper = |s: &&Sentence| s.claimed_by == ClaimedBy::Paper;
         let sentences: Vec<&Sentence> = figure.sentences.iter().filter(of_paper).collect();
-        assert_eq!(sentences.len(), judged, "{}", figure.name);
-        assert_eq!(figure.not_judged.len(), not_judged, "{}", figure.name);
+        assert_eq!(sentences.len(), assessed, "{}", figure.name);
+        assert_eq!(figure.not_assessed.len(), not_assessed, "{}", figure.name);
         for sentence in sentences {
             assert!(texts.insert(&sentence.text), "twice: {}", sentence.text);
             if sentence.verdict == Verdict::Fails {
@@ -34,12 +35,12 @@ fn every_sentence_is_judged_or_has_a_reason() {
             }
         }
     }
-    // What does not hold, and nothing else.
+    // Exactly these statements fail.
     assert_eq!(failing, [EXTERNAL_FORCES]);
 }
 
 #[test]
-fn every_page_says_that_there_are_no_curves_to_compare_with() {
+fn pages_state_that_reference_curves_are_missing() {
     for figure in [table1(), fig1(), fig2(), fig4(), fig5(), fig6(), fig7()] {
         assert!(
             figure.given[0].contains("not available as data"),

@@ -1,4 +1,4 @@
-//! The paper's sentences on its ropes, judged from virtual experiments.
+//! The paper's statements on its ropes, assessed with virtual experiments.
 
 use crate::paper_figures::{catalogue, fig1, fig2, fig4, fig5};
 use sinew_bench::paper::{self, PaperFigure};
@@ -21,21 +21,21 @@ fn all_hold(figure: &PaperFigure, sentences: usize) {
 }
 
 #[test]
-fn creep_at_23_and_60_degrees_says_what_the_paper_says() {
+fn creep_at_23_and_60_degrees_matches_paper() {
     all_hold(fig1(), 5);
     all_hold(fig2(), 4);
 }
 
 #[test]
-fn changing_force_says_what_the_paper_says() {
+fn changing_force_matches_paper() {
     all_hold(fig5(), 3);
 }
 
 #[test]
-fn bending_order_is_likely_but_not_certain() {
+fn bending_order_share_is_intermediate() {
     let figure = fig4();
     all_hold(figure, 5);
-    // The order hangs on how passes add up, which nobody measured: neither certain nor a toss-up.
+    // The order depends on how passes add up, which was not measured: neither certain nor a toss-up.
     let order = &figure.sentences[0];
     assert!(order.value > 0.60 && order.value < 0.99, "{}", order.value);
 }
@@ -90,7 +90,7 @@ fn flow_and_friction_decide_no_sentence() {
 }
 
 #[test]
-fn sentences_that_are_not_so_fail() {
+fn false_sentences_fail() {
     // Without heat retraction DC000-0301 ends at 60 °C where it ends at 23 °C.
     let own = without(&[Parameter::Retraction]);
     let figure = paper::fig2(&own).expect("fig2");

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use crate::support;
 
-/// How many of `count` 95 % intervals hold the truth at the least: two and a half standard errors less.
+/// Minimum number of `count` 95 % intervals that contain the truth: the expectation less 2.5 standard errors.
 fn least(count: f64) -> f64 {
     0.95 * count - 2.5 * (0.95 * 0.05 * count).sqrt()
 }
@@ -34,7 +34,7 @@ fn ran(options: &Options) -> ScenarioReport {
 }
 
 #[test]
-fn a_stopped_run_goes_on_where_it_was() {
+fn stopped_run_resumes() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("s7.jsonl");
     let first = ran(&options(Some(&out), 1));
@@ -68,7 +68,7 @@ fn a_stopped_run_goes_on_where_it_was() {
 }
 
 #[test]
-fn a_file_of_other_settings_or_of_anything_else_is_refused() {
+fn resume_other_settings_or_file_returns_error() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("r.jsonl");
     ran(&options(Some(&out), 1));
@@ -104,7 +104,7 @@ fn of(per: &PerJoint, joint: &str) -> Draw {
 }
 
 #[test]
-fn draws_are_those_of_the_protocol() {
+fn draws_match_protocol() {
     let named = |name: &str| plan_named(name).unwrap().scenario;
     let s5 = named("S5");
     let uniform = |min: f64, max: f64| Draw::Uniform { min, max };
@@ -158,7 +158,7 @@ fn draws_are_those_of_the_protocol() {
 }
 
 #[test]
-fn one_recording_is_judged_against_its_own_truth() {
+fn recording_is_assessed_against_its_truth() {
     let plan = plan_named("S8").unwrap();
     let recording = record(&plan, 3, Sessions::Slips).unwrap();
     let truth = |name: &str| recording.joints.iter().find(|j| j.name == name).unwrap();
@@ -173,8 +173,8 @@ fn one_recording_is_judged_against_its_own_truth() {
     assert!((128.0..132.0).contains(&recording.steps[0].at_s));
     assert!((140.0..148.0).contains(&recording.steps[1].at_s));
     for joint in &recording.joints {
-        // The payload alone reads as tens of milliradians in the paper's estimate; the bound is
-        // what drift of 0.1 mrad/K over up to 15 K leaves, and no estimate is ten times better.
+        // The payload alone appears as tens of milliradians in the paper's estimate; the bound is the effect of a
+        // drift of 0.1 mrad/K over up to 15 K, and no estimate is ten times better.
         let bound = 1e3 * joint.bound_rad.unwrap();
         assert!(bound > 0.01 && bound < 2.0, "{} {bound}", joint.name);
         assert!(1e3 * joint.error_rad.half_width_95() > 0.2 * bound);
@@ -182,7 +182,7 @@ fn one_recording_is_judged_against_its_own_truth() {
 }
 
 #[test]
-fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
+fn strand_failure_between_sessions_is_no_offset() {
     let plan = plan_named("U3").unwrap();
     for seed in [4002, 4008] {
         let recording = record(&plan, seed, Sessions::B).unwrap();
@@ -194,7 +194,7 @@ fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
                 joint.name
             );
         }
-        let found = |w: &Warning| matches!(w, Warning::StiffnessChangedBefore { .. });
+        let found = |w: &Warning| matches!(w, Warning::StiffnessChanged { .. });
         assert!(
             recording.warnings.iter().any(found),
             "{:?}",
@@ -203,7 +203,7 @@ fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
     }
 }
 
-/// Three joints across each other, twice as heavy as the BioRob-like arm, and nothing said of friction.
+/// Three joints in different directions, twice as heavy as the BioRob-like arm, with unspecified friction.
 const ARM: &str = r#"<robot name="other">
 <link name="base"/>
 <link name="post"><inertial><origin xyz="0.01 0 0.1"/><mass value="1.5"/>
@@ -221,7 +221,7 @@ const ARM: &str = r#"<robot name="other">
 <joint name="grip" type="fixed"><parent link="fore"/><child link="hand"/><origin xyz="0.25 0 0"/></joint>
 </robot>"#;
 
-/// Its folder.
+/// Folder of the robot.
 fn other(folder: &Path, more: &str) -> std::path::PathBuf {
     let joint = |name: &str, k: f64| {
         format!(
@@ -241,7 +241,7 @@ fn other(folder: &Path, more: &str) -> std::path::PathBuf {
 }
 
 #[test]
-fn the_protocol_said_of_its_own_arm_is_the_protocol() {
+fn adapted_protocol_of_own_arm_is_unchanged() {
     let robot = support::biorob_like();
     let s8 = plan_named("S8").unwrap().scenario;
     let said = plan_adapted("S8", &robot).unwrap().scenario;
@@ -283,7 +283,7 @@ fn the_protocol_said_of_its_own_arm_is_the_protocol() {
 }
 
 #[test]
-fn offsets_of_another_arm_are_inside_their_intervals() {
+fn other_arm_intervals_cover_offsets() {
     let folder = tempfile::tempdir().unwrap();
     let robot = other(
         folder.path(),
@@ -307,70 +307,26 @@ fn offsets_of_another_arm_are_inside_their_intervals() {
         3.0 * count
     );
     for joint in &said.joints {
-        // The paper's estimate is off by what the load does, here tens of milliradians.
+        // The paper's estimate has an error due to the load, here tens of milliradians.
         let [is, paper] = [joint.rmse_rad, joint.paper_rmse_rad.unwrap()].map(|v| 1e3 * v);
-        let interval = 1e3 * Z95 * joint.stated_rad;
+        let interval = 1e3 * Z95 * joint.reported_std_rad;
         eprintln!("{}: {is} ± {interval}, paper {paper}", joint.name);
         assert!(is < 0.6 && interval < 1.2, "{}: {is}", joint.name);
         assert!(paper > 3.0 * is, "{}: {is}, paper {paper}", joint.name);
     }
 }
 
-/// Arms the estimator was not made for, with ropes that gravity stretches by a tenth of a radian or so.
-/// `SINEW_SEEDS=100 cargo test --release -p sinew-bench --test all scenarios:: -- --nocapture` is the table of
-/// docs/src/science/scenarios.md.
+/// Arms other than the design case, with ropes that gravity stretches by about a tenth of a radian.
 #[test]
-fn arms_of_other_sizes_are_no_worse() {
-    let asked = support::asked_seeds();
-    let lock = |joint: &str| format!("[joints.{joint}]\nlocked_at_rad = 0.0\n");
-    let arm4 = ["j1 50", "j2 40", "j3 20", "j4 4"]
-        .map(String::from)
-        .to_vec();
-    let ur5 = [
-        "shoulder_pan_joint 800",
-        "shoulder_lift_joint 1000",
-        "elbow_joint 500",
-        "wrist_1_joint 80",
-        "wrist_2_joint 60",
-        "wrist_3_joint 20",
-    ];
-    let so101 = [
-        "shoulder_pan 8",
-        "shoulder_lift 8",
-        "elbow_flex 4",
-        "wrist_flex 1.5",
-        "wrist_roll 0.5",
-    ];
-    let panda = [600, 800, 400, 300, 60, 60, 20].iter().enumerate();
-    let panda = panda.map(|(i, k)| format!("panda_joint{} {k}", i + 1));
-    let fingers = lock("panda_finger_joint1") + &lock("panda_finger_joint2");
-    let arms = [
-        ("arm4", arm4, String::new()),
-        ("ur5", ur5.map(String::from).to_vec(), String::new()),
-        ("so101", so101.map(String::from).to_vec(), lock("gripper")),
-        ("panda", panda.collect(), fingers),
-    ];
-    for (name, joints, more) in arms {
-        let Some(urdf) = support::shared(&format!("models/{name}.urdf")) else {
+fn other_arm_sizes_have_similar_accuracy() {
+    let asked = support::requested_seeds();
+    for name in ["arm4", "ur5", "so101", "panda"] {
+        if support::shared(&format!("models/{name}.urdf")).is_none() {
             continue;
-        };
-        let folder = tempfile::tempdir().unwrap();
-        let mut text = format!("urdf = '{}'\n{more}", urdf.display());
-        for joint in joints {
-            let (joint, k) = joint.split_once(' ').unwrap();
-            let k: f64 = k.parse().unwrap();
-            text += &format!(
-                "[joints.{joint}]\nstiffness_nm_per_rad = {k}\nmotor_inertia_kg_m2 = {}\n\
-                 joint_friction = {{ coulomb_nm = {}, viscous_nm_s_per_rad = {} }}\n\
-                 motor_friction = {{ coulomb_nm = {}, viscous_nm_s_per_rad = {} }}\n",
-                0.003 * k,
-                0.002 * k,
-                0.00125 * k,
-                0.01 * k,
-                0.0025 * k
-            );
         }
-        std::fs::write(folder.path().join("robot.toml"), text).unwrap();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("arms")
+            .join(name);
         let names: &[&str] = if asked.is_some() {
             &["S5", "S6", "S7", "S8"]
         } else {
@@ -378,7 +334,7 @@ fn arms_of_other_sizes_are_no_worse() {
         };
         let options = Options {
             scenarios: names.iter().map(ToString::to_string).collect(),
-            robot: Some(folder.path().to_path_buf()),
+            robot: Some(folder),
             n: asked.unwrap_or(6),
             first_seed: 3000,
             ..options(None, 0)
@@ -396,7 +352,7 @@ fn arms_of_other_sizes_are_no_worse() {
             };
             let (rmse, wide) = (
                 1e3 * most(|j| j.rmse_rad),
-                1e3 * Z95 * most(|j| j.stated_rad),
+                1e3 * Z95 * most(|j| j.reported_std_rad),
             );
             println!(
                 "{name} {}: {inside} of {count} inside, at most {rmse:.2} mrad RMSE, ± {wide:.2}",
@@ -412,7 +368,7 @@ fn arms_of_other_sizes_are_no_worse() {
 }
 
 #[test]
-fn a_scenario_may_be_a_file() {
+fn scenario_from_file_runs() {
     let folder = tempfile::tempdir().unwrap();
     let robot = other(folder.path(), "");
     let loaded = sinew_estimate::robot_dir::load(&robot, None).unwrap().robot;
@@ -422,7 +378,7 @@ fn a_scenario_may_be_a_file() {
         ..options(None, 1)
     };
     let file = folder.path().join("mine.toml");
-    // Beside the robot it names.
+    // The file is in the folder of the robot that it names.
     let text = plan_adapted("S5", &loaded).unwrap().text;
     std::fs::write(&file, format!("robot = \".\"\n{text}")).unwrap();
     let by_file = Options {
@@ -443,11 +399,11 @@ fn a_scenario_may_be_a_file() {
         ..kept
     };
     let refused = run(&protocol, &mut |_, _| {}).unwrap_err().to_string();
-    assert!(refused.contains("of another robot"), "{refused}");
+    assert!(refused.contains("another robot"), "{refused}");
 }
 
 #[test]
-fn a_scenario_that_cannot_be_run_says_why() {
+fn invalid_scenario_error_names_cause() {
     let folder = tempfile::tempdir().unwrap();
     let robot = other(folder.path(), "");
     let refused = |scenarios: &[&str], robot: Option<&Path>| {
@@ -463,7 +419,7 @@ fn a_scenario_that_cannot_be_run_says_why() {
     assert!(refused(&["S7"], Some(Path::new("nowhere"))).contains("nowhere"));
     let file = folder.path().join("mine.toml");
     let name = file.display().to_string();
-    assert!(refused(&[&name], None).contains("can't read"));
+    assert!(refused(&[&name], None).contains("cannot read"));
     let loaded = sinew_estimate::robot_dir::load(&robot, None).unwrap().robot;
     let text = plan_adapted("S5", &loaded).unwrap().text;
     std::fs::write(&file, &text).unwrap();
@@ -478,7 +434,7 @@ fn a_scenario_that_cannot_be_run_says_why() {
     std::fs::write(&file, start).unwrap();
     let sessions = refused(&[&name], Some(&robot));
     assert!(sessions.contains("three [[sessions]]"), "{sessions}");
-    // A robot without anything to stretch.
+    // A robot without an elastic joint.
     let rigid = "urdf = \"other.urdf\"\n[joints.turn]\nrigid = true\n[joints.lift]\nrigid = true\n[joints.bend]\nrigid = true\n";
     std::fs::write(folder.path().join("robot.toml"), rigid).unwrap();
     let rigid = refused(&["S7"], Some(&robot));
@@ -486,7 +442,7 @@ fn a_scenario_that_cannot_be_run_says_why() {
 }
 
 #[test]
-fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
+fn variants_resume_and_count_silent_errors() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("variants.jsonl");
     let wanted = |n| Options {
@@ -495,7 +451,7 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
         ..options(Some(&out), n)
     };
     let first = ran(&wanted(1));
-    // Every variant has both ends of four joints; slips are not looked for.
+    // Every variant has both ends of four joints; slips are not searched for.
     for scenario in &first.scenarios {
         assert!(scenario.about.is_some() && scenario.slips.is_empty());
         let ends: Vec<(Form, End, usize)> =
@@ -511,7 +467,7 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
         );
     }
     assert!(variants().any(|name| name == "creep-1"));
-    // Planted: the chain of one recording is far outside, once without a word and once with one.
+    // Planted errors: the chain of one recording is far outside, once without a warning and once with one.
     let text = std::fs::read_to_string(&out).unwrap();
     let planted = |warned: bool| {
         let lines = text.lines().map(|line| {
@@ -521,12 +477,12 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
                 chain["is_warned"] = warned.into();
                 for error in chain["errors_rad"].as_array_mut().unwrap() {
                     error["mean"] = 0.001.into();
-                    error["deviation"] = 0.01.into();
+                    error["std"] = 0.01.into();
                 }
-                // Two and a half deviations, and 30 mrad off, where the interval is ± 2.
+                // Errors of 2.5 standard deviations, and of 30 mrad with an interval of ± 2 mrad.
                 chain["errors_rad"][1]["mean"] = 0.025.into();
                 chain["errors_rad"][2]["mean"] = 0.03.into();
-                chain["errors_rad"][2]["deviation"] = 0.001.into();
+                chain["errors_rad"][2]["std"] = 0.001.into();
             }
             format!("{line}\n")
         });
@@ -559,9 +515,9 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
 }
 
 #[test]
-fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
-    let not_zeroed = |w: &&Warning| matches!(w, Warning::NotZeroed { .. });
-    let plan = plan_named("not-zeroed").unwrap();
+fn encoder_zero_offset_is_warned_and_estimated() {
+    let not_zeroed = |w: &&Warning| matches!(w, Warning::EncoderZeroOffset { .. });
+    let plan = plan_named("encoder-zero-offset").unwrap();
     let (mut inside, mut offsets) = (0, 0);
     for seed in [4000, 4001, 4002] {
         let recording = record(&plan, seed, Sessions::Chain).unwrap();
@@ -587,27 +543,27 @@ fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
     }
 }
 
-/// Every tendon creeps by 1 or 3 mrad a minute from B on. Held still, its offset was 0.8 or 2 mrad off at the end, where the
-/// interval was ± 0.6 or ± 1: 84 of 96 outside, some of them without a word.
+/// Every tendon creeps by 1 or 3 mrad a minute from B on. Held constant, its offset had an error of 0.8 or 2 mrad at
+/// the end, where the interval was ± 0.6 or ± 1: 84 of 96 were outside, some of them without a warning.
 #[test]
-fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
-    let creeps = |w: &Warning| matches!(w, Warning::TendonCreeps { .. });
+fn tendon_creep_is_warned_and_end_offset_covered() {
+    let creeps = |w: &Warning| matches!(w, Warning::TendonCreep { .. });
     for (name, rad_per_s) in [("creep-1", 1e-3 / 60.0), ("creep-3", 3e-3 / 60.0)] {
         let plan = plan_named(name).unwrap();
         let (mut inside, mut offsets, mut named) = (0, 0, 0);
         let (mut silent, mut read) = (0, 0);
-        for seed in [4000, 4001, 4002, 4300, 4301, 4302] {
+        for seed in [4000, 4001, 4300] {
             let recording = record(&plan, seed, Sessions::Chain).unwrap();
             named += recording.warnings.iter().filter(|w| creeps(w)).count();
             for warning in &recording.warnings {
-                if let Warning::TendonCreeps {
-                    moved_rad,
+                if let Warning::TendonCreep {
+                    drift_rad,
                     duration_s,
                     ..
                 } = warning
                 {
-                    let off = moved_rad.mean - rad_per_s * duration_s;
-                    assert!(off.abs() < 3.5 * moved_rad.deviation, "{name}: {warning:?}");
+                    let off = drift_rad.mean - rad_per_s * duration_s;
+                    assert!(off.abs() < 3.5 * drift_rad.std, "{name}: {warning:?}");
                 }
             }
             for end in &recording.ends {
@@ -626,8 +582,8 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
                 }
             }
         }
-        assert!(inside + 2 >= offsets, "{name}: {inside} of {offsets}");
-        assert!(named >= 12, "{name}: {named}");
+        assert!(inside + 1 >= offsets, "{name}: {inside} of {offsets}");
+        assert!(named >= 6, "{name}: {named}");
         // The online estimate follows it, too: where offsets were taken for fixed, a third to four fifths were outside.
         let inside = (read - silent) as f64;
         assert!(
@@ -647,9 +603,9 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
     }
 }
 
-/// A study of thousands doesn't end with one recording; what was refused is kept and told.
+/// A study of thousands does not end with one recording; rejected recordings are stored and reported.
 #[test]
-fn a_recording_that_is_refused_ends_no_study() {
+fn rejected_recording_does_not_end_study() {
     let folder = tempfile::tempdir().unwrap();
     let robot = other(folder.path(), "");
     let loaded = sinew_estimate::robot_dir::load(&robot, None).unwrap().robot;
@@ -669,12 +625,12 @@ fn a_recording_that_is_refused_ends_no_study() {
     let report = ran(&both);
     let counts: Vec<usize> = report.scenarios.iter().map(|s| s.recordings).collect();
     assert_eq!(counts, [0, 1]);
-    let [refusal] = report.refusals.as_slice() else {
-        panic!("{:?}", report.refusals);
+    let [rejection] = report.rejections.as_slice() else {
+        panic!("{:?}", report.rejections);
     };
-    assert_eq!((refusal.scenario.as_str(), refusal.seed), ("short", 40));
+    assert_eq!((rejection.scenario.as_str(), rejection.seed), ("short", 40));
     for text in [render_table(&report), render_ends(&report)] {
-        let told = format!("short, seed 40: {}", refusal.reason);
+        let told = format!("short, seed 40: {}", rejection.reason);
         let on_one_line = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(on_one_line.contains(&told), "{text}");
     }

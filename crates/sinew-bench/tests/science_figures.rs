@@ -1,14 +1,14 @@
-//! The figures of the paper's evaluation, reproduced: every sentence holds by its own criterion.
+//! The figures of the paper's evaluation, reproduced: every statement holds by its own criterion.
 //!
 //! `SINEW_FIGURES=DIR` also writes the drawings and pages there.
 
 use crate::paper_figures::{biorob_like, fig6, fig7};
 use crate::paper_sentences::EXTERNAL_FORCES;
-use sinew_bench::paper::{self, PaperFigure, SaidBy};
+use sinew_bench::paper::{self, ClaimedBy, PaperFigure};
 use sinew_model::robot::RobotFile;
 
-/// Judges a figure: everything holds but these sentences of the paper.
-fn judge(mut figure: PaperFigure, contradicted: &[&str]) {
+/// Checks a figure: everything holds except these statements of the paper.
+fn check_figure(mut figure: PaperFigure, contradicted: &[&str]) {
     for s in &figure.sentences {
         let verdict = if s.holds { "holds" } else { "FAILS" };
         let (value, unit) = s.shown();
@@ -21,28 +21,31 @@ fn judge(mut figure: PaperFigure, contradicted: &[&str]) {
         paper::write(&mut figure, folder.as_ref()).expect("written");
     }
     let failed = figure.sentences.iter().filter(|s| !s.holds);
-    let failed: Vec<(SaidBy, &str)> = failed.map(|s| (s.said_by, s.text.as_str())).collect();
-    let expected: Vec<(SaidBy, &str)> = contradicted.iter().map(|t| (SaidBy::Paper, *t)).collect();
+    let failed: Vec<(ClaimedBy, &str)> = failed.map(|s| (s.claimed_by, s.text.as_str())).collect();
+    let expected: Vec<(ClaimedBy, &str)> = contradicted
+        .iter()
+        .map(|t| (ClaimedBy::Paper, *t))
+        .collect();
     assert_eq!(failed, expected);
 }
 
 #[test]
-fn figure_6_shows_what_the_paper_says() {
+fn figure_6_matches_paper() {
     let figure = fig6();
     assert_eq!(figure.panels.len(), 9);
     // A force that pushes the joint on is underestimated.
-    judge(figure.clone(), &[EXTERNAL_FORCES]);
+    check_figure(figure.clone(), &[EXTERNAL_FORCES]);
 }
 
 #[test]
-fn figure_7_shows_what_the_paper_says() {
+fn figure_7_matches_paper() {
     let figure = fig7();
     assert_eq!(figure.panels.len(), 4);
-    judge(figure.clone(), &[]);
+    check_figure(figure.clone(), &[]);
 }
 
 #[test]
-fn expectations_are_those_of_the_robot() {
+fn analytic_values_match_robot() {
     let mut robot = biorob_like();
     for t in robot.transmissions.iter_mut().flatten() {
         t.stiffness_nm_per_rad *= 2.0;
@@ -57,8 +60,8 @@ fn expectations_are_those_of_the_robot() {
     let deflection_mrad = 3635.0 * 1.3 / 80.0;
     assert!((added("K overestimated") - deflection_mrad / 6.0).abs() < 0.1);
     assert!((added("underestimated by 10 %") - deflection_mrad / 10.0).abs() < 0.1);
-    judge(figure, &[EXTERNAL_FORCES]);
-    judge(paper::fig7(&robot).expect("made"), &[]);
+    check_figure(figure, &[EXTERNAL_FORCES]);
+    check_figure(paper::fig7(&robot).expect("made"), &[]);
 }
 
 #[test]
@@ -68,7 +71,7 @@ fn figures_are_files_that_open_offline() {
     paper::write(&mut figure, folder.path()).expect("written");
     let written = figure.files.expect("named");
     let html = std::fs::read_to_string(&written.html).expect("there");
-    assert!(html.contains("<svg") && html.contains("What is assumed"));
+    assert!(html.contains("<svg") && html.contains("Assumptions"));
     // Nothing is fetched: the only address allowed is the SVG name space.
     let without = html.replace("http://www.w3.org/2000/svg", "");
     assert!(!without.contains("http:") && !without.contains("https:"));
@@ -83,7 +86,7 @@ fn figures_are_files_that_open_offline() {
 }
 
 #[test]
-fn a_robot_without_the_joint_is_told_which_is_missing() {
+fn missing_joint_error_names_joint() {
     let mut robot = biorob_like();
     robot.name = "stump".into();
     // The pendulum of one joint, called otherwise.

@@ -1,4 +1,4 @@
-//! Sessions of a simulated year through the whole chain: recorded, estimated, kept, gone on with.
+//! Sessions of a simulated year through the whole chain: recorded, estimated, stored, resumed.
 
 use crate::support;
 
@@ -27,7 +27,7 @@ fn lived(chain: &ChainRequest, days: usize) -> Result<Vec<(Vec<Session>, RobotYe
 }
 
 #[test]
-fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
+fn chain_checks_track_offsets_and_resume() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("sessions.jsonl");
     let mut chain = ChainRequest::new(SessionKind::Check);
@@ -40,7 +40,7 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
         for joint in &session.joints {
             let offset = joint.offset_rad.expect("a check can tell").scaled(1e3);
             let (error, half) = (offset.mean - 1e3 * joint.truth_rad, offset.half_width_95());
-            // Half a millirad for the drift that no single session can know.
+            // Half a milliradian for the drift that a single session cannot identify.
             assert!(error.abs() < half + 0.5, "{session:?}");
         }
     }
@@ -51,13 +51,13 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
     let again = lived(&chain, 2).expect("gone on").remove(0).0;
     assert_eq!(again, first);
     assert_eq!(std::fs::read_to_string(&path).expect("a file"), text);
-    // Not somebody else's, nor another estimator's, nor a robot's that was described otherwise.
-    let refused = |from: &str, to: &str, why: &str| {
+    // Files of another robot, of another estimator, or of a robot with another description are rejected.
+    let refused = |from: &str, to: &str, reason: &str| {
         let other = text.replace(from, to);
         assert!(other != text, "{from}");
         std::fs::write(&path, &other).expect("written");
-        let refused = lived(&chain, 2).expect_err(why).to_string();
-        assert!(refused.contains(why), "{refused}");
+        let refused = lived(&chain, 2).expect_err(reason).to_string();
+        assert!(refused.contains(reason), "{refused}");
         assert_eq!(std::fs::read_to_string(&path).expect("a file"), other);
     };
     let now = text.split_once("\"version\":").expect("a version").1;
@@ -87,7 +87,7 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
 }
 
 #[test]
-fn a_days_work_carries_what_it_likes() {
+fn chain_work_session_with_unknown_payload_covers_truth() {
     let work = ChainRequest::new(SessionKind::Work);
     let (sessions, year) = lived(&work, 2).expect("two days").remove(0);
     assert!(year.tendons.is_empty());
@@ -100,14 +100,14 @@ fn a_days_work_carries_what_it_likes() {
         let (error, half) = (offset.mean - 1e3 * joint.truth_rad, offset.half_width_95());
         assert!(error.abs() < 2.0 * half + 0.5, "{joint:?}");
     }
-    // Of two sessions there is nothing to say.
+    // Two sessions are too few for statistics.
     let (errors, failures) = statistics(&[sessions]);
     assert_eq!(errors[0].robots, 0);
     assert_eq!(errors[0].sessions, 2);
     assert!(failures.is_empty());
 }
 
-/// What sessions would say whose errors are known.
+/// Sessions with specified errors.
 fn made(fails: Option<usize>) -> Vec<Session> {
     use sinew_bench::year::chain::SessionJoint;
     (1..=40)
@@ -122,7 +122,7 @@ fn made(fails: Option<usize>) -> Vec<Session> {
                 true_temperature_c: 21.0 + warm,
                 temperature_c: 21.0 + warm,
                 payload_kg: 0.0,
-                left_out_share: 0.0,
+                rejected_share: 0.0,
                 joints: vec![SessionJoint {
                     name: "elbow".into(),
                     truth_rad: 1e-3 * truth,
@@ -130,7 +130,7 @@ fn made(fails: Option<usize>) -> Vec<Session> {
                         1e-3 * (truth + 0.4 - 0.2 * warm + left + 2.0 * lost),
                         1e-3 / Z95,
                     )),
-                    shared_error: None,
+                    systematic_error: None,
                     true_stiffness_ratio: -0.06 * lost,
                     stiffness_ratio: Gaussian::new(0.01 * (0.1 * warm - 1.5 * lost), 0.02 / Z95),
                     steps: 0,
@@ -141,11 +141,11 @@ fn made(fails: Option<usize>) -> Vec<Session> {
 }
 
 #[test]
-fn known_errors_come_back_from_the_statistics() {
+fn statistics_recover_specified_errors() {
     let (errors, failures) = statistics(&[made(None), made(None)]);
     let e = &errors[0];
     assert_eq!((e.robots, e.sessions), (2, 80));
-    // A mean over days that aren't quite symmetric in temperature: 0.4 − 0.2 · mean(warm).
+    // A mean over days that are not quite symmetric in temperature: 0.4 − 0.2 · mean(warm).
     let mean = (1..=40)
         .map(|d| 6.0 * (0.3 * f64::from(d)).sin())
         .sum::<f64>()
@@ -174,9 +174,12 @@ fn known_errors_come_back_from_the_statistics() {
     // Ten sessions on either side of what also drifts: the sums are exact.
     let warm = |d: usize| 6.0 * (0.3 * d as f64).sin();
     let turn = ((21..31).map(warm).sum::<f64>() - (11..21).map(warm).sum::<f64>()) / 10.0;
-    assert!((1e3 * f.seen_rad - 5.05 + 0.2 * turn).abs() < 1e-9, "{f:?}");
     assert!(
-        (100.0 * f.seen_lost_ratio - 1.5 + 0.1 * turn).abs() < 1e-9,
+        (1e3 * f.estimated_rise_rad - 5.05 + 0.2 * turn).abs() < 1e-9,
+        "{f:?}"
+    );
+    assert!(
+        (100.0 * f.estimated_loss_ratio - 1.5 + 0.1 * turn).abs() < 1e-9,
         "{f:?}"
     );
 }

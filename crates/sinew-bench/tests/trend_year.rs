@@ -1,19 +1,19 @@
-//! Simulated years: what the trend finds, and how far its forecasts hold.
+//! Simulated years: events found by the trend, and coverage of its forecasts.
 //!
-//! `SINEW_SEEDS=100 cargo test --release -p sinew-bench --test all trend_year -- --nocapture` prints the
-//! figures of docs/src/science/years.md; the ordinary run makes do with a few robots.
+//! `SINEW_SEEDS=100 cargo test --release -p sinew-bench --test all trend_year -- --nocapture` prints the figures of
+//! many robots; the ordinary run uses a few robots.
 
 use crate::support;
 
 use sinew_bench::year::{self, Forecaster, YearRequest};
 use sinew_rope::Catalogue;
-use support::{asked_seeds, biorob_like};
+use support::{biorob_like, requested_seeds};
 
 #[test]
 fn failures_are_found_and_forecasts_cover() {
     let robot = biorob_like();
     let catalogue = Catalogue::shipped().unwrap();
-    let seeds = asked_seeds();
+    let seeds = requested_seeds();
     let mut request = YearRequest {
         robots: seeds.unwrap_or(2),
         ..YearRequest::default()
@@ -26,7 +26,7 @@ fn failures_are_found_and_forecasts_cover() {
     println!("{:.1} s", start.elapsed().as_secs_f64());
     for s in report.summary {
         println!("{}", serde_json::to_string_pretty(&s).unwrap());
-        // Of few robots hardly anything can be said: nothing absurd happens.
+        // A few robots give no statistics; only implausible results fail.
         assert!(s.found >= 1 && s.false_alarms <= s.robots, "{s:?}");
         assert!(1e3 * s.tracking_rms_rad < 1.5, "{s:?}");
         if s.robots >= 30 && s.forecaster == Forecaster::Rope {

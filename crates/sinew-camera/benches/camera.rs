@@ -1,8 +1,8 @@
-//! Frames per second of the camera reading at full HD on one core, decoding apart.
+//! Throughput of the camera measurement at full HD on one core, without decoding.
 //!
-//! `cargo bench -p sinew-camera --bench camera` prints, for 1920 × 1080 frames of a half-millimetre
-//! scale at 10 px per line: the first frame (finding the scale), reading (lying and upright), and
-//! decoding of PNG and JPEG. Everything runs in the calling thread.
+//! `cargo bench -p sinew-camera --bench camera` prints, for 1920 × 1080 frames of a half-millimetre scale at 10 px per
+//! line: the first frame (detection of the scale), measurement (horizontal and upright), and decoding of PNG and JPEG.
+//! Everything runs in the calling thread.
 
 #[path = "../tests/scale_picture.rs"]
 mod scale_picture;
@@ -15,7 +15,7 @@ use std::time::Instant;
 const FRAMES: u32 = 8;
 
 fn main() {
-    // `cargo test --benches` only wants to know that it runs.
+    // `cargo test --benches` only checks that the benchmark runs.
     let quick = std::env::args().any(|a| a == "--test");
     let rounds = if quick { 1 } else { 25 };
     let print = Print::half_millimetre();
@@ -46,7 +46,7 @@ fn main() {
             first.push(time(|| {
                 black_box(reader.read(&pictures[0]).expect("a scale"));
             }));
-            // To and fro, so that no step is longer than another.
+            // Alternating displacement, so that all steps have the same length.
             for picture in pictures.iter().chain(pictures.iter().rev()) {
                 all.push(time(|| {
                     black_box(reader.read(picture).expect("a scale"));

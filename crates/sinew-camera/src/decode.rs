@@ -1,32 +1,32 @@
-//! PNG and JPEG bytes to grey levels.
+//! Decoding of PNG and JPEG into grey levels.
 
-use super::picture::{DEEPER, Picture, check_sides};
+use super::picture::{LEVEL_RATIO_16_TO_8, Picture, check_sides};
 use std::io::Cursor;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Most memory a decoder may take for one frame, bytes.
+/// Maximum memory of a decoder for one frame, bytes.
 const MEMORY_LIMIT_BYTES: usize = sinew_files::limits::PICTURE_MEMORY.length();
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_SIGNATURE: &[u8] = &[0xff, 0xd8, 0xff];
 
-/// Share of red, green and blue in the luminance of sRGB: the row Y of the matrix from its
-/// primaries (ITU-R BT.709) and white point (D65) to XYZ.
+/// Weights of red, green and blue in the luminance of sRGB: row Y of the matrix from its primaries (ITU-R BT.709) and
+/// white point (D65) to XYZ.
 const LUMINANCE: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 
-/// Decodes PNG or JPEG, whatever the file is called. Colour becomes luminance; 16 bits stay 16; an
-/// alpha channel is ignored.
+/// Decodes PNG or JPEG independent of the file extension. Colour is converted to luminance; 16 bits are kept; an alpha
+/// channel is ignored.
 ///
 /// # Errors
-/// What the decoder says, or the size where it is beyond [`crate::SIDE_LIMIT_PX`].
+/// Returns the message of the decoder, or the size if it exceeds [`crate::SIDE_LIMIT_PX`].
 pub fn decode(bytes: &[u8]) -> Result<Picture, String> {
     if bytes.starts_with(PNG_SIGNATURE) {
         png(bytes)
     } else if bytes.starts_with(JPEG_SIGNATURE) {
         jpeg(bytes)
     } else {
-        Err("it is neither PNG nor JPEG".into())
+        Err("unsupported format: expected PNG or JPEG".into())
     }
 }
 
@@ -38,7 +38,7 @@ fn png(bytes: &[u8]) -> Result<Picture, String> {
     let header = decoder.read_header_info().map_err(|e| e.to_string())?;
     let (width, height) = (header.width as usize, header.height as usize);
     check_sides(width, height)?;
-    // Palettes become colours and fewer than 8 bits become 8.
+    // Palettes are converted to colours, and fewer than 8 bits to 8.
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
     let mut samples = buffer(reader.output_buffer_size())?;
@@ -61,7 +61,7 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
         .set_max_height(usize::MAX);
     let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|e| e.to_string())?;
-    let no_header = || "it has no header".to_string();
+    let no_header = || "missing image header".to_string();
     let (width, height) = decoder.dimensions().ok_or_else(no_header)?;
     check_sides(width, height)?;
     let space = match decoder.input_colorspace().ok_or_else(no_header)? {
@@ -82,17 +82,17 @@ fn buffer(size_bytes: Option<usize>) -> Result<Vec<u8>, String> {
     match size_bytes {
         Some(size) if size <= MEMORY_LIMIT_BYTES => Ok(vec![0; size]),
         _ => Err(format!(
-            "it takes more than {} MiB of memory",
+            "image requires more than {} MiB of memory",
             MEMORY_LIMIT_BYTES >> 20
         )),
     }
 }
 
 fn deeper(level: u8) -> u16 {
-    DEEPER * u16::from(level)
+    LEVEL_RATIO_16_TO_8 * u16::from(level)
 }
 
-/// One level per pixel: the first channel of one or two, the luminance of three or four.
+/// Returns one level per pixel: the first of one or two channels, the luminance of three or four.
 fn luminance(mut samples: impl Iterator<Item = u16>, channels: usize) -> Vec<u16> {
     if channels < 3 {
         return samples.step_by(channels).collect();
@@ -116,11 +116,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grey_stays_and_colours_weigh_as_in_srgb() {
+    fn decode_grey_kept_colour_weighted_as_srgb() {
         let grey = (0..=255).flat_map(|v| [deeper(v); 3]);
         let levels = luminance(grey, 3);
         assert_eq!(levels, (0..=255).map(deeper).collect::<Vec<u16>>());
-        // 65535 · 0.2126, 65535 · 0.7152, 65535 · 0.0722; opacity has no part in it.
+        // 65535 · 0.2126, 65535 · 0.7152, 65535 · 0.0722; opacity is ignored.
         let pure = [255, 0, 0, 9, 0, 255, 0, 9, 0, 0, 255, 9];
         let levels = luminance(pure.into_iter().map(deeper), 4);
         assert_eq!(levels, [13_936, 46_869, 4_730]);
@@ -130,9 +130,9 @@ mod tests {
     }
 
     #[test]
-    fn other_files_are_refused() {
+    fn decode_other_format_returns_error() {
         let error = decode(b"GIF89a").unwrap_err();
-        assert_eq!(error, "it is neither PNG nor JPEG");
+        assert_eq!(error, "unsupported format: expected PNG or JPEG");
         assert!(decode(PNG_SIGNATURE).is_err());
         assert!(decode(JPEG_SIGNATURE).is_err());
     }

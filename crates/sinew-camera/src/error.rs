@@ -1,77 +1,77 @@
-//! What stops the reading of a whole series.
+//! Errors that prevent the evaluation of a whole series.
 
 use super::rejection::WrongPitch;
 use sinew_files::{Located, OutputError};
 use std::path::PathBuf;
 
-/// Why a series of frames can't be read.
+/// Error in reading a series of frames.
 #[derive(Debug, thiserror::Error)]
 pub enum CameraError {
-    /// The file system says no.
+    /// A file or folder cannot be read.
     #[error("{path}: {error}", path = path.display())]
     Io {
-        /// File or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What it says.
+        /// Error of the file system.
         error: std::io::Error,
     },
-    /// A folder without frames.
+    /// The folder contains no frames.
     #[error("{folder}: no PNG or JPEG frames (.png, .jpg, .jpeg) in this folder", folder = folder.display())]
     Empty {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// Nothing says when the frames were taken.
+    /// The times of the frames are not specified.
     #[error(
-        "{file}: no time in this file name; name files like frame_12.5s.png, 20261121_143000_250.png or 1795271400250.png, or say --frame-rate HZ or --times FILE.csv"
+        "{file}: no time in this file name; name files like frame_12.5s.png, 20261121_143000_250.png or 1795271400250.png, or set --frame-rate HZ or --times FILE.csv"
     )]
     NoTimes {
-        /// First frame without a time.
+        /// Name of the first frame without a time.
         file: String,
     },
-    /// The table of times, with the place of what is wrong.
+    /// The table of times is invalid; the error names the location.
     #[error(transparent)]
     File(#[from] Located),
-    /// An option that can't be.
+    /// The value of an option is invalid.
     #[error("{0}")]
     Option(String),
-    /// The lines aren't half a millimetre apart.
+    /// The specified or default pitch does not agree with the scale.
     #[error("{frame}: {error}")]
     WrongPitch {
-        /// Frame that shows it.
+        /// Name of the frame.
         frame: String,
-        /// What it shows.
+        /// Inconsistency of the pitch.
         error: WrongPitch,
     },
-    /// No frame could be used.
+    /// No frame is usable.
     #[error("{input}: none of {count} frames could be used; the first: {name}: {reason}", input = input.display())]
     Nothing {
-        /// Folder or video.
+        /// Path of the folder or video.
         input: PathBuf,
-        /// Frames tried.
+        /// Number of frames tried.
         count: usize,
-        /// First frame.
+        /// Name of the first frame.
         name: String,
-        /// Why not.
+        /// Reason for the rejection of the first frame.
         reason: String,
     },
-    /// The video can't be decoded.
+    /// The video cannot be decoded.
     #[error("{path}: {reason}", path = path.display())]
     Video {
-        /// The video.
+        /// Path of the video.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// Cause and remedy.
         reason: String,
     },
-    /// A picture can't be written.
-    #[error("{path}: can't draw the overlay: {reason}", path = path.display())]
+    /// The overlay cannot be rendered.
+    #[error("{path}: cannot render the overlay: {reason}", path = path.display())]
     Overlay {
-        /// The file.
+        /// Path of the overlay.
         path: PathBuf,
-        /// What is wrong.
+        /// Cause of the failure.
         reason: String,
     },
-    /// A file can't be written.
+    /// An output file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }

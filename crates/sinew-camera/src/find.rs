@@ -1,65 +1,62 @@
-//! Where in a picture the scale lies, which way it runs and how far apart its lines are.
+//! Detection of the scale in a picture: region, direction and pitch.
 //!
-//! Spectra of short stretches of rows (and, with the picture turned, of columns) vote for a
-//! frequency. The one with the most votes is the graduation, unless twice as high a frequency is
-//! voted for as well: rows that hold only the longer lines vote for half the frequency, while the
-//! lines themselves, being thin, never have more power in a harmonic than in their own frequency.
-//! Neighbouring blocks whose phases follow each other at that frequency then make up the scale.
+//! Spectra of short sections of rows (and of columns, with the picture transposed) vote for a frequency. The frequency
+//! with the most votes is the graduation, unless twice that frequency also has votes: rows that contain only the longer
+//! lines vote for half the frequency, whereas thin lines never have more power in a harmonic than in their fundamental
+//! frequency. Connected blocks with consistent phases at that frequency form the scale.
 
 use super::picture::Picture;
 use super::robust::{median, quantile};
 use super::spectrum::{Spectrum, between_bins};
 use super::strips::{Block, Blocks, Demodulator, Region, STRIP_ROWS, Strips};
 
-/// Fewest pixels from line to line: with fewer the second harmonic, which tells thin lines from a
-/// chance pattern, is gone.
-pub const PITCH_LEAST_PX: f64 = 4.0;
-/// Most pixels from line to line.
-pub const PITCH_MOST_PX: f64 = 250.0;
-/// Smallest contrast that counts as a line, share of the light: 1 grey level of 8 bits at medium
-/// light.
-const CONTRAST_LEAST: f64 = 0.008;
-/// A spectral peak must exceed the median power by this. Of 250 bins of noise the highest is at
-/// about ln 250 = 5.5 means or 8 medians.
-const PEAK_OVER_MEDIAN: f64 = 20.0;
-/// Longest stretch for one spectrum, px.
-const STRETCH_PX: usize = 512;
-/// Votes within this ratio of frequencies are for the same graduation: perspective changes the
-/// pitch over the picture.
-const SAME_PITCH: f64 = 1.08;
-/// Share of the strongest votes that makes twice the frequency the graduation.
-const DOUBLE_SHARE: f64 = 0.3;
-/// Amplitude of a block that belongs to the scale, share of the strong ones'. Rows with only
-/// every second line have half the amplitude.
-pub(crate) const BLOCK_SHARE: f64 = 0.3;
-/// Fewest blocks of a scale.
-const BLOCKS_LEAST: usize = 6;
-/// Largest tilt of the lines, degrees. Beyond it a strip's rows blur its lines.
-pub const TILT_MOST_DEG: f64 = 12.0;
+/// Minimum pitch, px per graduation; below it the second harmonic, which distinguishes thin lines from a random
+/// pattern, is lost.
+pub const MIN_PITCH_PX: f64 = 4.0;
+/// Maximum pitch, px per graduation.
+pub const MAX_PITCH_PX: f64 = 250.0;
+/// Minimum contrast of a line relative to the illumination: 1 of 256 grey levels at medium light.
+const MIN_CONTRAST: f64 = 0.008;
+/// Minimum ratio of a spectral peak to the median power. The highest of 250 noise bins is at about ln 250 = 5.5 means
+/// or 8 medians.
+const MIN_PEAK_TO_MEDIAN: f64 = 20.0;
+/// Maximum length of a section for one spectrum, px.
+const MAX_SECTION_PX: usize = 512;
+/// Maximum ratio of frequencies that count as one graduation: perspective changes the pitch over the picture.
+const MAX_PITCH_RATIO: f64 = 1.08;
+/// Minimum share of the strongest votes at which twice the frequency is the graduation.
+const MIN_DOUBLE_FREQUENCY_SHARE: f64 = 0.3;
+/// Minimum amplitude of a block of the scale, as a share of the strong blocks. Rows with only every second line have
+/// half the amplitude.
+pub(crate) const MIN_BLOCK_AMPLITUDE_SHARE: f64 = 0.3;
+/// Minimum number of blocks of a scale.
+const MIN_BLOCKS: usize = 6;
+/// Maximum tilt of the lines, degrees; beyond it the rows of a strip blur its lines.
+pub const MAX_TILT_DEG: f64 = 12.0;
 
-/// Where the scale is.
+/// Detected scale in a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Found {
-    /// The scale runs from top to bottom: the picture was turned.
+    /// Whether the scale runs from top to bottom, with the picture transposed.
     pub(crate) upright: bool,
-    /// Graduations per pixel along the row (of the turned picture where upright).
+    /// Graduations per pixel along the row (of the transposed picture if upright).
     pub(crate) frequency: f64,
-    /// Box around the scale in the picture as measured.
+    /// Bounding box of the scale in the measured picture.
     pub(crate) region: Region,
     /// Blocks of the whole picture.
     pub(crate) blocks: Blocks,
-    /// Blocks that belong to it, and its coordinate there, graduations.
+    /// Indices of the blocks of the scale, and the scale coordinate of each, graduations.
     pub(crate) scale: Vec<(usize, f64)>,
 }
 
 impl Found {
-    /// Blocks that belong to the scale.
+    /// Returns the blocks that belong to the scale.
     pub(crate) fn members(&self) -> impl Iterator<Item = &Block> {
         self.scale.iter().map(|(at, _)| &self.blocks.all[*at])
     }
 }
 
-/// Finds the scale in a picture or the part of it that is named; the error is why there is none.
+/// Finds the scale in a picture or in a specified region; the error gives the reason if there is none.
 pub(crate) fn find(
     picture: &Picture,
     within: Option<Region>,
@@ -83,7 +80,7 @@ pub(crate) fn find(
     })
 }
 
-/// Finds a scale along the rows; also its summed amplitude, to choose between two directions.
+/// Finds a scale along the rows; also returns its summed amplitude for the choice between two directions.
 fn find_along(picture: &Picture, part: Region, upright: bool) -> Result<(f64, Found), String> {
     if part.height < STRIP_ROWS || part.width < 32 {
         return Err(format!(
@@ -113,11 +110,11 @@ fn find_along(picture: &Picture, part: Region, upright: bool) -> Result<(f64, Fo
     Ok((weight, found))
 }
 
-/// The frequency that most stretches have their peak at.
+/// Returns the frequency at which most sections have their peak.
 fn vote(strips: &Strips) -> Result<f64, String> {
     let width = strips.region.width;
-    let length = STRETCH_PX.min(1 << width.ilog2());
-    // Large pitches need long stretches: averaging neighbouring pixels makes the stretch longer.
+    let length = MAX_SECTION_PX.min(1 << width.ilog2());
+    // A large pitch needs long sections: averaging neighbouring pixels increases their length.
     let mut votes: Vec<(f64, f64)> = Vec::new();
     let mut shrink = 1;
     while length * shrink <= width.max(length) && shrink <= 8 {
@@ -125,12 +122,10 @@ fn vote(strips: &Strips) -> Result<f64, String> {
         shrink *= 4;
     }
     let top = strongest(&votes).ok_or_else(|| {
-        format!(
-            "no evenly spaced lines {PITCH_LEAST_PX} to {PITCH_MOST_PX} px apart stand out of the picture"
-        )
+        format!("no evenly spaced lines with a pitch of {MIN_PITCH_PX} to {MAX_PITCH_PX} px found")
     })?;
     let double = within(&votes, 2.0 * top.0);
-    let chosen = if double.1 >= DOUBLE_SHARE * top.1 {
+    let chosen = if double.1 >= MIN_DOUBLE_FREQUENCY_SHARE * top.1 {
         double.0
     } else {
         top.0
@@ -140,9 +135,9 @@ fn vote(strips: &Strips) -> Result<f64, String> {
 
 fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, f64)>) {
     let spectrum = Spectrum::new(length);
-    // Six graduations in a stretch at least.
-    let lowest = 6.max(length * shrink / PITCH_MOST_PX as usize);
-    let highest = (length as f64 / 3.0).min((length * shrink) as f64 / PITCH_LEAST_PX) as usize;
+    // A section contains at least six graduations.
+    let lowest = 6.max(length * shrink / MAX_PITCH_PX as usize);
+    let highest = (length as f64 / 3.0).min((length * shrink) as f64 / MIN_PITCH_PX) as usize;
     if highest <= lowest + 2 {
         return;
     }
@@ -158,7 +153,7 @@ fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, 
             };
             let contrast = power[peak].sqrt() / mean.max(0.5 / 255.0);
             let is_peak = power[peak] > power[peak - 1] && power[peak] > power[peak + 1];
-            if is_peak && contrast >= CONTRAST_LEAST && power[peak] >= PEAK_OVER_MEDIAN * median {
+            if is_peak && contrast >= MIN_CONTRAST && power[peak] >= MIN_PEAK_TO_MEDIAN * median {
                 let frequency = between_bins(&power, peak) / (length * shrink) as f64;
                 votes.push((frequency, contrast * shrink as f64));
             }
@@ -167,10 +162,11 @@ fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, 
     votes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
 }
 
-/// Weighted median frequency and sum of the votes of the fullest bracket, looked for around so many of them.
+/// Returns the weighted median frequency and sum of the votes of the bracket with most votes; searches at most
+/// `BRACKETS` positions.
 fn strongest(votes: &[(f64, f64)]) -> Option<(f64, f64)> {
-    const LOOKS: usize = 1000;
-    let every = votes.len().div_ceil(LOOKS).max(1);
+    const BRACKETS: usize = 1000;
+    let every = votes.len().div_ceil(BRACKETS).max(1);
     let brackets = votes
         .iter()
         .step_by(every)
@@ -178,9 +174,12 @@ fn strongest(votes: &[(f64, f64)]) -> Option<(f64, f64)> {
     brackets.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Weighted median frequency and sum of the votes around a frequency.
+/// Returns the weighted median frequency and sum of the votes around a frequency.
 fn within(votes: &[(f64, f64)], around: f64) -> (f64, f64) {
-    let (low, high) = (around / SAME_PITCH.sqrt(), around * SAME_PITCH.sqrt());
+    let (low, high) = (
+        around / MAX_PITCH_RATIO.sqrt(),
+        around * MAX_PITCH_RATIO.sqrt(),
+    );
     let first = votes.partition_point(|(frequency, _)| *frequency < low);
     let last = votes.partition_point(|(frequency, _)| *frequency <= high);
     let near = &votes[first..last];
@@ -195,21 +194,21 @@ fn within(votes: &[(f64, f64)], around: f64) -> (f64, f64) {
     (around, 0.0)
 }
 
-/// Largest connected set of blocks with lines whose phases follow each other.
+/// Returns the largest connected set of blocks with consistent phases.
 fn grow(blocks: &Blocks, frequency: f64) -> Option<Vec<(usize, f64)>> {
-    // The scale may cover little of the picture: strong means the strongest fiftieth.
+    // The scale may cover little of the picture: strong blocks are the strongest 2 %.
     let contrasts = blocks.all.iter().map(Block::contrast).collect();
     let strong = quantile(contrasts, 0.98)?;
-    let least = (BLOCK_SHARE * strong).max(CONTRAST_LEAST);
+    let least = (MIN_BLOCK_AMPLITUDE_SHARE * strong).max(MIN_CONTRAST);
     let bright: Vec<bool> = blocks.all.iter().map(|b| b.contrast() >= least).collect();
     let (across, down) = blocks.common_steps(&bright);
-    // A step across passes whole graduations.
+    // A step to the next window passes whole graduations.
     let hop = blocks.hop;
     let whole = (frequency * hop - across).round();
     let slopes = ((whole + across) / hop, down / STRIP_ROWS as f64);
     let step = |a: &Block, b: &Block| slopes.0 * (b.x - a.x) + slopes.1 * (b.y - a.y);
     let scale = blocks.unwrapped(&bright, step);
-    (scale.len() >= BLOCKS_LEAST).then_some(scale)
+    (scale.len() >= MIN_BLOCKS).then_some(scale)
 }
 
 fn around(found: &Found, half: f64, picture: &Picture) -> Region {

@@ -1,4 +1,4 @@
-//! Which frames there are, in order of time.
+//! Frames of a folder in chronological order.
 
 use super::error::CameraError;
 use super::times::{PATTERNS, natural};
@@ -7,19 +7,19 @@ use sinew_files::{Bound, Fault, Fields as _, Located, limits};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// What tells when the frames were taken.
+/// Source of the frame times.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Times {
-    /// File names: a number with a unit at the end (`frame_12.5s.png`, also ms, us, ns), a date
-    /// with time of day (`20261121_143000_250.png`), or seconds, ms, µs or ns since 1970.
+    /// File names: a number with a unit at the end (`frame_12.5s.png`, also ms, us, ns), a date with time of day
+    /// (`20261121_143000_250.png`), or seconds, ms, µs or ns since 1970.
     Names,
-    /// Frames per second, in the order of the names.
+    /// Frame rate in Hz; frames are ordered by name.
     Rate(f64),
-    /// CSV with the columns `file` and `time_s`.
+    /// CSV file with the columns `file` and `time_s`.
     Table(PathBuf),
 }
 
-/// One frame of a folder.
+/// Frame of a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FrameFile {
     pub(crate) path: PathBuf,
@@ -27,11 +27,11 @@ pub(crate) struct FrameFile {
     pub(crate) time_s: f64,
 }
 
-/// Frames in order of time.
+/// Frames in chronological order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct FrameList {
     pub(crate) frames: Vec<FrameFile>,
-    /// What a person should know.
+    /// Notes for the user.
     pub(crate) notes: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn list(folder: &Path, times: &Times) -> Result<FrameList, CameraErro
     let mut list = FrameList::default();
     if others > 0 {
         list.notes
-            .push(format!("{others} files that are not frames are left out"));
+            .push(format!("{others} files that are not frames are ignored"));
     }
     match times {
         Times::Rate(rate) => {
@@ -103,8 +103,8 @@ fn by_name(folder: &Path, names: Vec<String>, list: &mut FrameList) -> Result<()
         let time = pattern.and_then(|place| PATTERNS[place](&stem(name)));
         times.push(time.ok_or_else(|| CameraError::NoTimes { file: name.clone() })?);
     }
-    // Seconds since 1970 would drown in the first columns of a table; a number with a unit, the first pattern,
-    // counts from a zero of the test's own.
+    // Times since 1970 are reduced by the first one; a number with a unit, the first pattern, counts from a zero of the
+    // test.
     let zero = match pattern {
         Some(0) => 0,
         _ => times.iter().copied().min().unwrap_or(0),
@@ -135,10 +135,10 @@ fn by_table(
         let time_s = row.need("time_s", Bound::Any, "when the frame was taken")?;
         if Path::new(name).components().count() != 1 {
             let must = "the name of a file in the folder of frames";
-            return Err(row.refuse("file", must).into());
+            return Err(row.invalid("file", must).into());
         }
         if !named.insert(name.to_owned()) {
-            return Err(row.refuse("file", "named once; it is named twice").into());
+            return Err(row.invalid("file", "named once; it is named twice").into());
         }
         if time_s < last && falls.is_none() {
             falls = Some(row.line());
@@ -152,7 +152,7 @@ fn by_table(
     }
     if let Some(line) = falls {
         list.notes.push(format!(
-            "times fall at line {line} of {}: frames are read in order of time",
+            "times fall at line {line} of {}: frames are sorted by time",
             path.display()
         ));
         list.frames.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -160,7 +160,7 @@ fn by_table(
     let unnamed = names.iter().filter(|n| !named.contains(*n)).count();
     if unnamed > 0 {
         list.notes.push(format!(
-            "{unnamed} frames of the folder are not in {} and left out",
+            "{unnamed} frames of the folder are not in {} and are ignored",
             path.display()
         ));
     }

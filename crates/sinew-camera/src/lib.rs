@@ -1,4 +1,4 @@
-//! The carriage's position from pictures of a graduated scale, as the paper measured elongation.
+//! Position of the carriage from pictures of a graduated scale, as in the elongation measurement of the paper.
 //!
 //! ```no_run
 //! use sinew_camera::{Request, Summary, Times};
@@ -10,19 +10,17 @@
 //! # Ok::<(), sinew_camera::CameraError>(())
 //! ```
 //!
-//! Way of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase
-//! (`strips`) → in the first frame the place of the scale (`find`, `spectrum`) and the map of its
-//! phases (`phase_map`) → in all frames the shift against that map by robust least squares
-//! (`phase`, `robust`) → whole graduations by the longer lines and numbers (`marks`, `line_index`) → [`Reading`]
-//! or [`Rejection`] (`reference`). [`run`] does it for a folder or a video.
+//! Processing of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase (`strips`) → in the first
+//! frame the region of the scale (`find`, `spectrum`) and the map of its phases (`phase_map`) → in all frames the shift
+//! relative to that map by robust least squares (`phase`, `robust`) → whole graduations from the longer lines and
+//! numbers (`marks`, `line_index`) → [`ScaleMeasurement`] or [`Rejection`] (`reference`). [`run`] processes a folder or a video.
 //!
-//! Holds while camera and rail stand still, the scale moves along itself within a few degrees, a
-//! graduation has 4 to 250 px, and the lines lean by 12° at most. Steps between frames may be of
-//! any length where longer lines or numbers tell lines apart, and below 0.4 graduations where they
-//! don't.
+//! Assumptions: camera and rail are stationary, the scale moves along itself within a few degrees, a graduation has 4
+//! to 250 px, and the lines are tilted by at most 12°. Steps between frames may have any length if longer lines or
+//! numbers identify the lines; otherwise they must be below 0.4 graduations.
 //!
-//! Not modelled: errors of the print, an angle between scale and movement (1 − cos, 0.015 % at
-//! 1°), a rolling shutter (a moving scale then seems to lean).
+//! Not modelled: errors of the print, an angle between scale and movement (1 − cos, 0.015 % at 1°), a rolling shutter
+//! (a moving scale appears tilted).
 
 mod decode;
 mod error;
@@ -52,12 +50,12 @@ mod visibility;
 
 pub use decode::decode;
 pub use error::CameraError;
-pub use find::{PITCH_LEAST_PX, PITCH_MOST_PX, TILT_MOST_DEG};
+pub use find::{MAX_PITCH_PX, MAX_TILT_DEG, MIN_PITCH_PX};
 pub use frames::Times;
 pub use outcome::{Frame, Outcome, Rejected};
 pub use picture::{Picture, SIDE_LIMIT_PX};
 pub use reader::ScaleReader;
-pub use reading::{PITCH_M, ReadOptions, Reading, Scale};
+pub use reading::{DEFAULT_PITCH_M, ReadOptions, Scale, ScaleMeasurement};
 pub use rejection::{Rejection, RejectionKind, WrongPitch};
 pub use report::html;
 pub use request::{Conditions, Request};

@@ -1,39 +1,38 @@
-//! Which line is which: the longer lines and the numbers as a code.
+//! Identification of lines by a code of the longer lines and the numbers.
 //!
-//! The phase repeats at every graduation. How dark each line is in twelve bands across the scale
-//! tells lines of different lengths apart, and the numbers print on some of them.
+//! The phase repeats at every graduation. The darkness of each line in twelve bands across the scale distinguishes
+//! lines of different lengths, and numbers are printed on some of them.
 
 use super::phase::Shift;
 use super::phase_map::PhaseMap;
 use super::robust::quantile;
 use super::strips::{Block, STRIP_ROWS, Strips};
 
-/// Bands across the scale.
+/// Number of bands across the scale.
 const BANDS: usize = 12;
-/// Points from line to line at which each band is looked at: the numbers' strokes are a third of
-/// a graduation wide.
-const POINTS: usize = 4;
-/// Values that describe a line.
-pub(super) const VALUES: usize = BANDS * POINTS;
-/// Longest lines and numbers stand out: bands reach beyond the rows with many lines by this share
-/// of their height.
-pub(crate) const BEYOND: f64 = 1.0;
-/// Half of the width whose mean level a line is compared with, graduations: a whole one holds one
+/// Number of samples per graduation in each band: the strokes of the numbers are a third of a graduation wide.
+const SAMPLES_PER_LINE: usize = 4;
+/// Number of values that describe a line.
+pub(super) const VALUES_PER_LINE: usize = BANDS * SAMPLES_PER_LINE;
+/// Margin of the bands beyond the rows with many lines, as a share of their height, for the longest lines and the
+/// numbers.
+pub(crate) const BAND_MARGIN_SHARE: f64 = 1.0;
+/// Half-width of the neighbourhood with which a line is compared, graduations: a whole graduation contains exactly one
 /// line wherever it begins.
-const NEIGHBOURHOOD: f64 = 1.5;
+const NEIGHBOURHOOD_HALF_WIDTH: f64 = 1.5;
 
-/// Level at and between lines in each band, relative to the neighbourhood; NaN beyond the picture.
-pub(super) type Line = [f32; VALUES];
+/// Level at and between lines in each band, relative to the neighbourhood; NaN outside the picture.
+pub(super) type Line = [f32; VALUES_PER_LINE];
 
-/// Lines of one frame, in order; `None` where the line is covered.
+/// Lines of one frame, in order; `None` for a covered line.
 #[derive(Debug, Clone)]
 pub(crate) struct Code {
-    /// Number of the first line, in the map's coordinate moved on by the fraction.
+    /// Number of the first line, in the coordinate of the map shifted by the fraction.
     pub(super) first: i64,
     pub(super) lines: Vec<Option<Line>>,
 }
 
-/// Where across the scale the bands lie, px from the map's middle line.
+/// Positions of the bands across the scale, px from the middle line of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bands {
     from: f64,
@@ -41,14 +40,14 @@ pub(crate) struct Bands {
 }
 
 impl Bands {
-    /// Around the blocks that belong to the scale.
+    /// Determines the positions from the blocks of the scale.
     pub(crate) fn around<'a>(blocks: impl Iterator<Item = &'a Block>, map: &PhaseMap) -> Self {
         let across: Vec<f64> = blocks.map(|b| map.across(b.x, b.y)).collect();
         let share = |p: f64| quantile(across.clone(), p);
         let (Some(from), Some(to)) = (share(0.02), share(0.98)) else {
             return Self { from: 0.0, to: 0.0 };
         };
-        let beyond = BEYOND * (to - from) + 4.0;
+        let beyond = BAND_MARGIN_SHARE * (to - from) + 4.0;
         Self {
             from: from - beyond,
             to: to + beyond,
@@ -56,7 +55,7 @@ impl Bands {
     }
 }
 
-/// Lines found in a frame, for the code and for drawing: place of the line's middle and its number
+/// Returns the lines of a frame, for the code and for drawing: position of the middle of each line and its number
 /// before whole graduations are counted.
 pub(crate) fn places(map: &PhaseMap, shift: &Shift, left: f64, right: f64) -> Vec<(i64, f64, f64)> {
     let tan = map.tilt_rad().tan();
@@ -66,7 +65,7 @@ pub(crate) fn places(map: &PhaseMap, shift: &Shift, left: f64, right: f64) -> Ve
     let mut out = Vec::new();
     let mut x = left;
     for number in low.ceil() as i64..=high.floor() as i64 {
-        // Newton from the line before: the map is nearly straight.
+        // Newton iteration from the previous line: the map is nearly linear.
         for _ in 0..4 {
             let y = y_at(x);
             let (a, b) = map.slope(x, y);
@@ -111,7 +110,7 @@ pub(crate) fn read(
     }
 }
 
-/// How the lines of a frame are looked at.
+/// Sampling of the lines of a frame.
 struct Looking<'a> {
     strips: &'a Strips,
     sums: Sums,
@@ -119,7 +118,7 @@ struct Looking<'a> {
     pitch: f64,
     sin: f64,
     cos: f64,
-    /// Height of a band, px, and looks into it: one per strip.
+    /// Height of a band, px, and number of samples in it: one per strip.
     height: f64,
     looks: usize,
 }
@@ -140,11 +139,11 @@ impl<'a> Looking<'a> {
         }
     }
 
-    /// The line whose middle is at a pixel; `None` where the picture's side cuts a part.
+    /// Returns the line with its middle at a pixel; `None` if the edge of the picture cuts it.
     fn line(&self, x: f64, y: f64) -> Option<Line> {
-        let mut line = [0.0_f32; VALUES];
+        let mut line = [0.0_f32; VALUES_PER_LINE];
         for band in 0..BANDS {
-            let mut levels = [0.0; POINTS];
+            let mut levels = [0.0; SAMPLES_PER_LINE];
             let mut count = 0.0;
             for look in 0..self.looks {
                 let part = (look as f64 + 0.5) / self.looks as f64;
@@ -152,14 +151,20 @@ impl<'a> Looking<'a> {
                 count += self.add(x, y, across, &mut levels)?;
             }
             for (point, level) in levels.iter().enumerate() {
-                line[band * POINTS + point] = (level / count) as f32;
+                line[band * SAMPLES_PER_LINE + point] = (level / count) as f32;
             }
         }
         Some(line)
     }
 
-    /// Adds the levels at a place across the line; 1 where it lies in the picture, else 0.
-    fn add(&self, x: f64, y: f64, across: f64, levels: &mut [f64; POINTS]) -> Option<f64> {
+    /// Adds the levels at a position across the line; returns 1 if it lies in the picture, otherwise 0.
+    fn add(
+        &self,
+        x: f64,
+        y: f64,
+        across: f64,
+        levels: &mut [f64; SAMPLES_PER_LINE],
+    ) -> Option<f64> {
         let (px, py) = (x - across * self.sin, y + across * self.cos);
         let region = self.strips.region;
         let place = (py - region.y as f64 + 0.5) / STRIP_ROWS as f64 - 0.5;
@@ -167,17 +172,17 @@ impl<'a> Looking<'a> {
             return Some(0.0);
         }
         let half_line = (0.12 * self.pitch).max(0.75);
-        // Between two strips each has its share.
+        // Linear interpolation between two strips.
         let above = (place as usize).min(self.strips.count - 2);
         let below = place - above as f64;
         for (strip, share) in [(above, 1.0 - below), (above + 1, below)] {
-            // A strip's lines lean away from where its middle row has them.
+            // Tilted lines of a strip are shifted relative to its middle row.
             let lean = (self.strips.y(strip) - py) * self.sin / self.cos;
             let at = px - lean - region.x as f64;
             let mean = |x, half| self.sums.mean(self.strips, strip, x, half);
-            let scale = share / mean(at, NEIGHBOURHOOD * self.pitch)?.max(0.5 / 255.0);
+            let scale = share / mean(at, NEIGHBOURHOOD_HALF_WIDTH * self.pitch)?.max(0.5 / 255.0);
             for (point, level) in levels.iter_mut().enumerate() {
-                let shift = point as f64 / POINTS as f64 * self.pitch;
+                let shift = point as f64 / SAMPLES_PER_LINE as f64 * self.pitch;
                 *level += scale * mean(at + shift, half_line)? - share;
             }
         }
@@ -185,7 +190,7 @@ impl<'a> Looking<'a> {
     }
 }
 
-/// Running sums of the strips' levels: a mean over any stretch is a difference of two.
+/// Cumulative sums of the strip levels: the mean over any section is a difference of two.
 struct Sums(Vec<f64>);
 
 impl Sums {
@@ -202,11 +207,11 @@ impl Sums {
         Self(sums)
     }
 
-    /// Mean level over `x ± half`, pixels in part counted in part; `None` beyond the edge.
+    /// Returns the mean level over `x ± half`, with partial pixels weighted; `None` beyond the edge.
     fn mean(&self, strips: &Strips, strip: usize, x: f64, half: f64) -> Option<f64> {
         let levels = strips.strip(strip);
         let sums = &self.0[strip * (levels.len() + 1)..];
-        // Pixel `i` reaches from i − ½ to i + ½.
+        // Pixel `i` extends from i − ½ to i + ½.
         let (from, to) = (x - half + 0.5, x + half + 0.5);
         if from < 0.0 || to >= levels.len() as f64 {
             return None;
@@ -225,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mean_counts_pixels_in_part_and_ends_at_the_edge() {
+    fn band_mean_weights_partial_pixels_to_edge() {
         let picture = Picture::from_luma8(
             10,
             8,
@@ -235,7 +240,7 @@ mod tests {
         let region = super::super::strips::Region::whole(&picture);
         let strips = Strips::of(&picture, region);
         let sums = Sums::of(&strips);
-        // From 1.25 to 3.75 in pixel sides: ¾ of 0.2, all of 0.4, ¾ of 0.6.
+        // From 1.25 to 3.75 in pixel edges: ¾ of 0.2, all of 0.4, ¾ of 0.6.
         let mean = sums.mean(&strips, 0, 2.0, 1.25).unwrap();
         assert!((mean - (0.15 + 0.4 + 0.45) / 2.5).abs() < 1e-6, "{mean}");
         assert_eq!(sums.mean(&strips, 0, 0.5, 1.25), None);

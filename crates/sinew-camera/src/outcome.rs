@@ -1,63 +1,63 @@
-//! What became of a series of frames.
+//! Result of a series of frames.
 
 use super::error::CameraError;
-use super::line_index::STEP_MOST;
-use super::reading::{Reading, Scale};
+use super::line_index::MAX_STEP;
+use super::reading::{Scale, ScaleMeasurement};
 use super::rejection::{Rejection, RejectionKind, millimetres};
 use super::request::{Conditions, Request};
 use sinew_files::write_file;
 use std::path::Path;
 
-/// One frame and what became of it.
+/// Frame and its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// File name, or number within a video.
     pub name: String,
-    /// Time, s.
+    /// Time of the frame, s.
     pub time_s: f64,
-    /// Reading, or why there is none.
-    pub result: Result<Reading, Rejection>,
+    /// Measurement, or the reason for its rejection.
+    pub result: Result<ScaleMeasurement, Rejection>,
 }
 
-/// Frames without a reading for one reason.
+/// Frames rejected for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
-    /// Reason of the rejection.
+    /// Reason for the rejection.
     pub reason: RejectionKind,
-    /// Number of frames.
+    /// Number of frames rejected for this reason.
     pub frames: usize,
-    /// Name of the first of them with its message.
+    /// Name of the first of these frames with its message.
     pub first: String,
 }
 
-/// A series, read.
+/// Result of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Every frame in order of time.
+    /// All frames in chronological order.
     pub frames: Vec<Frame>,
-    /// The scale in the reference frame.
+    /// Scale in the reference frame.
     pub scale: Scale,
     /// Name of the reference frame.
     pub reference: String,
-    /// Elongation per movement of the scale.
+    /// Elongation per movement of the scale, mm/mm.
     pub elongation_per_movement: f64,
-    /// Constants of the test.
+    /// Constant conditions of the test.
     pub conditions: Conditions,
-    /// What a person should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
 impl Outcome {
-    /// Frames with a reading: number, frame, reading.
-    pub fn used(&self) -> impl Iterator<Item = (usize, &Frame, &Reading)> {
+    /// Iterates over the used frames: number, frame, measurement.
+    pub fn used(&self) -> impl Iterator<Item = (usize, &Frame, &ScaleMeasurement)> {
         self.frames
             .iter()
             .enumerate()
             .filter_map(|(i, frame)| Some((i, frame, frame.result.as_ref().ok()?)))
     }
 
-    /// Rejected frames by kind, most frequent first.
+    /// Returns the rejected frames by kind, most frequent first.
     pub fn rejected(&self) -> Vec<Rejected> {
         let mut out: Vec<Rejected> = Vec::new();
         for frame in &self.frames {
@@ -78,29 +78,29 @@ impl Outcome {
 
     pub(super) fn remark(&mut self, request: &Request, drawn: bool) {
         let mut notes = Vec::new();
-        let used: Vec<&Reading> = self.used().map(|(_, _, reading)| reading).collect();
+        let used: Vec<&ScaleMeasurement> = self.used().map(|(_, _, reading)| reading).collect();
         if used.len() == 1 {
-            notes.push("one frame only: it is the zero, so there is no elongation yet".into());
+            notes.push("one frame only: it is the reference, so no elongation is available".into());
         }
         let jumps = used.iter().filter(|r| r.jumped).count();
         if jumps > 0 {
             notes.push(format!(
-                "{jumps} steps were longer than half a graduation and were counted by the longer lines and numbers"
+                "{jumps} steps longer than half a graduation were resolved by the longer lines and numbers"
             ));
         }
-        let stretch = used.iter().filter(|r| r.is_stretched()).count();
-        if stretch > 0 {
+        let pitch_changes = used.iter().filter(|r| r.is_stretched()).count();
+        if pitch_changes > 0 {
             notes.push(format!(
-                "the lines' distance in the picture changes by more than 1 % in {stretch} frames: the scale comes nearer or turns, or the camera was moved"
+                "pitch in the picture changes by more than 1 % in {pitch_changes} frames: the distance or angle of the scale changes, or the camera was moved"
             ));
         }
         match (self.scale.longer_every, request.read.pitch_m) {
             (None, _) => notes.push(format!(
-                "all lines look alike: a step between frames must stay below {:.2} mm",
-                1e3 * STEP_MOST * self.scale.pitch_m
+                "all lines of the scale are identical, so that the displacement between two frames must be below {:.2} mm",
+                1e3 * MAX_STEP * self.scale.pitch_m
             )),
             (Some(every @ (4 | 5 | 20)), None) => notes.push(format!(
-                "every {every}th line is longer, which a half-millimetre scale seldom has; check --pitch-mm"
+                "every {every}th line is longer, which is unusual for a half-millimetre scale; check --pitch-mm"
             )),
             _ => {}
         }
@@ -113,23 +113,23 @@ impl Outcome {
         self.notes.extend(notes);
     }
 
-    /// Elongation of a reading and its standard deviation, m.
-    pub fn elongation_m(&self, reading: &Reading) -> (f64, f64) {
+    /// Returns the elongation of a measurement and its standard deviation, m.
+    pub fn elongation_m(&self, reading: &ScaleMeasurement) -> (f64, f64) {
         let ratio = self.elongation_per_movement;
         (
             ratio * reading.position_m,
-            ratio.abs() * reading.position_deviation_m,
+            ratio.abs() * reading.position_std_m,
         )
     }
 
-    /// The same, mm.
-    fn elongation_mm(&self, reading: &Reading) -> (f64, f64) {
-        let (elongation_m, deviation_m) = self.elongation_m(reading);
-        (1e3 * elongation_m, 1e3 * deviation_m)
+    /// Returns the elongation of a measurement and its standard deviation, mm.
+    fn elongation_mm(&self, reading: &ScaleMeasurement) -> (f64, f64) {
+        let (elongation_m, std_m) = self.elongation_m(reading);
+        (1e3 * elongation_m, 1e3 * std_m)
     }
 
-    /// The recording as CSV: `time_s`, `elongation_mm` and what each frame was worth; one row per
-    /// frame used. `sinew creep analyze` reads it.
+    /// Returns the recording as CSV: `time_s`, `elongation_mm` and the quality of each frame; one row per used frame.
+    /// `sinew creep analyze` reads it.
     pub fn recording_csv(&self) -> String {
         use std::fmt::Write as _;
         let constants = [
@@ -168,7 +168,7 @@ impl Outcome {
         out
     }
 
-    /// Every frame as CSV: file, time, and reading or reason.
+    /// Returns all frames as CSV: file, time, and measurement or reason.
     pub fn frames_csv(&self) -> String {
         use std::fmt::Write as _;
         let mut out = String::from(
@@ -182,7 +182,12 @@ impl Outcome {
                     let (elongation, std) = self.elongation_mm(r);
                     writeln!(out, "1,{elongation:.6},{std:.6},{:.3},,", r.quality)
                 }
-                Err(why) => writeln!(out, "0,,,,{},{}", why.kind(), quoted(&why.to_string())),
+                Err(reason) => writeln!(
+                    out,
+                    "0,,,,{},{}",
+                    reason.kind(),
+                    quoted(&reason.to_string())
+                ),
             };
         }
         out
@@ -191,7 +196,7 @@ impl Outcome {
     /// Writes [`recording_csv`](Self::recording_csv).
     ///
     /// # Errors
-    /// [`CameraError::Output`] with the path; nothing half-written.
+    /// Returns [`CameraError::Output`] with the path if the file cannot be written; no partial file remains.
     pub fn write_recording(&self, path: &Path) -> Result<(), CameraError> {
         Ok(write_file(path, self.recording_csv().as_bytes())?)
     }
@@ -199,7 +204,7 @@ impl Outcome {
     /// Writes [`frames_csv`](Self::frames_csv).
     ///
     /// # Errors
-    /// As [`write_recording`](Self::write_recording).
+    /// Returns [`CameraError::Output`] like [`write_recording`](Self::write_recording).
     pub fn write_frames(&self, path: &Path) -> Result<(), CameraError> {
         Ok(write_file(path, self.frames_csv().as_bytes())?)
     }

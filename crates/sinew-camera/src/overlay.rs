@@ -1,12 +1,12 @@
-//! A frame with what was found in it drawn on top, to be checked by eye.
+//! Overlay: a frame with the detected features, for visual inspection.
 //!
-//! Green: a line where the scale has one, longer every tenth; its colour must lie on the print.
-//! Blue frame: where the scale was found. Green and red tint: blocks that agree, and blocks with a
-//! pattern of the right distance that contradict (numbers, a hand, a second scale).
+//! Green: detected lines, every tenth longer; they must coincide with the print. Blue frame: region of the scale. Green
+//! and red tint: consistent blocks, and inconsistent blocks with a pattern of the same pitch (numbers, a hand, a second
+//! scale).
 
 use super::marks::places;
 use super::picture::Picture;
-use super::reading::{Reading, Scale};
+use super::reading::{Scale, ScaleMeasurement};
 use super::rejection::millimetres;
 use super::robust::quantile;
 use super::strips::STRIP_ROWS;
@@ -16,21 +16,21 @@ use std::fmt::Write as _;
 
 /// Height of the caption under a picture 800 px wide, px.
 const CAPTION_PX: f64 = 46.0;
-/// Largest side that is drawn in full, px; what is drawn on larger ones is coarser.
-const DRAWN_PX: f64 = 16_000.0;
-// One channel of each is empty, so that the drawing on white tells how much it covers.
+/// Maximum side drawn at full resolution, px; larger pictures have a coarser overlay.
+const MAX_FULL_SIZE_PX: f64 = 16_000.0;
+// One channel of each colour is zero, so that the drawing on white shows its opacity.
 const GREEN: &str = "#00aa3c";
 const RED: &str = "#d72800";
 const BLUE: &str = "#005adc";
 
-/// What stands under the picture.
+/// Caption of the overlay.
 pub(crate) struct Caption<'a> {
     pub(crate) frame: &'a str,
     pub(crate) scale: &'a Scale,
-    pub(crate) reading: &'a Reading,
+    pub(crate) reading: &'a ScaleMeasurement,
 }
 
-/// The PNG's bytes.
+/// Renders the overlay as PNG.
 pub(crate) fn draw(
     picture: &Picture,
     view: &View,
@@ -48,7 +48,7 @@ pub(crate) fn draw(
         picture.height(),
         words(caption),
     );
-    let scale = (DRAWN_PX / width.max(height) as f64).min(1.0);
+    let scale = (MAX_FULL_SIZE_PX / width.max(height) as f64).min(1.0);
     let drawn = pixels(&svg, scale).map_err(|e| e.to_string())?;
     let mut whole = Vec::with_capacity(3 * width * height);
     for y in 0..height {
@@ -80,8 +80,7 @@ pub(crate) fn draw(
     Ok(bytes)
 }
 
-/// Blocks, lines and the scale's frame, in the coordinates of the measurement, which has upright
-/// scales lying.
+/// Draws blocks, lines and the frame of the scale, in measurement coordinates, in which upright scales are transposed.
 fn marked(view: &View) -> String {
     let mut svg = String::new();
     let mut rect = |[left, right, top, bottom]: [f64; 4], style: &str| {
@@ -125,7 +124,7 @@ fn marked(view: &View) -> String {
     let share = |p: f64| quantile(across.clone(), p).unwrap_or(0.0);
     let (low, high) = (share(0.1), share(0.9));
     for (number, x, y) in places(&view.map, &view.shift, left, right) {
-        // Short dashes leave the print beside them in view.
+        // Short dashes leave the adjacent print visible.
         let length = if number.rem_euclid(10) == 0 { 1.0 } else { 0.5 };
         let end = |at: f64| format!("{} {}", x - at * sin, y + at * cos);
         let (from, to) = (end(low), end(low + length * (high - low)));
@@ -134,7 +133,7 @@ fn marked(view: &View) -> String {
     svg
 }
 
-/// Two lines of text for a strip 800 px wide.
+/// Returns two lines of text for a caption 800 px wide.
 fn words(caption: &Caption<'_>) -> String {
     let (s, r) = (caption.scale, caption.reading);
     let lines = [
@@ -142,7 +141,7 @@ fn words(caption: &Caption<'_>) -> String {
             "{}: {:.4} mm ± {:.4} mm, quality {:.2}, {} lines in sight",
             caption.frame,
             1e3 * r.position_m,
-            1e3 * r.position_deviation_m,
+            1e3 * r.position_std_m,
             r.quality,
             r.lines
         ),
@@ -152,7 +151,7 @@ fn words(caption: &Caption<'_>) -> String {
             s.pitch_px,
             1e-3 * s.pitch_px / s.pitch_m,
             s.tilt_rad.to_degrees(),
-            // No minus before a zero.
+            // Avoids a minus sign before zero.
             100.0 * s.pitch_change_ratio.abs(),
             s.longer_every
                 .map_or("none found".into(), |n| format!("every {n}")),

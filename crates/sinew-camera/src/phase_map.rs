@@ -1,28 +1,27 @@
-//! The scale's coordinate at every pixel of the reference frame: a smooth map `s(x, y)`, in
-//! graduations, of a plane (pitch and tilt), a bend and a twist (perspective) and a third power
-//! along the scale (lens).
+//! Scale coordinate at every pixel of the reference frame: a smooth map `s(x, y)`, in graduations, of a plane (pitch
+//! and tilt), a bend and a twist (perspective) and a cubic term along the scale (lens).
 
 use super::find::Found;
-use super::robust::{self, Equation, TERMS};
+use super::robust::{self, Equation, MAX_TERMS};
 use std::collections::HashSet;
 
-/// `s(x, y)`: graduations, whole on a dark line.
+/// Map `s(x, y)` in graduations, integer on a dark line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PhaseMap {
-    /// Where the terms have their origin, and the length they are scaled by, px.
+    /// Origin of the terms and the length by which they are scaled, px.
     pub(crate) x0: f64,
     pub(crate) y0: f64,
     pub(super) half_width: f64,
     half_height: f64,
-    /// Of `1, u, v, u², uv, u³`.
-    c: [f64; TERMS],
+    /// Coefficients of `1, u, v, u², uv, u³`.
+    c: [f64; MAX_TERMS],
 }
 
-/// Terms beyond the plane are kept where the scatter falls by this.
-const WORTH: f64 = 0.97;
+/// Ratio of the scatter with all terms to the scatter with fewer terms from which the fewer terms are sufficient.
+const MAX_SCATTER_RATIO: f64 = 0.97;
 
 impl PhaseMap {
-    /// Fits the map to the blocks of the scale, whose coordinates the first frame's neighbours tell.
+    /// Fits the map to the blocks of the scale, whose coordinates follow from neighbours in the first frame.
     pub(crate) fn fit(found: &Found) -> Option<Self> {
         let scale: Vec<_> = (found.scale.iter())
             .map(|(at, coordinate)| (&found.blocks.all[*at], *coordinate))
@@ -37,7 +36,7 @@ impl PhaseMap {
             y0,
             half_width: reach(&|i| scale[i].0.x - x0),
             half_height: reach(&|i| scale[i].0.y - y0),
-            c: [0.0; TERMS],
+            c: [0.0; MAX_TERMS],
         };
         let weights = robust::capped(scale.iter().map(|(block, _)| block.power()));
         let equations: Vec<Equation> = (scale.iter().zip(weights))
@@ -51,7 +50,7 @@ impl PhaseMap {
         Some(map)
     }
 
-    pub(super) fn row(&self, x: f64, y: f64) -> [f64; TERMS] {
+    pub(super) fn row(&self, x: f64, y: f64) -> [f64; MAX_TERMS] {
         let (u, v) = (
             (x - self.x0) / self.half_width,
             (y - self.y0) / self.half_height,
@@ -59,17 +58,17 @@ impl PhaseMap {
         [1.0, u, v, u * u, u * v, u * u * u]
     }
 
-    /// Coordinate at a pixel, graduations.
+    /// Returns the coordinate at a pixel, graduations.
     pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
         self.row(x, y).iter().zip(&self.c).map(|(r, c)| r * c).sum()
     }
 
-    /// The scaled coordinate that [`Shift::du`] goes with.
+    /// Returns the scaled coordinate that belongs to [`Shift::du`].
     pub(crate) fn at_u(&self, x: f64) -> f64 {
         (x - self.x0) / self.half_width
     }
 
-    /// `(∂s/∂x, ∂s/∂y)`, graduations per pixel.
+    /// Returns the gradient `(∂s/∂x, ∂s/∂y)`, graduations per pixel.
     pub(crate) fn slope(&self, x: f64, y: f64) -> (f64, f64) {
         let (u, v) = (
             (x - self.x0) / self.half_width,
@@ -82,36 +81,37 @@ impl PhaseMap {
         )
     }
 
-    /// How far across the scale a pixel lies from the map's middle line, px.
+    /// Returns the distance of a pixel from the middle line of the map, across the scale, px.
     pub(crate) fn across(&self, x: f64, y: f64) -> f64 {
         let (sin, cos) = self.tilt_rad().sin_cos();
         (y - self.y0) * cos - (x - self.x0) * sin
     }
 
-    /// Pixels between lines at the origin, across them.
+    /// Returns the pitch at the origin, perpendicular to the lines, px.
     pub(crate) fn pitch_px(&self) -> f64 {
         let (a, b) = self.slope(self.x0, self.y0);
         1.0 / a.hypot(b)
     }
 
-    /// Angle of the scale against the rows, rad; positive when it falls to the right.
+    /// Returns the angle of the scale relative to the rows, rad; positive if it falls to the right.
     pub(crate) fn tilt_rad(&self) -> f64 {
         let (a, b) = self.slope(self.x0, self.y0);
         b.atan2(a)
     }
 }
 
-/// The fit with as few terms as do: a bend that is only noise would lead far astray beside the
-/// part of the picture where the scale was.
+/// Returns the fit with the fewest sufficient terms: a bend fitted to noise would extrapolate badly outside the
+/// original region of the scale.
 fn fit_needed(equations: &[Equation], most: usize) -> Option<robust::Fit> {
     let all: Vec<robust::Fit> = (3..=most)
         .map_while(|terms| robust::fit(equations, terms))
         .collect();
     let best = all.last()?.scatter;
-    all.into_iter().find(|fit| WORTH * fit.scatter <= best)
+    all.into_iter()
+        .find(|fit| MAX_SCATTER_RATIO * fit.scatter <= best)
 }
 
-/// How many terms the blocks can carry: a third power needs more windows than a plane.
+/// Returns the number of terms that the blocks determine: a cubic term needs more windows than a plane.
 fn terms(found: &Found) -> usize {
     let windows = found.blocks.windows;
     let count = |of: fn(usize, usize) -> usize| {

@@ -1,36 +1,39 @@
-//! A frame as grey levels.
+//! Frame as an array of grey levels.
 
 use std::borrow::Cow;
 
-/// Widest and highest picture that is read, px. A 100-megapixel camera has 11,648 × 8,736.
+/// Maximum width and height of a picture, px. A 100-megapixel camera has 11,648 × 8,736.
 pub const SIDE_LIMIT_PX: u32 = sinew_files::limits::PICTURE_SIDE.most as u32;
 
-/// Grey levels, row by row from the top left.
+/// Grey levels, row-major from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     width: usize,
     height: usize,
-    /// 0 black, 65535 white.
+    /// Grey levels from 0 (black) to 65535 (white).
     levels: Vec<u16>,
 }
 
-/// A grey level of 16 bits over the same of 8.
-pub(crate) const DEEPER: u16 = 257;
+/// Ratio of a 16-bit grey level to the equivalent 8-bit level.
+pub(crate) const LEVEL_RATIO_16_TO_8: u16 = 257;
 
 impl Picture {
-    /// A picture of 8-bit grey levels.
+    /// Creates a picture from 8-bit grey levels.
     ///
     /// # Errors
-    /// The numbers, when `levels` has not `width * height` values or a side is 0 or too long.
+    /// Returns a message with the sizes if `levels` does not have `width * height` values, or if a side is 0 or too
+    /// long.
     pub fn from_luma8(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, String> {
-        let deeper = levels.into_iter().map(|level| DEEPER * u16::from(level));
+        let deeper = levels
+            .into_iter()
+            .map(|level| LEVEL_RATIO_16_TO_8 * u16::from(level));
         Self::from_luma16(width, height, deeper.collect())
     }
 
-    /// A picture of 16-bit grey levels.
+    /// Creates a picture from 16-bit grey levels.
     ///
     /// # Errors
-    /// As [`Picture::from_luma8`].
+    /// Returns a message like [`Picture::from_luma8`].
     pub fn from_luma16(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, String> {
         check_sides(width, height)?;
         if levels.len() != width * height {
@@ -57,17 +60,17 @@ impl Picture {
         self.height
     }
 
-    /// Levels of a row, 0 black, 65535 white.
+    /// Returns the levels of a row, 0 (black) to 65535 (white).
     pub(crate) fn row(&self, y: usize) -> &[u16] {
         &self.levels[y * self.width..][..self.width]
     }
 
-    /// Grey level, 0 black to 1 white.
+    /// Returns a grey level, 0 (black) to 1 (white).
     pub fn level(&self, x: usize, y: usize) -> f64 {
         f64::from(self.row(y)[x]) / f64::from(u16::MAX)
     }
 
-    /// The picture with its scale along the rows.
+    /// Returns the picture with its scale along the rows.
     pub(crate) fn lying(&self, upright: bool) -> Cow<'_, Self> {
         match upright {
             true => Cow::Owned(self.transposed()),
@@ -75,8 +78,8 @@ impl Picture {
         }
     }
 
-    /// Rows become columns: a scale that stands upright lies down. In tiles, so that both sides of
-    /// the copy stay in the cache.
+    /// Transposes the picture, so that an upright scale lies along the rows. Works in tiles, so that both sides of the
+    /// copy stay in the cache.
     fn transposed(&self) -> Self {
         const TILE: usize = 32;
         let (width, height) = (self.width, self.height);
@@ -98,7 +101,7 @@ impl Picture {
     }
 }
 
-/// Refuses a side that is 0 or too long.
+/// Rejects a side that is 0 or too long.
 pub(crate) fn check_sides(width: usize, height: usize) -> Result<(), String> {
     let limit = SIDE_LIMIT_PX as usize;
     if width == 0 || height == 0 || width > limit || height > limit {
@@ -114,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn transposing_swaps_the_sides() {
+    fn transpose_swaps_width_and_height() {
         let levels: Vec<u16> = (0..70 * 41).collect();
         let picture = Picture::from_luma16(70, 41, levels).unwrap();
         let turned = picture.transposed();
@@ -126,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_do_not_fit_are_refused() {
+    fn picture_size_mismatch_returns_error() {
         let error = Picture::from_luma8(4, 3, vec![0; 11]).unwrap_err();
         assert!(error.contains("11 grey levels for 4 × 3"), "{error}");
         assert!(Picture::from_luma8(0, 3, vec![]).is_err());

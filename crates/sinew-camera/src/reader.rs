@@ -1,17 +1,16 @@
-//! Frame by frame: from a picture to how far the scale has moved.
+//! Frame-by-frame measurement of the displacement of the scale.
 
 use super::picture::Picture;
-use super::reading::{ReadOptions, Reading, Scale};
+use super::reading::{ReadOptions, Scale, ScaleMeasurement};
 use super::reference::Reference;
 use super::rejection::{Rejection, WrongPitch};
 use super::visibility::View;
 
-/// Reads frames one after the other.
+/// Sequential reader of frames.
 ///
-/// The first frame with a scale becomes the reference: its position is 0. Steps between frames
-/// may have any length where longer lines or numbers tell the lines apart. On a scale whose lines
-/// all look alike a step must stay below 0.4 graduations (0.2 mm), and is refused beyond, because
-/// it can't be told from a step of 0.6 the other way.
+/// The first frame with a scale becomes the reference: its position is 0. Steps between frames may have any length if
+/// longer lines or numbers identify the lines. On a scale with identical lines a step must be below 0.4 graduations
+/// (0.2 mm); a longer step is rejected, because it is indistinguishable from a step of 0.6 in the opposite direction.
 #[derive(Debug, Clone)]
 pub struct ScaleReader {
     options: ReadOptions,
@@ -19,7 +18,7 @@ pub struct ScaleReader {
 }
 
 impl ScaleReader {
-    /// A reader that has seen nothing.
+    /// Creates a reader without a reference.
     pub fn new(options: ReadOptions) -> Self {
         Self {
             options,
@@ -27,7 +26,7 @@ impl ScaleReader {
         }
     }
 
-    /// The scale, once a frame has shown it.
+    /// Returns the scale, once a frame contains it.
     pub fn scale(&self) -> Option<&Scale> {
         self.reference.as_ref().map(|r| &r.scale)
     }
@@ -35,15 +34,15 @@ impl ScaleReader {
     /// Reads the next frame.
     ///
     /// # Errors
-    /// [`Rejection`]; the frame leaves no trace but that one is missing.
-    pub fn read(&mut self, picture: &Picture) -> Result<Reading, Rejection> {
+    /// Returns a [`Rejection`] if the frame is not usable; the frame then only counts as missing.
+    pub fn read(&mut self, picture: &Picture) -> Result<ScaleMeasurement, Rejection> {
         self.look(picture).map(|(reading, _)| reading)
     }
 
-    /// Whether the longer lines contradict the pitch that was taken for granted.
+    /// Checks the default pitch against the longer lines.
     ///
     /// # Errors
-    /// [`WrongPitch`] where every fifth line is longer and no pitch was said.
+    /// Returns [`WrongPitch`] if every fifth line is longer and no pitch is specified.
     pub fn check_pitch(&self) -> Result<(), WrongPitch> {
         match self.scale().and_then(|s| s.longer_every) {
             Some(every @ 5) if self.options.pitch_m.is_none() => Err(WrongPitch { every }),
@@ -51,7 +50,10 @@ impl ScaleReader {
         }
     }
 
-    pub(crate) fn look(&mut self, picture: &Picture) -> Result<(Reading, View), Rejection> {
+    pub(crate) fn look(
+        &mut self,
+        picture: &Picture,
+    ) -> Result<(ScaleMeasurement, View), Rejection> {
         if let Some(reference) = &mut self.reference {
             let result = reference.read(picture, &self.options);
             if result.is_err() {

@@ -1,24 +1,23 @@
-//! How a scale is read, the scale itself, and one frame's reading.
+//! Options, detected scale, and measurement of one frame.
 
 use super::strips::Region;
 
-/// Distance of the lines unless another is said, m.
-pub const PITCH_M: f64 = 0.5e-3;
-/// Change of pitch that is worth a note: 1 % is a camera 5 mm nearer at half a metre.
-const STRETCH_NOTED: f64 = 0.01;
+/// Default distance of the lines, m.
+pub const DEFAULT_PITCH_M: f64 = 0.5e-3;
+/// Minimum relative change of pitch that is reported: 1 % is a camera 5 mm nearer at half a metre.
+const MIN_REPORTED_PITCH_CHANGE: f64 = 0.01;
 
-/// How a scale is read.
+/// Options for reading a scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
-    /// Distance from line to line, m; `None`: half a millimetre, refused where the longer lines
-    /// contradict it.
+    /// Distance from line to line, m; `None`: 0.5 mm, rejected if the longer lines are inconsistent with it.
     pub pitch_m: Option<f64>,
-    /// Where to look; `None`: everywhere.
+    /// Region of the scale; `None`: whole picture.
     pub region: Option<Region>,
-    /// The scale stands upright (true), lies (false) or is to be found out.
+    /// Whether the scale is upright; `None`: detected automatically.
     pub upright: Option<bool>,
-    /// Largest standard deviation of a frame's position, m.
-    pub deviation_most_m: f64,
+    /// Maximum standard deviation of the position of a frame, m.
+    pub std_most_m: f64,
 }
 
 impl Default for ReadOptions {
@@ -27,62 +26,62 @@ impl Default for ReadOptions {
             pitch_m: None,
             region: None,
             upright: None,
-            deviation_most_m: 0.02e-3,
+            std_most_m: 0.02e-3,
         }
     }
 }
 
-/// The scale as the reference frame shows it.
+/// Scale in the reference frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scale {
-    /// The scale runs from top to bottom.
+    /// Whether the scale runs from top to bottom.
     pub upright: bool,
-    /// Box around it in the picture.
+    /// Bounding box of the scale in the picture.
     pub region: Region,
-    /// Pixels from line to line, across the lines, in the middle.
+    /// Pitch in the middle of the scale, perpendicular to the lines, px.
     pub pitch_px: f64,
     /// Distance from line to line, m.
     pub pitch_m: f64,
-    /// Angle of the scale against the picture's rows (columns, where upright), rad.
+    /// Angle of the scale relative to the rows of the picture (columns if upright), rad.
     pub tilt_rad: f64,
-    /// Change of the pitch from one end of the region to the other over itself: perspective.
+    /// Relative change of the pitch from one end of the region to the other (perspective).
     pub pitch_change_ratio: f64,
-    /// Contrast of the lines: amplitude of their first harmonic over the light.
+    /// Contrast of the lines: amplitude of the first harmonic relative to the mean level.
     pub contrast: f64,
-    /// Visible lines.
+    /// Number of visible lines.
     pub lines: usize,
-    /// Every how many lines one is longer; `None` where all look alike.
+    /// Distance of the longer lines in graduations; `None` if all lines are identical.
     pub longer_every: Option<usize>,
 }
 
-/// One frame, read.
+/// Measurement of one frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    /// How far the scale has moved since the reference frame, m; positive to the right, or
-    /// downwards where it stands upright.
+pub struct ScaleMeasurement {
+    /// Displacement of the scale since the reference frame, m; positive to the right, or downwards if the scale is
+    /// upright.
     pub position_m: f64,
     /// Standard deviation of the position from the scatter within the frame, m.
-    pub position_deviation_m: f64,
-    /// 0 to 1: visible share × agreement of the blocks × contrast against the usual.
+    pub position_std_m: f64,
+    /// Quality, 0 to 1: visible share × agreement of the blocks × contrast relative to normal.
     pub quality: f64,
     /// Contrast of the lines.
     pub contrast: f64,
-    /// Share of the reference frame's scale that is visible and agrees.
+    /// Share of the reference scale that is visible and consistent, 0 to 1.
     pub visible_share: f64,
-    /// Scatter of the blocks against each other, m.
+    /// Scatter of the blocks, m.
     pub residual_m: f64,
-    /// Visible lines.
+    /// Number of visible lines.
     pub lines: usize,
-    /// Pitch against the reference frame, minus one.
+    /// Pitch relative to the reference frame, minus one.
     pub stretch: f64,
-    /// The step was longer than half a graduation and was counted by the longer lines.
+    /// Whether the step was longer than half a graduation and was resolved by the longer lines.
     pub jumped: bool,
 }
 
-impl Reading {
-    /// Whether the pitch has changed so much that a person should know.
+impl ScaleMeasurement {
+    /// Whether the change of pitch is reported.
     pub(crate) fn is_stretched(&self) -> bool {
-        self.stretch.abs() > STRETCH_NOTED
+        self.stretch.abs() > MIN_REPORTED_PITCH_CHANGE
     }
 }

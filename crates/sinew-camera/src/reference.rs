@@ -1,70 +1,67 @@
-//! The frame a series is measured against, and every later frame held against it.
+//! Reference frame of a series, and comparison of every later frame with it.
 
-use super::find::{self, Found, PITCH_LEAST_PX, TILT_MOST_DEG};
+use super::find::{self, Found, MAX_TILT_DEG, MIN_PITCH_PX};
 use super::line_index::LineIndex;
 use super::marks::{self, Bands};
 use super::phase;
 use super::phase_map::PhaseMap;
 use super::picture::Picture;
-use super::reading::{PITCH_M, ReadOptions, Reading, Scale};
-use super::rejection::{DARK, Rejection};
+use super::reading::{DEFAULT_PITCH_M, ReadOptions, Scale, ScaleMeasurement};
+use super::rejection::{MIN_LEVEL, Rejection};
 use super::robust::median;
 use super::strips::{Demodulator, Region, STRIP_ROWS, Strips};
 use super::visibility::{View, line_contrast, line_rows, occlusion, search_window, visible_lines};
 
-/// Share of white pixels above which lines drown.
-const GLARE: f64 = 0.6;
-/// Contrast below this share of the usual is blur. A carriage that moves by more than a
-/// graduation within an exposure turns the lines' phase by half a turn while at most 0.217 of
-/// their contrast is left (first side lobe of sin x / x): what passes can't be that.
-const BLUR: f64 = 0.25;
-/// Share of the scale that must be visible.
-const VISIBLE: f64 = 0.4;
-/// Phases of the blocks that are used must agree to this: the mean phasor of random ones is
-/// shorter.
-const COHERENCE: f64 = 0.75;
-/// Frames over which the usual contrast is taken.
-const USUAL_FRAMES: usize = 20;
-/// What pixels as large as a line's width leave, graduations times the pitch's third power: the
-/// print's harmonics next to the sampling frequency fold back onto the first. Found with sharp
-/// pictures whose pitch is a whole number of pixels and which don't lean, the worst case: 0.004
-/// graduations at 5 px, 0.0005 at 10 px.
-const FOLDING: f64 = 0.5;
+/// Maximum share of white pixels.
+const MAX_WHITE_SHARE: f64 = 0.6;
+/// Minimum contrast relative to normal. If the carriage moves by more than one graduation within an exposure, the phase
+/// reverses, but at most 0.217 of the contrast remains (first side lobe of sin x / x), which is below this limit.
+const MIN_CONTRAST_SHARE: f64 = 0.25;
+/// Minimum visible share of the scale.
+const MIN_VISIBLE_SHARE: f64 = 0.4;
+/// Minimum length of the mean phasor of the used blocks; that of random phases is shorter.
+const MIN_COHERENCE: f64 = 0.75;
+/// Number of frames that define the normal contrast.
+const CONTRAST_FRAMES: usize = 20;
+/// Aliasing error, graduations times pitch³ in px: harmonics of the print near the sampling frequency fold back onto
+/// the first. Determined with sharp, untilted pictures whose pitch is an integer number of pixels, the worst case:
+/// 0.004 graduations at 5 px, 0.0005 at 10 px.
+const ALIASING_ERROR: f64 = 0.5;
 
-/// The reference frame's scale, and what has been learned since.
+/// Scale of the reference frame and the data accumulated since.
 #[derive(Debug, Clone)]
 pub(super) struct Reference {
     size: (usize, usize),
     upright: bool,
     map: PhaseMap,
     demodulator: Demodulator,
-    /// Part of the picture that is looked at: the scale with the numbers beside it.
+    /// Evaluated part of the picture: the scale with its numbers.
     window: Region,
-    /// Rows in which lines are expected: numbers have phases of their own.
+    /// Rows in which lines are expected; numbers have other phases.
     rows: (f64, f64),
     whole: Region,
     bands: Bands,
     line_index: LineIndex,
     /// Blocks of the scale.
     members: usize,
-    /// Standard deviation of the reference frame's own phase, graduations.
+    /// Standard deviation of the phase of the reference frame, graduations.
     reference_std: f64,
-    /// Contrast of the first frames used.
+    /// Contrast of the first used frames.
     usual: Vec<f64>,
-    /// Last position as a coordinate, graduations (rises where the scale moves back).
+    /// Last position as a coordinate, graduations (increases if the scale moves back).
     last: f64,
-    /// Frames without a reading since the last one with.
+    /// Number of rejected frames since the last used one.
     pub(super) missed: usize,
     pub(super) scale: Scale,
 }
 
-/// Darkness and glare, before anything else is blamed.
+/// Checks illumination first.
 fn check_light(strips: &Strips) -> Result<(), Rejection> {
     let level = strips.mean();
-    if level < DARK {
+    if level < MIN_LEVEL {
         return Err(Rejection::Dark { level });
     }
-    if strips.white > GLARE {
+    if strips.white > MAX_WHITE_SHARE {
         return Err(Rejection::Glare {
             share: strips.white,
         });
@@ -77,7 +74,7 @@ impl Reference {
     pub(super) fn first(
         picture: &Picture,
         options: &ReadOptions,
-    ) -> Result<(Self, Reading, View), Rejection> {
+    ) -> Result<(Self, ScaleMeasurement, View), Rejection> {
         let found = match find::find(picture, options.region, options.upright) {
             Ok(found) => found,
             Err(reason) => {
@@ -88,35 +85,35 @@ impl Reference {
                 return Err(Rejection::NoScale(reason));
             }
         };
-        let uneven = || Rejection::NoScale("lines don't follow each other evenly".into());
+        let uneven = || Rejection::NoScale("lines are not evenly spaced".into());
         let map = PhaseMap::fit(&found).ok_or_else(uneven)?;
         let lean_deg = map.tilt_rad().to_degrees();
-        if lean_deg.abs() > TILT_MOST_DEG {
+        if lean_deg.abs() > MAX_TILT_DEG {
             return Err(Rejection::NoScale(format!(
-                "lines lean by {lean_deg:.0}°, at most {TILT_MOST_DEG}° is read; turn the camera"
+                "lines are tilted by {lean_deg:.0}° (maximum {MAX_TILT_DEG}°); rotate the camera"
             )));
         }
-        if map.pitch_px() < PITCH_LEAST_PX * 0.95 {
+        if map.pitch_px() < MIN_PITCH_PX * 0.95 {
             return Err(Rejection::NoScale(format!(
-                "lines {:.1} px apart, at least {PITCH_LEAST_PX} px are needed; move the camera nearer",
+                "pitch of the lines is {:.1} px (minimum {MIN_PITCH_PX} px); move the camera nearer",
                 map.pitch_px()
             )));
         }
         let mut reference = Self::new(picture, options, &found, map);
-        // The map's own frame is measured once more, on the grid of all later frames.
+        // The reference frame is measured again on the grid of all later frames.
         let (reading, view) = match reference.read(picture, options) {
             Err(Rejection::Covered { .. }) => return Err(uneven()),
             read => read?,
         };
-        if view.shift.coherence < COHERENCE {
+        if view.shift.coherence < MIN_COHERENCE {
             return Err(uneven());
         }
         reference.members = view.agreeing();
-        reference.reference_std = reading.position_deviation_m / reference.scale.pitch_m;
+        reference.reference_std = reading.position_std_m / reference.scale.pitch_m;
         reference.scale.contrast = reading.contrast;
         reference.scale.lines = reading.lines;
         reference.scale.longer_every = reference.line_index.longer_every();
-        let reading = Reading {
+        let reading = ScaleMeasurement {
             position_m: 0.0,
             quality: view.shift.coherence,
             visible_share: 1.0,
@@ -139,7 +136,7 @@ impl Reference {
             bands: Bands::around(found.members(), &map),
             line_index: LineIndex::default(),
             members: found.scale.len(),
-            reference_std: FOLDING / map.pitch_px().powi(3),
+            reference_std: ALIASING_ERROR / map.pitch_px().powi(3),
             usual: Vec::new(),
             last: 0.0,
             missed: 0,
@@ -152,14 +149,14 @@ impl Reference {
         &mut self,
         picture: &Picture,
         options: &ReadOptions,
-    ) -> Result<(Reading, View), Rejection> {
+    ) -> Result<(ScaleMeasurement, View), Rejection> {
         let (width, height) = (picture.width(), picture.height());
         if (width, height) != self.size {
             return Err(Rejection::Size(width, height, self.size.0, self.size.1));
         }
         let view = picture.lying(self.upright);
         let result = self.read_in(&view, self.window, options);
-        // The scale may have left the part it was first seen in.
+        // The scale may have left its original region.
         match result {
             Err(Rejection::NoScale(_) | Rejection::Covered { .. }) if self.window != self.whole => {
                 let again = self.read_in(&view, self.whole, options);
@@ -174,7 +171,7 @@ impl Reference {
         view: &Picture,
         window: Region,
         options: &ReadOptions,
-    ) -> Result<(Reading, View), Rejection> {
+    ) -> Result<(ScaleMeasurement, View), Rejection> {
         let strips = Strips::of(view, window);
         check_light(&strips)?;
         let rows = match window == self.window {
@@ -184,7 +181,7 @@ impl Reference {
         let blocks = self.demodulator.blocks(&strips);
         let strong = line_contrast(&blocks, self.members, rows);
         let lined = phase::lined(&blocks, strong, rows);
-        let none = || Rejection::NoScale("no lines at the distance of the reference frame".into());
+        let none = || Rejection::NoScale("no lines with the pitch of the reference frame".into());
         let shift = phase::measure(&blocks, &lined, &self.map).ok_or_else(none)?;
         let view = View {
             upright: self.upright,
@@ -199,16 +196,16 @@ impl Reference {
         let usual = median(self.usual.clone()).unwrap_or(strong);
         let share = strong / usual;
         let (shift, blocks) = (&view.shift, &view.blocks);
-        if share < BLUR {
-            // Blurred lines still follow each other; anything else is no line.
-            let even = shift.coherence > COHERENCE && visible_share > VISIBLE;
+        if share < MIN_CONTRAST_SHARE {
+            // Blurred lines still have consistent phases; other patterns are not lines.
+            let even = shift.coherence > MIN_COHERENCE && visible_share > MIN_VISIBLE_SHARE;
             return Err(if even {
                 Rejection::Blurred { share }
             } else {
                 none()
             });
         }
-        if visible_share < VISIBLE {
+        if visible_share < MIN_VISIBLE_SHARE {
             let left = phase::lined(blocks, usual, rows).contains(&true) && view.agreeing() > 0;
             let share = visible_share;
             return Err(if left {
@@ -218,11 +215,11 @@ impl Reference {
             });
         }
         let pitch_m = self.scale.pitch_m;
-        let deviation_m = shift.phase_std.hypot(self.reference_std) * pitch_m;
-        if deviation_m.is_nan() || deviation_m > options.deviation_most_m {
-            return Err(Rejection::Unsure {
-                deviation_m,
-                most_m: options.deviation_most_m,
+        let std_m = shift.phase_std.hypot(self.reference_std) * pitch_m;
+        if std_m.is_nan() || std_m > options.std_most_m {
+            return Err(Rejection::Uncertain {
+                std_m,
+                most_m: options.std_most_m,
             });
         }
         let occluded = occlusion(blocks, &shift.agree, self.demodulator.length());
@@ -237,12 +234,12 @@ impl Reference {
         self.line_index.learn(&code, whole);
         self.last = shift.phase + whole as f64;
         self.missed = 0;
-        if self.usual.len() < USUAL_FRAMES {
+        if self.usual.len() < CONTRAST_FRAMES {
             self.usual.push(strong);
         }
-        let reading = Reading {
+        let reading = ScaleMeasurement {
             position_m: -self.last * pitch_m,
-            position_deviation_m: deviation_m,
+            position_std_m: std_m,
             quality: visible_share * shift.coherence * share.min(1.0),
             contrast: strong,
             visible_share,
@@ -255,7 +252,7 @@ impl Reference {
     }
 }
 
-/// The scale as the map describes it; contrast and lines are still to come.
+/// Returns the scale as described by the map; contrast and lines are added later.
 fn scale_of(found: &Found, map: &PhaseMap, options: &ReadOptions) -> Scale {
     let (from, to) = (
         found.region.x as f64,
@@ -270,7 +267,7 @@ fn scale_of(found: &Found, map: &PhaseMap, options: &ReadOptions) -> Scale {
             found.region
         },
         pitch_px: map.pitch_px(),
-        pitch_m: options.pitch_m.unwrap_or(PITCH_M),
+        pitch_m: options.pitch_m.unwrap_or(DEFAULT_PITCH_M),
         tilt_rad: map.tilt_rad(),
         pitch_change_ratio: pitch_at(to) / pitch_at(from) - 1.0,
         contrast: 0.0,

@@ -1,77 +1,77 @@
-//! Why a frame, or a whole scale, is not used.
+//! Reasons for the rejection of a frame or a scale.
 
 use serde::Serialize;
 
-/// Darkest mean level of the region that still counts as lit, share of white.
-pub(super) const DARK: f64 = 0.04;
+/// Minimum mean level of the region, as a share of white.
+pub(super) const MIN_LEVEL: f64 = 0.04;
 
-/// Why a frame is not used.
+/// Reason for the rejection of a frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Rejection {
-    /// The file can't be decoded.
+    /// The file cannot be decoded.
     #[error("unreadable: {0}")]
     Unreadable(String),
-    /// Another size than the reference frame.
+    /// The size differs from that of the reference frame.
     #[error("{0} × {1} px, but the reference frame has {2} × {3} px")]
     Size(usize, usize, usize, usize),
-    /// Too little light.
-    #[error("dark: mean level {level:.3} of white, at least {DARK} is needed")]
+    /// The picture is too dark.
+    #[error("dark: mean level {level:.3} of white (minimum {MIN_LEVEL})")]
     Dark {
         /// Mean level, 0 to 1.
         level: f64,
     },
-    /// Too much light.
+    /// The picture is overexposed.
     #[error("overexposed: {share:.0} % of the pixels are white", share = 100.0 * share)]
     Glare {
         /// Share of white pixels, 0 to 1.
         share: f64,
     },
-    /// Lines are there, too faint to be trusted.
-    #[error("blurred: {share:.0} % of the usual contrast, at least 25 % is needed", share = 100.0 * share)]
+    /// The lines are blurred.
+    #[error("blurred: {share:.0} % of the normal contrast (minimum 25 %)", share = 100.0 * share)]
     Blurred {
-        /// Contrast over the usual one.
+        /// Contrast relative to normal.
         share: f64,
     },
-    /// Something stands before the scale.
-    #[error("covered: {share:.0} % of the scale in sight, at least 40 % is needed", share = 100.0 * share)]
+    /// The scale is covered.
+    #[error("covered: {share:.0} % of the scale visible (minimum 40 %)", share = 100.0 * share)]
     Covered {
-        /// Share in sight, 0 to 1.
+        /// Visible share of the scale, 0 to 1.
         share: f64,
     },
-    /// No scale.
+    /// No scale was found.
     #[error("no scale: {0}")]
     NoScale(String),
-    /// Whole graduations can't be counted.
+    /// The number of whole graduations is ambiguous.
     #[error(
-        "ambiguous: the scale moved by {nearest:.2} or {other:.2} mm since the last frame used; take frames more often or show longer lines",
+        "ambiguous: the scale moved by {nearest:.2} or {other:.2} mm since the last frame used; increase the frame rate or include longer lines",
         nearest = 1e3 * nearest_m,
         other = 1e3 * other_m
     )]
     Ambiguous {
         /// Step to the nearest candidate, m.
         nearest_m: f64,
-        /// Step to the next one, m.
+        /// Step to the next candidate, m.
         other_m: f64,
     },
-    /// Blocks contradict each other.
+    /// The blocks are inconsistent.
     #[error(
-        "unsure: standard deviation {:.4} mm, at most {} mm is allowed",
-        1e3 * deviation_m,
+        "uncertain: standard deviation {:.4} mm (maximum {} mm)",
+        1e3 * std_m,
         millimetres(*most_m)
     )]
-    Unsure {
-        /// Found, m.
-        deviation_m: f64,
-        /// Allowed, m.
+    Uncertain {
+        /// Standard deviation of the position, m.
+        std_m: f64,
+        /// Maximum standard deviation, m.
         most_m: f64,
     },
-    /// Time of another frame.
+    /// Another frame has the same time.
     #[error("same time as {0}")]
     Time(String),
 }
 
 impl Rejection {
-    /// What kind it is, to count by.
+    /// Returns the kind of the rejection.
     pub fn kind(&self) -> RejectionKind {
         match self {
             Self::Unreadable(_) => RejectionKind::Unreadable,
@@ -82,36 +82,36 @@ impl Rejection {
             Self::Covered { .. } => RejectionKind::Covered,
             Self::NoScale(_) => RejectionKind::NoScale,
             Self::Ambiguous { .. } => RejectionKind::Ambiguous,
-            Self::Unsure { .. } => RejectionKind::Unsure,
+            Self::Uncertain { .. } => RejectionKind::Uncertain,
             Self::Time(_) => RejectionKind::SameTime,
         }
     }
 }
 
-/// Kind of a [`Rejection`].
+/// Kind of a [`Rejection`], for counting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RejectionKind {
-    /// The file can't be decoded.
+    /// The file cannot be decoded.
     Unreadable,
-    /// Another size than the reference frame.
+    /// The size differs from that of the reference frame.
     OtherSize,
-    /// Too little light.
+    /// The picture is too dark.
     Dark,
-    /// Too much light.
+    /// The picture is overexposed.
     Overexposed,
-    /// Lines too faint to be trusted.
+    /// The lines are blurred.
     Blurred,
-    /// Something stands before the scale.
+    /// The scale is covered.
     Covered,
-    /// No scale.
+    /// No scale was found.
     NoScale,
-    /// Whole graduations can't be counted.
+    /// The number of whole graduations is ambiguous.
     Ambiguous,
-    /// Blocks contradict each other.
-    Unsure,
-    /// Time of another frame.
+    /// The blocks are inconsistent.
+    Uncertain,
+    /// Another frame has the same time.
     SameTime,
 }
 
@@ -121,15 +121,15 @@ impl std::fmt::Display for RejectionKind {
     }
 }
 
-/// A length in mm as a person wrote it: without the last digits that a factor of 1000 leaves.
+/// Returns a length in mm without the rounding error of a factor of 1000.
 pub(crate) fn millimetres(metres: f64) -> f64 {
     (1e12 * metres).round() / 1e9
 }
 
-/// The scale is not what the options say.
+/// The scale is inconsistent with the options.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "every {every}th line is longer, as on a scale of whole millimetres, but a line every 0.5 mm was expected; say --pitch-mm 1, or --pitch-mm 0.5 if it is so"
+    "every {every}th line is longer, as on a scale of whole millimetres, but the expected pitch is 0.5 mm; set --pitch-mm 1, or --pitch-mm 0.5 to confirm"
 )]
 pub struct WrongPitch {
     /// Distance of the longer lines, graduations.

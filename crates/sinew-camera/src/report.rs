@@ -1,4 +1,4 @@
-//! The series as one HTML file.
+//! Report of a series as one HTML file.
 
 use super::outcome::Outcome;
 use super::rejection::millimetres;
@@ -7,31 +7,31 @@ use sinew_figure::plot::{Band, Colour, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Page, Table, rounded};
 use sinew_files::number::Z95;
 
-/// Frames that are shown as dots; more lie too close.
-const DOTS: usize = 200;
-/// Points of a figure; more can't be told apart on paper.
-const POINTS: usize = 2000;
+/// Maximum number of frames shown as dots.
+const MAX_DOTS: usize = 200;
+/// Maximum number of points of a figure; more are not distinguishable in print.
+const MAX_POINTS: usize = 2000;
 
-/// The report's HTML; loads nothing and runs no script.
+/// Renders the report as HTML that loads no external data.
 pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     let summary = Summary::of(outcome);
     let scale = &summary.scale;
     let mut page = Page::new(title);
     page.subtitle = format!(
-        "Elongation read by camera from a graduated scale: {} of {} frames used",
+        "Elongation measured by camera on a graduated scale: {} of {} frames used",
         summary.frames_used, summary.frames
     );
     page.footer = format!("sinew {version}");
     let mut first = vec![Block::Headlines(
         [
             format!(
-                "Elongation: {} mm from the first frame used to the last, {} s later",
+                "Elongation: {} mm from the first to the last used frame, {} s later",
                 rounded(1e3 * summary.elongation_last_m, 4),
                 rounded(summary.time_to_s - summary.time_from_s, 4)
             ),
             format!(
-                "One frame reads it to ± {:.4} mm (95 %)",
-                1e3 * Z95 * summary.elongation_deviation_rms_m
+                "Accuracy of one frame: ± {:.4} mm (95 %)",
+                1e3 * Z95 * summary.elongation_std_rms_m
             ),
         ]
         .map(Headline::from)
@@ -40,14 +40,14 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     first.extend(summary.notes.iter().cloned().map(Block::Notice));
     first.push(Block::Figure(
         Box::new(figure(outcome)),
-        "Each frame against the first one used. The band is 95 %, from the scatter within a \
+        "Each frame relative to the first used frame. Band: 95 % interval from the scatter within a \
          frame."
             .into(),
     ));
     page = page.section("Elongation", first);
     let mut facts = vec![
         (
-            "line every",
+            "pitch",
             format!(
                 "{} mm = {:.3} px",
                 millimetres(scale.pitch_m),
@@ -67,7 +67,7 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
             "change of pitch along the scale",
             format!("{} %", rounded(100.0 * scale.pitch_change_ratio, 2)),
         ),
-        ("lines in sight", scale.lines.to_string()),
+        ("visible lines", scale.lines.to_string()),
         (
             "longer lines",
             scale
@@ -83,7 +83,7 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
             "longest step",
             format!("{} mm", rounded(1e3 * summary.step_max_m, 3)),
         ),
-        ("worst quality used", rounded(summary.quality_min, 2)),
+        ("lowest quality used", rounded(summary.quality_min, 2)),
     ];
     for (name, unit, value) in [
         ("force", "N", outcome.conditions.force_n),
@@ -115,35 +115,35 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     page.section(
         "Method",
         vec![Block::Paragraph(
-            "The phase of the graduation is taken in blocks of eight rows by eight graduations \
+            "The phase of the graduation is measured in blocks of eight rows by eight graduations \
              under a Hann window, compared with the reference frame's map of phases, and averaged \
-             with weights that outliers lose. Whole graduations are counted by laying the pattern \
-             of longer lines and numbers beside all lines seen before. A millimetre is a \
-             millimetre of the printed scale; pixels do not enter. Not corrected: an angle between \
-             scale and movement (1° makes 0.015 %), and errors of the print."
+             with robust weights. Whole graduations are counted by comparing the pattern \
+             of longer lines and numbers with all earlier lines. A millimetre is a \
+             millimetre of the printed scale; pixels are not used. Not corrected: an angle between \
+             scale and movement (0.015 % at 1°), and errors of the print."
                 .into(),
         )],
     )
     .html()
 }
 
-/// Time, s, elongation and its deviation, mm, quality.
+/// Returns time, s, elongation and its standard deviation, mm, and quality.
 type Row = (f64, f64, f64, f64);
 
 fn figure(outcome: &Outcome) -> Figure {
     let all: Vec<Row> = outcome
         .used()
         .map(|(_, frame, reading)| {
-            let (elongation_m, deviation_m) = outcome.elongation_m(reading);
-            let (mm, deviation_mm) = (1e3 * elongation_m, 1e3 * deviation_m);
-            (frame.time_s, mm, deviation_mm, reading.quality)
+            let (elongation_m, std_m) = outcome.elongation_m(reading);
+            let (mm, std_mm) = (1e3 * elongation_m, 1e3 * std_m);
+            (frame.time_s, mm, std_mm, reading.quality)
         })
         .collect();
-    let every = all.len().div_ceil(POINTS).max(1);
+    let every = all.len().div_ceil(MAX_POINTS).max(1);
     let all: Vec<_> = all.into_iter().step_by(every).collect();
     let time: Vec<f64> = all.iter().map(|v| v.0).collect();
     let column = |of: &dyn Fn(&Row) -> f64| all.iter().map(of).collect::<Vec<f64>>();
-    let dots = match time.len() > DOTS {
+    let dots = match time.len() > MAX_DOTS {
         true => Vec::new(),
         false => time.clone(),
     };

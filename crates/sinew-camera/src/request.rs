@@ -1,4 +1,4 @@
-//! What is asked of a series of frames.
+//! Request for reading a series of frames.
 
 use super::error::CameraError;
 use super::frames::Times;
@@ -8,30 +8,29 @@ use super::rejection::millimetres;
 use super::video::VideoTools;
 use std::path::PathBuf;
 
-/// What to read and how.
+/// Request for reading a series of frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Folder of PNG or JPEG frames, or a video.
     pub input: PathBuf,
-    /// What tells when frames were taken; a video has its own times unless a rate is given.
+    /// Source of the frame times; a video has its own times unless a rate is specified.
     pub times: Times,
-    /// How the scale is read.
+    /// Options for reading the scale.
     pub read: ReadOptions,
-    /// Elongation per movement of the scale; negative where the rope stretches while the scale
-    /// moves left or up.
+    /// Elongation per movement of the scale, mm/mm; negative if the rope elongates while the scale moves left or up.
     pub elongation_per_movement: f64,
-    /// What the test was; becomes columns of the recording.
+    /// Conditions of the test, written as columns of the recording.
     pub conditions: Conditions,
-    /// PNG of the reference frame with what was found drawn on it.
+    /// PNG of the reference frame with the detected features.
     pub overlay: Option<PathBuf>,
-    /// Another frame for the overlay.
+    /// Name of another frame for the overlay.
     pub overlay_frame: Option<String>,
-    /// Programs for videos.
+    /// Programs that decode videos.
     pub tools: VideoTools,
 }
 
 impl Request {
-    /// Reads `input` with times from file names.
+    /// Creates a request for `input` with times from file names.
     pub fn new(input: impl Into<PathBuf>) -> Self {
         Self {
             input: input.into(),
@@ -46,45 +45,45 @@ impl Request {
     }
 }
 
-/// Constants of a test.
+/// Constant conditions of a test.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Conditions {
     /// Tension of the rope, N.
     pub force_n: Option<f64>,
-    /// Length of the rope that stretches, m.
+    /// Length of the loaded rope, m.
     pub gauge_length_m: Option<f64>,
-    /// Temperature, °C.
+    /// Temperature of the test, °C.
     pub temperature_c: Option<f64>,
 }
 
-/// Refuses options that can't be, before anything is read.
+/// Rejects invalid options before anything is read.
 pub(super) fn check(request: &Request) -> Result<(), CameraError> {
-    let refuse = |text: String| Err(CameraError::Option(text));
+    let invalid = |text: String| Err(CameraError::Option(text));
     if let Some(pitch) = request.read.pitch_m.map(millimetres)
         && !(pitch > 0.0 && pitch <= 100.0)
     {
-        return refuse(format!(
-            "a line every {pitch} mm can't be; above 0, at most 100 mm"
+        return invalid(format!(
+            "a line every {pitch} mm is invalid; expected more than 0 and at most 100 mm"
         ));
     }
     if let Times::Rate(rate) = request.times
         && !(rate > 0.0 && rate.is_finite())
     {
-        return refuse(format!(
-            "a frame rate of {rate} 1/s can't be; say frames per second above 0"
+        return invalid(format!(
+            "a frame rate of {rate} 1/s is invalid; expected more than 0"
         ));
     }
     let ratio = request.elongation_per_movement;
     if !ratio.is_finite() || ratio == 0.0 {
-        return refuse(format!(
-            "an elongation of {ratio} mm per mm of movement can't be; say a number that is not 0"
+        return invalid(format!(
+            "an elongation of {ratio} mm per mm of movement is invalid; expected a finite number other than 0"
         ));
     }
-    let most_m = request.read.deviation_most_m;
+    let most_m = request.read.std_most_m;
     if most_m.is_nan() || most_m <= 0.0 {
-        return refuse(format!(
-            "a largest deviation of {} mm can't be; above 0",
+        return invalid(format!(
+            "a maximum standard deviation of {} mm is invalid; expected more than 0",
             millimetres(most_m)
         ));
     }
@@ -99,13 +98,15 @@ pub(super) fn check(request: &Request) -> Result<(), CameraError> {
         if let Some(value) = value
             && !(value > 0.0 && value.is_finite())
         {
-            return refuse(format!("a {name} of {value} {unit} can't be; above 0"));
+            return invalid(format!(
+                "a {name} of {value} {unit} is invalid; expected more than 0"
+            ));
         }
     }
     Ok(())
 }
 
-/// Refuses a region that lies outside a picture.
+/// Rejects a region that lies outside a picture.
 pub(super) fn check_region(options: &ReadOptions, picture: &Picture) -> Result<(), String> {
     let Some(r) = options.region else {
         return Ok(());

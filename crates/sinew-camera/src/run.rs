@@ -1,4 +1,4 @@
-//! A whole series: frames in, a recording out.
+//! Evaluation of a series: from frames to a recording.
 
 use super::decode::decode;
 use super::error::CameraError;
@@ -13,28 +13,28 @@ use super::video::Video;
 use sinew_files::{limits, read_bytes, write_file};
 use std::sync::mpsc::{Receiver, sync_channel};
 
-/// Decoded frames that wait to be read. More would only cost memory.
-const AHEAD: usize = 3;
+/// Number of decoded frames waiting to be read; more would only use memory.
+const MAX_QUEUED_FRAMES: usize = 3;
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Frames read.
+    /// Number of frames read.
     pub done: usize,
-    /// All frames.
+    /// Total number of frames.
     pub total: usize,
 }
 
-/// Name of a frame, its time, s, and the picture or why it can't be decoded; an error ends the run.
+/// Name of a frame, its time, s, and the picture or the decoding error; an outer error ends the run.
 type Arrival = Result<(String, f64, Result<Picture, String>), CameraError>;
 
-/// Reads all frames. Decoding runs in a thread of its own.
+/// Reads all frames. Decoding runs in a separate thread.
 ///
-/// Frames that can't be used are part of the outcome with their reasons; the rest goes on.
+/// Rejected frames are part of the outcome with their reasons; the others are evaluated.
 ///
 /// # Errors
-/// [`CameraError`] where nothing can be read at all: no frames, no times, no scale in any frame, a
-/// pitch that the scale contradicts, a video without `ffmpeg`.
+/// Returns a [`CameraError`] if nothing can be read: no frames, no times, no scale in any frame, a pitch inconsistent
+/// with the scale, or a video without `ffmpeg`.
 pub fn run(
     request: &Request,
     on_progress: &mut dyn FnMut(Progress),
@@ -55,7 +55,7 @@ pub fn run(
                 Times::Rate(rate) => Some(*rate),
                 Times::Table(_) => {
                     return Err(CameraError::Option(
-                        "a video has its own times; a table of times goes with a folder of frames"
+                        "a video has its own times; a table of times requires a folder of frames"
                             .into(),
                     ));
                 }
@@ -65,7 +65,7 @@ pub fn run(
             let next = move || Some(video.next().transpose()?.map(|(n, t, p)| (n, t, Ok(p))));
             (Box::new(std::iter::from_fn(next)), total, Vec::new())
         };
-    let (sender, receiver) = sync_channel(AHEAD);
+    let (sender, receiver) = sync_channel(MAX_QUEUED_FRAMES);
     std::thread::scope(|scope| {
         scope.spawn(move || {
             for arrival in arrivals {
@@ -99,7 +99,7 @@ fn read_all(
     let mut drawn = false;
     for arrival in arrivals {
         let (name, time_s, picture) = arrival?;
-        // Only the first of several frames of one time is read: which would be right?
+        // Only the first of several frames with the same time is read.
         let twin = frames.last().filter(|last| last.time_s == time_s);
         let looked = match (twin, &picture) {
             (Some(twin), _) => Err(Rejection::Time(twin.name.clone())),
@@ -155,7 +155,7 @@ fn read_all(
             name: first.map_or_else(String::new, |f| f.name.clone()),
             reason: first
                 .and_then(|f| f.result.as_ref().err())
-                .map_or_else(|| "no frame at all".into(), ToString::to_string),
+                .map_or_else(|| "no frames".into(), ToString::to_string),
         });
     };
     let mut outcome = Outcome {

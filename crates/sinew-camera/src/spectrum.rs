@@ -1,4 +1,4 @@
-//! Power spectra of short stretches of a strip.
+//! Power spectra of short sections of a strip.
 
 use super::strips::hann;
 use std::f64::consts::TAU;
@@ -11,7 +11,7 @@ pub(crate) struct Spectrum {
 }
 
 impl Spectrum {
-    /// `length` must be a power of two of at least 4.
+    /// Creates a transform; `length` must be a power of two of at least 4.
     pub(crate) fn new(length: usize) -> Self {
         debug_assert!(length.is_power_of_two() && length >= 4);
         let turn = |k| (-TAU * k as f64 / length as f64).sin_cos();
@@ -21,8 +21,8 @@ impl Spectrum {
         }
     }
 
-    /// Mean level, and squared amplitudes (of a cosine: amplitude²) up to half the sampling
-    /// frequency. The straight line through the ends' halves is taken out first.
+    /// Returns the mean level, and squared amplitudes (of a cosine: amplitude²) up to half the sampling frequency. The
+    /// linear trend is removed first.
     pub(crate) fn of(&self, levels: &[f32]) -> (f64, Vec<f64>) {
         let n = self.window.len();
         let half = n as f64 / 2.0;
@@ -34,7 +34,7 @@ impl Spectrum {
             let line = mean + slope * (i as f64 + 0.5 - half);
             ((f64::from(*level) - line) * weight, 0.0)
         });
-        // The Hann window's sum is n/2; a cosine's power is shared with its mirror image.
+        // The sum of the Hann window is n/2; the power of a cosine is shared with its mirror image.
         let scale = (2.0 / half).powi(2);
         let bins = self.transform(level.collect(), 1);
         let power = bins[..n / 2]
@@ -43,28 +43,27 @@ impl Spectrum {
         (mean, power.collect())
     }
 
-    /// Radix-2: the transforms of every second value, put together. `stride` twiddles lie between
-    /// two of this length.
+    /// Radix-2 step: combines the transforms of every second value. `stride` twiddles lie between two of this length.
     fn transform(&self, values: Vec<(f64, f64)>, stride: usize) -> Vec<(f64, f64)> {
         if values.len() == 1 {
             return values;
         }
         let every_second = |from: usize| values[from..].iter().step_by(2).copied().collect();
-        let even = self.transform(every_second(0), 2 * stride);
-        let odd = self.transform(every_second(1), 2 * stride);
+        let even_terms = self.transform(every_second(0), 2 * stride);
+        let odd_terms = self.transform(every_second(1), 2 * stride);
         let turns = self.twiddles.iter().step_by(stride);
-        let turned = odd.iter().zip(turns);
+        let turned = odd_terms.iter().zip(turns);
         let turned =
             turned.map(|((re, im), (sin, cos))| (re * cos - im * sin, re * sin + im * cos));
-        let pairs: Vec<_> = even.into_iter().zip(turned).collect();
+        let pairs: Vec<_> = even_terms.into_iter().zip(turned).collect();
         let sums = pairs.iter().map(|(a, b)| (a.0 + b.0, a.1 + b.1));
         let differences = pairs.iter().map(|(a, b)| (a.0 - b.0, a.1 - b.1));
         sums.chain(differences).collect()
     }
 }
 
-/// Place of a peak between bins, from the three powers around bin `k`: for a Hann window the ratio
-/// of neighbouring amplitudes is a rational function of the place.
+/// Returns the position of a peak between bins from the three powers around bin `k`: for a Hann window the ratio of
+/// neighbouring amplitudes is a rational function of the position.
 pub(crate) fn between_bins(power: &[f64], k: usize) -> f64 {
     let amplitude = |i: usize| power[i].sqrt();
     let (left, here, right) = (amplitude(k - 1), amplitude(k), amplitude(k + 1));
@@ -82,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cosine_on_a_slope_is_one_peak_at_its_frequency() {
+    fn spectrum_cosine_with_trend_has_one_peak() {
         let cycles = 25.3;
         let levels: Vec<f32> = (0..256)
             .map(|i| {
@@ -96,7 +95,7 @@ mod tests {
         assert_eq!(peak, Some(25));
         let place = between_bins(&power, 25);
         assert!((place - cycles).abs() < 0.01, "{place}");
-        // At 0.3 bins off its middle a Hann window passes 0.94 of the amplitude.
+        // At an offset of 0.3 bins, a Hann window passes 0.94 of the amplitude.
         assert!((power[25].sqrt() - 0.1 * 0.94).abs() < 2e-3);
         assert!(power[60].sqrt() < 1e-4);
     }

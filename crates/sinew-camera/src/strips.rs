@@ -1,25 +1,25 @@
-//! From pixels to the phase of the graduation in small blocks.
+//! Phase of the graduation in small blocks of pixels.
 //!
-//! Rows are summed in strips a few pixels high, which takes most of the noise out and leaves a
-//! thousandth of the work. Each strip is then compared with one period of the graduation in
-//! windows of eight graduations that overlap by half. Under a Hann window, longer lines (at ½, ¹⁄₁₀
-//! and ¹⁄₂₀ of the frequency), uneven light and numbers hardly reach the graduation's own bin.
+//! Rows are averaged in strips a few pixels high, which removes most of the noise and reduces the data to a thousandth.
+//! Each strip is then correlated with one period of the graduation in windows of eight graduations that overlap by
+//! half. Under a Hann window, longer lines (at ½, ¹⁄₁₀ and ¹⁄₂₀ of the frequency), uneven light and numbers hardly
+//! affect the bin of the graduation.
 
-use super::picture::{DEEPER, Picture};
+use super::picture::{LEVEL_RATIO_16_TO_8, Picture};
 use super::robust::wrap;
 use std::f64::consts::TAU;
 
-/// A rectangle of a picture, px.
+/// Rectangle of a picture, px.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Region {
-    /// First column.
+    /// First column of the rectangle, px.
     pub x: usize,
-    /// First row.
+    /// First row of the rectangle, px.
     pub y: usize,
-    /// Number of columns.
+    /// Number of columns of the rectangle.
     pub width: usize,
-    /// Number of rows.
+    /// Number of rows of the rectangle.
     pub height: usize,
 }
 
@@ -33,7 +33,8 @@ impl Region {
         }
     }
 
-    /// The part that is looked at of a picture, lying: what is named, else the whole.
+    /// Returns the evaluated region of a picture with the scale along the rows: the specified one, otherwise the whole
+    /// picture.
     pub(crate) fn looked_at(named: Option<Self>, upright: bool, lying: &Picture) -> Self {
         match named {
             Some(part) if upright => part.transposed(),
@@ -52,24 +53,24 @@ impl Region {
     }
 }
 
-/// Rows of a strip.
+/// Number of rows per strip.
 pub(crate) const STRIP_ROWS: usize = 8;
 
 /// Mean grey levels of strips of rows, 0 to 1.
 #[derive(Debug, Clone)]
 pub(crate) struct Strips {
     pub(crate) region: Region,
-    /// Number of strips.
+    /// Number of strips in the region.
     pub(crate) count: usize,
     levels: Vec<f32>,
-    /// Share of pixels at the white end.
+    /// Share of white pixels, 0 to 1.
     pub(crate) white: f64,
 }
 
 impl Strips {
     /// Averages the rows of `region` that fill whole strips.
     pub(crate) fn of(picture: &Picture, region: Region) -> Self {
-        const WHITE: u16 = 254 * DEEPER;
+        const WHITE: u16 = 254 * LEVEL_RATIO_16_TO_8;
         let count = region.height / STRIP_ROWS;
         let row = |y: usize| &picture.row(y)[region.x..][..region.width];
         let factor = 1.0 / (f32::from(u16::MAX) * STRIP_ROWS as f32);
@@ -95,17 +96,17 @@ impl Strips {
         }
     }
 
-    /// Levels of a strip, column by column from `region.x`.
+    /// Returns the levels of a strip, one per column from `region.x`.
     pub(crate) fn strip(&self, i: usize) -> &[f32] {
         &self.levels[i * self.region.width..][..self.region.width]
     }
 
-    /// Row of the middle of a strip in the picture, px.
+    /// Returns the middle row of a strip in the picture, px.
     pub(crate) fn y(&self, i: usize) -> f64 {
         self.region.y as f64 + (i as f64 + 0.5) * STRIP_ROWS as f64 - 0.5
     }
 
-    /// Mean level of the whole.
+    /// Returns the mean level of the region.
     pub(crate) fn mean(&self) -> f64 {
         let sum: f64 = self.levels.iter().map(|v| f64::from(*v)).sum();
         sum / self.levels.len().max(1) as f64
@@ -115,14 +116,13 @@ impl Strips {
 /// Phase and amplitude of the graduation in a block of a strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Block {
-    /// Middle, px.
+    /// Middle of the block, px.
     pub(crate) x: f64,
     pub(crate) y: f64,
-    /// `A e^{2πi·s}` with `s` the scale's coordinate in graduations, whole on a dark line; `A` in
-    /// grey levels.
+    /// Phasor `A e^{2πi·s}` with the scale coordinate `s` in graduations, integer on a dark line; `A` in grey levels.
     pub(crate) re: f64,
     pub(crate) im: f64,
-    /// Mean grey level.
+    /// Mean grey level of the block.
     pub(crate) level: f64,
 }
 
@@ -131,17 +131,17 @@ impl Block {
         self.re.hypot(self.im)
     }
 
-    /// What a phase weighs: its noise goes with 1/amplitude.
+    /// Returns the weight of the phase: its noise is proportional to 1/amplitude.
     pub(crate) fn power(&self) -> f64 {
         self.amplitude().powi(2)
     }
 
-    /// The scale's coordinate without its whole graduations.
+    /// Returns the fractional part of the scale coordinate, graduations.
     pub(crate) fn phase(&self) -> f64 {
         self.im.atan2(self.re) / TAU
     }
 
-    /// Amplitude relative to the light: what uneven light leaves alone.
+    /// Returns the amplitude relative to the mean level, which is independent of uneven light.
     pub(crate) fn contrast(&self) -> f64 {
         self.amplitude() / self.level.max(0.5 / 255.0)
     }
@@ -151,19 +151,19 @@ impl Block {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Blocks {
     pub(crate) windows: usize,
-    /// From window to window, px.
+    /// Distance between windows, px.
     pub(crate) hop: f64,
     pub(crate) all: Vec<Block>,
 }
 
 impl Blocks {
-    /// The blocks that are members.
+    /// Returns the blocks that are members.
     pub(crate) fn members<'a>(&'a self, member: &'a [bool]) -> impl Iterator<Item = &'a Block> {
         let all = self.all.iter().zip(member);
         all.filter(|(_, member)| **member).map(|(block, _)| block)
     }
 
-    /// Blocks that stand beside a block: right and left, below and above.
+    /// Returns the neighbours of a block: right and left, below and above.
     fn neighbours(&self, at: usize) -> impl Iterator<Item = usize> {
         let (column, end) = (at % self.windows, self.all.len());
         let right = (column + 1 < self.windows).then_some(at + 1);
@@ -173,7 +173,7 @@ impl Blocks {
         [right, left, below, above].into_iter().flatten()
     }
 
-    /// Mean phase step of members to their neighbours, cycles: to the right, and down.
+    /// Returns the mean phase step of members to their neighbours, cycles: right and down.
     pub(crate) fn common_steps(&self, member: &[bool]) -> (f64, f64) {
         let mut turns = [(0.0, 0.0); 2];
         for (at, from) in self.all.iter().enumerate() {
@@ -190,9 +190,8 @@ impl Blocks {
         (across, down)
     }
 
-    /// The strongest connected set of candidates whose phases follow each other in about the steps
-    /// that `step` expects, graduations: which blocks, and the scale's coordinate at each, counted
-    /// from the first.
+    /// Returns the strongest connected set of candidates whose phase steps agree with `step`, graduations: the blocks,
+    /// and the scale coordinate of each relative to the first.
     pub(crate) fn unwrapped(
         &self,
         candidate: &[bool],
@@ -212,7 +211,7 @@ impl Blocks {
                 for to in self.neighbours(at) {
                     let expected = coordinate + step(&self.all[at], &self.all[to]);
                     let off = wrap(self.all[to].phase() - expected);
-                    if open[to] && off.abs() < STEP_TOLERANCE {
+                    if open[to] && off.abs() < MAX_STEP_DIFFERENCE {
                         open[to] = false;
                         set.push((to, expected + off));
                     }
@@ -226,13 +225,12 @@ impl Blocks {
     }
 }
 
-/// Phases of neighbours that belong together differ from the common step by less, cycles. A window
-/// moves on by four graduations: a quarter of a cycle is a pitch that differs by 6 %, which
-/// perspective does; chance agrees in half of the cases, and not in six neighbours running.
-const STEP_TOLERANCE: f64 = 0.25;
+/// Maximum difference of the phase step of connected neighbours from the common step, cycles. A window advances by four
+/// graduations: a quarter of a cycle corresponds to a pitch difference of 6 %, which occurs with perspective; random
+/// phases agree in half of the cases, but not for six consecutive neighbours.
+const MAX_STEP_DIFFERENCE: f64 = 0.25;
 
-/// The matched filter: one Hann-windowed period of a known frequency, without response to
-/// constant light.
+/// Matched filter: one Hann-windowed period of a known frequency, without response to constant light.
 #[derive(Debug, Clone)]
 pub(crate) struct Demodulator {
     cos: Vec<f32>,
@@ -241,16 +239,16 @@ pub(crate) struct Demodulator {
     hop: usize,
 }
 
-/// Graduations in a window. Eight keep the lines of double distance four bins away, twice the
-/// Hann window's half width, and follow a pitch that changes by a tenth over the picture.
+/// Number of graduations in a window. Eight place lines of double distance four bins away, twice the half-width of the
+/// Hann window, and follow a pitch that changes by 10 % over the picture.
 const WINDOW_PERIODS: f64 = 8.0;
-/// Fewest graduations in a window of a narrow region.
-const WINDOW_PERIODS_LEAST: f64 = 4.0;
+/// Minimum number of graduations in a window of a narrow region.
+const MIN_WINDOW_PERIODS: f64 = 4.0;
 
 impl Demodulator {
-    /// For `frequency` in graduations per pixel and a region `width` px wide.
+    /// Creates a filter for `frequency` in graduations per pixel and a region `width` px wide.
     pub(crate) fn new(frequency: f64, width: usize) -> Self {
-        let periods = (width as f64 * frequency / 2.0).clamp(WINDOW_PERIODS_LEAST, WINDOW_PERIODS);
+        let periods = (width as f64 * frequency / 2.0).clamp(MIN_WINDOW_PERIODS, WINDOW_PERIODS);
         let length = ((periods / frequency).round() as usize).max(8);
         let middle = (length as f64 - 1.0) / 2.0;
         let hann = hann(length);
@@ -259,11 +257,11 @@ impl Demodulator {
         let mut sin = Vec::with_capacity(length);
         for (i, h) in hann.iter().enumerate() {
             let phase = TAU * frequency * (i as f64 - middle);
-            // Darkness, so that lines stand at whole numbers.
+            // Darkness is used, so that lines lie at integers.
             cos.push(-2.0 * h * phase.cos() / total);
             sin.push(2.0 * h * phase.sin() / total);
         }
-        // The sine part is odd and has no mean; the cosine's is taken out.
+        // The sine part is antisymmetric and has zero mean; the mean of the cosine part is removed.
         let mean: f64 = cos.iter().sum::<f64>() / total;
         for (c, h) in cos.iter_mut().zip(&hann) {
             *c -= mean * h;
@@ -277,12 +275,12 @@ impl Demodulator {
         }
     }
 
-    /// Pixels in a window.
+    /// Returns the number of pixels in a window.
     pub(crate) fn length(&self) -> usize {
         self.cos.len()
     }
 
-    /// Compares every strip with the graduation.
+    /// Correlates every strip with the graduation.
     pub(crate) fn blocks(&self, strips: &Strips) -> Blocks {
         let length = self.length();
         let mut all = Vec::new();
@@ -307,14 +305,14 @@ impl Demodulator {
     }
 }
 
-/// Weights of a Hann window.
+/// Returns the weights of a Hann window.
 pub(crate) fn hann(length: usize) -> Vec<f64> {
     let weight = |i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / length as f64).cos();
     (0..length).map(weight).collect()
 }
 
-/// Dot product. Sums are kept in eight lanes because the order of a sum of floats is fixed by the
-/// language: only so can the compiler use vector registers.
+/// Computes a dot product in eight lanes: the language fixes the order of floating-point sums, and only separate lanes
+/// permit vector registers.
 fn dot(a: &[f32], b: &[f32]) -> f64 {
     const LANES: usize = 8;
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
@@ -332,7 +330,7 @@ fn dot(a: &[f32], b: &[f32]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Thin dark lines at `offset + k * pitch`, each pixel with the share of its width they cover.
+    /// Draws thin dark lines at `offset + k * pitch`, with the covered share of each pixel.
     fn comb(width: usize, height: usize, pitch: f64, offset: f64) -> Picture {
         let levels = (0..width * height)
             .map(|i| {
@@ -351,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn the_phase_is_the_scales_coordinate() {
+    fn block_phase_equals_scale_coordinate() {
         let (pitch, offset) = (10.37, 3.2);
         let picture = comb(300, 16, pitch, offset);
         let strips = Strips::of(&picture, Region::whole(&picture));
@@ -361,14 +359,14 @@ mod tests {
             let want = (block.x - offset) / pitch;
             let found = block.im.atan2(block.re) / TAU;
             let apart = want - found - (want - found).round();
-            // What is left is the ninth and eleventh harmonic folded onto the first by the
-            // pixels (10.37 px is nearly 10) and the Hann window's side lobes.
+            // The remaining error is the ninth and eleventh harmonic folded onto the first by the pixels (10.37 px is
+            // nearly 10) and the side lobes of the Hann window.
             assert!(apart.abs() < 2e-3, "{apart} graduations at {}", block.x);
         }
     }
 
     #[test]
-    fn light_without_lines_has_no_phase() {
+    fn block_without_lines_has_no_phase() {
         let levels = (0..200 * 8).map(|i| (i % 200) as u8 / 2 + 60).collect();
         let picture = Picture::from_luma8(200, 8, levels).unwrap();
         let strips = Strips::of(&picture, Region::whole(&picture));

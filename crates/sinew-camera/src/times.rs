@@ -1,9 +1,9 @@
-//! When a frame was taken, from its name.
+//! Time of a frame from its name.
 
 use sinew_files::date::day_number;
 
-/// How names without their extension tell the time, ns, in the order tried:
-/// * a number with a unit at the end, since whatever it counts from: `frame_12.5s`, `0001_1250ms`, `t=3us`, `x-7ns`;
+/// Patterns of times in file names without extension, ns, in order of priority:
+/// * a number with a unit at the end, from an arbitrary zero: `frame_12.5s`, `0001_1250ms`, `t=3us`, `x-7ns`;
 /// * a date and time of day: `20261121_143000_250`, `2026-11-21T14-30-00.25`;
 /// * 10, 13, 16 or 19 digits: seconds, milli-, micro- or nanoseconds since 1970.
 pub(crate) const PATTERNS: [fn(&str) -> Option<i128>; 3] = [suffix, date, epoch];
@@ -19,7 +19,7 @@ fn suffix(stem: &str) -> Option<i128> {
     decimal(&number[start..], power)
 }
 
-/// `12.5` with ten to the `power` as unit, exactly.
+/// Converts `12.5` with a unit of ten to the `power` exactly.
 fn decimal(text: &str, power: u32) -> Option<i128> {
     let (whole, part) = text.split_once('.').unwrap_or((text, ""));
     if whole.is_empty() || whole.len() > 18 || !digits(whole) || !(part.is_empty() || digits(part))
@@ -40,7 +40,7 @@ fn digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// Runs of digits with their places.
+/// Returns sequences of digits with their positions.
 fn runs(stem: &str) -> Vec<&str> {
     stem.split(|c: char| !c.is_ascii_digit())
         .filter(|run| !run.is_empty())
@@ -93,7 +93,7 @@ fn epoch(stem: &str) -> Option<i128> {
     })
 }
 
-/// Orders names as people do: `frame2` before `frame10`.
+/// Compares names in natural order: `frame2` before `frame10`.
 pub(crate) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
     let (mut a, mut b) = (a.as_bytes(), b.as_bytes());
     loop {
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_tell_the_time() {
+    fn file_name_gives_time() {
         const SUFFIX: usize = 0;
         const DATE: usize = 1;
         const EPOCH: usize = 2;
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_in_names_count_as_numbers() {
+    fn file_names_sort_in_natural_order() {
         let mut names = ["f10", "f2", "f02b", "f1", "e99"];
         names.sort_by(|a, b| natural(a, b));
         assert_eq!(names, ["e99", "f1", "f2", "f02b", "f10"]);

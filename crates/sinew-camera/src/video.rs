@@ -6,12 +6,12 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// The programs that decode.
+/// Programs that decode videos.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VideoTools {
-    /// Program that decodes.
+    /// Program that decodes frames.
     pub ffmpeg: PathBuf,
-    /// Program that finds size and times.
+    /// Program that reports size and times.
     pub ffprobe: PathBuf,
 }
 
@@ -24,7 +24,7 @@ impl Default for VideoTools {
     }
 }
 
-/// A video being decoded to 8-bit grey levels.
+/// Video decoder with 8-bit grey levels.
 #[derive(Debug)]
 pub(crate) struct Video {
     path: PathBuf,
@@ -38,22 +38,22 @@ pub(crate) struct Video {
 }
 
 impl Video {
-    /// Starts decoding.
+    /// Starts the decoder of a video.
     pub(crate) fn open(
         path: &Path,
         tools: &VideoTools,
         rate: Option<f64>,
     ) -> Result<Self, CameraError> {
-        let refuse = |reason: String| CameraError::Video {
+        let video_error = |reason: String| CameraError::Video {
             path: path.to_path_buf(),
             reason,
         };
-        // Asked first, so that a missing file isn't a decoder's riddle.
+        // A missing file is reported before the decoder starts.
         std::fs::metadata(path).map_err(|error| CameraError::Io {
             path: path.to_path_buf(),
             error,
         })?;
-        let (width, height, mut times) = probe(path, &tools.ffprobe).map_err(refuse)?;
+        let (width, height, mut times) = probe(path, &tools.ffprobe).map_err(video_error)?;
         if let Some(rate) = rate {
             times = (0..times.len()).map(|i| i as f64 / rate).collect();
         }
@@ -66,11 +66,11 @@ impl Video {
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .map_err(|e| refuse(missing(&tools.ffmpeg, &e)))?;
+            .map_err(|e| video_error(missing(&tools.ffmpeg, &e)))?;
         let out = child
             .stdout
             .take()
-            .ok_or_else(|| refuse("no output from the decoder".into()))?;
+            .ok_or_else(|| video_error("no output from the decoder".into()))?;
         Ok(Self {
             path: path.to_path_buf(),
             child,
@@ -82,9 +82,9 @@ impl Video {
         })
     }
 
-    /// The next frame with its number and time; `None` at the end.
+    /// Returns the next frame with its number and time, s; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<(String, f64, Picture)>, CameraError> {
-        let refuse = |reason: String| CameraError::Video {
+        let video_error = |reason: String| CameraError::Video {
             path: self.path.clone(),
             reason,
         };
@@ -92,25 +92,25 @@ impl Video {
         match self.out.read_exact(&mut levels) {
             Ok(()) => {}
             Err(e) if e.kind() == ErrorKind::UnexpectedEof => {
-                let status = self.child.wait().map_err(|e| refuse(e.to_string()))?;
+                let status = self.child.wait().map_err(|e| video_error(e.to_string()))?;
                 if !status.success() {
-                    return Err(refuse(format!(
+                    return Err(video_error(format!(
                         "the decoder stopped after {} frames ({status})",
                         self.done
                     )));
                 }
                 return Ok(None);
             }
-            Err(e) => return Err(refuse(format!("reading from the decoder: {e}"))),
+            Err(e) => return Err(video_error(format!("reading from the decoder: {e}"))),
         }
         let Some(time_s) = self.times.get(self.done).copied() else {
-            return Err(refuse(format!(
-                "more frames than times ({}); say --frame-rate HZ",
+            return Err(video_error(format!(
+                "more frames than times ({}); set --frame-rate HZ",
                 self.times.len()
             )));
         };
         self.done += 1;
-        let picture = Picture::from_luma8(self.width, self.height, levels).map_err(refuse)?;
+        let picture = Picture::from_luma8(self.width, self.height, levels).map_err(video_error)?;
         Ok(Some((format!("frame {}", self.done), time_s, picture)))
     }
 }
@@ -125,15 +125,15 @@ impl Drop for Video {
 fn missing(program: &Path, error: &std::io::Error) -> String {
     if error.kind() == ErrorKind::NotFound {
         format!(
-            "a video needs '{}', which is not installed; install ffmpeg, or give a folder of PNG or JPEG frames",
+            "a video needs '{}', which is not installed; install ffmpeg, or use a folder of PNG or JPEG frames",
             program.display()
         )
     } else {
-        format!("can't start '{}': {error}", program.display())
+        format!("cannot start '{}': {error}", program.display())
     }
 }
 
-/// Width, height and times of the frames in order of showing.
+/// Returns width, height and times of the frames in display order.
 fn probe(path: &Path, ffprobe: &Path) -> Result<(usize, usize, Vec<f64>), String> {
     let output = Command::new(ffprobe)
         .args(["-v", "error", "-select_streams", "v:0", "-of", "csv=p=1"])
@@ -142,10 +142,10 @@ fn probe(path: &Path, ffprobe: &Path) -> Result<(usize, usize, Vec<f64>), String
         .stdin(Stdio::null())
         .output()
         .map_err(|e| missing(ffprobe, &e))?;
-    let said = String::from_utf8_lossy(&output.stderr);
+    let messages = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        let first = said.lines().next().unwrap_or("no reason given");
-        return Err(format!("is not a video that ffmpeg reads: {first}"));
+        let first = messages.lines().next().unwrap_or("no message");
+        return Err(format!("is not a video supported by ffmpeg: {first}"));
     }
     let mut size = None;
     let mut times = Vec::new();
@@ -160,7 +160,7 @@ fn probe(path: &Path, ffprobe: &Path) -> Result<(usize, usize, Vec<f64>), String
         }
     }
     let (width, height) = size.ok_or("ffmpeg finds no video stream in it")?;
-    // Packets come in order of decoding.
+    // Packets have decoding order.
     times.sort_unstable_by(f64::total_cmp);
     let zero = times.first().copied().unwrap_or(0.0);
     for time in &mut times {

@@ -1,12 +1,12 @@
-//! What of the scale a frame shows: which rows, how strong, what is occluded.
+//! Visible part of the scale in a frame: rows, contrast and occlusion.
 
-use super::marks::{self, BEYOND};
+use super::marks::{self, BAND_MARGIN_SHARE};
 use super::phase::Shift;
 use super::phase_map::PhaseMap;
 use super::robust::{median, quantile};
 use super::strips::{Blocks, Region, STRIP_ROWS};
 
-/// What a frame's measurement saw, for drawing.
+/// Details of the measurement of a frame, for the overlay.
 #[derive(Debug, Clone)]
 pub(crate) struct View {
     pub(crate) upright: bool,
@@ -19,15 +19,15 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Number of blocks that agree.
+    /// Number of consistent blocks.
     pub(super) fn agreeing(&self) -> usize {
         self.shift.agree.iter().filter(|agrees| **agrees).count()
     }
 }
 
-/// The scale with room to wander across, all along.
+/// Returns the region of the scale with a lateral margin, over the whole length.
 pub(super) fn search_window(region: Region, whole: Region) -> Region {
-    let margin = ((region.height as f64 * BEYOND) as usize).max(3 * STRIP_ROWS);
+    let margin = ((region.height as f64 * BAND_MARGIN_SHARE) as usize).max(3 * STRIP_ROWS);
     let y = region.y.saturating_sub(margin).max(whole.y);
     Region {
         x: whole.x,
@@ -37,14 +37,14 @@ pub(super) fn search_window(region: Region, whole: Region) -> Region {
     }
 }
 
-/// Rows of the lines with a little room to wander across.
+/// Returns the rows of the lines with a small lateral margin.
 pub(super) fn line_rows(region: Region) -> (f64, f64) {
     let margin = (region.height as f64 / 8.0).max(STRIP_ROWS as f64);
     let top = region.y as f64;
     (top - margin, top + region.height as f64 + margin)
 }
 
-/// Contrast that a fifth of as many blocks as the scale has exceed.
+/// Returns the contrast exceeded by 20 % of the number of blocks of the scale.
 pub(super) fn line_contrast(blocks: &Blocks, members: usize, rows: (f64, f64)) -> f64 {
     let contrasts: Vec<f64> = blocks
         .all
@@ -56,8 +56,8 @@ pub(super) fn line_contrast(blocks: &Blocks, members: usize, rows: (f64, f64)) -
     quantile(contrasts, 1.0 - share).unwrap_or(0.0)
 }
 
-/// Whether the scale is occluded at a column: in a window that reaches there fewer than two thirds
-/// of the usual number of strips agree.
+/// Whether the scale is occluded at a column: in a window that contains it, fewer than two thirds of the usual number
+/// of strips are consistent.
 pub(super) fn occlusion(
     blocks: &Blocks,
     agree: &[bool],
@@ -76,7 +76,7 @@ pub(super) fn occlusion(
     let ends = (end(windows.first()), end(windows.last()));
     let reach = 1.25 * window_px as f64 / 2.0;
     move |x| {
-        // Beyond the last window's middle there is only that one.
+        // Beyond the middle of the last window there is only that one.
         let x = x.clamp(ends.0, ends.1);
         let mut near = windows
             .iter()
@@ -85,7 +85,7 @@ pub(super) fn occlusion(
     }
 }
 
-/// Lines between the outermost blocks that agree.
+/// Returns the number of lines between the outermost consistent blocks.
 pub(super) fn visible_lines(map: &PhaseMap, shift: &Shift, blocks: &Blocks) -> usize {
     let (mut left, mut right) = (f64::MAX, f64::MIN);
     for block in blocks.members(&shift.agree) {

@@ -1,4 +1,4 @@
-//! How far off the readings are, condition by condition.
+//! Accuracy of the measurement under different conditions.
 
 use crate::scale_picture::{Camera, Print, draw, jpeg, picture};
 use rand::{RngExt, SeedableRng};
@@ -13,13 +13,13 @@ struct Row {
     worst_mm: f64,
     bound_mm: f64,
     stated_mm: f64,
-    /// Root mean square of error over stated deviation.
+    /// Root mean square of the ratio of error to reported standard deviation.
     normalised: f64,
     used: usize,
 }
 
-/// Displacement's best standard deviation, mm, for an unbiased estimate from one picture and a
-/// perfectly known reference: noise over the root of the summed squared slopes (Cramér, Rao).
+/// Cramér-Rao bound of the displacement's standard deviation, mm, from one picture and a known reference: noise over
+/// the root of the summed squared slopes.
 fn bound_mm(camera: &Camera, print: &Print, at: f64) -> f64 {
     let step = 0.02;
     let clean = Camera {
@@ -35,17 +35,18 @@ fn bound_mm(camera: &Camera, print: &Print, at: f64) -> f64 {
         .zip(&after)
         .map(|(a, b)| ((b - a) / (2.0 * step)).powi(2))
         .sum();
-    // Rounding to whole levels is noise of 1/√12.
+    // Rounding to whole levels adds noise of 1/√12.
     let noise = camera.noise.hypot(1.0 / 12.0_f64.sqrt());
     0.5 * noise / information.sqrt()
 }
 
-/// A walk of up to three graduations a frame, to and fro over tens of millimetres.
+/// Random walk of up to three graduations per frame, back and forth over tens of millimetres.
 fn measure(name: &'static str, camera: &Camera, print: &Print, quality: Option<u8>) -> Row {
     let mut reader = ScaleReader::new(ReadOptions::default());
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let (mut position, mut zero) = (3.3, None);
-    let (mut square, mut worst, mut stated, mut ratio, mut used) = (0.0, 0.0_f64, 0.0, 0.0, 0);
+    let (mut square, mut worst, mut reference_condition, mut ratio, mut used) =
+        (0.0, 0.0_f64, 0.0, 0.0, 0);
     for seed in 0..FRAMES {
         let camera = Camera {
             seed: 100 + seed,
@@ -63,8 +64,8 @@ fn measure(name: &'static str, camera: &Camera, print: &Print, quality: Option<u
             let error = 1e3 * reading.position_m - 0.5 * (position - zero);
             square += error * error;
             worst = worst.max(error.abs());
-            stated += (1e3 * reading.position_deviation_m).powi(2);
-            ratio += (error / (1e3 * reading.position_deviation_m)).powi(2);
+            reference_condition += (1e3 * reading.position_std_m).powi(2);
+            ratio += (error / (1e3 * reading.position_std_m)).powi(2);
             used += 1;
         }
         let step = if print.lengths.len() > 1 { 6.0 } else { 0.7 };
@@ -76,14 +77,14 @@ fn measure(name: &'static str, camera: &Camera, print: &Print, quality: Option<u
         rms_mm: (square / n).sqrt(),
         worst_mm: worst,
         bound_mm: bound_mm(camera, print, 3.3) * 2.0_f64.sqrt(),
-        stated_mm: (stated / n).sqrt(),
+        stated_mm: (reference_condition / n).sqrt(),
         normalised: (ratio / n).sqrt(),
         used: used as usize,
     }
 }
 
-/// The condition of the issue: 10 px per half millimetre, noise, blur, uneven light, small rotation.
-fn stated() -> Camera {
+/// Reference condition: 10 px per half millimetre, noise, blur, uneven light, small rotation.
+fn reference_condition() -> Camera {
     Camera {
         tilt_deg: 1.5,
         noise: 5.0,
@@ -94,7 +95,7 @@ fn stated() -> Camera {
 }
 
 #[test]
-fn errors_over_conditions() {
+fn measurement_errors_are_within_limits() {
     let scale = Print::half_millimetre();
     let dirty = Print {
         specks: 60,
@@ -105,17 +106,22 @@ fn errors_over_conditions() {
         width: 200,
         height: 640,
         upright: true,
-        ..stated()
+        ..reference_condition()
     };
     let coarse = Camera {
         pitch_px: 30.0,
         width: 900,
         height: 420,
         across_px: 130.0,
-        ..stated()
+        ..reference_condition()
     };
     let conditions: Vec<(&'static str, Camera, &Print, Option<u8>)> = vec![
-        ("stated: noise, blur, light, 1.5°", stated(), &scale, None),
+        (
+            "reference_condition: noise, blur, light, 1.5°",
+            reference_condition(),
+            &scale,
+            None,
+        ),
         (
             "clean, 0°",
             Camera {
@@ -129,7 +135,7 @@ fn errors_over_conditions() {
             "+2°",
             Camera {
                 tilt_deg: 2.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -138,7 +144,7 @@ fn errors_over_conditions() {
             "-2°",
             Camera {
                 tilt_deg: -2.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -147,7 +153,7 @@ fn errors_over_conditions() {
             "8°",
             Camera {
                 tilt_deg: 8.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -156,7 +162,7 @@ fn errors_over_conditions() {
             "blur 3 px",
             Camera {
                 blur_px: 3.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -165,7 +171,7 @@ fn errors_over_conditions() {
             "noise 20 levels",
             Camera {
                 noise: 20.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -174,7 +180,7 @@ fn errors_over_conditions() {
             "light down to a tenth",
             Camera {
                 uneven: 0.1,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -184,7 +190,7 @@ fn errors_over_conditions() {
             Camera {
                 white: 40.0,
                 noise: 2.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -193,7 +199,7 @@ fn errors_over_conditions() {
             "smear 4 px",
             Camera {
                 smear_px: 4.0,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -202,21 +208,21 @@ fn errors_over_conditions() {
             "perspective 10 %",
             Camera {
                 perspective: 0.1,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
         ),
-        ("dirt and dust", stated(), &dirty, None),
-        ("JPEG quality 75", stated(), &scale, Some(75)),
-        ("JPEG quality 30", stated(), &scale, Some(30)),
+        ("dirt and dust", reference_condition(), &dirty, None),
+        ("JPEG quality 75", reference_condition(), &scale, Some(75)),
+        ("JPEG quality 30", reference_condition(), &scale, Some(30)),
         ("upright", upright, &scale, None),
         (
             "5 px",
             Camera {
                 pitch_px: 5.0,
                 blur_px: 0.8,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -225,7 +231,7 @@ fn errors_over_conditions() {
             "10.4 px",
             Camera {
                 pitch_px: 10.4,
-                ..stated()
+                ..reference_condition()
             },
             &scale,
             None,
@@ -245,7 +251,7 @@ fn errors_over_conditions() {
         rows
     });
     println!(
-        "condition                         RMS, mm  worst, mm  bound, mm  stated, mm  error/stated"
+        "condition                         RMS, mm  worst, mm  bound, mm  reference_condition, mm  error/reference_condition"
     );
     for r in &rows {
         println!(
@@ -255,15 +261,15 @@ fn errors_over_conditions() {
     }
     for r in &rows {
         assert_eq!(r.used, FRAMES as usize - 1);
-        // The aim, everywhere; the worst frame within three of it.
+        // Target for all conditions; the worst frame is within three times of it.
         assert!(
             r.rms_mm < 0.02 && r.worst_mm < 0.06,
             "{}: {} mm",
             r.name,
             r.rms_mm
         );
-        // Only the first harmonic of the lines is used, in half of the rows' weight, so the bound
-        // is not reached; what pixels fold back (0.5/p³ graduations) comes on top.
+        // Only the first harmonic of the lines is used, with half of the weight of the rows, so the bound is not
+        // reached; aliasing (0.5/p³ graduations) is added.
         let folding = 0.5 * 0.5 / 125.0;
         assert!(
             r.rms_mm < (6.0 * r.bound_mm).hypot(folding),
@@ -272,14 +278,18 @@ fn errors_over_conditions() {
             r.rms_mm,
             r.bound_mm
         );
-        // A stated deviation is worth something when errors are about as large.
+        // The reported standard deviation must agree with the errors.
         assert!(
             r.normalised < 2.0,
-            "{}: errors {} times as stated",
+            "{}: errors {} times as reference_condition",
             r.name,
             r.normalised
         );
     }
-    let stated = &rows[0];
-    assert!(stated.rms_mm < 0.002, "{} mm", stated.rms_mm);
+    let reference_condition = &rows[0];
+    assert!(
+        reference_condition.rms_mm < 0.002,
+        "{} mm",
+        reference_condition.rms_mm
+    );
 }

@@ -1,4 +1,4 @@
-//! Whole graduations: long ways, jumps, lines that all look alike, pitches that aren't as said.
+//! Counting of whole graduations: long displacements, large steps, identical lines, wrong pitch.
 
 use crate::scale_picture::{Camera, Print, picture};
 use sinew_camera::{ReadOptions, Rejection, ScaleReader};
@@ -8,7 +8,7 @@ fn reader() -> ScaleReader {
 }
 
 #[test]
-fn a_hundred_millimetres_and_back_come_back_to_zero() {
+fn displacement_of_100_mm_and_back_returns_to_zero() {
     let (camera, print) = (Camera::default(), Print::half_millimetre());
     let mut reader = reader();
     let way = |i: i32| 200.0 * (std::f64::consts::PI * f64::from(i) / 120.0).sin();
@@ -20,7 +20,7 @@ fn a_hundred_millimetres_and_back_come_back_to_zero() {
 }
 
 #[test]
-fn a_jump_of_many_graduations_is_counted_by_the_numbers() {
+fn large_step_is_resolved_by_numbers() {
     let (camera, print) = (Camera::default(), Print::half_millimetre());
     let mut reader = reader();
     reader.read(&picture(&camera, &print, 0.0)).unwrap();
@@ -35,7 +35,7 @@ fn a_jump_of_many_graduations_is_counted_by_the_numbers() {
 }
 
 #[test]
-fn lines_that_look_alike_count_small_steps_and_refuse_large_ones() {
+fn identical_lines_count_small_steps_reject_large_ones() {
     let (camera, print) = (Camera::default(), Print::comb());
     let mut reader = reader();
     reader.read(&picture(&camera, &print, 0.0)).unwrap();
@@ -54,7 +54,7 @@ fn lines_that_look_alike_count_small_steps_and_refuse_large_ones() {
         }
         other => panic!("{other:?}"),
     }
-    // A frame was missed, so a step may have been twice as long as it looks.
+    // A frame is missing, so a step may be twice as long as it appears.
     let twice = reader.read(&picture(&camera, &print, 1.68));
     assert!(
         matches!(twice, Err(Rejection::Ambiguous { .. })),
@@ -65,7 +65,7 @@ fn lines_that_look_alike_count_small_steps_and_refuse_large_ones() {
 }
 
 #[test]
-fn a_millimetre_scale_is_not_taken_for_a_half_millimetre_scale() {
+fn millimetre_scale_with_default_pitch_returns_error() {
     let (camera, print) = (Camera::default(), Print::millimetre());
     let mut said_nothing = reader();
     said_nothing.read(&picture(&camera, &print, 0.0)).unwrap();
@@ -83,7 +83,7 @@ fn a_millimetre_scale_is_not_taken_for_a_half_millimetre_scale() {
 }
 
 #[test]
-fn an_end_of_the_scale_that_passes_through_the_picture_does_no_harm() {
+fn scale_end_passing_through_picture_keeps_position() {
     let camera = Camera {
         zero_px: 0.0,
         ..Camera::default()

@@ -1,17 +1,17 @@
-//! The frames of `examples/07-camera`: read here against their truth, and drawn anew on request.
+//! Frames of `examples/07-camera`: measurement against their truth, and regeneration on request.
 
 use crate::scale_picture::{Camera, Print, png};
 use sinew_camera::{Request, Summary};
 use std::path::PathBuf;
 
-/// Times of the frames, s: as a creep standard reads.
+/// Times of the frames, s, as in a creep standard.
 const TIMES_S: [u32; 8] = [0, 60, 180, 360, 720, 1800, 3600, 5400];
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/07-camera/frames")
 }
 
-/// Movement of the scale, mm: a rope that beds in within minutes and creeps on.
+/// Displacement of the scale, mm: a rope with bedding-in within minutes and continuing creep.
 fn movement_mm(time_s: f64) -> f64 {
     0.6 * (1.0 - (-time_s / 400.0).exp()) + 0.35 * (1.0 + time_s / 60.0).log10()
 }
@@ -37,7 +37,7 @@ fn seen(time_s: u32) -> Vec<u8> {
 }
 
 #[test]
-fn the_example_reads_as_it_was_drawn() {
+fn example_frames_match_truth() {
     let outcome = sinew_camera::run(&Request::new(folder()), &mut |_| {}).unwrap();
     assert_eq!(Summary::of(&outcome).frames_used, TIMES_S.len());
     for (_, frame, reading) in outcome.used() {

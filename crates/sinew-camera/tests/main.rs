@@ -1,4 +1,4 @@
-//! Reading a scale by camera, against drawn pictures whose truth is known.
+//! Camera measurement of a scale, tested with drawn pictures of known truth.
 
 mod accuracy;
 mod counting;

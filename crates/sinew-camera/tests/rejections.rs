@@ -1,4 +1,4 @@
-//! Frames that must not be used, and those that may.
+//! Rejection of unusable frames.
 
 use crate::scale_picture::{Camera, Print, draw8, encode_png, picture, png};
 use sinew_camera::{Picture, ReadOptions, Region, Rejection, RejectionKind, ScaleReader, decode};
@@ -10,13 +10,13 @@ fn started() -> ScaleReader {
     reader
 }
 
-fn word(result: &Result<sinew_camera::Reading, Rejection>) -> String {
+fn word(result: &Result<sinew_camera::ScaleMeasurement, Rejection>) -> String {
     let word = |rejection: &Rejection| rejection.kind().to_string();
     result.as_ref().map_or_else(word, |_| "used".into())
 }
 
 #[test]
-fn what_is_wrong_with_a_frame_is_said() {
+fn rejected_frames_report_kind() {
     let (camera, print) = (Camera::default(), Print::half_millimetre());
     let cases: Vec<(&str, Picture)> = vec![
         (
@@ -93,7 +93,7 @@ fn what_is_wrong_with_a_frame_is_said() {
         assert_eq!(word(&result), *want, "case {i}: {result:?}");
         assert!(!result.unwrap_err().to_string().is_empty());
     }
-    // None of them left a trace.
+    // Rejected frames have no effect.
     let after = reader.read(&picture(&camera, &print, 1.7)).unwrap();
     assert!((1e3 * after.position_m - 0.85).abs() < 1e-3, "{after:?}");
 }
@@ -114,7 +114,7 @@ fn covered(share: f64, displacement: f64) -> Picture {
 }
 
 #[test]
-fn half_of_the_scale_covered_is_read_and_four_fifths_are_not() {
+fn scale_covered_by_half_is_used_by_80_percent_rejected() {
     let mut reader = started();
     for (share, at) in [(0.3, 1.2), (0.5, 2.6), (0.2, 9.1)] {
         let reading = reader.read(&covered(share, at)).unwrap();
@@ -132,7 +132,7 @@ fn half_of_the_scale_covered_is_read_and_four_fifths_are_not() {
 }
 
 #[test]
-fn a_picture_without_a_scale_starts_nothing() {
+fn picture_without_scale_is_not_reference() {
     let noise = picture(
         &Camera {
             noise: 30.0,
@@ -153,13 +153,13 @@ fn a_picture_without_a_scale_starts_nothing() {
     assert_eq!(word(&reader.read(&flat)), "no-scale");
     let tiny = Picture::from_luma8(3, 2, vec![128; 6]).unwrap();
     assert_eq!(word(&reader.read(&tiny)), "no-scale");
-    // The first good one is the reference.
+    // The first usable frame is the reference.
     let good = picture(&Camera::default(), &Print::half_millimetre(), 0.0);
     assert_eq!(reader.read(&good).unwrap().position_m, 0.0);
 }
 
 #[test]
-fn lines_that_lean_too_much_are_refused_with_what_to_do() {
+fn excessive_tilt_is_rejected_as_no_scale() {
     let mut reader = ScaleReader::new(ReadOptions::default());
     let camera = Camera {
         tilt_deg: 17.0,
@@ -173,7 +173,7 @@ fn lines_that_lean_too_much_are_refused_with_what_to_do() {
 }
 
 #[test]
-fn colour_and_sixteen_bits_give_the_same_position() {
+fn colour_and_16_bit_give_same_position() {
     let (camera, print) = (Camera::default(), Print::half_millimetre());
     let mut reader = started();
     let grey = draw8(&camera, &print, 1.1);
@@ -193,7 +193,7 @@ fn colour_and_sixteen_bits_give_the_same_position() {
     ] {
         let file = encode_png(&camera, bytes, kind, depth);
         let reading = reader.read(&decode(&file).unwrap()).unwrap();
-        // Luminance is rounded to whole levels: nothing else may differ.
+        // Only the rounding of luminance to whole levels may differ.
         assert!(
             (1e3 * reading.position_m - want).abs() < 1e-4,
             "{kind:?}: {reading:?}"
@@ -202,7 +202,7 @@ fn colour_and_sixteen_bits_give_the_same_position() {
 }
 
 #[test]
-fn a_named_region_keeps_a_second_scale_out() {
+fn specified_region_excludes_second_scale() {
     let (camera, print) = (
         Camera {
             height: 160,
@@ -210,7 +210,7 @@ fn a_named_region_keeps_a_second_scale_out() {
         },
         Print::half_millimetre(),
     );
-    // Two scales one above the other: the upper moves, the lower stands.
+    // Two scales, one above the other: the upper one moves, the lower one is stationary.
     let two = |at: f64| {
         let mut levels = draw8(&camera, &print, at);
         levels.extend(draw8(&camera, &print, 0.4));
@@ -237,7 +237,7 @@ fn a_named_region_keeps_a_second_scale_out() {
 }
 
 #[test]
-fn files_that_are_not_pictures_are_refused() {
+fn invalid_files_are_rejected() {
     let file = png(&Camera::default(), &Print::comb(), 0.0);
     assert!(decode(&file).is_ok());
     for bytes in [
@@ -250,7 +250,7 @@ fn files_that_are_not_pictures_are_refused() {
     ] {
         assert!(decode(bytes).is_err(), "{} bytes", bytes.len());
     }
-    // A header that promises more than any camera has.
+    // A header with a size beyond any camera.
     let mut huge = file.clone();
     huge[16..20].copy_from_slice(&60_000_u32.to_be_bytes());
     assert!(decode(&huge).is_err());

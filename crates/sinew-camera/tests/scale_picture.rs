@@ -1,8 +1,7 @@
-//! Drawn pictures of a scale whose place is known: the truth of the camera tests.
+//! Drawn pictures of a scale with known position: the truth of the camera tests.
 //!
-//! Every pixel is the mean of the print over its width, seen through a perspective, a rotation and a
-//! blur along the scale, under uneven light, with sensor noise, dirt on the scale and dust on the
-//! lens. Nothing here is shared with the reader.
+//! Every pixel is the mean of the print over its width, with perspective, rotation, blur along the scale, uneven light,
+//! sensor noise, dirt on the scale and dust on the lens. The drawing shares no code with the reader.
 #![allow(dead_code)]
 
 use rand::{RngExt, SeedableRng};
@@ -10,30 +9,30 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_camera::Picture;
 
-/// How the picture is taken.
+/// Conditions of the picture.
 #[derive(Debug, Clone)]
 pub(crate) struct Camera {
     pub width: usize,
     pub height: usize,
-    /// Pixels from line to line in the middle of the picture.
+    /// Pitch in the middle of the picture, px.
     pub pitch_px: f64,
     /// Rotation of the scale, degrees.
     pub tilt_deg: f64,
-    /// The scale runs from top to bottom.
+    /// Whether the scale runs from top to bottom.
     pub upright: bool,
-    /// Growth of magnification per picture width.
+    /// Increase of magnification per picture width.
     pub perspective: f64,
     /// Standard deviation of the Gaussian blur, px.
     pub blur_px: f64,
-    /// Way of the scale during the exposure, px.
+    /// Displacement of the scale during the exposure, px.
     pub smear_px: f64,
-    /// Light at the darkest corner over light at the brightest.
+    /// Ratio of the light at the darkest corner to that at the brightest.
     pub uneven: f64,
     /// Grey level of white paper in full light, 0 to 255.
     pub white: f64,
     /// Standard deviation of the sensor's noise, grey levels.
     pub noise: f64,
-    /// Where the scale's zero line is at displacement 0, px from the middle.
+    /// Position of the zero line at displacement 0, px from the middle.
     pub zero_px: f64,
     /// Middle of the lines' lower end across the picture, px from the middle.
     pub across_px: f64,
@@ -61,14 +60,14 @@ impl Default for Camera {
     }
 }
 
-/// What is printed.
+/// Print of the scale.
 #[derive(Debug, Clone)]
 pub(crate) struct Print {
     /// Width of the lines, graduations.
     pub line_width: f64,
-    /// Lines every this many are longer: (every, length in graduations), longest first.
+    /// Distances and lengths of the longer lines: (every, length in graduations), longest first.
     pub lengths: Vec<(i64, f64)>,
-    /// Numbers at every so many lines; 0: none.
+    /// Distance of the numbers in lines; 0: none.
     pub numbers_every: i64,
     /// Darkness of the print, 0 to 1.
     pub ink: f64,
@@ -77,7 +76,7 @@ pub(crate) struct Print {
     pub to: f64,
     /// Dirt: specks that move with the scale.
     pub specks: usize,
-    /// Dust: specks that stay in the picture.
+    /// Dust: specks fixed in the picture.
     pub dust: usize,
 }
 
@@ -136,9 +135,8 @@ fn digit(value: u8, u: f64, v: f64) -> bool {
             || has(5) && right && v >= 1.0)
 }
 
-/// How dark a pixel is whose middle lies beside a line: the line's width, the pixel's own width, a
-/// Gaussian blur and the way during the exposure, folded together once, in steps of a hundredth
-/// of a graduation.
+/// Darkness of a pixel at a distance from a line: line width, pixel width, Gaussian blur and displacement during the
+/// exposure, convolved once in steps of 0.01 graduations.
 struct Profile {
     values: Vec<f64>,
     reach: f64,
@@ -152,7 +150,7 @@ impl Profile {
         let smear = camera.smear_px / camera.pitch_px;
         let pixel = 1.0 / camera.pitch_px;
         let reach = print.line_width / 2.0 + pixel / 2.0 + smear / 2.0 + 4.0 * blur + 0.02;
-        // Points of the pixel, of the exposure and of the Gaussian between ±4 deviations.
+        // Samples of the pixel, of the exposure and of the Gaussian between ±4 standard deviations.
         let points = |n: i32, width: f64| -> Vec<f64> {
             (0..n)
                 .map(|i| width * ((f64::from(i) + 0.5) / f64::from(n) - 0.5))
@@ -239,7 +237,7 @@ fn number(print: &Print, s: f64, t: f64) -> bool {
     )
 }
 
-/// Draws the scale moved by `displacement` graduations; grey levels 0 to 255, row by row.
+/// Draws the scale displaced by `displacement` graduations; grey levels 0 to 255, row-major.
 pub(crate) fn draw(camera: &Camera, print: &Print, displacement: f64) -> Vec<f64> {
     let (w, h) = (camera.width as f64, camera.height as f64);
     let (sin, cos) = camera.tilt_deg.to_radians().sin_cos();
@@ -302,7 +300,7 @@ pub(crate) fn draw(camera: &Camera, print: &Print, displacement: f64) -> Vec<f64
     out
 }
 
-/// As 8-bit grey levels.
+/// Draws 8-bit grey levels.
 pub(crate) fn draw8(camera: &Camera, print: &Print, displacement: f64) -> Vec<u8> {
     draw(camera, print, displacement)
         .into_iter()
@@ -310,7 +308,7 @@ pub(crate) fn draw8(camera: &Camera, print: &Print, displacement: f64) -> Vec<u8
         .collect()
 }
 
-/// As the reader takes it.
+/// Draws a [`Picture`] for the reader.
 pub(crate) fn picture(camera: &Camera, print: &Print, displacement: f64) -> Picture {
     Picture::from_luma8(
         camera.width,
@@ -320,7 +318,7 @@ pub(crate) fn picture(camera: &Camera, print: &Print, displacement: f64) -> Pict
     .unwrap()
 }
 
-/// As a PNG of 8-bit grey levels.
+/// Draws a PNG with 8-bit grey levels.
 pub(crate) fn png(camera: &Camera, print: &Print, displacement: f64) -> Vec<u8> {
     encode_png(
         camera,
@@ -330,7 +328,7 @@ pub(crate) fn png(camera: &Camera, print: &Print, displacement: f64) -> Vec<u8> 
     )
 }
 
-/// Bytes of pixels as PNG; 16 bits with the larger byte first.
+/// Encodes pixels as PNG; 16 bits are big-endian.
 pub(crate) fn encode_png(
     camera: &Camera,
     bytes: &[u8],
@@ -347,7 +345,7 @@ pub(crate) fn encode_png(
     out
 }
 
-/// As a JPEG.
+/// Draws a JPEG.
 pub(crate) fn jpeg(camera: &Camera, print: &Print, displacement: f64, quality: u8) -> Vec<u8> {
     let mut out = Vec::new();
     jpeg_encoder::Encoder::new(&mut out, quality)

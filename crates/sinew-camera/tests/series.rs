@@ -1,4 +1,4 @@
-//! Folders and videos: times, order, what is left out, what is refused, what is written.
+//! Folders and videos: times, order, ignored files, errors and output.
 
 use crate::scale_picture::{Camera, Print, draw8, jpeg, png};
 use crate::skipped::skipped;
@@ -53,7 +53,7 @@ fn assert_close(found: &[(f64, f64)], want: &[(f64, f64)]) {
 }
 
 #[test]
-fn a_folder_becomes_a_recording() {
+fn folder_of_frames_gives_recording() {
     let folder = TempDir::new().unwrap();
     for (name, at) in [("f_0.0s.png", 0.0), ("f_10.5s.png", 0.8), ("f_9s.png", 0.6)] {
         put(&folder, name, &frame(at));
@@ -71,7 +71,7 @@ fn a_folder_becomes_a_recording() {
     let overlay = folder.path().join("overlay.png");
     request.overlay = Some(overlay.clone());
     let outcome = run(&request).unwrap();
-    // Movement in graduations of 0.5 mm, times -0.5.
+    // Displacement in graduations of 0.5 mm, times −0.5.
     assert_close(
         &elongations(&outcome),
         &[(0.0, 0.0), (9.0, -0.15), (10.5, -0.2), (20.0, -0.35)],
@@ -103,7 +103,7 @@ fn a_folder_becomes_a_recording() {
     assert_eq!(json["scale"]["pitch_m"], 0.5e-3);
     let page = html(&outcome, "bench <7>", "0");
     assert!(page.contains("bench &lt;7&gt;") && page.contains("<svg"));
-    // The overlay has the picture on top and green lines on the print.
+    // The overlay has the picture at the top and green lines on the print.
     let file = std::io::BufReader::new(std::fs::File::open(&overlay).unwrap());
     let mut drawn = png::Decoder::new(file).read_info().unwrap();
     let mut pixels = vec![0; drawn.output_buffer_size().unwrap()];
@@ -115,7 +115,7 @@ fn a_folder_becomes_a_recording() {
         .filter(|p| p[1] > p[0].saturating_add(60))
         .count();
     assert!(green > 200, "{green} green pixels");
-    // Only whole files lie there.
+    // Only complete files remain.
     let left: Vec<_> = std::fs::read_dir(folder.path())
         .unwrap()
         .map(|e| e.unwrap().file_name())
@@ -124,7 +124,7 @@ fn a_folder_becomes_a_recording() {
 }
 
 #[test]
-fn one_frame_is_a_zero_with_a_note() {
+fn single_frame_is_reference_with_note() {
     let folder = TempDir::new().unwrap();
     put(&folder, "a.png", &frame(3.0));
     let outcome = run(&at_rate(folder.path(), 1.0)).unwrap();
@@ -137,7 +137,7 @@ fn one_frame_is_a_zero_with_a_note() {
 }
 
 #[test]
-fn bad_frames_are_named_and_the_rest_is_read() {
+fn invalid_frames_are_listed_and_others_read() {
     let folder = TempDir::new().unwrap();
     let good = frame(0.4);
     put(&folder, "1.png", b"");
@@ -176,7 +176,7 @@ fn bad_frames_are_named_and_the_rest_is_read() {
 }
 
 #[test]
-fn times_come_from_a_table_in_any_order() {
+fn times_from_unsorted_table_are_used() {
     let folder = TempDir::new().unwrap();
     for (name, at) in [
         ("a.png", 0.0),
@@ -194,7 +194,7 @@ fn times_come_from_a_table_in_any_order() {
         request.times = Times::Table(table.clone());
         run(&request)
     };
-    // c before b, d at the time of b, gone.png not there, e not named.
+    // c before b, d at the time of b, gone.png missing, e not listed.
     let outcome =
         with("file,time_s,remark\na.png,0,x\nc.png,20,\nb.png,10,\nd.png,10.0,\ngone.png,30,\n")
             .unwrap();
@@ -238,27 +238,27 @@ fn times_come_from_a_table_in_any_order() {
 }
 
 #[test]
-fn what_cannot_be_read_is_refused_with_what_to_do() {
+fn unusable_input_error_suggests_fix() {
     let folder = TempDir::new().unwrap();
-    let refuse = |request: &Request, want: &str| {
+    let assert_error = |request: &Request, want: &str| {
         let error = run(request).unwrap_err().to_string();
         assert!(error.contains(want), "{error}");
     };
     put(&folder, "readme.md", b"");
-    refuse(&at_rate(folder.path(), 1.0), "no PNG or JPEG frames");
-    refuse(&at_rate(&folder.path().join("nowhere"), 1.0), "nowhere");
+    assert_error(&at_rate(folder.path(), 1.0), "no PNG or JPEG frames");
+    assert_error(&at_rate(&folder.path().join("nowhere"), 1.0), "nowhere");
     put(&folder, "frame_0001.png", &frame(0.0));
-    refuse(
+    assert_error(
         &Request::new(folder.path()),
         "--frame-rate HZ or --times FILE.csv",
     );
-    refuse(&at_rate(folder.path(), 0.0), "a frame rate of 0 1/s");
+    assert_error(&at_rate(folder.path(), 0.0), "a frame rate of 0 1/s");
     let mut request = at_rate(folder.path(), 1.0);
     request.read.pitch_m = Some(-1e-3);
-    refuse(&request, "a line every -1 mm");
+    assert_error(&request, "a line every -1 mm");
     let mut request = at_rate(folder.path(), 1.0);
     request.elongation_per_movement = 0.0;
-    refuse(&request, "an elongation of 0 mm per mm");
+    assert_error(&request, "an elongation of 0 mm per mm");
     let mut request = at_rate(folder.path(), 1.0);
     request.read.region = Some(sinew_camera::Region {
         x: 300,
@@ -266,7 +266,7 @@ fn what_cannot_be_read_is_refused_with_what_to_do() {
         width: 200,
         height: 100,
     });
-    refuse(&request, "outside the picture of 400 × 160 px");
+    assert_error(&request, "outside the picture of 400 × 160 px");
     let blank = TempDir::new().unwrap();
     let nothing = Print {
         from: 0.0,
@@ -274,7 +274,7 @@ fn what_cannot_be_read_is_refused_with_what_to_do() {
         ..Print::half_millimetre()
     };
     put(&blank, "1.png", &png(&camera(), &nothing, 0.0));
-    refuse(
+    assert_error(
         &at_rate(blank.path(), 1.0),
         "none of 1 frames could be used; the first: 1.png: no scale",
     );
@@ -284,14 +284,14 @@ fn what_cannot_be_read_is_refused_with_what_to_do() {
         "1.png",
         &png(&Camera::default(), &Print::millimetre(), 0.0),
     );
-    refuse(
+    assert_error(
         &at_rate(wrong.path(), 1.0),
         "1.png: every 5th line is longer",
     );
 }
 
 #[test]
-fn a_video_without_ffmpeg_says_what_to_install() {
+fn video_without_ffmpeg_error_suggests_installation() {
     let folder = TempDir::new().unwrap();
     put(&folder, "bench.mp4", b"not a video");
     let mut request = Request::new(folder.path().join("bench.mp4"));
@@ -309,7 +309,7 @@ fn a_video_without_ffmpeg_says_what_to_install() {
 }
 
 #[test]
-fn a_video_is_read_through_ffmpeg() {
+fn video_is_decoded_by_ffmpeg() {
     if Command::new("ffmpeg").arg("-version").output().is_err() {
         skipped("ffmpeg is not installed");
         return;

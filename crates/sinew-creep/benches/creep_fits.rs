@@ -1,9 +1,10 @@
-//! What `sinew creep fit` costs: five laws on every test of a file, one thread.
+//! Cost of `sinew creep fit`: five laws on every test of a file, one thread.
 //!
-//! `cargo bench -p sinew-creep --bench creep_fits -- FILE [OUT.json]` prints how long the searches
-//! take (no draws for intervals, independent errors) and writes the curves as they were fitted with
-//! the sum of squares each law reached. `benches/peers/creep_fits.py` gives the same curves to
-//! SciPy. Then it prints what the command itself does: searches with slow errors, and the draws behind the intervals.
+//! `cargo bench -p sinew-creep --bench creep_fits -- FILE [OUT.json]` prints the duration of the
+//! searches (no draws for intervals, independent errors) and writes the fitted curves with the sum
+//! of squares of each law. `benches/peers/creep_fits.py` passes the same curves to SciPy. It then
+//! prints the duration of the command itself: searches with slow errors, and the draws for the
+//! intervals.
 
 use sinew_creep::{Curve, FitOptions, Law, NoiseKind, PrepareOptions};
 use sinew_creep::{TestOptions, read_test};
@@ -13,7 +14,7 @@ use std::time::Instant;
 
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    // `cargo test --benches` only wants to know that it runs.
+    // `cargo test --benches` only checks that it runs.
     let quick = args.iter().any(|a| a == "--test");
     let mut paths = args.iter().filter(|a| !a.starts_with("--"));
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/06-creep-test");
@@ -71,15 +72,15 @@ fn main() {
         let curves: Vec<serde_json::Value> = curves
             .iter()
             .zip(fits.chunks(Law::ALL.len()))
-            .map(|(curve, fits)| told(curve, fits))
+            .map(|(curve, fits)| measured(curve, fits))
             .collect();
         let text = serde_json::json!({ "seconds": seconds, "curves": curves }).to_string();
         std::fs::write(out, text).expect("the file can be written");
     }
 }
 
-/// Seconds this thread has had of a processor, where the system tells (Linux), so that a busy
-/// machine doesn't count; else seconds of the clock.
+/// Processor time of this thread, s, if available (Linux), so that a busy machine does not count;
+/// otherwise wall-clock time.
 fn clock_s() -> f64 {
     let schedule = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let ns = schedule.and_then(|s| s.split_whitespace().next()?.parse::<f64>().ok());
@@ -91,7 +92,7 @@ fn clock_s() -> f64 {
 
 static EPOCH: OnceLock<Instant> = OnceLock::new();
 
-fn told(
+fn measured(
     curve: &Curve,
     fits: &[Result<sinew_creep::Fit, sinew_creep::CreepError>],
 ) -> serde_json::Value {

@@ -1,4 +1,4 @@
-//! How often intervals and forecasts of creep fits hold the truth: the tables of docs/src/science/creep.md.
+//! Coverage of intervals and forecasts of creep fits: the tables of docs/src/science/creep.md.
 //!
 //! `cargo run --release -p sinew-creep --example coverage -- TABLE [SEEDS]`; TABLE is `laws`, `rope`, `one-load`, `sampled` or
 //! `decades`.
@@ -20,8 +20,8 @@ use support::score::{Scores, heading};
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let seeds = |ordinary: u64| {
-        let asked = args.get(1).and_then(|s| s.parse().ok());
-        asked.unwrap_or(ordinary)
+        let specified = args.get(1).and_then(|s| s.parse().ok());
+        specified.unwrap_or(ordinary)
     };
     match args.first().map(String::as_str) {
         Some("laws") => laws(seeds(1000)),
@@ -38,17 +38,19 @@ fn main() -> ExitCode {
             (0..).zip(&COLD).map(test).collect()
         }),
         Some("decades") => decades(seeds(100)),
-        // `cargo test --examples` only wants to know that it runs.
+        // `cargo test --examples` only checks that it runs.
         None => println!("{}", heading()),
         Some(other) => {
-            eprintln!("no table '{other}'; there are laws, rope, one-load, sampled, decades");
+            eprintln!(
+                "table '{other}' not found; available: laws, rope, one-load, sampled, decades"
+            );
             return ExitCode::from(2);
         }
     }
     ExitCode::SUCCESS
 }
 
-/// Parameters of laws that made the records.
+/// Coverage of parameters of laws that generated the records.
 fn laws(seeds: u64) {
     println!("{}", heading());
     for known in &KNOWN {
@@ -58,7 +60,7 @@ fn laws(seeds: u64) {
     }
 }
 
-/// Parameters of the rope law that made the records.
+/// Coverage of parameters of the rope law that generated the records.
 fn rope(
     seeds: u64,
     truth: impl Fn(u64) -> Parameters + Sync,
@@ -82,7 +84,7 @@ fn rope(
     println!("{}", all.row("all"));
 }
 
-/// Forecasts by all laws of what none of them made, over decades of time.
+/// Coverage of forecasts by all laws of curves that none of them generated, over decades of time.
 fn decades(seeds: u64) {
     // Ten, a hundred and a thousand times the record, and a year.
     const YEAR_S: f64 = 365.25 * 86_400.0;

@@ -1,33 +1,33 @@
-//! What a creep test says without any law but a straight line: readings, moduli, slope,
-//! saturation, recovery.
+//! Analysis of a creep test without a creep law, except for a straight line: standard measurements,
+//! moduli, slope, saturation, recovery.
 
+use super::artefacts::median;
 use super::curve::Curve;
 use super::error::{CreepError, Unusable};
 use super::fit::fit;
 use super::law::Law;
 use super::options::FitOptions;
-use super::record::{Fault, Prepared, Stage, StrainZero};
-use super::scan::median;
+use super::record::{Artefact, Prepared, Stage, StrainZero};
 use super::span::Span;
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 
-/// Readings ISO 899-1 asks for, s: 1, 3, 6, 12, 30 min, 1, 2, 5, 10, 20, 50 … h.
+/// Measurement times required by ISO 899-1, s: 1, 3, 6, 12, 30 min, 1, 2, 5, 10, 20, 50 … h.
 pub const ISO_READINGS_S: [f64; 15] = [
     60.0, 180.0, 360.0, 720.0, 1.8e3, 3.6e3, 7.2e3, 1.8e4, 3.6e4, 7.2e4, 1.8e5, 3.6e5, 7.2e5,
     1.8e6, 3.6e6,
 ];
-/// One per second in %/h, the unit of the paper's slopes.
+/// Conversion factor from 1/s to %/h, the unit of the paper's slopes.
 pub const PERCENT_PER_H: f64 = 360_000.0;
-/// Where the paper begins its straight line: 20 min.
+/// Start of the straight line in the paper, s: 20 min.
 pub const SLOPE_FROM_S: f64 = 1200.0;
 
-/// How to analyse.
+/// Options of an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnalyzeOptions {
     /// Start of the straight line, s after the load.
     pub slope_from_s: f64,
-    /// Level of the intervals.
+    /// Confidence level of the intervals.
     pub level: f64,
     /// Seed of the draws.
     pub seed: u64,
@@ -43,127 +43,126 @@ impl Default for AnalyzeOptions {
     }
 }
 
-/// One reading of ISO 899-1.
+/// Measurement at a standard time of ISO 899-1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Reading {
-    /// Time under the whole load, s.
+pub struct IsoMeasurement {
+    /// Time under the full load, s.
     pub time_s: f64,
-    /// Strain from the zero, m/m.
+    /// Strain relative to the zero, m/m.
     pub strain_ratio: f64,
     /// Tensile creep modulus F/(A ε), Pa; `None` without a cross-section.
     pub modulus_pa: Option<f64>,
 }
 
-/// Why a record has no slope.
+/// Reason why a record has no slope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum NoSlope {
-    /// Too few readings late enough.
+    /// Too few measurements after the start of the straight line.
     TooFewReadings {
-        /// Readings there are.
+        /// Number of such measurements.
         readings: usize,
-        /// From when on, s after the load.
+        /// Start of the straight line, s after the load.
         from_s: f64,
-        /// Readings needed.
+        /// Minimum number of measurements.
         needed: usize,
     },
-    /// The straight line couldn't be fitted.
+    /// Failed fit of the straight line.
     NotFitted {
-        /// Why.
+        /// Reason of the failure.
         reason: CreepError,
     },
 }
 
-/// After the load fell.
+/// Recovery after a decrease of the load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Recovery {
-    /// Load before, N.
+    /// Load before the decrease, N.
     pub force_before_n: f64,
-    /// Load after, N.
+    /// Load after the decrease, N.
     pub force_after_n: f64,
-    /// Strain at the end under the higher load, m/m.
+    /// Strain at the end of the stage with the higher load, m/m.
     pub before_strain_ratio: f64,
-    /// Strain that went with the load, m/m.
-    pub at_once_strain_ratio: f64,
-    /// Strain that went later, within the record, m/m.
+    /// Strain recovered immediately with the load, m/m.
+    pub immediate_strain_ratio: f64,
+    /// Strain recovered later, within the record, m/m.
     pub delayed_strain_ratio: f64,
-    /// Strain at the end of the stage, m/m: what is left, residual where the load is gone.
+    /// Strain at the end of the stage, m/m: the residual strain if the load is removed.
     pub residual_strain_ratio: f64,
-    /// Length of the stage, s.
+    /// Duration of the stage, s.
     pub duration_s: f64,
 }
 
-/// What one specimen's record says.
+/// Analysis of one specimen's record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Analysis {
-    /// Specimen.
+    /// Name of the specimen.
     pub name: String,
-    /// Group of repeats it belongs to.
+    /// Group of repeats of the specimen.
     pub group: Option<String>,
     /// Load of the first stage, N.
     pub force_n: Option<f64>,
-    /// Load before, N.
+    /// Preload before the first stage, N.
     pub preload_n: Option<f64>,
     /// Stress of the first stage, Pa.
     pub stress_pa: Option<f64>,
-    /// Temperature, °C.
+    /// Temperature of the record, °C.
     pub temperature_c: Option<Span>,
     /// Relative humidity or moisture as recorded, %.
     pub humidity_percent: Option<Span>,
-    /// Length of the first stage, s.
+    /// Duration of the first stage, s.
     pub duration_s: f64,
-    /// What was taken for strain zero.
+    /// Reference of the strain zero.
     pub zero: StrainZero,
-    /// Readings at the times of ISO 899-1 that the first stage reaches.
-    pub readings: Vec<Reading>,
+    /// Measurements at the standard times of ISO 899-1 within the first stage.
+    pub readings: Vec<IsoMeasurement>,
     /// Strain at the end of the first stage, m/m.
     pub end_strain_ratio: f64,
-    /// Rise from one minute (or the first reading after it) to the end, m/m.
+    /// Strain increase from one minute (or the first measurement after it) to the end, m/m.
     pub creep_strain_ratio: f64,
-    /// The paper's `m_E`: slope of a straight line from [`AnalyzeOptions::slope_from_s`] on,
-    /// 1/s; its interval knows that neighbouring residuals are alike.
+    /// Slope `m_E` of the paper: straight line from [`AnalyzeOptions::slope_from_s`] on, 1/s; its
+    /// interval accounts for the correlation of neighbouring residuals.
     pub slope_per_s: Option<Bounded>,
-    /// Why there is no slope.
+    /// Reason why there is no slope.
     pub no_slope: Option<NoSlope>,
-    /// Time after which less than a twentieth of the creep is still to come within the record, s.
+    /// Time after which less than 5 % of the recorded creep remains, s.
     pub saturation_s: Option<f64>,
-    /// Whether, at the slope found, another such duration would add less than a tenth of the
-    /// creep so far.
+    /// Whether, at this slope, another such duration would add less than 10 % of the creep so far.
     pub saturated: Option<bool>,
-    /// Falls of the load.
+    /// Recoveries after decreases of the load.
     pub recovery: Vec<Recovery>,
-    /// Oddities.
-    pub faults: Vec<Fault>,
+    /// Artefacts found in the record.
+    pub artefacts: Vec<Artefact>,
 }
 
 /// Analyses a prepared specimen.
 ///
 /// # Errors
-/// [`CreepError::Specimen`] when the first stage holds no reading.
+/// Returns [`CreepError::Specimen`] if the first stage is missing or contains no measurement.
 pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis, CreepError> {
-    let refuse = |reason: Unusable| CreepError::Specimen {
+    let invalid = |reason: Unusable| CreepError::Specimen {
         specimen: prepared.name.clone(),
         reason,
     };
     let first = *prepared
         .stages
         .first()
-        .ok_or_else(|| refuse(Unusable::NoStage))?;
+        .ok_or_else(|| invalid(Unusable::NoStage))?;
     let stage = Part::of(&prepared.curve, &first);
     if stage.time_s.is_empty() {
-        return Err(refuse(Unusable::NoReading));
+        return Err(invalid(Unusable::NoReading));
     }
     let duration_s = first.end_s - first.start_s;
-    let readings: Vec<Reading> = ISO_READINGS_S
+    let readings: Vec<IsoMeasurement> = ISO_READINGS_S
         .iter()
         .filter(|t| **t <= duration_s * (1.0 + 1e-9))
         .filter_map(|&t| {
             let strain = stage.at(t)?;
-            Some(Reading {
+            Some(IsoMeasurement {
                 time_s: t,
                 strain_ratio: strain,
                 modulus_pa: prepared
@@ -185,7 +184,7 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
     let saturation_s = (creep > 0.0)
         .then(|| {
             let goal = end - 0.05 * creep;
-            // The last reading below the goal: noise crosses it more than once.
+            // Last measurement below the goal, because noise crosses it more than once.
             let after = stage.strain.iter().rposition(|e| *e < goal)? + 1;
             stage.time_s.get(after).copied()
         })
@@ -210,7 +209,7 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
                 force_before_n: pair[0].force_n,
                 force_after_n: pair[1].force_n,
                 before_strain_ratio: high,
-                at_once_strain_ratio: high - low,
+                immediate_strain_ratio: high - low,
                 delayed_strain_ratio: low - after.end(),
                 residual_strain_ratio: after.end(),
                 duration_s: pair[1].end_s - pair[1].start_s,
@@ -239,11 +238,11 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
         saturation_s,
         saturated,
         recovery,
-        faults: prepared.faults.clone(),
+        artefacts: prepared.artefacts.clone(),
     })
 }
 
-/// Readings of a stage; time counts from its start.
+/// Measurements of a stage; time counts from its start.
 struct Part {
     time_s: Vec<f64>,
     strain: Vec<f64>,
@@ -262,8 +261,8 @@ impl Part {
         }
     }
 
-    /// Strain at a time: mean of the readings within 3 % of it, else between its neighbours on a
-    /// logarithmic scale of time.
+    /// Strain at a time: mean of the measurements within 3 % of it, otherwise interpolated over the
+    /// logarithm of time.
     fn at(&self, t: f64) -> Option<f64> {
         let near: Vec<f64> = self
             .time_s
@@ -289,24 +288,24 @@ impl Part {
         Some(e0 + share * (e1 - e0))
     }
 
-    /// Strain at the end: median of the last readings, at most a fiftieth of them.
+    /// Strain at the end: median of the last measurements, at most 2 % of them.
     fn end(&self) -> f64 {
         let count = (self.strain.len() / 50).clamp(1, 21);
         median(&self.strain[self.strain.len() - count..])
     }
 }
 
-/// Slope of the late readings, %/h.
+/// Slope of the late measurements, %/h.
 fn slope(stage: &Part, options: &AnalyzeOptions) -> Result<Bounded, NoSlope> {
-    /// Readings a slope with an interval needs.
-    const NEEDED: usize = 8;
+    /// Minimum number of measurements for a slope with an interval.
+    const MIN_MEASUREMENTS: usize = 8;
     let from = stage.time_s.partition_point(|t| *t < options.slope_from_s);
     let late = &stage.time_s[from..];
-    if late.len() < NEEDED {
+    if late.len() < MIN_MEASUREMENTS {
         return Err(NoSlope::TooFewReadings {
             readings: late.len(),
             from_s: options.slope_from_s,
-            needed: NEEDED,
+            needed: MIN_MEASUREMENTS,
         });
     }
     let curve = Curve::constant_load(
@@ -320,7 +319,7 @@ fn slope(stage: &Part, options: &AnalyzeOptions) -> Result<Bounded, NoSlope> {
         ..FitOptions::default()
     };
     let fit = fit(Law::Line, &[curve], &options).map_err(|reason| NoSlope::NotFitted { reason })?;
-    // The terms of a law come before its strain zeros.
+    // The terms of a law precede its strain zeros.
     let s = &fit.parameters[0];
     Ok(Bounded {
         value: s.value,

@@ -1,11 +1,11 @@
-//! Intervals by parametric bootstrap: what the fit would have found on other readings.
+//! Intervals by parametric bootstrap: fits of synthetic measurements.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::draw::Draw;
-use super::held::HeldDraws;
+use super::fixed_parameters::HeldDraws;
 use super::model::Model;
 use super::noise::Noise;
 use super::options::IntervalKind;
@@ -15,8 +15,9 @@ use super::student::{normal_quantile, normal_share};
 use sinew_model::statistics::quantile;
 
 /// Replaces intervals by bias-corrected quantiles of `count` replicates: the fitted strain with new
-/// noise of the fitted size, slow share and memory, fitted again from the best point. The bias is that of the search alone;
-/// then every replicate takes its own values of what is held.
+/// noise of the fitted size, slow share and correlation time, fitted again from the best point. The
+/// bias is that of the search alone; each replicate then draws its own values of the fixed
+/// parameters.
 ///
 /// # Source
 /// B. Efron, R. Tibshirani: *An Introduction to the Bootstrap*, 1993, chapters 6 and 14.
@@ -51,7 +52,7 @@ pub(super) fn intervals(
         values.sort_by(f64::total_cmp);
         let n = values.len() as f64;
         let below = as_held.iter().filter(|v| **v < numbers[i]).count() as f64;
-        // Half a replicate keeps a parameter that always ends at its bound finite.
+        // Half a replicate keeps the bias of a parameter that always ends at its bound finite.
         let bias = normal_quantile(((below + 0.5) / (n + 1.0)).clamp(0.01, 0.99));
         let at = |p: f64| quantile(&values, normal_share(2.0 * bias + normal_quantile(p)));
         parameter.low = at(tail);
@@ -73,7 +74,7 @@ fn replicate(model: &Model, best: &Draw, fitted: &[Vec<f64>], random: &mut ChaCh
     model
 }
 
-/// Noise of unit size at rising readings of the clock: slow and own.
+/// Draws noise of unit size at increasing clock values: slow part and independent part.
 fn errors(clock: &[f64], count: &[f64], noise: Noise, random: &mut ChaCha8Rng) -> Vec<f64> {
     let mut normal = || -> f64 { StandardNormal.sample(random) };
     let mut slow = noise.share.sqrt() * normal();

@@ -1,62 +1,62 @@
-//! A record as a fit takes it: strain over time and the history of the load.
+//! Record in the form used by a fit: strain over time and the load history.
 
-/// Points beyond which readings are averaged: more don't change a fit, only its time.
+/// Number of points above which measurements are averaged; more points only cost time.
 const POINTS: usize = 240;
 
-/// Strain over time under a history of loads.
+/// Strain over time under a load history.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
-    /// Name.
+    /// Name of the specimen.
     pub name: String,
-    /// Rising, s; 0 is the first step of the load.
+    /// Increasing times, s; 0 is the first load step.
     pub time_s: Vec<f64>,
-    /// Strain, m/m.
+    /// Strain at these times, m/m.
     pub strain: Vec<f64>,
-    /// Readings averaged into each point.
+    /// Number of measurements averaged into each point.
     pub count: Vec<f64>,
-    /// Load from a time on, as a multiple of the reference load.
+    /// Start time, s, and load of each step, as a multiple of the reference load.
     pub steps: Vec<(f64, f64)>,
-    /// Steps that came between two readings, nobody knows when.
+    /// Windows of steps at an unknown time between two measurements.
     pub windows: Vec<StepWindow>,
-    /// Temperature, °C, where known.
+    /// Temperature, °C, if known.
     pub temperature_c: Option<f64>,
-    /// What the steps are in newtons, where the force is recorded.
+    /// Tension scale of the steps, N, if the force is recorded.
     pub tension: Option<Tension>,
-    /// Readings before the load whose mean is strain zero; 0: the zero is unknown.
+    /// Number of measurements before the load whose mean is strain zero; 0 if the zero is unknown.
     pub zero_count: f64,
 }
 
-/// The readings between which a step of a [`Curve`] came.
+/// Interval between two measurements that contains a step of a [`Curve`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepWindow {
-    /// Index of the step.
+    /// Index of the load step.
     pub step: usize,
-    /// Last reading before it, s.
+    /// Time of the last measurement before the step, s.
     pub from_s: f64,
-    /// First reading after it, s.
+    /// Time of the first measurement after the step, s.
     pub to_s: f64,
 }
 
-/// Newtons behind the steps of a [`Curve`].
+/// Tension scale of the steps of a [`Curve`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tension {
     /// Tension before the first step, N; the strain counts from there.
     pub preload_n: f64,
-    /// Tension that a step of 1 adds, N.
+    /// Tension added by a step of 1, N.
     pub per_step_n: f64,
-    /// How long the record shows the preload before the first step, s.
+    /// Recorded duration of the preload before the first step, s.
     pub preloaded_s: f64,
 }
 
 impl Tension {
-    /// Tension at a step, N; a load cell's zero error below none counts as none.
+    /// Tension at a step, N; negative values, from a zero error of the load cell, become 0.
     pub fn at(&self, step: f64) -> f64 {
         (self.preload_n + step * self.per_step_n).max(0.0)
     }
 }
 
 impl Curve {
-    /// A curve under the reference load from time 0 on.
+    /// Creates a curve under the reference load from time 0 on.
     pub fn constant_load(name: impl Into<String>, time_s: Vec<f64>, strain: Vec<f64>) -> Self {
         Self {
             name: name.into(),
@@ -71,8 +71,7 @@ impl Curve {
         }
     }
 
-    /// The same record with steps as multiples of another load: `factor` is its own reference
-    /// load over that one.
+    /// Rescales the steps to another reference load; `factor` is the ratio of the present to the new reference load.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         self.steps.iter_mut().for_each(|step| step.1 *= factor);
@@ -82,13 +81,13 @@ impl Curve {
         self
     }
 
-    /// Whether the load falls somewhere.
+    /// Whether the load decreases at any time.
     pub fn unloads(&self) -> bool {
         self.steps.windows(2).any(|pair| pair[1].1 < pair[0].1)
     }
 
-    /// The stages of the load: start and last level of each. Small steps follow a drift of the load
-    /// and start none.
+    /// Stages of the load: start and last level of each. Small steps follow a drift of the load and
+    /// start no stage.
     fn stages(&self) -> Vec<(f64, f64)> {
         let mut stages: Vec<(f64, f64)> = Vec::new();
         let mut level = 0.0;
@@ -105,21 +104,21 @@ impl Curve {
         stages
     }
 
-    /// The load held longest, and when the next stage begins after it.
+    /// Load held longest, and the start of the next stage after it.
     pub(super) fn held(&self) -> Option<(f64, Option<f64>)> {
         let stages = self.stages();
         let last = self.time_s.last().copied().unwrap_or(0.0);
         let next = |i: usize| stages.get(i + 1).map(|stage| stage.0);
         let length = |i: usize| next(i).unwrap_or(last) - stages[i].0;
         let loaded = (0..stages.len()).filter(|&i| stages[i].1 > 0.05);
-        // The first of equals.
+        // The first of equal durations.
         let longest = loaded
             .rev()
             .max_by(|&a, &b| length(a).total_cmp(&length(b)))?;
         Some((stages[longest].1, next(longest)))
     }
 
-    /// The record up to the end of its longest stage under load, as if that load had stayed.
+    /// Record up to the end of its longest stage under load, with that load continued.
     #[must_use]
     pub(super) fn held_on(&self) -> Curve {
         let Some((_, Some(end))) = self.held() else {
@@ -135,8 +134,8 @@ impl Curve {
         held
     }
 
-    /// The same specimen, new, under another load and at another temperature from the first step
-    /// on; without readings.
+    /// The same specimen, new, under another load and temperature from the first step on; without
+    /// measurements.
     #[must_use]
     pub(super) fn instead(&self, level: f64, temperature_c: Option<f64>) -> Curve {
         let start = self.steps.first().map_or(0.0, |step| step.0);
@@ -151,7 +150,7 @@ impl Curve {
         }
     }
 
-    /// The stretch before and the stretch after `time_s`, both under the whole load history.
+    /// Splits the record at `time_s` into two parts, both under the whole load history.
     #[must_use]
     pub fn split(&self, time_s: f64) -> (Curve, Curve) {
         let at = self.time_s.partition_point(|t| *t <= time_s);
@@ -164,8 +163,8 @@ impl Curve {
         (part(0..at), part(at..self.time_s.len()))
     }
 
-    /// How many standard deviations of the readings the unknown moment of a step moves them by, all together: the creep since
-    /// goes with the logarithm of time.
+    /// Shift of the measurements by the unknown time of a step, all together, in their standard
+    /// deviations. The later creep is proportional to the logarithm of time.
     pub(super) fn moved_by(&self, window: &StepWindow) -> f64 {
         let middle = 0.5 * (window.from_s + window.to_s);
         let steps = self.steps.get(window.step + 1);
@@ -182,7 +181,8 @@ impl Curve {
             return 0.0;
         }
         let per_fold = (self.strain[last] - self.strain[first]) / folds;
-        // A reading between two others, by the logarithm of time: what is left scatters by √1.5 of a reading.
+        // Residual of a measurement between two others, linear in the logarithm of time: its
+        // scatter is √1.5 of one measurement.
         let place: Vec<f64> = after.iter().map(|&i| age(i).ln()).collect();
         let left: Vec<f64> = (1..after.len().saturating_sub(1))
             .map(|k| {
@@ -196,9 +196,10 @@ impl Curve {
         if left.is_empty() {
             return 0.0;
         }
-        // 1.4826 makes the median deviation that of a normal distribution.
-        let sigma = 1.482_6 * super::scan::median(&left);
-        // Anywhere in the window: a deviation of its length over √12.
+        // The factor 1.4826 converts the median deviation to a standard deviation of a normal
+        // distribution.
+        let sigma = 1.482_6 * super::artefacts::median(&left);
+        // Uniform in the window: standard deviation of its length over √12.
         let moment = (window.to_s - window.from_s) / 12.0_f64.sqrt();
         let squares: f64 = after
             .iter()
@@ -207,8 +208,8 @@ impl Curve {
         squares.sqrt() / sigma.max(f64::MIN_POSITIVE)
     }
 
-    /// The same curve with at most a few hundred points: means over bins that are even in the
-    /// logarithm of the time since the last step of the load.
+    /// Reduces the curve to at most a few hundred points: means over bins that are uniform in the
+    /// logarithm of the time since the last load step.
     #[must_use]
     pub fn thinned(&self) -> Curve {
         if self.time_s.len() <= POINTS {
@@ -236,7 +237,7 @@ impl Curve {
             let start = stages.get(here).copied().unwrap_or(0.0);
             let to = from + self.time_s[from..].partition_point(|t| stage(*t) == here);
             let end = self.time_s[to - 1];
-            // Even in ln(t + d): bins near the step hold single readings.
+            // Uniform in ln(t + d): bins near the step contain single measurements.
             let d = (end - start) / per_stage;
             let place = |t: f64| ((t - start) / d).ln_1p();
             let width = place(end) / per_stage;
@@ -275,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_split_loses_no_reading_and_keeps_the_loads() {
+    fn split_keeps_measurements_and_loads() {
         let whole = Curve {
             count: vec![1.0, 2.0, 3.0, 4.0],
             ..loaded()
@@ -299,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_specimen_new_has_one_step_and_no_readings() {
+    fn new_specimen_has_one_step_and_no_measurements() {
         let mut other = loaded();
         other.windows.push(StepWindow {
             step: 1,
@@ -316,9 +317,9 @@ mod tests {
         );
     }
 
-    /// `b ln t` and an error that changes its sign at every reading, evenly in the logarithm of time: by hand.
+    // Analytic value: `b ln t` with an error of alternating sign, uniform in the logarithm of time.
     #[test]
-    fn an_unknown_moment_of_a_step_moves_readings_by_so_many_deviations() {
+    fn unknown_step_time_shift_matches_analytic_value() {
         const CREEP: f64 = 2e-4;
         const ERROR: f64 = 1e-6;
         const READINGS: f64 = 4.0;
@@ -336,16 +337,17 @@ mod tests {
             from_s: 5.0,
             to_s: 15.0,
         };
-        // Each reading is two errors off its neighbours' mean; means of four have half a reading's.
-        let deviation = 1.482_6 * 2.0 * ERROR / 1.5_f64.sqrt();
+        // Each measurement deviates by two errors from its neighbours' mean; means of four have
+        // half the error of one.
+        let std = 1.482_6 * 2.0 * ERROR / 1.5_f64.sqrt();
         let squares: f64 = ages
             .iter()
             .map(|age| (CREEP / age * 10.0 / 12.0_f64.sqrt()).powi(2))
             .sum();
-        let by_hand = squares.sqrt() / deviation;
+        let by_hand = squares.sqrt() / std;
         let found = curve.moved_by(&window);
         assert!((found / by_hand - 1.0).abs() < 1e-9, "{found} {by_hand}");
-        // What comes after the next step is none of it.
+        // Measurements after the next step do not count.
         curve.steps = vec![(10.0, 1.0), (10.0 + 6.0 * 1.5_f64.powi(7), 2.0)];
         assert!(curve.moved_by(&window) < found);
     }

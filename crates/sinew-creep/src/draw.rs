@@ -1,10 +1,10 @@
-//! One set of all numbers of a law, and the strain it gives.
+//! Draw of all numbers of a law, and the strain it predicts.
 
 use super::curve::Curve;
 use super::model::Model;
 use super::noise::Noise;
 
-/// One set of all numbers.
+/// Draw of all numbers of a law.
 #[derive(Debug, Clone)]
 pub(super) struct Draw {
     pub(super) values: Vec<f64>,
@@ -17,7 +17,7 @@ pub(super) struct Draw {
 }
 
 impl Draw {
-    /// The largest likelihood's own numbers at a point of the unit cube.
+    /// Maximum-likelihood numbers at a point of the unit cube.
     pub(super) fn at(model: &Model, unit: &[f64]) -> Draw {
         let point = model.solve(unit, false);
         Draw {
@@ -29,7 +29,8 @@ impl Draw {
         }
     }
 
-    /// Values of the parameters in their order and units: shapes of the law, then coefficients by block.
+    /// Values of the parameters in their order and units: shapes of the law, then coefficients by
+    /// block.
     pub(super) fn numbers(&self, model: &Model) -> Vec<f64> {
         let mut numbers = self.values[..model.law_numbers()].to_vec();
         for beta in &self.beta {
@@ -40,12 +41,12 @@ impl Draw {
         numbers
     }
 
-    /// Strain, m/m, of the curve with index `curve`, at rising times.
+    /// Strain of the curve with index `curve`, m/m, at increasing times.
     pub(super) fn strain(&self, model: &Model, curve: usize, time_s: &[f64]) -> Vec<f64> {
         self.strain_under(model, curve, &model.curves[curve], time_s)
     }
 
-    /// Strain of the curve with index `curve`, m/m, at rising times, under the loads and at the
+    /// Strain of the curve with index `curve`, m/m, at increasing times, under the loads and at the
     /// temperature of `member`.
     pub(super) fn strain_under(
         &self,

@@ -1,22 +1,22 @@
-//! Draws of all parameters from what the record leaves open.
+//! Posterior draws of all parameters.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 
 use super::draw::Draw;
-use super::held::HeldDraws;
+use super::fixed_parameters::HeldDraws;
 use super::model::Model;
 use super::sample::{Around, Plan, ensemble};
 use super::solver::{half_squares, slopes};
 use sinew_model::cholesky::{dot, factorise_singular};
 
-/// Draws around `centre` and the `others` that a search found nearly as good; coefficients and the size of the noise from
-/// their own distributions given the rest.
+/// Draws around `centre` and the `others`, further optima of similar likelihood; coefficients and
+/// noise size are drawn from their conditional distributions.
 pub(super) fn draw(model: &Model, centre: &[f64], others: &[Vec<f64>], seed: u64) -> Vec<Draw> {
-    /// Draws of coefficients for each point of the ensemble.
+    /// Number of draws of the coefficients per point of the ensemble.
     const PER_POINT: usize = 3;
-    /// Draws of a law without nonlinear parameters.
+    /// Number of draws of a law without nonlinear parameters.
     const ALL_LINEAR: usize = 2000;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let points = ensemble(
@@ -64,7 +64,7 @@ pub(super) fn draw(model: &Model, centre: &[f64], others: &[Vec<f64>], seed: u64
             });
         }
     }
-    // Order must not depend on the walker: forecasts take parts of the list.
+    // The order must not depend on the walker, because forecasts use parts of the list.
     for i in (1..draws.len()).rev() {
         let j = random.random_range(0..=i);
         draws.swap(i, j);
@@ -72,12 +72,12 @@ pub(super) fn draw(model: &Model, centre: &[f64], others: &[Vec<f64>], seed: u64
     draws
 }
 
-/// Where walkers start: by the curvature of the squares at the optimum.
+/// Initial distribution of the walkers from the curvature of the squares at the optimum.
 fn around(model: &Model, centre: &[f64]) -> Around {
-    /// Step of the differences.
+    /// Step size of the finite differences.
     const STEP: f64 = 1e-4;
-    /// Nothing is known better than the searched range beforehand, as a standard deviation.
-    const WIDEST: f64 = 0.3;
+    /// Prior standard deviation of each parameter in the searched range of 0 to 1.
+    const PRIOR_STD: f64 = 0.3;
     let d = centre.len();
     let residuals = |x: &[f64]| model.residuals(x);
     let squares = 2.0 * half_squares(&residuals(centre));
@@ -86,10 +86,10 @@ fn around(model: &Model, centre: &[f64]) -> Around {
     let mut precision: Vec<f64> = (slopes.iter())
         .flat_map(|a| slopes.iter().map(|b| dot(a, b) / variance))
         .collect();
-    (0..d).for_each(|i| precision[i * d + i] += WIDEST.powi(-2));
+    (0..d).for_each(|i| precision[i * d + i] += PRIOR_STD.powi(-2));
     let mut factor = vec![0.0; d * d];
     let least = |pivot: f64| Some(pivot.max(f64::MIN_POSITIVE).sqrt());
-    // Every pivot is taken, so no row is refused.
+    // Every pivot is positive, so that no row is rejected.
     let _ = factorise_singular(&precision, &mut factor, d, least);
     Around {
         centre: centre.to_vec(),

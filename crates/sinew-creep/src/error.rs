@@ -1,35 +1,35 @@
-//! Why a creep test can't be analysed.
+//! Errors of the analysis of creep tests.
 
 use super::law::Law;
 use serde::{Deserialize, Serialize};
 use sinew_files::Located;
 
-/// Why a file of creep tests was refused.
+/// Error of an invalid file of creep tests.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TestFileError {
-    /// It is no table of a test.
+    /// Not a table of a creep test.
     #[error("{file}: not a creep test: {reason}")]
     NotATest {
-        /// File as the user named it.
+        /// File name as specified by the user.
         file: String,
-        /// What was found, and what was expected.
+        /// Content found, and content expected.
         reason: String,
     },
-    /// A file that can't be read, or a cell or header, with its place.
+    /// Unreadable file, or invalid cell or header with its location.
     #[error(transparent)]
     File(#[from] Located),
-    /// A column or sheet asked for is not there.
+    /// Requested column or sheet not found.
     #[error("{file}: {reason}")]
     Request {
-        /// File as the user named it.
+        /// File name as specified by the user.
         file: String,
-        /// What was asked for, what there is, and the nearest match.
+        /// Requested name, available names, and the nearest match.
         reason: String,
     },
 }
 
 impl TestFileError {
-    pub(super) fn refused(file: &str, reason: impl Into<String>) -> Self {
+    pub(super) fn invalid(file: &str, reason: impl Into<String>) -> Self {
         Self::NotATest {
             file: file.to_owned(),
             reason: reason.into(),
@@ -37,150 +37,152 @@ impl TestFileError {
     }
 }
 
-/// What was wrong, with the numbers.
+/// Error of an analysis or a fit, with its numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum CreepError {
-    /// Fewer readings than numbers to fit.
-    #[error("{} needs {needed} readings, there are {readings}", law.name())]
+    /// Fewer measurements than numbers to fit.
+    #[error("{} needs {needed} measurements, found {readings}", law.name())]
     TooFew {
-        /// The law.
+        /// Creep law that was fitted.
         law: Law,
-        /// Readings there are.
+        /// Number of measurements found.
         readings: usize,
-        /// Readings needed.
+        /// Minimum number of measurements.
         needed: usize,
     },
-    /// No test can be planned.
+    /// Planning of a test failed.
     #[error("no plan: {reason}")]
     NoPlan {
-        /// Why.
+        /// Reason of the failure.
         reason: String,
     },
-    /// The strain doesn't change.
-    #[error("{specimen}: the strain doesn't change: not connected, or the wrong column?")]
+    /// Strain without any change.
+    #[error("{specimen}: the strain is constant; check the sensor connection and the column")]
     Flat {
         /// Name of the specimen.
         specimen: String,
     },
-    /// No start of the search had a finite cost.
+    /// Cost that is not finite at any start of the search.
     #[error("{}: no finite cost from any start of the search", law.name())]
     NotFinite {
-        /// The law.
+        /// Creep law that was fitted.
         law: Law,
     },
-    /// A specimen's readings don't make a creep test.
+    /// Measurements of a specimen that are not a creep test.
     #[error("{specimen}: {reason}")]
     Specimen {
         /// Name of the specimen.
         specimen: String,
-        /// What was found.
+        /// Reason of the rejection.
         reason: Unusable,
     },
     /// No specimen could be analysed.
     #[error("{}", failures.join("\n"))]
     NothingAnalysed {
-        /// Why not, one of each.
+        /// Reason of each failure.
         failures: Vec<String>,
     },
-    /// No specimen has such a column or head line.
-    #[error("--group {column}: no such column; there are {}", known.join(", "))]
+    /// Group column that no specimen has.
+    #[error("--group {column}: column not found; available: {}", available.join(", "))]
     NoGroupColumn {
-        /// Column asked for.
+        /// Requested column of the group.
         column: String,
-        /// Columns there are.
-        known: Vec<String>,
+        /// Names of the available columns.
+        available: Vec<String>,
     },
-    /// The rope law without a rope to start from.
-    #[error("the rope law needs a catalogue rope to start from (--rope NAME)")]
+    /// Rope law without a base rope.
+    #[error("the rope law needs a catalogue rope as its base (--rope NAME)")]
     NoRope,
-    /// The catalogue rope lacks parameters.
+    /// Missing parameters of the catalogue rope.
     #[error("rope '{rope}' has no complete law; missing in its [law]: {missing}")]
     IncompleteRope {
-        /// Rope.
+        /// Name of the rope.
         rope: String,
-        /// Parameters that are missing.
+        /// Names of the missing parameters.
         missing: String,
     },
-    /// A fit that no catalogue entry can be made of.
+    /// Fit that does not determine a catalogue entry.
     #[error(transparent)]
     NoEntry {
-        /// Why.
+        /// Reason of the rejection.
         #[from]
         reason: NoEntry,
     },
-    /// A forecast that the records can't tell.
+    /// Forecast that the records do not support.
     #[error("{specimen}: no forecast: {reason}")]
     NoForecast {
-        /// Specimen or group.
+        /// Name of the specimen or group.
         specimen: String,
-        /// Why.
+        /// Reason why there is no forecast.
         reason: NoForecast,
     },
-    /// An isotherm with too few readings above zero.
+    /// Isotherm with too few measurements above zero.
     #[error(
-        "the isotherm at {temperature_c:.1} °C needs at least three readings with positive time and value"
+        "the isotherm at {temperature_c:.1} °C needs at least three measurements with positive time and value"
     )]
     Isotherm {
-        /// Its temperature, °C.
+        /// Temperature of the isotherm, °C.
         temperature_c: f64,
     },
-    /// Isotherms at one temperature.
+    /// Isotherms at one temperature only.
     #[error("superposition needs at least two temperatures more than 1 K apart")]
     OneTemperature,
 }
 
-/// Why a specimen's readings don't make a creep test, and what to do.
+/// Reason why measurements are not a creep test, with the remedy.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Unusable {
-    /// No column of times.
+    /// Missing column of times.
     #[error("no time")]
     NoTime,
-    /// No column of elongation or strain.
+    /// Missing column of elongation or strain.
     #[error("no elongation or strain")]
     NoStrain,
-    /// An elongation without the length it belongs to.
+    /// Elongation without a gauge length.
     #[error(
-        "an elongation needs the gauge length: say it (--gauge-length-mm) or write 'L0 (mm)' above the header"
+        "an elongation needs the gauge length: set --gauge-length-mm, or write 'L0 (mm)' above the header"
     )]
     NoGaugeLength,
-    /// A gauge length that can't be.
-    #[error("gauge length {length_m} m; it must be positive")]
+    /// Invalid gauge length.
+    #[error("gauge length {length_m} m is invalid; it must be positive")]
     GaugeLength {
-        /// Length found, m.
+        /// Gauge length found, m.
         length_m: f64,
     },
-    /// Too few readings.
-    #[error("{readings} usable readings; a creep test needs {needed}")]
+    /// Too few measurements.
+    #[error("{readings} usable measurements; a creep test needs {needed}")]
     TooFewReadings {
-        /// Readings there are.
+        /// Number of usable measurements.
         readings: usize,
-        /// Readings needed.
+        /// Minimum number of measurements.
         needed: usize,
     },
-    /// A strain that no fibre, rope or plastic reaches.
+    /// Implausibly large strain of a fibre, rope or plastic.
     #[error(
-        "strain reaches {strain_ratio:.3} m/m, {:.0} %: is the column in percent or an elongation? say strain=COLUMN:% or elongation=COLUMN:mm",
+        "strain reaches {strain_ratio:.3} m/m, {:.0} %: if the column is in percent or an elongation, set strain=COLUMN:% or elongation=COLUMN:mm",
         100.0 * strain_ratio
     )]
     StrainTooLarge {
-        /// Largest strain, m/m.
+        /// Largest strain found, m/m.
         strain_ratio: f64,
     },
     /// No force above zero.
-    #[error("the force never rises above zero: is its sign right?")]
+    #[error("the force never rises above zero; check its sign")]
     ForceNeverPositive,
     /// No plateau of the force.
-    #[error("the force holds no level: not a creep test, or force and elongation are swapped")]
-    NoLevel,
-    /// The force creeps and the strain stays.
     #[error(
-        "the force changes by {:.1} % and the strain by {:.4} %: force and elongation look swapped",
+        "the force has no constant level: not a creep test, or force and elongation are swapped"
+    )]
+    NoLevel,
+    /// Variable force with constant strain.
+    #[error(
+        "the force changes by {:.1} % and the strain by {:.4} %: force and elongation are probably swapped",
         100.0 * force_change_share, 100.0 * strain_change_share
     )]
     Swapped {
@@ -192,17 +194,17 @@ pub enum Unusable {
     /// No stage under load.
     #[error("no stage under load")]
     NoStage,
-    /// No reading under load.
-    #[error("no reading under load")]
+    /// No measurement under load.
+    #[error("no measurement under load")]
     NoReading,
-    /// The rope law without tensions.
+    /// Rope law without tensions.
     #[error(
         "the rope law needs the tension in newtons; the record has no force (--column force=…:N)"
     )]
     NoTension,
-    /// A tension that breaks the base rope.
+    /// Tension above the breaking load of the base rope.
     #[error(
-        "a force of {tension_n:.1} N breaks a rope of {breaking_load_n:.0} N breaking load: the wrong base rope?"
+        "a force of {tension_n:.1} N exceeds the breaking load of {breaking_load_n:.0} N; check the base rope"
     )]
     Breaks {
         /// Largest tension, N.
@@ -210,58 +212,58 @@ pub enum Unusable {
         /// Breaking load of the base rope, N.
         breaking_load_n: f64,
     },
-    /// A temperature outside the rope law's range.
-    #[error("{temperature_c:.1} °C: the rope law takes −100 to 200 °C")]
+    /// Temperature outside the range of the rope law.
+    #[error("{temperature_c:.1} °C is outside the range of the rope law (−100 to 200 °C)")]
     Temperature {
-        /// Temperature, °C.
+        /// Temperature of the record, °C.
         temperature_c: f64,
     },
-    /// No temperature, or neither modulus nor strain to shift.
+    /// Missing temperature, or neither modulus nor strain to shift.
     #[error("no temperature, or neither modulus nor strain")]
     NothingToShift,
 }
 
-/// Why records don't tell a forecast.
+/// Reason why records do not support a forecast.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum NoForecast {
     /// No stage under load.
-    #[error("the record holds no load")]
+    #[error("the record contains no load")]
     NoLoad,
-    /// A load is stated, and none is recorded.
-    #[error("a load in N is stated, and the record has no force (--column force=…:N)")]
+    /// Load specified, but none recorded.
+    #[error("a load in N is specified, but the record has no force (--column force=…:N)")]
     NoForce,
-    /// A temperature is stated, and none is recorded.
-    #[error("a temperature is stated, and the record has none (--temperature-c)")]
+    /// Temperature specified, but none recorded.
+    #[error("a temperature is specified, but the record has none (--temperature-c)")]
     NoTemperature,
-    /// A load beyond those of the records.
+    /// Load outside the range of the records.
     #[error(
-        "{load_n} N lies beyond the {low_n:.1} to {high_n:.1} N that can be told from; tests under several loads, fitted together (--joint group), or the rope law alone (--law rope --rope NAME) tell more"
+        "{load_n} N is outside the tested range ({low_n:.1} to {high_n:.1} N); fit tests under several loads together (--joint group), or use the rope law alone (--law rope --rope NAME)"
     )]
     Load {
-        /// Asked for, N.
+        /// Requested load, N.
         load_n: f64,
-        /// Least load that can be told, N.
+        /// Smallest load of the supported range, N.
         low_n: f64,
-        /// Largest, N.
+        /// Largest load of the supported range, N.
         high_n: f64,
     },
-    /// A temperature beyond those of the records.
+    /// Temperature outside the range of the records.
     #[error(
-        "{temperature_c} °C lies beyond the {low_c:.1} to {high_c:.1} °C of the records; tests at several temperatures, fitted together (--joint group), or the rope law alone (--law rope --rope NAME) tell more"
+        "{temperature_c} °C is outside the tested range ({low_c:.1} to {high_c:.1} °C); fit tests at several temperatures together (--joint group), or use the rope law alone (--law rope --rope NAME)"
     )]
     Temperature {
-        /// Asked for, °C.
+        /// Requested temperature, °C.
         temperature_c: f64,
-        /// Lowest of the records, °C.
+        /// Lowest temperature of the records, °C.
         low_c: f64,
-        /// Highest, °C.
+        /// Highest temperature of the records, °C.
         high_c: f64,
     },
 }
 
-/// Why no catalogue entry can be made of a fit.
+/// Reason why a fit does not determine a catalogue entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -274,10 +276,10 @@ pub enum NoEntry {
         "one file for one rope, but {fitted} were fitted; --joint group fits specimens together"
     )]
     SeveralRopes {
-        /// Ropes fitted.
+        /// Number of fitted ropes.
         fitted: usize,
     },
-    /// The rope law is not among the fits.
+    /// Rope law not among the fits.
     #[error("the rope law was not fitted")]
     NoRopeLaw,
     /// Another law, no draws, or several amplitudes.
@@ -287,13 +289,13 @@ pub enum NoEntry {
     NotARopeFit,
 }
 
-/// What couldn't be analysed or fitted, and why.
+/// Specimen or group that could not be analysed or fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failure {
-    /// Specimen or group that was fitted; `None` where the reason names it.
+    /// Specimen or group that was fitted; `None` if the reason names it.
     pub name: Option<String>,
-    /// Why.
+    /// Reason of the failure.
     pub reason: CreepError,
 }
 

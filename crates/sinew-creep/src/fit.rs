@@ -1,4 +1,4 @@
-//! Fitting a law: search from several starts, then draws for the intervals.
+//! Fit of a law: search from several starts, then draws for the intervals.
 
 use super::bootstrap;
 use super::curve::Curve;
@@ -16,37 +16,38 @@ use super::solver::{Ending, Minimum, minimum};
 use super::span::extremes;
 use super::starts::starts;
 
-/// A law fitted to one or several curves.
+/// Law fitted to one or several curves.
 #[derive(Debug, Clone, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fit {
-    /// The law.
+    /// Creep law that was fitted.
     pub law: Law,
-    /// Akaike weight among the laws fitted to the same readings; 1 for a law fitted alone.
+    /// Akaike weight among the laws fitted to the same measurements; 1 for a law fitted alone.
     pub weight: f64,
-    /// Readings (or means of readings) used.
+    /// Number of measurements (or means of measurements) used.
     pub readings: usize,
-    /// Numbers fitted, those of the noise among them.
+    /// Number of fitted numbers, including those of the noise.
     pub fitted: usize,
-    /// Natural logarithm of the largest likelihood.
+    /// Natural logarithm of the maximum likelihood.
     pub log_likelihood: f64,
-    /// Akaike's criterion with the correction for few readings; smaller is better.
+    /// Akaike's criterion with the correction for few measurements; smaller is better.
     pub aicc: f64,
     /// Schwarz's criterion; smaller is better.
     pub bic: f64,
-    /// Standard deviation of a reading's strain, m/m.
+    /// Standard deviation of a measurement's strain, m/m.
     pub residual_strain_ratio: f64,
-    /// Noise of largest likelihood.
+    /// Noise parameters of maximum likelihood.
     pub noise: Noise,
-    /// How the best search ended.
+    /// Termination of the best search.
     pub ending: Ending,
-    /// Starts searched from.
+    /// Number of starts of the search.
     pub starts: usize,
-    /// Parameters, each with its own unit.
+    /// Parameters with values, units and intervals.
     pub parameters: Vec<Parameter>,
     /// Covariance of [`Self::parameters`] from the draws, in their units; empty without draws.
     pub covariance: Vec<Vec<f64>>,
-    /// Parameters of [`Law::Rope`] that the record can't tell, taken from the base rope.
+    /// Parameters of [`Law::Rope`] that are not identifiable from the record and fixed at the base
+    /// rope's value.
     pub fixed: Vec<FixedParameter>,
     #[serde(skip)]
     pub(super) model: Model,
@@ -61,25 +62,26 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// A parameter by its name.
+    /// Finds a parameter by its name.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|p| p.name == name)
     }
 
-    /// Strain of the largest likelihood, m/m, of the curve with index `curve`, at rising times.
+    /// Maximum-likelihood strain, m/m, of the curve with index `curve`, at increasing times.
     pub fn strain(&self, curve: usize, time_s: &[f64]) -> Vec<f64> {
         self.best.strain(&self.model, curve, time_s)
     }
 }
 
-/// Replicates of a bootstrap: the 2.5 % quantile rests on eight of them.
+/// Number of replicates of a bootstrap: the 2.5 % quantile is based on eight of them.
 const BOOTSTRAP: usize = 300;
 
 /// Fits a law to curves.
 ///
 /// # Errors
-/// [`CreepError::TooFew`] when there are not more readings than numbers to fit, and
-/// [`CreepError::Flat`] when a curve doesn't change.
+/// Returns [`CreepError::TooFew`] if there are fewer measurements than numbers to fit plus two,
+/// [`CreepError::Flat`] if a curve is constant, and the errors of [`Law::Rope`] for an unsuitable
+/// base rope.
 pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, CreepError> {
     let curves: Vec<Curve> = curves.iter().map(Curve::thinned).collect();
     for curve in &curves {
@@ -100,7 +102,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
             needed: fitted + 2,
         });
     }
-    /// Most steps of a search.
+    /// Maximum number of steps of a search.
     const STEPS: u64 = 60;
     let residuals = |x: &[f64]| model.residuals(x);
     let search = |start: &Vec<f64>| minimum(&residuals, start, STEPS);
@@ -112,7 +114,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     let mut minima: Vec<Minimum> = starts.iter().map(search).collect();
     by_cost(&mut minima);
     if let (NoiseKind::Correlated, Some(best)) = (model.noise, minima.first()) {
-        // Noise that is nearly all slow is an optimum of its own, which shapes far off don't lead to.
+        // Nearly slow noise is a separate optimum, which remote shapes do not lead to.
         starts.push([&best.x[..model.shapes.len()], &[0.95, 0.6]].concat());
         minima.extend(starts.last().map(search));
         by_cost(&mut minima);
@@ -122,8 +124,9 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     let others = others(&model, &minimum.x, minima.map(|m| m.x));
 
     let point = model.solve(&minimum.x, false);
-    // Strain zeros that the rope law explains and other laws leave to ε₀ are readings that those
-    // fit exactly, with a number each: only then do criteria compare laws on the same data.
+    // Strain zeros that the rope law explains and other laws leave to ε₀ are measurements that
+    // those laws fit exactly, with one number each: only then do the criteria compare laws on the
+    // same data.
     let zeros: Vec<f64> = if options.rope.is_some() && model.rope.is_none() {
         let counts = model.curves.iter().map(|c| c.zero_count);
         counts.filter(|c| *c > 0.0).collect()
@@ -134,7 +137,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     let variance = (point.squares / n).max(f64::MIN_POSITIVE);
     let share = point.noise.share;
     let of_zeros: f64 = zeros.iter().map(|c| (share + (1.0 - share) / c).ln()).sum();
-    // Likelihood of strain in its own unit.
+    // Likelihood of the strain in its own unit.
     let log_likelihood = -0.5
         * (n * ((2.0 * std::f64::consts::PI * variance).ln() + 1.0)
             + point.log_det_noise
@@ -186,16 +189,16 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     })
 }
 
-/// Optima beside the best that draws must not miss: likely ones, each apart from those before.
+/// Further optima that the draws must cover: probable ones, each separate from the previous ones.
 fn others(model: &Model, best: &[f64], found: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
-    /// Less likely ones count for nothing, in logarithms.
-    const LIKELY: f64 = 20.0;
-    /// Nearer ones are the same, in shares of the searched ranges.
-    const SAME: f64 = 0.02;
-    let least = model.log_restricted(best) - LIKELY;
+    /// Maximum difference of the log-likelihood to the best optimum.
+    const MAX_LOG_LIKELIHOOD_DIFFERENCE: f64 = 20.0;
+    /// Minimum distance of separate optima, as a share of the searched ranges.
+    const MIN_DISTANCE: f64 = 0.02;
+    let least = model.log_restricted(best) - MAX_LOG_LIKELIHOOD_DIFFERENCE;
     let mut out = vec![best.to_vec()];
     for x in found {
-        let apart = |y: &Vec<f64>| x.iter().zip(y).any(|(a, b)| (a - b).abs() > SAME);
+        let apart = |y: &Vec<f64>| x.iter().zip(y).any(|(a, b)| (a - b).abs() > MIN_DISTANCE);
         if out.iter().all(apart) && model.log_restricted(&x) > least {
             out.push(x);
         }

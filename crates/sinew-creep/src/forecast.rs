@@ -1,33 +1,34 @@
-//! What a fitted law says about later times, with an interval for the next reading.
+//! Forecast of a fitted law at later times, with an interval for the next measurement.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::ahead::Ahead;
 use super::fit::Fit;
+use super::forecast_request::Continuation;
 use super::noise::Filter;
 use sinew_model::statistics::quantile;
 
-/// Strain at given times, m/m.
+/// Forecast strain at given times, m/m.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forecast {
-    /// Times, s.
+    /// Times after the load, s.
     pub time_s: Vec<f64>,
-    /// Median of the law's strain.
+    /// Median of the law's strain, m/m.
     pub strain_ratio: Vec<f64>,
-    /// Lower end of the interval of the law's strain.
+    /// Lower end of the interval of the law's strain, m/m.
     pub low_strain_ratio: Vec<f64>,
-    /// Upper end.
+    /// Upper end of the interval of the law's strain, m/m.
     pub high_strain_ratio: Vec<f64>,
-    /// Lower end of the interval in which a reading lies: law, slow part and reading error.
+    /// Lower end of the prediction interval of a measurement, m/m: law, slow part and measurement
+    /// error.
     pub reading_low_strain_ratio: Vec<f64>,
-    /// Upper end.
+    /// Upper end of the prediction interval of a measurement, m/m.
     pub reading_high_strain_ratio: Vec<f64>,
 }
 
-/// Draws of strain at times: of the law, and of a reading.
+/// Draws of the strain at given times: of the law, and of a measurement.
 #[derive(Default)]
 struct Paths {
     law: Vec<Vec<f64>>,
@@ -35,11 +36,11 @@ struct Paths {
 }
 
 impl Paths {
-    /// Paths of the curve with index `curve` at rising times after its last reading.
-    fn of(fit: &Fit, curve: usize, ahead: Ahead, time_s: &[f64]) -> Paths {
+    /// Draws paths of the curve with index `curve` at increasing times after its last measurement.
+    fn of(fit: &Fit, curve: usize, continuation: Continuation, time_s: &[f64]) -> Paths {
         let model = &fit.model;
         let mut random = ChaCha8Rng::seed_from_u64(fit.seed ^ 0x5eed);
-        let member = &ahead.of(&model.curves[curve]);
+        let member = &continuation.of(&model.curves[curve]);
         let clock = |t: f64| model.clock.at(member, t);
         let end = clock(member.time_s.last().copied().unwrap_or(0.0));
         let clocks: Vec<f64> = member.time_s.iter().map(|t| clock(*t)).collect();
@@ -47,7 +48,7 @@ impl Paths {
         let mut paths = Paths::default();
         for draw in &fit.draws {
             let law = draw.strain_under(model, curve, member, time_s);
-            // The slow part where the record ends, given this draw's law.
+            // Slow part at the end of the record, given this draw's law.
             filter.prepare(&clocks, &member.count, draw.noise);
             let mut left: Vec<f64> = draw
                 .strain_under(model, curve, member, &member.time_s)
@@ -81,21 +82,27 @@ impl Paths {
 }
 
 impl Forecast {
-    /// Strain of the curve with index `curve` at rising times after its last reading, by one law.
+    /// Forecast of one law for the curve with index `curve` at increasing times after its last
+    /// measurement.
     pub fn of(fit: &Fit, curve: usize, time_s: &[f64]) -> Forecast {
         let fits = std::slice::from_ref(fit);
-        Forecast::under(fits, curve, Ahead::AsRecorded, time_s)
+        Forecast::under(fits, curve, Continuation::AsRecorded, time_s)
     }
 
-    /// The forecasts of several laws as one, each with its Akaike weight: which law is right is then
-    /// part of the interval.
-    pub(super) fn under(fits: &[Fit], curve: usize, ahead: Ahead, time_s: &[f64]) -> Forecast {
+    /// Forecast of several laws combined by their Akaike weights; the interval includes the
+    /// uncertainty of the law.
+    pub(super) fn under(
+        fits: &[Fit],
+        curve: usize,
+        continuation: Continuation,
+        time_s: &[f64],
+    ) -> Forecast {
         let total = fits.iter().map(|f| f.draws.len()).max().unwrap_or(0);
         let mut paths = Paths::default();
         for (fit, weight) in fits.iter().zip(akaike_weights(fits)) {
             let take = (weight * total as f64).round() as usize;
             if take > 0 {
-                let own = Paths::of(fit, curve, ahead, time_s);
+                let own = Paths::of(fit, curve, continuation, time_s);
                 paths.law.extend(own.law.into_iter().take(take));
                 paths.reading.extend(own.reading.into_iter().take(take));
             }
@@ -121,7 +128,7 @@ impl Forecast {
         }
     }
 
-    /// The same with both intervals `factor` times as wide on either side.
+    /// Widens both intervals by `factor` on either side of the median.
     #[must_use]
     pub fn widened(mut self, factor: f64) -> Forecast {
         for (i, &middle) in self.strain_ratio.iter().enumerate() {
@@ -138,7 +145,7 @@ impl Forecast {
     }
 }
 
-/// Weights of fits of the same readings by Akaike's criterion; they sum to one.
+/// Akaike weights of fits of the same measurements; they sum to one.
 pub fn akaike_weights(fits: &[Fit]) -> Vec<f64> {
     let least = fits.iter().map(|f| f.aicc).fold(f64::INFINITY, f64::min);
     let raw: Vec<f64> = fits

@@ -10,52 +10,52 @@ use sinew_model::Bounded;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Isochrone {
-    /// Group; `None`: specimens without a group.
+    /// Name of the group; `None` for specimens without a group.
     pub group: Option<String>,
-    /// Time under the whole load, s.
+    /// Time under the full load, s.
     pub time_s: f64,
-    /// What the loads are.
+    /// Quantity of the loads.
     pub quantity: LoadQuantity,
-    /// Specimens by rising load.
+    /// Specimens by increasing load.
     pub points: Vec<IsochronePoint>,
-    /// Load over strain at the middle of the loads, N or Pa: the curve's secant.
+    /// Load over strain at the middle of the loads, N or Pa: secant of the curve.
     pub secant: f64,
-    /// `p` of `ε ∝ σ^p`: 1 where strain is proportional to load.
+    /// Exponent `p` of `ε ∝ σ^p`: 1 if strain is proportional to load.
     pub exponent: Bounded,
 }
 
-/// What loads are compared by.
+/// Quantity by which loads are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LoadQuantity {
-    /// Forces, N.
+    /// Forces in newtons.
     Force,
-    /// Stresses, Pa: every specimen's cross-section is known.
+    /// Stresses in Pa: every specimen's cross-section is known.
     Stress,
 }
 
-/// One specimen of an isochrone.
+/// Specimen of an isochrone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IsochronePoint {
-    /// Specimen.
+    /// Name of the specimen.
     pub specimen: String,
-    /// Load, N or Pa.
+    /// Load of the specimen, N or Pa.
     pub load: f64,
-    /// Strain, m/m.
+    /// Strain at that time, m/m.
     pub strain_ratio: f64,
 }
 
-/// Fewest specimens of a curve.
-const FEWEST: usize = 3;
-/// Loads must differ by this factor.
-const APART: f64 = 1.2;
+/// Minimum number of specimens of a curve.
+const MIN_SPECIMENS: usize = 3;
+/// Minimum ratio of the largest to the smallest load.
+const MIN_LOAD_RATIO: f64 = 1.2;
 
-/// Isochrones of every group with at least three specimens at loads that differ by a fifth, at
-/// the reading times of ISO 899-1 that they reach.
+/// Isochrones of every group with at least three specimens at loads that differ by a fifth, at the
+/// standard times of ISO 899-1 within their duration.
 ///
-/// `ln ε = a + p ln σ` by least squares; specimens with a strain that isn't positive are left out.
+/// `ln ε = a + p ln σ` by least squares; specimens with a strain that is not positive are excluded.
 pub fn isochrones(analyses: &[Analysis], level: f64) -> Vec<Isochrone> {
     let mut found = Vec::new();
     for (group, members) in by_group(analyses) {
@@ -101,7 +101,7 @@ fn isochrone(
         .collect();
     points.sort_by(|a, b| a.load.total_cmp(&b.load));
     let (first, last) = (points.first()?.load, points.last()?.load);
-    if points.len() < FEWEST || last < APART * first {
+    if points.len() < MIN_SPECIMENS || last < MIN_LOAD_RATIO * first {
         return None;
     }
     let n = points.len() as f64;
@@ -138,8 +138,8 @@ mod tests {
     use crate::{AnalyzeOptions, PrepareOptions, analyze, prepare};
 
     #[test]
-    fn the_exponent_of_the_load_comes_back() {
-        // ε = 1e-4 σ^1.4 (1 + ln(1 + t/60)), σ = F/2 mm²; no noise, so to rounding.
+    fn load_exponent_is_recovered() {
+        // ε = 1e-4 σ^1.4 (1 + ln(1 + t/60)), σ = F/2 mm²; no noise, so exact except for rounding.
         let analyses: Vec<Analysis> = [20.0, 40.0, 60.0, 90.0]
             .into_iter()
             .map(|force: f64| {

@@ -1,19 +1,18 @@
-//! The laws a laboratory fits to creep: strain after one step of load, linear in all parameters
-//! but one or two.
+//! Creep laws of laboratories: strain after one load step, linear in all parameters but one or two.
 //!
 //! Every law gives functions of the time `t` since a step; the strain of a record is
 //! `ε(t) = ε₀ + Σ_k [f(F_k) − f(F_{k−1})] (J₀ + Σ_j c_j φ_j((t − t_k) a_T))`
 //! (Boltzmann's superposition; `f(F) = (F/F_ref)^p`, `a_T` the temperature's shift of time).
 
-/// Reference time of amplitudes that need one: one hour.
+/// Reference time of amplitudes, s: one hour.
 pub const REFERENCE_S: f64 = 3600.0;
 
-/// A law of creep.
+/// Creep law of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
-    /// `b ln(1 + t/τ)`: every decade of time adds the same.
+    /// `b ln(1 + t/τ)`: every decade of time adds the same strain.
     LogTime,
     /// `m (t/1 h)^n`: Findley's power law.
     Findley,
@@ -25,29 +24,30 @@ pub enum Law {
     Stretched,
     /// `s t`: a straight line, as the paper's `m_E`.
     Line,
-    /// [`sinew_rope::law`]: bedding-in, delayed elasticity, flow and heat of a rope, under the
-    /// tensions and temperatures of the record. Needs a catalogue rope ([`super::RopeBase`]) for
-    /// its breaking load and for what the record can't tell.
+    /// [`sinew_rope::law`]: bedding-in, delayed elasticity, flow and thermal strain of a rope,
+    /// under the tensions and temperatures of the record. Needs a catalogue rope
+    /// ([`super::RopeBase`]) for its breaking load and for parameters that are not identifiable
+    /// from the record.
     Rope,
 }
 
-/// A parameter that enters nonlinearly, searched on a logarithmic or linear scale.
+/// Nonlinear parameter, searched on a logarithmic or linear scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Symbol.
+    /// Symbol of the parameter.
     pub name: &'static str,
-    /// Unit.
+    /// Unit of the parameter.
     pub unit: &'static str,
-    /// Searched by its logarithm.
+    /// Whether the search uses its logarithm.
     pub logarithmic: bool,
-    /// Lower bound.
+    /// Lower bound of the search.
     pub lower: f64,
-    /// Upper bound.
+    /// Upper bound of the search.
     pub upper: f64,
 }
 
 impl Shape {
-    /// A shape searched by its value.
+    /// Creates a shape searched by its value.
     pub(super) fn linear(name: &'static str, unit: &'static str, lower: f64, upper: f64) -> Self {
         Self {
             name,
@@ -58,7 +58,7 @@ impl Shape {
         }
     }
 
-    /// A shape searched by its logarithm.
+    /// Creates a shape searched by its logarithm.
     pub(super) fn logarithmic(
         name: &'static str,
         unit: &'static str,
@@ -71,7 +71,7 @@ impl Shape {
         }
     }
 
-    /// The value at a coordinate between 0 and 1.
+    /// Value at a coordinate between 0 and 1.
     pub fn value(&self, unit: f64) -> f64 {
         let value = if self.logarithmic {
             (self.lower.ln() + unit * (self.upper / self.lower).ln()).exp()
@@ -81,7 +81,7 @@ impl Shape {
         value.clamp(self.lower, self.upper)
     }
 
-    /// The coordinate of a value, within 0 and 1.
+    /// Coordinate of a value, within 0 and 1.
     pub fn coordinate(&self, value: f64) -> f64 {
         let unit = if self.logarithmic {
             (value / self.lower).ln() / (self.upper / self.lower).ln()
@@ -92,23 +92,23 @@ impl Shape {
     }
 }
 
-/// Symbol, unit and sign of a coefficient that enters linearly.
+/// Symbol, unit and sign of a linear coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// Symbol.
+    /// Symbol of the coefficient.
     pub name: &'static str,
-    /// Unit.
+    /// Unit of the coefficient.
     pub unit: &'static str,
     /// Factor from strain as a ratio to that unit.
     pub factor: f64,
-    /// May not be negative: a rope under load doesn't shorten by creep.
+    /// Whether it must not be negative: a rope under load does not shorten by creep.
     pub positive: bool,
-    /// The parameter is one over the coefficient.
+    /// Whether the parameter is the reciprocal of the coefficient.
     pub inverse: bool,
 }
 
 impl Law {
-    /// The laws that need nothing but the record, in the order of the tables.
+    /// Laws that need only the record, in the order of the tables.
     pub const ALL: [Law; 5] = [
         Law::LogTime,
         Law::Findley,
@@ -130,7 +130,7 @@ impl Law {
         }
     }
 
-    /// Its equation.
+    /// Equation of the law.
     pub fn equation(self) -> &'static str {
         match self {
             Law::LogTime => "ε₀ + b ln(1 + t/τ)",
@@ -143,18 +143,19 @@ impl Law {
         }
     }
 
-    /// Shape parameters (those of [`Law::Rope`] depend on the records) with bounds that a record between `short_s` and `long_s` can speak about.
+    /// Shape parameters (those of [`Law::Rope`] depend on the records) with bounds that a record
+    /// between `short_s` and `long_s` can determine.
     pub fn shapes(self, short_s: f64, long_s: f64) -> Vec<Shape> {
         let time = |name, lower, upper| Shape::logarithmic(name, "s", lower, upper);
         let number = |name, lower, upper| Shape::linear(name, "", lower, upper);
         match self {
-            // Below a tenth of the first reading τ only shifts ε₀, above the record it is a line.
+            // Below a tenth of the first time τ only shifts ε₀, above the record it is a line.
             Law::LogTime => vec![time("tau", 0.1 * short_s, 10.0 * long_s)],
             Law::Findley => vec![number("n", 0.01, 1.0)],
             Law::Burgers => vec![time("tau", 0.3 * short_s, 3.0 * long_s)],
             Law::KelvinVoigt => vec![
                 time("tau_1", 0.3 * short_s, long_s),
-                // τ₂ as a multiple of τ₁, so that the two can't change places.
+                // τ₂ as a multiple of τ₁, so that the two are distinguishable.
                 Shape::logarithmic("tau_2/tau_1", "", 3.0, 1000.0),
             ],
             Law::Stretched => vec![
@@ -171,7 +172,7 @@ impl Law {
             name,
             unit,
             factor: 100.0,
-            // Only a straight line may fall.
+            // Only a straight line may decrease.
             positive: self != Law::Line,
             inverse: false,
         };
@@ -211,9 +212,9 @@ impl Law {
     }
 }
 
-/// A name that no law has.
+/// Error of an unknown law name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("unknown law '{name}'; known are {}, rope", Law::ALL.map(Law::name).join(", "))]
+#[error("unknown law '{name}'; available: {}, rope", Law::ALL.map(Law::name).join(", "))]
 pub struct UnknownLaw {
     name: String,
 }
@@ -237,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_coordinate_is_that_of_its_value_and_stays_within_its_bounds() {
+    fn coordinate_inverts_value_within_bounds() {
         for logarithmic in [false, true] {
             let shape = Shape {
                 name: "tau",

@@ -1,30 +1,31 @@
-//! Small linear least squares with coefficients that may not be negative.
+//! Small linear least-squares problems with non-negative coefficients.
 
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A column shorter than this against what the columns before leave of it adds nothing.
+/// Relative norm of a column's remainder below which it is linearly dependent on the previous
+/// columns.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// `min ‖y − X β‖`, `β_j ≥ 0` for some j.
+/// Solution of `min ‖y − X β‖` with `β_j ≥ 0` for some j.
 #[derive(Debug, Clone)]
 pub(super) struct Solution {
     /// Upper triangle of the factor of X, row by row, `p × p`.
     r: Vec<f64>,
-    /// Least squares without the constraints.
+    /// Unconstrained least-squares solution.
     pub(super) free: Vec<f64>,
-    /// Least squares with them.
+    /// Constrained least-squares solution.
     pub(super) beta: Vec<f64>,
-    /// Squares left with the constraints.
+    /// Residual sum of squares with the constraints.
     pub(super) squares: f64,
-    /// Σ ln r_jj² over columns that add something.
+    /// Σ ln r_jj² over linearly independent columns.
     pub(super) log_det: f64,
     pub(super) p: usize,
 }
 
-/// Orthogonalises columns (kept one after another, `n` each) and `y`, in place.
+/// Orthogonalises columns (stored one after another, `n` each), in place.
 ///
-/// Modified Gram–Schmidt, run twice over: as accurate as Householder for what is needed here.
+/// Modified Gram–Schmidt, run twice: as accurate as Householder for this purpose.
 fn factor(columns: &mut [f64], n: usize, p: usize) -> (Vec<f64>, f64) {
     let mut r = vec![0.0; p * p];
     let mut log_det = 0.0;
@@ -55,7 +56,8 @@ fn factor(columns: &mut [f64], n: usize, p: usize) -> (Vec<f64>, f64) {
     (r, log_det)
 }
 
-/// Takes away from `y` its parts along an orthonormal basis and returns them; twice over, as [`factor`] does.
+/// Subtracts from `y` its components along an orthonormal basis and returns them; twice, as
+/// [`factor`] does.
 fn project(basis: &[f64], r: &[f64], p: usize, y: &mut [f64]) -> Vec<f64> {
     let n = y.len();
     let mut along = vec![0.0; p];
@@ -72,13 +74,13 @@ fn project(basis: &[f64], r: &[f64], p: usize, y: &mut [f64]) -> Vec<f64> {
     along
 }
 
-/// ln |XᵀX| over columns that add something.
+/// Computes ln |XᵀX| over linearly independent columns.
 pub(super) fn log_det(columns: &mut [f64], n: usize, p: usize) -> f64 {
     factor(columns, n, p).1
 }
 
-/// Solves; `columns` become an orthonormal basis (a column that adds nothing stays as it is), `y`
-/// the residuals.
+/// Solves the problem; `columns` become an orthonormal basis (a dependent column remains
+/// unchanged), `y` the residuals.
 pub(super) fn solve(columns: &mut [f64], y: &mut [f64], positive: &[bool]) -> Solution {
     let (n, p) = (y.len(), positive.len());
     let (r, log_det) = factor(columns, n, p);
@@ -97,8 +99,8 @@ pub(super) fn solve(columns: &mut [f64], y: &mut [f64], positive: &[bool]) -> So
     if bound.iter().all(|&j| solution.free[j] >= 0.0) {
         return solution;
     }
-    // Few columns are bound: the optimum is the best of the feasible solutions with some of them
-    // at zero.
+    // Few columns are constrained: the optimum is the best of the feasible solutions with some of
+    // them at zero.
     let mut best = f64::INFINITY;
     for set in 1..1_u32 << bound.len() {
         let zero: Vec<bool> = (0..p)
@@ -120,10 +122,10 @@ pub(super) fn solve(columns: &mut [f64], y: &mut [f64], positive: &[bool]) -> So
         if solution.r[j * p + j] == 0.0 {
             continue;
         }
-        let told: f64 = (j..p)
+        let explained: f64 = (j..p)
             .map(|k| solution.r[j * p + k] * solution.beta[k])
             .sum();
-        let missing = along[j] - told;
+        let missing = along[j] - explained;
         for (value, other) in y.iter_mut().zip(&columns[j * n..(j + 1) * n]) {
             *value += missing * other;
         }
@@ -132,7 +134,7 @@ pub(super) fn solve(columns: &mut [f64], y: &mut [f64], positive: &[bool]) -> So
 }
 
 impl Solution {
-    /// Least squares of `along ≈ R β` with some β at zero, and the squares left.
+    /// Least-squares solution of `along ≈ R β` with some β at zero, and its residual squares.
     fn without(&self, along: &[f64], zero: &[bool]) -> (Vec<f64>, f64) {
         let p = self.p;
         let kept: Vec<usize> = (0..p).filter(|&j| !zero[j]).collect();
@@ -152,14 +154,15 @@ impl Solution {
         (beta, dot(&left, &left))
     }
 
-    /// A draw of β from the normal distribution around the free solution, cut to `β_j ≥ 0`.
+    /// Draws β from the normal distribution around the free solution, truncated to `β_j ≥ 0`.
     pub(super) fn draw(&self, sigma: f64, positive: &[bool], random: &mut impl Rng) -> Vec<f64> {
-        /// Tries before going coordinate by coordinate.
-        const TRIES: usize = 20;
-        /// Sweeps after which a coordinate sampler has forgotten its start for few columns.
+        /// Maximum number of rejection draws before coordinate-wise sampling.
+        const MAX_ATTEMPTS: usize = 20;
+        /// Number of sweeps after which a coordinate sampler is independent of its start for few
+        /// columns.
         const SWEEPS: usize = 25;
         let p = self.p;
-        for _ in 0..TRIES {
+        for _ in 0..MAX_ATTEMPTS {
             let z: Vec<f64> = (0..p).map(|_| sigma * sample_normal(random)).collect();
             let step = back(&self.r, &z, p);
             let beta: Vec<f64> = self.free.iter().zip(&step).map(|(f, s)| f + s).collect();
@@ -167,7 +170,7 @@ impl Solution {
                 return beta;
             }
         }
-        // Coordinates in turn, each from its own cut normal distribution.
+        // Coordinates in turn, each from its truncated normal distribution.
         let mut beta = self.beta.clone();
         let mut shift: Vec<f64> = beta.iter().zip(&self.free).map(|(b, f)| b - f).collect();
         for _ in 0..SWEEPS {
@@ -208,12 +211,12 @@ fn sample_normal(random: &mut impl Rng) -> f64 {
     StandardNormal.sample(random)
 }
 
-/// A standard normal number above `low` (Robert, Statistics and Computing 5, 1995).
+/// Draws a standard normal number above `low` (Robert, Statistics and Computing 5, 1995).
 fn above(low: f64, random: &mut impl Rng) -> f64 {
-    /// The tail's rejection accepts at least three quarters, so this many fail never.
-    const TRIES: usize = 1000;
+    /// Maximum number of attempts: the tail's rejection accepts at least three quarters of them.
+    const MAX_ATTEMPTS: usize = 1000;
     if low < 0.5 {
-        for _ in 0..TRIES {
+        for _ in 0..MAX_ATTEMPTS {
             let z = sample_normal(random);
             if z >= low {
                 return z;
@@ -222,7 +225,7 @@ fn above(low: f64, random: &mut impl Rng) -> f64 {
     }
     let low = low.max(0.0);
     let rate = 0.5 * (low + (low * low + 4.0).sqrt());
-    for _ in 0..TRIES {
+    for _ in 0..MAX_ATTEMPTS {
         let exponential: f64 = rand_distr::Exp1.sample(random);
         let z = low + exponential / rate;
         let keep: f64 = rand_distr::Exp1.sample(random);
@@ -233,7 +236,7 @@ fn above(low: f64, random: &mut impl Rng) -> f64 {
     low
 }
 
-/// Solves the upper triangle; a column that adds nothing gets zero.
+/// Solves the upper triangle; a dependent column gets zero.
 fn back(r: &[f64], along: &[f64], p: usize) -> Vec<f64> {
     let mut beta = vec![0.0; p];
     for j in (0..p).rev() {
@@ -263,8 +266,8 @@ mod tests {
     use rand::SeedableRng;
 
     #[test]
-    fn a_bound_coefficient_stops_at_zero_and_the_others_take_over() {
-        // y falls; a column that may only rise is left out, the constant is the mean.
+    fn constrained_coefficient_stops_at_zero() {
+        // y decreases; a column that may only increase is excluded, the constant is the mean.
         let mut x = vec![1.0, 1.0, 1.0, 0.0, 1.0, 2.0];
         let mut y = vec![3.0, 2.0, 1.0];
         let s = solve(&mut x, &mut y, &[false, true]);
@@ -278,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_normal_number_has_the_mean_of_its_tail() {
+    fn truncated_normal_has_mean_of_tail() {
         // Mean above 2: φ(2)/Q(2) = 2.373; the mean of 20 000 draws has error 0.0025.
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(2);
         let mean = (0..20_000).map(|_| above(2.0, &mut random)).sum::<f64>() / 20_000.0;

@@ -1,10 +1,10 @@
-//! What is left of a record when the law is taken away: white noise plus a slow part.
+//! Noise model of a record: white noise plus a slow part.
 //!
-//! `y = X β + x + v`, `cov(x_i, x_j) = σ² ρ exp(−|u_i − u_j|/τ_c)`, `var v_i = σ² (1 − ρ)/c_i`
-//! with `c_i` the number of readings averaged into point `i`. The slow part stands for the
-//! climate of the room, the warming of a sensor and above all for what the law can't follow. That
-//! is smooth over the logarithm of time, as creep is, so `u = ln(1 + t/t₀)` ([`Clock`]): on the 204
-//! spruce tests this is far more likely than a memory in seconds. A Kalman filter with one state
+//! `y = X β + x + v`, `cov(x_i, x_j) = σ² ρ exp(−|u_i − u_j|/τ_c)`, `var v_i = σ² (1 − ρ)/c_i` with
+//! `c_i` the number of measurements averaged into point `i`. The slow part represents the climate
+//! of the room, the warm-up of a sensor and above all the model error of the law. It is smooth over
+//! the logarithm of time, as creep is, so `u = ln(1 + t/t₀)` ([`Clock`]): on the 204 spruce tests
+//! this is far more probable than a correlation time in seconds. A Kalman filter with one state
 //! whitens a column in O(n), at any spacing of the samples.
 
 use super::curve::Curve;
@@ -14,30 +14,30 @@ use super::law::Law;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
-    /// Share of the slow part in the variance of a single reading, 0 to [`SHARE_MAX`].
+    /// Share of the slow part in the variance of a single measurement, 0 to [`SHARE_MAX`].
     pub share: f64,
-    /// Correlation time `τ_c` of the slow part: e-foldings of the time under load; of a straight
+    /// Correlation time `τ_c` of the slow part: e-folds of the time under load; for a straight
     /// line, s.
     pub memory: f64,
 }
 
-/// Time as the slow part counts it.
+/// Time scale of the slow part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Clock {
-    /// `ln(1 + t/t₀)` since the first load.
+    /// Logarithmic scale `ln(1 + t/t₀)` since the first load.
     Logarithm {
-        /// `t₀`, s.
+        /// Reference time `t₀`, s.
         unit_s: f64,
     },
-    /// Seconds.
+    /// Linear scale in seconds.
     Seconds,
 }
 
 impl Clock {
-    /// `t₀` as a share of the record.
+    /// Reference time `t₀` as a share of the record.
     const UNIT_SHARE: f64 = 1e-3;
 
-    /// A straight line is fitted to a late part of a record, over which time is time.
+    /// Selects the scale: linear for a straight line, which is fitted to a late part of a record.
     pub(super) fn of(law: Law, long_s: f64) -> Self {
         match law {
             Law::Line => Clock::Seconds,
@@ -58,31 +58,33 @@ impl Clock {
     }
 }
 
-/// Largest share: a reading without any noise of its own would make repeated stamps singular.
+/// Maximum share: a measurement without any white noise would make duplicate time stamps singular.
 pub const SHARE_MAX: f64 = 0.995;
 
 impl Noise {
-    /// Independent readings.
+    /// Independent measurements without a slow part.
     pub const WHITE: Noise = Noise {
         share: 0.0,
         memory: 1.0,
     };
 }
 
-/// The filter of one specimen: gains depend on times only, so they serve every column.
+/// Whitening filter of one specimen: gains depend on times only, so that they apply to every
+/// column.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Filter {
     decay: Vec<f64>,
     gain: Vec<f64>,
     inverse_std: Vec<f64>,
-    /// ln |K| of the specimen's covariance over σ².
+    /// Determinant ln |K| of the specimen's covariance over σ².
     pub(super) log_det: f64,
-    /// Variance of the slow part after the last reading, over σ².
+    /// Variance of the slow part after the last measurement, over σ².
     pub(super) state_variance: f64,
 }
 
 impl Filter {
-    /// Prepares the gains for rising clock readings and readings per point `count`.
+    /// Computes the gains for increasing clock values and numbers of measurements per point
+    /// `count`.
     pub(super) fn prepare(&mut self, clock: &[f64], count: &[f64], noise: Noise) {
         self.decay.clear();
         self.gain.clear();
@@ -109,7 +111,7 @@ impl Filter {
         self.state_variance = variance;
     }
 
-    /// Whitens a column in place; returns the filter's state after the last reading.
+    /// Whitens a column in place; returns the filter's state after the last measurement.
     pub(super) fn whiten(&self, column: &mut [f64]) -> f64 {
         let mut state = 0.0;
         for (index, value) in column.iter_mut().enumerate() {
@@ -127,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_filter_whitens_as_the_dense_covariance_does() {
+    fn filter_matches_dense_covariance() {
         let time = [0.0, 1.0, 1.0, 4.0, 9.0];
         let count = [1.0, 2.0, 1.0, 1.0, 5.0];
         let noise = Noise {

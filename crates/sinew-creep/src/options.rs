@@ -1,58 +1,58 @@
-//! How to fit.
+//! Options of a fit.
 
 use super::rope_base::RopeBase;
 
-/// Which parameters curves have in common.
+/// Parameters that curves have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Share {
     /// All but the strain at time 0: one material, repeated tests.
     #[default]
     All,
-    /// The shape only; every specimen has its own amplitudes.
+    /// Shape only; every specimen has its own amplitudes.
     Shape,
 }
 
-/// What is assumed of the readings' errors.
+/// Error model of the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NoiseKind {
-    /// Independent plus slow errors, their share and memory fitted.
+    /// Independent plus slow errors, with fitted share and correlation time.
     #[default]
     Correlated,
-    /// Independent.
+    /// Independent errors only.
     White,
 }
 
-/// How an interval is made.
+/// Method of an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalKind {
-    /// Quantiles of draws from what the readings leave open (flat within the searched ranges).
+    /// Quantiles of posterior draws (flat prior within the searched ranges).
     #[default]
     Draws,
-    /// Profile likelihood: all else fitted anew at every value, F-distributed.
+    /// Profile likelihood: all other parameters fitted again at every value, F-distributed.
     Profile,
-    /// Parametric bootstrap: readings made anew with the fitted noise, slow part included,
+    /// Parametric bootstrap: measurements simulated with the fitted noise, including the slow part,
     /// and fitted again; bias-corrected quantiles.
     Bootstrap,
 }
 
-/// How to fit.
+/// Options of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitOptions {
-    /// What specimens have in common.
+    /// Parameters that specimens have in common.
     pub share: Share,
-    /// What is assumed of the readings' errors.
+    /// Error model of the measurements.
     pub noise: NoiseKind,
-    /// Level of the intervals, such as 0.95.
+    /// Confidence level of the intervals, such as 0.95.
     pub level: f64,
-    /// Whether draws for intervals and forecasts are made; the search alone is much faster.
+    /// Whether draws for intervals and forecasts are computed; the search alone is much faster.
     pub intervals: bool,
-    /// How the intervals of the parameters are made; forecasts always rest on draws.
+    /// Method of the parameters' intervals; forecasts are always based on draws.
     pub kind: IntervalKind,
     /// Seed of the draws; the same seed gives the same numbers.
     pub seed: u64,
-    /// The rope that [`Law::Rope`](super::Law::Rope) starts from.
+    /// Base rope of [`Law::Rope`](super::Law::Rope).
     pub rope: Option<std::sync::Arc<RopeBase>>,
 }
 

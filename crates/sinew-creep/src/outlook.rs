@@ -1,64 +1,64 @@
-//! Forecasts that were rehearsed: each law forecasts the end of its own record first, and where it
-//! missed, its interval is widened.
+//! Back-tested forecasts: each law first forecasts the end of its own record, and its interval is
+//! widened by the observed error.
 //!
-//! What a law's own interval can't know is how wrong the law is. With `z_k` the root mean square
-//! of the rehearsals' errors over what the interval allows, an interval `±q σ` becomes
+//! The interval of a law does not include its model error. With `z_k` the root mean square of the
+//! back-tests' errors over the standard deviation of the interval, an interval `±q σ` becomes
 //!
 //! ```text
 //! ± t_ν q' σ s,   s² = (ν₀ + Σ z_k²)/(ν₀ + K),   ν = ν₀ + K
 //! ```
 //!
-//! the quantile of Student's distribution for a scale known from `K` rehearsals and a prior of
-//! [`PRIOR_FREEDOM`] degrees of freedom that trusts the law's own `σ`.
+//! the quantile of Student's distribution for a scale estimated from `K` back-tests and a prior of
+//! [`PRIOR_FREEDOM`] degrees of freedom that is centred on the law's own `σ`.
 
-use super::ahead::Ahead;
 use super::curve::Curve;
 use super::error::CreepError;
 use super::fit::{Fit, fit};
 use super::forecast::Forecast;
+use super::forecast_request::Continuation;
 use super::law::Law;
 use super::options::FitOptions;
 use super::student::{normal_quantile, student_quantile};
 
-/// Degrees of freedom of the trust in a law's own interval, ν₀: a choice of ours; how often
-/// forecasts then hold is measured in docs/src/science/creep.md.
+/// Degrees of freedom of the prior on a law's own interval, ν₀: chosen by convention; the resulting
+/// coverage of forecasts is measured in docs/src/science/creep.md.
 pub const PRIOR_FREEDOM: f64 = 2.0;
-/// Rehearsals, each from where the one before began to be hidden.
-const REHEARSALS: usize = 2;
-/// Smallest and largest ratio of times of a rehearsal.
-const RATIO: (f64, f64) = (1.5, 3.0);
-/// Readings that must be left to fit, and to forecast.
-const FEWEST: (usize, usize) = (10, 2);
+/// Maximum number of back-tests, each ending where the held-out part of the previous one started.
+const MAX_BACKTESTS: usize = 2;
+/// Smallest and largest time ratio of a back-test.
+const TIME_RATIO: (f64, f64) = (1.5, 3.0);
+/// Minimum number of measurements in the fitted part and in the held-out part.
+const MIN_MEASUREMENTS: (usize, usize) = (10, 2);
 
-/// Forecasts of one curve by several laws, and by all of them.
+/// Forecasts of one curve by several laws, and combined.
 #[derive(Debug, Clone)]
-pub struct Outlook {
-    /// Laws that could be fitted, in the order asked for, then the others.
+pub struct ForecastSet {
+    /// Forecast of each fitted law, in the requested order, then the failed ones.
     pub laws: Vec<(Law, Result<Forecast, CreepError>)>,
-    /// All that could be fitted, with their Akaike weights; `None` without any.
+    /// Forecast of all fitted laws, weighted by their Akaike weights; `None` without any.
     pub combined: Option<Forecast>,
     /// Factor by which the combined interval was widened.
     pub widened: f64,
-    /// Rehearsals that the record had readings for.
-    pub rehearsals: usize,
+    /// Number of back-tests that the record had measurements for.
+    pub backtests: usize,
 }
 
-/// What the forecasts of one rehearsal missed: z² per law, and of all together.
-struct Missed {
+/// Squared errors z² of one back-test per law, and of all combined.
+struct BacktestErrors {
     laws: Vec<(Law, f64)>,
     combined: Option<f64>,
 }
 
-impl Outlook {
-    /// Fits `laws` to curves and forecasts the one with index `index` at rising times after its
-    /// last reading.
+impl ForecastSet {
+    /// Fits `laws` to curves and forecasts the one with index `index` at increasing times after its
+    /// last measurement.
     pub fn new(
         laws: &[Law],
         curves: &[Curve],
         index: usize,
         options: &FitOptions,
         time_s: &[f64],
-    ) -> Outlook {
+    ) -> ForecastSet {
         let (mut fits, mut failed) = (Vec::new(), Vec::new());
         for law in laws {
             match fit(*law, curves, options) {
@@ -66,37 +66,44 @@ impl Outlook {
                 Err(error) => failed.push((*law, Err(error))),
             }
         }
-        let mut outlook = Outlook::of(&fits, curves, index, options, time_s);
+        let mut outlook = ForecastSet::of(&fits, curves, index, options, time_s);
         outlook.laws.extend(failed);
         outlook
     }
 
-    /// The same for laws that are fitted already.
+    /// Forecasts with laws that are fitted already.
     pub fn of(
         fits: &[Fit],
         curves: &[Curve],
         index: usize,
         options: &FitOptions,
         time_s: &[f64],
-    ) -> Outlook {
-        Outlook::under(fits, curves, index, Ahead::AsRecorded, options, time_s)
+    ) -> ForecastSet {
+        ForecastSet::under(
+            fits,
+            curves,
+            index,
+            Continuation::AsRecorded,
+            options,
+            time_s,
+        )
     }
 
-    /// The same under other loads.
+    /// Forecasts under other loads.
     pub(super) fn under(
         fits: &[Fit],
         curves: &[Curve],
         index: usize,
-        ahead: Ahead,
+        continuation: Continuation,
         options: &FitOptions,
         time_s: &[f64],
-    ) -> Outlook {
+    ) -> ForecastSet {
         let laws: Vec<Law> = fits.iter().map(|f| f.law).collect();
-        let mut rehearsed = curves.to_vec();
-        if let Some(curve) = rehearsed.get_mut(index) {
-            *curve = ahead.rehearsed(curve);
+        let mut tested = curves.to_vec();
+        if let Some(curve) = tested.get_mut(index) {
+            *curve = continuation.backtest_curve(curve);
         }
-        let missed = rehearse(&laws, &rehearsed, index, options, time_s);
+        let missed = backtest(&laws, &tested, index, options, time_s);
         let of_law = |law: Law| {
             let own = missed
                 .iter()
@@ -105,46 +112,47 @@ impl Outlook {
         };
         let together: Vec<f64> = missed.iter().filter_map(|m| m.combined).collect();
         let widened = factor(&together, options.level);
-        let beyond = rehearsed.get(index);
-        let beyond = beyond.and_then(|curve| Beyond::of(curve, ahead, options.level));
+        let extrapolation = tested.get(index);
+        let extrapolation =
+            extrapolation.and_then(|curve| Extrapolation::of(curve, continuation, options.level));
         let far = |fits: &[Fit], factor: f64| {
-            let forecast = Forecast::under(fits, index, ahead, time_s).widened(factor);
-            match &beyond {
-                Some(beyond) => beyond.widened(forecast),
+            let forecast = Forecast::under(fits, index, continuation, time_s).widened(factor);
+            match &extrapolation {
+                Some(extrapolation) => extrapolation.widened(forecast),
                 None => forecast,
             }
         };
         let alone = fits.chunks(1).zip(&laws);
-        Outlook {
+        ForecastSet {
             laws: alone
                 .map(|(fit, law)| (*law, Ok(far(fit, of_law(*law)))))
                 .collect(),
             combined: (!fits.is_empty()).then(|| far(fits, widened)),
             widened,
-            rehearsals: together.len(),
+            backtests: together.len(),
         }
     }
 }
 
-/// What no reading says of times far beyond the record.
+/// Widening of a forecast far beyond the record.
 ///
-/// Rehearsals speak for three times the record. From then on any retardation time may come that the record was too short to
-/// show, so that a decade may bring as much creep more or less as the record's decades brought on average: one standard
-/// deviation, and the decades go together.
-struct Beyond {
+/// Back-tests cover up to three times the record. Beyond that, retardation times longer than the
+/// record may appear: a decade may add or remove as much creep as a decade of the record did on
+/// average (one standard deviation), fully correlated between decades.
+struct Extrapolation {
     start_s: f64,
     span_s: f64,
-    /// Strain at the record's end, m/m: under a load that stays, creep doesn't come back.
+    /// Strain at the record's end, m/m: under constant load creep does not reverse.
     end_strain: f64,
-    /// Half an interval for every decade beyond, m/m.
+    /// Half-width of the interval per decade beyond, m/m.
     per_decade: f64,
-    /// Whether it is another load that is asked for: then creep goes with the strain.
+    /// Whether another load is requested: then creep is proportional to the strain.
     instead: bool,
 }
 
-impl Beyond {
-    /// None of a curve without readings under load.
-    fn of(curve: &Curve, ahead: Ahead, level: f64) -> Option<Self> {
+impl Extrapolation {
+    /// Computes the widening; `None` for a curve without measurements under load.
+    fn of(curve: &Curve, continuation: Continuation, level: f64) -> Option<Self> {
         let start_s = curve.steps.first().map_or(0.0, |s| s.0);
         let mut under_load = (curve.time_s.iter().zip(&curve.strain)).filter(|r| *r.0 > start_s);
         let (first_s, first) = under_load.next()?;
@@ -156,13 +164,13 @@ impl Beyond {
             span_s,
             end_strain: *last,
             per_decade: normal_quantile(0.5 + 0.5 * level) * (last - first).abs() / decades,
-            instead: matches!(ahead, Ahead::Instead { .. }),
+            instead: matches!(continuation, Continuation::Instead { .. }),
         })
     }
 
     fn widened(&self, mut forecast: Forecast) -> Forecast {
         for (i, t) in forecast.time_s.iter().enumerate() {
-            let decades = ((t - self.start_s) / self.span_s).log10() - RATIO.1.log10();
+            let decades = ((t - self.start_s) / self.span_s).log10() - TIME_RATIO.1.log10();
             if !(decades > 0.0) {
                 continue;
             }
@@ -190,7 +198,7 @@ impl Beyond {
     }
 }
 
-/// How much wider an interval must be.
+/// Factor by which an interval is widened, from the squared errors of the back-tests.
 fn factor(squares: &[f64], level: f64) -> f64 {
     let freedom = PRIOR_FREEDOM + squares.len() as f64;
     let scale = (PRIOR_FREEDOM + squares.iter().sum::<f64>()) / freedom;
@@ -198,23 +206,23 @@ fn factor(squares: &[f64], level: f64) -> f64 {
     student_quantile(freedom, level) / own * scale.sqrt()
 }
 
-fn rehearse(
+fn backtest(
     laws: &[Law],
     curves: &[Curve],
     index: usize,
     options: &FitOptions,
     time_s: &[f64],
-) -> Vec<Missed> {
+) -> Vec<BacktestErrors> {
     let Some(curve) = curves.get(index) else {
         return Vec::new();
     };
     let start = curve.steps.first().map_or(0.0, |s| s.0);
     let span = curve.time_s.last().map_or(0.0, |t| t - start);
-    let asked = time_s.last().map_or(0.0, |t| t - start) / span;
-    let ratio = asked.clamp(RATIO.0, RATIO.1);
+    let requested = time_s.last().map_or(0.0, |t| t - start) / span;
+    let ratio = requested.clamp(TIME_RATIO.0, TIME_RATIO.1);
     let mut missed = Vec::new();
     let mut end = span;
-    for _ in 0..REHEARSALS {
+    for _ in 0..MAX_BACKTESTS {
         let cut = end / ratio;
         let parts: Vec<(Curve, Curve)> = curves
             .iter()
@@ -225,7 +233,9 @@ fn rehearse(
             .collect();
         end = cut;
         let hidden = &parts[index].1;
-        if parts[index].0.time_s.len() < FEWEST.0 || hidden.time_s.len() < FEWEST.1 {
+        if parts[index].0.time_s.len() < MIN_MEASUREMENTS.0
+            || hidden.time_s.len() < MIN_MEASUREMENTS.1
+        {
             break;
         }
         let seen: Vec<Curve> = parts
@@ -233,7 +243,7 @@ fn rehearse(
             .map(|p| p.0.clone())
             .filter(|c| !c.time_s.is_empty())
             .collect();
-        // The curve's own place among those that had begun.
+        // Index of the curve among those that had started.
         let own = parts[..index]
             .iter()
             .filter(|p| !p.0.time_s.is_empty())
@@ -242,19 +252,22 @@ fn rehearse(
             .iter()
             .filter_map(|law| fit(*law, &seen, options).ok())
             .collect();
-        let judge = |fits: &[Fit]| {
-            let forecast = Forecast::under(fits, own, Ahead::AsRecorded, &hidden.time_s);
+        let squared_error = |fits: &[Fit]| {
+            let forecast = Forecast::under(fits, own, Continuation::AsRecorded, &hidden.time_s);
             mean_square(&forecast, &hidden.strain, options.level)
         };
-        missed.push(Missed {
-            laws: fits.chunks(1).map(|f| (f[0].law, judge(f))).collect(),
-            combined: (!fits.is_empty()).then(|| judge(&fits)),
+        missed.push(BacktestErrors {
+            laws: fits
+                .chunks(1)
+                .map(|f| (f[0].law, squared_error(f)))
+                .collect(),
+            combined: (!fits.is_empty()).then(|| squared_error(&fits)),
         });
     }
     missed
 }
 
-/// Mean square of errors over the standard deviation that the interval for readings stands for.
+/// Mean square of errors over the standard deviation of the measurements' interval.
 fn mean_square(forecast: &Forecast, strain: &[f64], level: f64) -> f64 {
     let quantile = normal_quantile(0.5 + 0.5 * level);
     let square = |(i, truth): (usize, &f64)| {
@@ -274,29 +287,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_miss_widens_and_a_record_without_rehearsal_is_least_trusted() {
+    fn error_widens_and_missing_backtest_is_widest() {
         let kept = factor(&[0.3, 0.3], 0.95);
         let missed = factor(&[9.0, 9.0], 0.95);
         // t₄ = 2.776; √((2 + 0.6)/4), √((2 + 18)/4).
         assert!((kept - 2.776_4 / 1.959_96 * 0.65_f64.sqrt()).abs() < 1e-3);
         assert!((missed - 2.776_4 / 1.959_96 * 5.0_f64.sqrt()).abs() < 1e-3);
         assert!(factor(&[], 0.95) > 2.0);
-        // A rehearsal that came out exact never narrows by more than a hundredth.
+        // An exact back-test narrows by a hundredth at most.
         assert!(factor(&[0.0, 0.0], 0.95) > 0.99);
     }
 
-    /// A single reading that is hidden says nothing of how wrong a law is; two do.
+    // A single held-out measurement does not determine the model error; two do.
     #[test]
-    fn a_rehearsal_has_two_readings_to_foretell() {
-        let rehearsals = |ends: &[f64]| {
+    fn backtest_needs_two_held_out_measurements() {
+        let backtests = |ends: &[f64]| {
             let seen = (1..=12).map(|k| 2.5 * f64::from(k));
             let time_s: Vec<f64> = seen.chain(ends.iter().copied()).collect();
             let strain = time_s.iter().map(|t| 1e-3 * (1.0 + t / 5.0).ln()).collect();
             let curve = Curve::constant_load("short", time_s, strain);
             let options = FitOptions::default();
-            Outlook::new(&[Law::LogTime], &[curve], 0, &options, &[300.0]).rehearsals
+            ForecastSet::new(&[Law::LogTime], &[curve], 0, &options, &[300.0]).backtests
         };
-        assert_eq!(rehearsals(&[100.0]), 0);
-        assert_eq!(rehearsals(&[98.0, 100.0]), 1);
+        assert_eq!(backtests(&[100.0]), 0);
+        assert_eq!(backtests(&[98.0, 100.0]), 1);
     }
 }

@@ -1,9 +1,10 @@
-//! The same work on many items, on all processors, in the order of the items.
+//! Parallel processing of many items, in the order of the items.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Results in the order of the items; `done` is told how many are finished.
+/// Processes items on all processors and returns results in their order; `done` is called with the
+/// number of finished items.
 pub fn each<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I) -> T + Sync,

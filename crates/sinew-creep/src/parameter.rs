@@ -1,4 +1,4 @@
-//! A fitted law's numbers with their intervals, and which of them the record doesn't tell.
+//! Parameters of a fitted law with their intervals and identifiability.
 
 use super::draw::Draw;
 use super::law::Shape;
@@ -7,50 +7,50 @@ use super::options::IntervalKind;
 use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 
-/// A fitted parameter. Its numbers are in the unit beside them, as laboratories write the laws.
+/// Fitted parameter; its numbers are in its unit, as laboratories write the laws.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Parameter {
-    /// Symbol.
+    /// Symbol of the parameter.
     pub name: String,
-    /// Unit of the numbers below.
+    /// Unit of all numbers below.
     pub unit: String,
-    /// Specimen it belongs to; `None`: common to all.
+    /// Specimen it belongs to; `None` if common to all.
     pub specimen: Option<String>,
-    /// Value of largest likelihood.
+    /// Value of maximum likelihood, in its unit.
     pub value: f64,
-    /// Standard deviation of the draws; NaN without them.
+    /// Standard deviation of the draws; NaN without draws.
     pub std_error: f64,
     /// Lower end of the interval.
     pub low: f64,
     /// Upper end of the interval.
     pub high: f64,
-    /// How the interval was made.
+    /// Method of the interval.
     pub interval: IntervalKind,
-    /// What the record leaves open, where it doesn't tell this parameter.
+    /// Range of values consistent with the record, if the parameter is not identifiable.
     pub not_identifiable: Option<NotIdentifiable>,
 }
 
-/// What fits the record as well as the fitted value, in the parameter's unit.
+/// Range of values that fit the record as well as the fitted value, in the parameter's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum NotIdentifiable {
-    /// Anything between, which is most of what was searched.
+    /// Any value between, which is most of the searched range.
     Anything {
-        /// Lower end.
+        /// Lower end of the range.
         low: f64,
-        /// Upper end.
+        /// Upper end of the range.
         high: f64,
     },
-    /// Anything below.
+    /// Any value below a bound.
     Below {
-        /// Upper end.
+        /// Upper end of the range.
         high: f64,
     },
-    /// Anything above.
+    /// Any value above a bound.
     Above {
-        /// Lower end.
+        /// Lower end of the range.
         low: f64,
     },
 }
@@ -158,14 +158,15 @@ pub(super) fn parameters(
     (parameters, covariance)
 }
 
-/// An interval that fills most of what was searched, or ends at a bound, is no answer.
+/// Range of a shape whose interval fills most of the searched range or ends at a bound.
 fn undecided_shape(shape: &Shape, low: f64, high: f64) -> Option<NotIdentifiable> {
-    /// An end this close to a bound (in parts of the searched range) is the bound.
+    /// Maximum distance of an end from a bound (as a share of the searched range) to count as the
+    /// bound.
     const AT_BOUND: f64 = 0.03;
-    /// An interval this wide says nothing.
-    const WIDE: f64 = 0.8;
+    /// Maximum width of an informative interval, as a share of the searched range.
+    const MAX_INTERVAL_WIDTH: f64 = 0.8;
     let (v_low, v_high) = (shape.value(low), shape.value(high));
-    if high - low > WIDE {
+    if high - low > MAX_INTERVAL_WIDTH {
         Some(NotIdentifiable::Anything {
             low: v_low,
             high: v_high,
@@ -179,9 +180,9 @@ fn undecided_shape(shape: &Shape, low: f64, high: f64) -> Option<NotIdentifiable
     }
 }
 
-/// An amplitude that may be nothing, or is known within a factor of thirty only, is open below.
+/// Range of an amplitude that may be zero, or is determined within a factor of thirty only.
 fn undecided_amplitude(label: &Label, low: f64, high: f64) -> Option<NotIdentifiable> {
-    /// From a thirtieth of the upper end on, zero is as good.
-    const FACTOR: f64 = 30.0;
-    (label.positive && high > FACTOR * low).then_some(NotIdentifiable::Below { high })
+    /// Minimum ratio of the ends for which zero is consistent with the record.
+    const MIN_RATIO: f64 = 30.0;
+    (label.positive && high > MIN_RATIO * low).then_some(NotIdentifiable::Below { high })
 }

@@ -1,15 +1,15 @@
-//! Intervals by profile likelihood: a value belongs to the interval when all the other numbers,
-//! fitted anew with it kept, make the readings not much less likely.
+//! Intervals by profile likelihood: a value belongs to the interval if the likelihood, with all
+//! other parameters fitted again, is not much smaller than the maximum.
 
 use super::draw::Draw;
-use super::held::moving;
+use super::fixed_parameters::moving;
 use super::model::{Fixed, Model};
 use super::options::IntervalKind;
 use super::parameter::Parameter;
 use super::solver::{half_squares, minimum};
 use super::student::student_quantile;
 
-/// What is kept.
+/// Parameter that is fixed in a profile search.
 #[derive(Debug, Clone, Copy)]
 enum Kept {
     Nothing,
@@ -17,8 +17,9 @@ enum Kept {
     Coefficient(Fixed),
 }
 
-/// What is searched: the nonlinear parameters but the one that is kept, then what is held at the base rope's value and moves
-/// the others. Being off it costs what the base rope's own interval says.
+/// Profile search over the nonlinear parameters except the fixed one, and over the deviations of
+/// the base rope's parameters that affect the others. Their deviations are penalised by the base
+/// rope's own interval.
 struct Profile<'a> {
     model: &'a Model,
     held: &'a [usize],
@@ -26,23 +27,23 @@ struct Profile<'a> {
     threshold: f64,
 }
 
-/// Most steps of a search.
+/// Maximum number of steps of a search.
 const STEPS: u64 = 40;
 
 impl Profile<'_> {
-    /// Deviations from the base rope's value that are searched.
-    const WIDEST: f64 = 4.0;
+    /// Maximum deviation from the base rope's value that is searched, in standard deviations.
+    const MAX_DEVIATION_STDS: f64 = 4.0;
 
-    /// The nonlinear parameters, and the deviations of all that is held.
+    /// Nonlinear parameters, and the deviations of all fixed base parameters.
     fn full(&self, x: &[f64], kept: Kept) -> (Vec<f64>, Vec<f64>) {
-        let (own, beside) = x.split_at(x.len() - self.held.len());
+        let (own, base) = x.split_at(x.len() - self.held.len());
         let mut full = own.to_vec();
         if let Kept::Shape { index, value } = kept {
             full.insert(index, value);
         }
         let mut held_z = self.model.held_z.clone();
-        for (index, u) in self.held.iter().zip(beside) {
-            held_z[*index] = Self::WIDEST * (2.0 * u - 1.0);
+        for (index, u) in self.held.iter().zip(base) {
+            held_z[*index] = Self::MAX_DEVIATION_STDS * (2.0 * u - 1.0);
         }
         (full, held_z)
     }
@@ -54,7 +55,8 @@ impl Profile<'_> {
         };
         let (full, held_z) = self.full(x, kept);
         let mut residuals = self.model.held_residuals(&full, &held_z, fixed);
-        // Being off takes `z²` from twice the logarithm of the likelihood: the squares `S` become `S exp(Σz²/n)`.
+        // A deviation subtracts `z²` from twice the log-likelihood: the squares `S` become `S
+        // exp(Σz²/n)`.
         let off: f64 = held_z.iter().map(|z| z * z).sum();
         let n = self.model.readings as f64;
         let each = if off > 0.0 {
@@ -67,7 +69,8 @@ impl Profile<'_> {
         residuals
     }
 
-    /// How much less likely, over the threshold: 1 at the interval's ends. `warm` follows.
+    /// Decrease of the log-likelihood over the threshold: 1 at the interval's ends. `warm` is
+    /// updated.
     fn excess(&self, kept: Kept, start: &[f64], warm: &mut Vec<f64>) -> f64 {
         let residuals = |x: &[f64]| self.residuals(x, kept);
         let near = minimum(&residuals, warm, STEPS);
@@ -77,8 +80,8 @@ impl Profile<'_> {
         self.model.readings as f64 * (best.cost / self.least).ln() / self.threshold
     }
 
-    /// The end of the interval on one side, or the bound where even that is likely enough. `start` is where all is best,
-    /// without what is kept.
+    /// End of the interval on one side, or the bound if it lies within the interval. `start` is the
+    /// optimum without the fixed parameter.
     fn end(
         &self,
         kept: impl Fn(f64) -> Kept,
@@ -87,13 +90,13 @@ impl Profile<'_> {
         first_step: f64,
         bound: f64,
     ) -> f64 {
-        /// Width of the last bracket over the half width.
-        const FINE: f64 = 0.01;
-        const MOST: usize = 30;
+        /// Width of the last bracket over the half-width.
+        const BRACKET_TOLERANCE: f64 = 0.01;
+        const MAX_ITERATIONS: usize = 30;
         let mut warm = start.to_vec();
         let (mut inside, mut outside) = (centre, None);
         let mut step = first_step;
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             let tried = match outside {
                 None if (bound - inside - step) * step <= 0.0 => bound,
                 None => inside + step,
@@ -108,7 +111,8 @@ impl Profile<'_> {
             } else {
                 outside = Some(tried);
             }
-            if outside.is_some_and(|o| (o - inside).abs() < FINE * (o - centre).abs()) {
+            if outside.is_some_and(|o| (o - inside).abs() < BRACKET_TOLERANCE * (o - centre).abs())
+            {
                 break;
             }
         }
@@ -118,8 +122,9 @@ impl Profile<'_> {
 
 /// Replaces intervals by those of the profile likelihood.
 ///
-/// `n ln(S(v)/S) ≤ n ln(1 + t²/(n − k))`, the F test of a linear law, `S` the whitened squares
-/// with the noise fitted along. What is held at a base rope's value counts as one more reading each, by that rope's interval.
+/// `n ln(S(v)/S) ≤ n ln(1 + t²/(n − k))`, the F test of a linear law, `S` the whitened squares with
+/// jointly fitted noise. Each parameter fixed at a base rope's value counts as one more measurement
+/// with that rope's interval.
 pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw, level: f64) {
     let held = moving(model, &best.unit);
     let t = student_quantile(model.freedom(), level);
@@ -129,16 +134,16 @@ pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw
         least: f64::NAN,
         threshold: model.readings as f64 * (t * t / model.freedom()).ln_1p(),
     };
-    let mut likeliest = best.unit.clone();
-    likeliest.resize(best.unit.len() + held.len(), 0.5);
+    let mut optimum = best.unit.clone();
+    optimum.resize(best.unit.len() + held.len(), 0.5);
     let free = |x: &[f64]| profile.residuals(x, Kept::Nothing);
     if !held.is_empty() {
-        likeliest = minimum(&free, &likeliest, STEPS).x;
+        optimum = minimum(&free, &optimum, STEPS).x;
     }
-    profile.least = half_squares(&free(&likeliest));
+    profile.least = half_squares(&free(&optimum));
     let mut ends = Vec::new();
     for (index, shape) in model.shapes[..model.law_numbers()].iter().enumerate() {
-        let mut start = likeliest.clone();
+        let mut start = optimum.clone();
         let centre = start.remove(index);
         let end = |step, bound| {
             let kept = |value| Kept::Shape { index, value };
@@ -146,7 +151,7 @@ pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw
         };
         ends.push((end(-0.05, 0.0), end(0.05, 1.0)));
     }
-    let (full, held_z) = profile.full(&likeliest, Kept::Nothing);
+    let (full, held_z) = profile.full(&optimum, Kept::Nothing);
     let values = model.values_held(&full, &held_z);
     let point = model.solve_values(&values, model.noise_at(&full), false, None);
     for (block, own) in model.blocks.iter().enumerate() {
@@ -160,7 +165,7 @@ pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw
                         value,
                     })
                 };
-                model.number(column, profile.end(kept, &likeliest, centre, step, bound))
+                model.number(column, profile.end(kept, &optimum, centre, step, bound))
             };
             let step = (0.1 * centre.abs()).max(1e-3);
             let (a, b) = (

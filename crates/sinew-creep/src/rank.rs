@@ -1,58 +1,58 @@
-//! Ropes in order of their strain, with intervals.
+//! Ranking of ropes by their strain, with intervals.
 
 use super::analyze::Analysis;
+use super::artefacts::median;
 use super::record::Prepared;
-use super::scan::median;
 use super::student::{normal_quantile, student_quantile};
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 
-/// Scatter between specimens, as a share of the value, that is assumed where no rope of the
-/// comparison has repeats: a starting guess of ours. One specimen can't know it.
+/// Assumed standard deviation between specimens, as a share of the value, if no rope of the
+/// comparison has repeats. It cannot be estimated from one specimen.
 pub const SCATTER_GUESS: f64 = 0.10;
 
-/// Where the scatter between specimens of an interval comes from.
+/// Source of the scatter between specimens of an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ScatterSource {
-    /// The rope's own repeats.
+    /// Repeats of the rope itself.
     Repeats,
-    /// Repeats of the other ropes in the comparison, pooled.
+    /// Pooled repeats of the other ropes in the comparison.
     OtherRopes,
-    /// Stated by the user.
+    /// Specified by the user.
     Stated,
-    /// [`SCATTER_GUESS`].
-    StartingGuess,
+    /// Assumed value ([`SCATTER_GUESS`]).
+    Assumed,
 }
 
-/// One rope's rank.
+/// Rank of one rope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rank {
-    /// One more than the ropes whose intervals lie wholly below: 1 where none is shown to stretch
-    /// less.
+    /// One plus the number of ropes whose interval lies completely below; 1 if no rope has a
+    /// significantly smaller strain.
     pub rank: usize,
-    /// Rope.
+    /// Name of the rope.
     pub name: String,
-    /// Repeats.
+    /// Number of repeats.
     pub specimens: usize,
-    /// Time at which strains are compared, s: the longest that all reach.
+    /// Time at which strains are compared, s: the longest that all records reach.
     pub at_s: f64,
-    /// Strain then, m/m, with the interval of the rope's mean.
+    /// Strain at that time, m/m, with the interval of the rope's mean.
     pub strain_ratio: Bounded,
-    /// Slope, 1/s.
+    /// Slope of the strain, 1/s.
     pub slope_per_s: Option<Bounded>,
-    /// Standard deviation between specimens that the intervals rest on, over the strain.
+    /// Standard deviation between specimens on which the intervals are based, over the strain.
     pub scatter_share: f64,
-    /// Where that comes from.
+    /// Source of that scatter.
     pub scatter_source: ScatterSource,
 }
 
-/// Ranks groups; where no specimen has a group, each counts as a rope.
+/// Ranks groups; without groups each specimen counts as a rope.
 ///
-/// `scatter`: standard deviation between specimens as a share of the value, for ropes with a
-/// single specimen; `None` takes that of the other ropes' repeats, else [`SCATTER_GUESS`].
+/// `scatter`: standard deviation between specimens as a share of the value, for ropes with a single
+/// specimen; `None` for that of the other ropes' repeats, otherwise [`SCATTER_GUESS`].
 pub fn rank(
     prepared: &[Prepared],
     analyses: &[Analysis],
@@ -114,7 +114,7 @@ pub fn rank(
     ranks
 }
 
-/// Numbers the ranks: one more than the intervals that lie wholly below.
+/// Assigns the ranks: one plus the number of intervals that lie completely below.
 fn number(ranks: &mut [Rank]) {
     let highs: Vec<f64> = ranks.iter().map(|r| r.strain_ratio.high).collect();
     for rank in ranks {
@@ -123,8 +123,8 @@ fn number(ranks: &mut [Rank]) {
     }
 }
 
-/// Strain at a time: straight line in the logarithm of time through the readings within a third
-/// of a decade before and after, with the scatter about it.
+/// Strain at a time: straight line over the logarithm of time through the measurements within a
+/// third of a decade before and after, with the scatter about it.
 fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Bounded {
     let start = prepared.stages.first().map_or(0.0, |s| s.start_s);
     let end = prepared.stages.first().map_or(f64::INFINITY, |s| s.end_s);
@@ -159,11 +159,11 @@ fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Bounded {
     Bounded::even(value, half)
 }
 
-/// What is known of the scatter between specimens without asking a rope's own repeats.
+/// Scatter between specimens without the repeats of the rope itself.
 struct Prior {
     /// Standard deviation as a share of the value.
     share: f64,
-    /// Its degrees of freedom; infinite where it is stated or guessed.
+    /// Degrees of freedom; infinite if specified or assumed.
     freedom: f64,
     source: ScatterSource,
 }
@@ -196,12 +196,12 @@ impl Prior {
         Self {
             share: SCATTER_GUESS,
             freedom: f64::INFINITY,
-            source: ScatterSource::StartingGuess,
+            source: ScatterSource::Assumed,
         }
     }
 
-    /// Mean of repeats with Student's interval of their scatter; for a single one the scatter
-    /// known otherwise, beside that of its readings.
+    /// Mean of repeats with Student's interval of their scatter; for a single specimen the prior
+    /// scatter combined with that of its measurements.
     fn pooled(&self, own: &[Bounded], level: f64) -> (Bounded, f64, ScatterSource) {
         let readings = median(
             &own.iter()
@@ -220,7 +220,7 @@ impl Prior {
             (between.hypot(readings), self.share, self.source)
         } else {
             let between = student_quantile(n - 1.0, level) * (variance / n).sqrt();
-            // Three repeats may agree by chance: not better than one of them is known.
+            // Three repeats may agree by chance: lower bound by the error of one of them.
             let half = between.max(readings / n.sqrt());
             (half, variance.sqrt() / mean.abs(), ScatterSource::Repeats)
         };
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rank_counts_the_ropes_that_are_shown_to_stretch_less() {
+    fn rank_counts_ropes_with_smaller_strain() {
         let rank = |low: f64, high: f64| Rank {
             rank: 0,
             name: String::new(),
@@ -264,12 +264,12 @@ mod tests {
             number(&mut ranks);
             ranks.iter().map(|r| r.rank).collect::<Vec<_>>()
         };
-        // A chain: the first and the last are apart although each overlaps its neighbour.
+        // A chain: the first and the last are separate although each overlaps its neighbour.
         assert_eq!(
             numbers(vec![rank(1.0, 2.0), rank(1.8, 3.0), rank(2.5, 4.0)]),
             [1, 1, 2]
         );
-        // A wide one in front: the last overlaps it, and lies above the narrow one.
+        // A wide interval in front: the last overlaps it, and lies above the narrow one.
         assert_eq!(
             numbers(vec![rank(0.0, 5.0), rank(2.6, 2.7), rank(3.0, 4.0)]),
             [1, 1, 2]
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_specimen_takes_its_scatter_from_elsewhere() {
+    fn single_specimen_uses_pooled_scatter() {
         // Two ropes with repeats that scatter by 10 % about 1 and 5 % about 2.
         let ropes = [
             vec![exact(0.9), exact(1.0), exact(1.1)],
@@ -298,14 +298,11 @@ mod tests {
     }
 
     #[test]
-    fn without_any_repeat_the_guess_counts_and_a_stated_scatter_goes_first() {
+    fn assumed_scatter_applies_without_repeats() {
         let ropes = [vec![exact(1.0)], vec![exact(1.1)]];
         let guess = Prior::of(&ropes, None);
         let (interval, share, source) = guess.pooled(&ropes[0], 0.95);
-        assert_eq!(
-            (share, source),
-            (SCATTER_GUESS, ScatterSource::StartingGuess)
-        );
+        assert_eq!((share, source), (SCATTER_GUESS, ScatterSource::Assumed));
         assert!((interval.high - 1.196).abs() < 1e-4, "{interval:?}");
         let stated = Prior::of(&ropes, Some(0.02));
         assert_eq!(stated.pooled(&ropes[0], 0.95).2, ScatterSource::Stated);

@@ -1,4 +1,4 @@
-//! The rope a fit of the rope law starts from, and what it takes from there.
+//! Base rope of a fit of the rope law, and the parameters fixed at its values.
 
 use super::error::CreepError;
 use serde::{Deserialize, Serialize};
@@ -6,19 +6,20 @@ use sinew_rope::CatalogueRope;
 use sinew_rope::law::Parameters;
 use sinew_rope::law::entry::CatalogueEntry;
 
-/// The catalogue rope a fit starts from: breaking load, material, and what the record can't tell.
+/// Catalogue rope on which a fit is based: breaking load, material, and parameters not identifiable
+/// from the record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RopeBase {
-    /// Its entry.
+    /// Catalogue entry of the rope.
     pub entry: CatalogueEntry,
     pub(super) parameters: Parameters,
 }
 
 impl RopeBase {
-    /// A base from a catalogue entry.
+    /// Creates a base from a catalogue entry.
     ///
     /// # Errors
-    /// [`CreepError::IncompleteRope`] naming parameters its law lacks.
+    /// Returns [`CreepError::IncompleteRope`] with the missing parameters of its law.
     pub fn new(entry: CatalogueEntry) -> Result<Self, CreepError> {
         let parameters = entry
             .parameters()
@@ -29,7 +30,7 @@ impl RopeBase {
         Ok(Self { entry, parameters })
     }
 
-    /// It as a rope of the catalogue.
+    /// Base rope as a rope of the catalogue.
     pub(super) fn rope(&self) -> CatalogueRope {
         CatalogueRope {
             entry: self.entry.clone(),
@@ -37,32 +38,32 @@ impl RopeBase {
         }
     }
 
-    /// Breaking load, N.
+    /// Breaking load of the rope, N.
     pub fn breaking_load_n(&self) -> f64 {
         self.parameters.breaking_load_n
     }
 }
 
-/// A parameter that a fit takes from the base rope.
+/// Parameter fixed at the base rope's value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FixedParameter {
-    /// Name as the catalogue writes it, unit included.
+    /// Name as in the catalogue, with its unit.
     pub name: String,
-    /// Value it is kept at.
+    /// Value at which it is fixed.
     pub value: f64,
-    /// Why the record can't tell it.
-    pub why: WhyFixed,
+    /// Reason why it is not identifiable.
+    pub reason: NotIdentifiableReason,
 }
 
-/// Why a record can't tell a parameter of the rope law.
+/// Reason why a parameter of the rope law is not identifiable from a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum WhyFixed {
-    /// The load never changes between readings.
+pub enum NotIdentifiableReason {
+    /// No change of the load between measurements.
     NoChangeOfLoad,
-    /// Fewer than three loads, none among them.
+    /// Fewer than three loads, including zero.
     FewerThanThreeLoads,
     /// Fewer than five loads.
     FewerThanFiveLoads,
@@ -74,10 +75,10 @@ pub enum WhyFixed {
     FewerThanThreeTemperatures,
     /// Too little flow at these loads, times and temperatures.
     TooLittleFlow,
-    /// The base rope has no retraction.
+    /// Base rope without retraction.
     NoRetraction,
     /// No record above 35 °C.
     NoneWarm,
-    /// Can't be told from the rate of flow.
+    /// Indistinguishable from the rate of flow.
     WithRateOfFlow,
 }

@@ -1,8 +1,8 @@
-//! A fit of the rope law as a rope of the catalogue.
+//! Catalogue entry from a fit of the rope law.
 
 use sinew_rope::law::Parameter;
 use sinew_rope::law::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
-use sinew_rope::law::holds::Holds;
+use sinew_rope::law::tested_range::TestedRange;
 
 use super::curve::Curve;
 use super::error::{CreepError, NoEntry};
@@ -13,28 +13,29 @@ use super::rope_walk::TEMPERATURE_C;
 use super::span::extremes;
 use super::student::normal_quantile;
 
-/// What a fitted entry says of itself.
+/// Origin of a fitted entry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EntrySource {
-    /// Name of the new rope: lower case letters, digits and hyphens.
+    /// Name of the new rope: lower-case letters, digits and hyphens.
     pub name: String,
-    /// The data, such as file names with their checksums.
+    /// Description of the data, such as file names with their checksums.
     pub data: String,
-    /// Day of the fit, such as 2026-11-21.
+    /// Date of the fit, such as 2026-11-21.
     pub date: String,
 }
 
 /// Key of the entry's source that names the data.
 const SOURCE: &str = "creep-fit";
 
-/// The catalogue entry of a fitted rope: fitted values with their 95 % intervals and the
-/// correlations of their errors; everything else is the base rope's, with its own origin.
+/// Creates the catalogue entry of a fitted rope: fitted values with their 95 % intervals and the
+/// correlations of their errors; all other values are those of the base rope, with their own
+/// origin.
 ///
-/// An interval of the catalogue is symmetric (in the value or in its logarithm), so the wider side
-/// of the fitted one counts for both.
+/// An interval of the catalogue is symmetric (in the value or in its logarithm), so that the wider
+/// side of the fitted one counts for both.
 ///
 /// # Errors
-/// [`NoEntry::NotARopeFit`] when the fit is not one of [`Law::Rope`] or has no draws.
+/// Returns [`NoEntry::NotARopeFit`] if the fit is not one of [`Law::Rope`] or has no draws.
 pub fn rope_entry(
     fit: &Fit,
     base: &RopeBase,
@@ -80,7 +81,8 @@ pub fn rope_entry(
         );
         fitted.push(parameter);
     }
-    // What is held moves what is fitted: without this a prediction for the tests' own load would count it twice.
+    // Fixed parameters are correlated with the fitted ones: otherwise a prediction for the tested
+    // load would count them twice.
     let shapes = fit.model.shapes.len();
     for (k, (parameter, _)) in fit
         .model
@@ -95,12 +97,12 @@ pub fn rope_entry(
     }
     entry.correlation = Correlation::new(fitted, correlations(&scores));
     entry.note = Some(note(fit, base));
-    entry.holds = Some(holds_of(&fit.model.curves, base));
+    entry.tested_range = Some(tested_range_of(&fit.model.curves, base));
     Ok(entry)
 }
 
-/// Loads, temperatures and times of records.
-pub(super) fn holds_of(curves: &[Curve], base: &RopeBase) -> Holds {
+/// Range of loads, temperatures and times of records.
+pub(super) fn tested_range_of(curves: &[Curve], base: &RopeBase) -> TestedRange {
     let tensions = curves.iter().flat_map(|curve| {
         let tension = curve.tension;
         let steps = curve
@@ -119,8 +121,8 @@ pub(super) fn holds_of(curves: &[Curve], base: &RopeBase) -> Holds {
     let celsius: Vec<f64> = celsius.collect();
     let ends = curves.iter().filter_map(|c| c.time_s.last().copied());
     let (low, high) = extremes(&shares);
-    Holds {
-        // To five decimals, outwards: the tests' own loads stay inside.
+    TestedRange {
+        // Rounded outwards to five decimals, so that the tested loads lie inside.
         load_share: [(1e5 * low).floor() / 1e5, (1e5 * high).ceil() / 1e5],
         temperature_c: extremes(&celsius).into(),
         duration_s: ends.fold(0.0, f64::max),
@@ -131,10 +133,10 @@ fn catalogued(name: &str) -> Option<Parameter> {
     Parameter::ALL.iter().copied().find(|p| p.name() == name)
 }
 
-/// The wider side of the interval, by a factor where the value is a positive quantity.
+/// Uncertainty by the wider side of the interval, as a factor if the value is a positive quantity.
 fn uncertainty(parameter: Parameter, value: f64, low: f64, high: f64) -> Uncertainty {
-    /// A wider factor says less than zero to twice the value.
-    const WIDEST: f64 = 1e3;
+    /// Maximum factor; a wider one is less informative than zero to twice the value.
+    const MAX_FACTOR: f64 = 1e3;
     let by_sum = matches!(
         parameter,
         Parameter::Jamming
@@ -143,15 +145,15 @@ fn uncertainty(parameter: Parameter, value: f64, low: f64, high: f64) -> Uncerta
             | Parameter::DelayedPerK
     );
     let factor = (high / value).max(value / low);
-    if !by_sum && value > 0.0 && low > 0.0 && factor < WIDEST {
+    if !by_sum && value > 0.0 && low > 0.0 && factor < MAX_FACTOR {
         Uncertainty::Factor(factor.max(1.0 + 1e-9))
     } else {
         Uncertainty::PlusMinus((high - value).max(value - low).max(f64::MIN_POSITIVE))
     }
 }
 
-/// Correlations of the ranks' normal scores: those of the parameters on whatever scale.
-/// Correlations are written so much smaller: rounding to four digits must not make the matrix indefinite.
+/// Factor on the correlations of the ranks' normal scores, so that rounding to four digits does not
+/// make the matrix indefinite.
 pub(super) const SHRINK: f64 = 0.999;
 
 fn correlations(scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -196,7 +198,7 @@ fn note(fit: &Fit, base: &RopeBase) -> String {
     );
     if !open.is_empty() {
         text.push_str(&format!(
-            "; fitted, but hardly told by the records: {}",
+            "; fitted, but weakly determined by the records: {}",
             open.join(", ")
         ));
     }

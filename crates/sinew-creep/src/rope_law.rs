@@ -1,10 +1,10 @@
-//! The rope law ([`sinew_rope::law`]) as a law of creep fits.
+//! Rope law ([`sinew_rope::law`]) as a law of creep fits.
 //!
 //! For given times, exponents and energies the strain of a record is linear in `1/k`, `e_t`, `B`,
-//! `J`, `A₀` and `S`: bedding-in, delayed elasticity, flow and retraction don't act on each other,
-//! and each is proportional to its own amplitude. So one walk through the record's tensions at
-//! amplitudes of one gives every column of the linear problem, exactly (every stretch is solved in
-//! closed form), and only the rest is searched.
+//! `J`, `A₀` and `S`: bedding-in, delayed elasticity, flow and retraction do not interact, and each
+//! is proportional to its own amplitude. One walk through the record's tensions at unit amplitudes
+//! therefore gives every column of the linear problem, exactly (every segment is solved in closed
+//! form), and only the rest is searched.
 
 use sinew_model::Z95;
 use sinew_rope::law::entry::{Uncertainty, Value};
@@ -13,33 +13,34 @@ use sinew_rope::law::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters};
 use super::curve::Curve;
 use super::error::{CreepError, Unusable};
 use super::law::{Shape, Term};
-use super::rope_base::{FixedParameter, RopeBase, WhyFixed};
+use super::rope_base::{FixedParameter, NotIdentifiableReason, RopeBase};
 use super::rope_walk::{PARTS, TEMPERATURE_C, Walk};
 
-/// Which parameters a set of records tells.
+/// Selection of the parameters that a set of records determines.
 #[derive(Debug, Clone)]
 pub(super) struct RopePlan {
     base: Parameters,
     pub(super) shapes: Vec<Parameter>,
     pub(super) terms: Vec<Parameter>,
     pub(super) fixed: Vec<FixedParameter>,
-    /// Those of [`Self::fixed`] that the base rope knows within an interval only.
+    /// Parameters of [`Self::fixed`] whose base value has an interval.
     pub(super) held: Vec<(Parameter, Value)>,
 }
 
-/// Heat retraction begins here, °C.
-const WARM_C: f64 = 35.0;
+/// Minimum temperature of heat retraction, °C.
+const MIN_RETRACTION_C: f64 = 35.0;
 
-/// What the records vary.
+/// Variation of loads and temperatures in the records.
 struct Design {
-    /// Distinct loads under which a rope beds in: higher than all that the same specimen felt before.
+    /// Number of distinct loads under which a rope beds in: higher than all earlier loads of the
+    /// same specimen.
     loaded: usize,
-    /// Changes of elastic strain that readings stand on both sides of.
+    /// Number of changes of elastic strain with measurements on both sides.
     jumps: usize,
     temperatures: usize,
     warm: bool,
     warm_loads: usize,
-    /// Flow at the base's upper end of `A₀`, over the range of the strain, at most.
+    /// Maximum flow at the base's upper end of `A₀`, over the range of the strain.
     flow_share: f64,
 }
 
@@ -63,11 +64,11 @@ impl Design {
             for tension in held_tensions(curve) {
                 add(&mut own, tension, 0.05 * largest);
                 if tension > 0.05 * largest {
-                    // Under less load than before nothing beds in, and nothing comes back.
+                    // Below the largest earlier load nothing beds in, and nothing recovers.
                     if tension > highest + 0.1 * largest {
                         add(&mut loaded, tension, 0.1 * largest);
                     }
-                    if celsius > WARM_C {
+                    if celsius > MIN_RETRACTION_C {
                         add(&mut warm_loads, tension, 0.1 * largest);
                     }
                 }
@@ -82,7 +83,7 @@ impl Design {
             loaded: loaded.len(),
             jumps: elastic.len().saturating_sub(1),
             temperatures: temperatures.len(),
-            warm: temperatures.iter().any(|c| *c > WARM_C),
+            warm: temperatures.iter().any(|c| *c > MIN_RETRACTION_C),
             warm_loads: warm_loads.len(),
             flow_share: curves
                 .iter()
@@ -92,7 +93,7 @@ impl Design {
     }
 }
 
-/// Adds a value that none of the others is near.
+/// Adds a value that is not close to any other.
 fn add(values: &mut Vec<f64>, value: f64, apart: f64) {
     if values.iter().all(|v| (v - value).abs() > apart) {
         values.push(value);
@@ -104,7 +105,7 @@ fn tensions(curve: &Curve) -> impl Iterator<Item = f64> + '_ {
     steps.filter_map(|step| curve.tension.map(|t| t.at(step.1)))
 }
 
-/// Tensions under which at least three readings stand.
+/// Tensions with at least three measurements.
 fn held_tensions(curve: &Curve) -> Vec<f64> {
     let ends = curve
         .steps
@@ -124,7 +125,7 @@ fn held_tensions(curve: &Curve) -> Vec<f64> {
         .collect()
 }
 
-/// Flow that the base's upper end of `A₀` would give, over the range of the record's strain.
+/// Flow at the base's upper end of `A₀`, over the range of the record's strain.
 fn flow_share(curve: &Curve, base: &RopeBase, mbl: f64) -> f64 {
     let rate = base
         .entry
@@ -159,23 +160,23 @@ impl RopePlan {
         Ok(plan)
     }
 
-    /// What each parameter needs a record to vary.
+    /// Selects the free parameters by the variation of the records.
     fn decide(&mut self, design: &Design, base: &RopeBase) {
         use Parameter as P;
-        let known_zero = |parameter: P| {
+        let fixed_at_zero = |parameter: P| {
             base.entry.law.get(&parameter).is_some_and(|value| {
-                value.value == 0.0 && value.uncertainty == Uncertainty::NotStated
+                value.value == 0.0 && value.uncertainty == Uncertainty::NotSpecified
             })
         };
-        use WhyFixed as Why;
-        let retraction = if known_zero(P::Retraction) {
+        use NotIdentifiableReason as Why;
+        let retraction = if fixed_at_zero(P::Retraction) {
             Some(Why::NoRetraction)
         } else {
             (!design.warm).then_some(Why::NoneWarm)
         };
-        let unless = |told: bool, why: Why| (!told).then_some(why);
+        let unless = |determined: bool, reason: Why| (!determined).then_some(reason);
         let temperatures = design.temperatures;
-        let flows = !known_zero(P::FlowRate) && design.flow_share >= 0.01;
+        let flows = !fixed_at_zero(P::FlowRate) && design.flow_share >= 0.01;
         let three_warm = unless(temperatures > 2, Why::FewerThanThreeTemperatures);
         let warmer = unless(temperatures > 1, Why::OneTemperature);
         let parameters = [
@@ -200,18 +201,18 @@ impl RopePlan {
             (P::FlowStress, Some(Why::WithRateOfFlow)),
         ];
         let linear = [P::ElasticK, P::Toe, P::FlowRate, P::Retraction];
-        for (parameter, why) in parameters {
-            match why {
+        for (parameter, reason) in parameters {
+            match reason {
                 None if linear.contains(&parameter) => self.terms.push(parameter),
                 None => self.shapes.push(parameter),
-                Some(why) => {
+                Some(reason) => {
                     self.fixed.push(FixedParameter {
                         name: parameter.name().to_owned(),
                         value: self.base.get(parameter),
-                        why,
+                        reason,
                     });
-                    let known = base.entry.law.get(&parameter);
-                    let open = known.filter(|v| v.uncertainty != Uncertainty::NotStated);
+                    let entry = base.entry.law.get(&parameter);
+                    let open = entry.filter(|v| v.uncertainty != Uncertainty::NotSpecified);
                     self.held.extend(open.map(|v| (parameter, v.clone())));
                 }
             }
@@ -223,7 +224,8 @@ impl RopePlan {
             .iter()
             .map(|&parameter| {
                 let (logarithmic, lower, upper) = match parameter {
-                    // Faster than the readings and slower than the record is all the same.
+                    // Times shorter than the measurement interval or longer than the record are
+                    // indistinguishable.
                     Parameter::BeddingTime => (true, (0.3 * short_s).max(0.1), 10.0 * long_s),
                     Parameter::Jamming => (false, 0.0, 15.0),
                     Parameter::BeddingLoadRatio => (true, 0.002, 0.3),
@@ -252,13 +254,13 @@ impl RopePlan {
         self.terms.iter().map(term).collect()
     }
 
-    /// The base's values at the fitted shapes, to start from.
+    /// Base values of the free shapes, as a start of the search.
     pub(super) fn base_values(&self) -> Vec<f64> {
         self.shapes.iter().map(|p| self.base.get(*p)).collect()
     }
 
-    /// Rows of the terms' columns at rising times, row by row, and what the fixed amplitudes give, with what is held so many
-    /// deviations from the base rope's values.
+    /// Rows of the terms' columns at increasing times, row by row, and the strain of the fixed
+    /// amplitudes, with the fixed parameters at deviations `held_z` from the base rope's values.
     ///
     /// Strain in m/m counts from the state under the preload, before the first step.
     pub(super) fn rows(
@@ -307,27 +309,27 @@ impl RopePlan {
     }
 }
 
-/// A record must have tensions that the rope can bear.
+/// Checks that a record has tensions below the breaking load.
 fn check(curve: &Curve, p: &Parameters) -> Result<(), CreepError> {
-    let refuse = |reason: Unusable| {
+    let invalid = |reason: Unusable| {
         Err(CreepError::Specimen {
             specimen: curve.name.clone(),
             reason,
         })
     };
     if curve.tension.is_none() {
-        return refuse(Unusable::NoTension);
+        return invalid(Unusable::NoTension);
     }
     let most = tensions(curve).fold(0.0, f64::max);
     if most >= p.breaking_load_n {
-        return refuse(Unusable::Breaks {
+        return invalid(Unusable::Breaks {
             tension_n: most,
             breaking_load_n: p.breaking_load_n,
         });
     }
     let temperature_c = curve.temperature_c.unwrap_or(TEMPERATURE_C);
     if !(-100.0..=200.0).contains(&temperature_c) {
-        return refuse(Unusable::Temperature { temperature_c });
+        return invalid(Unusable::Temperature { temperature_c });
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
-//! A rope's way through the tensions of a record, part by part.
+//! Simulation of a rope through the tensions of a record, part by part.
 
 use sinew_rope::law::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Rates, RopeLoad, State};
 
 use super::curve::{Curve, Tension};
 
-/// Taken where a record has no temperature, °C.
+/// Assumed temperature of a record without one, °C.
 pub(super) const TEMPERATURE_C: f64 = 23.0;
 
-/// Parameters that a part of the strain is proportional to, in the order of [`Walk::parts`].
+/// Parameters to which a part of the strain is proportional, in the order of [`Walk::parts`].
 pub(super) const PARTS: [Parameter; 6] = [
     Parameter::ElasticK,
     Parameter::Toe,
@@ -17,7 +17,7 @@ pub(super) const PARTS: [Parameter; 6] = [
     Parameter::Retraction,
 ];
 
-/// A rope on its way through the steps of a record.
+/// State of a rope during the steps of a record.
 pub(super) struct Walk<'a> {
     law: &'a RopeLaw,
     tension: Option<Tension>,
@@ -31,13 +31,13 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Before the first step: a new rope under the preload for as long as the record shows it.
+    /// State before the first step: a new rope under the preload for its recorded duration.
     pub(super) fn new(law: &'a RopeLaw, curve: &Curve, steps: &'a [(f64, f64)]) -> Self {
         let start = steps.first().map_or(0.0, |s| s.0);
         Self::waiting(law, curve, steps, start)
     }
 
-    /// Under the preload, at a time not after the first step: where the zero was read.
+    /// State under the preload, at a time not after the first step, where the zero was measured.
     pub(super) fn waiting(
         law: &'a RopeLaw,
         curve: &Curve,
@@ -58,7 +58,8 @@ impl<'a> Walk<'a> {
             next_step: 0,
         };
         walk.meet();
-        // The preload began where the record says, whenever within its window the step came.
+        // The preload started at its recorded time, independent of the step's time within its
+        // window.
         let recorded = curve.steps.first().map_or(0.0, |s| s.0);
         walk.hold(tension.map_or(0.0, |t| t.preloaded_s) + t - recorded);
         walk
@@ -92,12 +93,12 @@ impl<'a> Walk<'a> {
         if let Some(rates) = &self.rates
             && duration_s > 0.0
         {
-            // Loads and temperatures were checked; a state that is no number any more stays.
+            // Loads and temperatures were checked; a non-finite state remains unchanged.
             let _ = self.law.advance(&mut self.state, rates, duration_s);
         }
     }
 
-    /// To a time not before the last one asked for.
+    /// Advances to a time not before the previous one.
     pub(super) fn go_to(&mut self, t: f64) {
         while let Some(&(start, step)) = self.steps.get(self.next_step) {
             if start > t {

@@ -1,26 +1,27 @@
-//! Draws from a density known up to a factor, within the unit box: an ensemble whose walkers move
-//! along differences of others (differential evolution Monte Carlo: ter Braak, Statistics and
-//! Computing 16, 2006), half by half.
+//! Draws from an unnormalised density within the unit box: an ensemble whose walkers move along
+//! differences of others (differential evolution Monte Carlo: ter Braak, Statistics and Computing
+//! 16, 2006), in two halves.
 //!
-//! Of a normal density of one number the 720 points kept by the plan below are worth 620 independent
-//! draws; with stretch moves (Goodman and Weare, 2010) they were worth 160, and quantiles of few draws
-//! lie too far inside.
+//! For a one-dimensional normal density the 720 points kept by the plan below have an effective
+//! size of 620 independent draws; with stretch moves (Goodman and Weare, 2010) it was 160, and
+//! quantiles of few draws are biased inwards.
 
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use sinew_model::cholesky;
 
-/// Length of the ensemble's run.
+/// Duration of the ensemble's run.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
     pub(super) burn_in: usize,
     pub(super) rounds: usize,
-    /// Every how many rounds the ensemble is kept.
+    /// Number of rounds between kept ensembles.
     pub(super) thinning: usize,
 }
 
 impl Plan {
-    /// A run for so many numbers: an ensemble forgets its start in some ten rounds for each.
+    /// Plans a run for a number of parameters: an ensemble forgets its start in about ten rounds
+    /// per parameter.
     pub(super) fn of(numbers: usize) -> Plan {
         let per = numbers.saturating_sub(3);
         Plan {
@@ -31,14 +32,15 @@ impl Plan {
     }
 }
 
-/// Where walkers start: a normal distribution by the lower Cholesky factor of its precision, row by row.
+/// Initial normal distribution of the walkers by the lower Cholesky factor of its precision, row by
+/// row.
 pub(super) struct Around {
     pub(super) centre: Vec<f64>,
     pub(super) factor: Vec<f64>,
 }
 
 impl Around {
-    /// A point at so many standard deviations from a centre, within the box.
+    /// Point at `z` standard deviations from a centre, within the box.
     fn point(&self, centre: &[f64], z: &[f64]) -> Vec<f64> {
         let mut x = z.to_vec();
         cholesky::backward(&self.factor, z.len(), &mut x);
@@ -47,7 +49,7 @@ impl Around {
     }
 }
 
-/// Draws, from walkers spread around an optimum and around `others`, in turn.
+/// Draws from walkers spread around an optimum and around `others`, in turn.
 pub(super) fn ensemble(
     log_density: &dyn Fn(&[f64]) -> f64,
     start: &Around,
@@ -55,8 +57,8 @@ pub(super) fn ensemble(
     plan: Plan,
     random: &mut impl Rng,
 ) -> Vec<Vec<f64>> {
-    /// Every so many rounds a whole difference, which leads from one optimum to another.
-    const LEAP: usize = 10;
+    /// Number of rounds between full differences, which lead from one optimum to another.
+    const LEAP_INTERVAL: usize = 10;
     /// Spread of the length, so that few walkers reach more than a lattice.
     const SPREAD: f64 = 0.05;
     let d = start.centre.len();
@@ -64,8 +66,8 @@ pub(super) fn ensemble(
         return vec![Vec::new()];
     }
     let walkers = (6 * d).max(24).next_multiple_of(2);
-    // Most walkers start as the curvature at the optimum says, wider by a half; every sixth
-    // anywhere in the box: an optimum on a bound or a second one is then not missed.
+    // Most walkers start from the curvature at the optimum, widened by one half; every sixth
+    // anywhere in the box, so that an optimum on a bound or a second one is not missed.
     let mut points: Vec<Vec<f64>> = (0..walkers)
         .map(|w| {
             if w % 6 == 5 {
@@ -82,27 +84,27 @@ pub(super) fn ensemble(
     let mut densities: Vec<f64> = points.iter().map(|p| log_density(p)).collect();
     let mut kept = Vec::new();
     let mut trial = vec![0.0; d];
-    /// A walker this far below the best (in the logarithm) is lost where nothing is: the
-    /// flattest of its surroundings can't make up for it.
-    const LOST: f64 = 20.0;
+    /// Log-density difference to the best walker above which a walker is lost: its surroundings
+    /// cannot compensate the difference.
+    const MAX_LOG_DENSITY_DIFFERENCE: f64 = 20.0;
     for round in 0..plan.burn_in + plan.rounds {
         if round == plan.burn_in / 2 || round == 3 * plan.burn_in / 4 {
             let best = densities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let found: Vec<usize> = (0..walkers)
-                .filter(|w| densities[*w] > best - LOST)
+                .filter(|w| densities[*w] > best - MAX_LOG_DENSITY_DIFFERENCE)
                 .collect();
             for w in 0..walkers {
-                if densities[w] <= best - LOST && !found.is_empty() {
+                if densities[w] <= best - MAX_LOG_DENSITY_DIFFERENCE && !found.is_empty() {
                     let other = found[random.random_range(0..found.len())];
                     points[w] = points[other].clone();
                     densities[w] = densities[other];
                 }
             }
         }
-        let length = if round % LEAP == LEAP - 1 {
+        let length = if round % LEAP_INTERVAL == LEAP_INTERVAL - 1 {
             1.0
         } else {
-            // Accepts the share of moves that forgets fastest on a normal density.
+            // Scale with the fastest convergence on a normal density.
             2.38 / (2.0 * d as f64).sqrt()
         };
         for half in 0..2 {
@@ -139,7 +141,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    /// `Lᵀ x = z` by hand: `x₂ = 2/20`, `x₁ = (1 − 5 x₂)/10`.
+    // Analytic value of `Lᵀ x = z`: `x₂ = 2/20`, `x₁ = (1 − 5 x₂)/10`.
     #[test]
     fn points_are_slanted_as_the_density_is_and_stay_in_the_box() {
         let around = Around {
@@ -156,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slanted_normal_density_comes_back() {
+    fn correlated_normal_density_is_recovered() {
         // x, y with standard deviations 0.1 and correlation 0.9 around 0.5.
         let density = |p: &[f64]| {
             let (x, y) = ((p[0] - 0.5) / 0.1, (p[1] - 0.5) / 0.1);
@@ -171,7 +173,7 @@ mod tests {
             thinning: 3,
         };
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-        // Starts a third as wide as it should and without the correlation.
+        // Starts with a third of the width and without the correlation.
         let start = Around {
             centre: vec![0.5, 0.5],
             factor: vec![30.0, 0.0, 0.0, 30.0],
@@ -191,14 +193,8 @@ mod tests {
         assert!((cross / variance - 0.9).abs() < 0.03, "{cross}");
     }
 
-    fn around(d: usize, centre: f64, deviation: f64) -> Around {
-        let factor = (0..d * d).map(|k| {
-            if k % (d + 1) == 0 {
-                1.0 / deviation
-            } else {
-                0.0
-            }
-        });
+    fn around(d: usize, centre: f64, std: f64) -> Around {
+        let factor = (0..d * d).map(|k| if k % (d + 1) == 0 { 1.0 / std } else { 0.0 });
         Around {
             centre: vec![centre; d],
             factor: factor.collect(),
@@ -206,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_optimum_and_a_plateau_are_found() {
+    fn second_optimum_and_plateau_are_found() {
         // Two thirds at 0.2, one third at 0.8 of the first number; the second is anything.
         let density = |p: &[f64]| {
             if p.iter().any(|p| !(0.0..=1.0).contains(p)) {
@@ -227,14 +223,15 @@ mod tests {
             share += draws.iter().filter(|d| d[0] > 0.5).count() as f64 / n;
             middle += draws.iter().map(|d| d[1]).sum::<f64>() / n;
         }
-        // 20 000 draws; the two optima are told by points that fell there.
+        // 20 000 draws; the optima are distinguished by the points close to each.
         assert!((share - 1.0 / 3.0).abs() < 0.03, "{share}");
         assert!((middle - 0.5).abs() < 0.02, "{middle}");
     }
 
-    /// Narrow optima of four numbers: points anywhere in the box never fall there, and no weight tells that one is missing.
+    // Narrow optima in four dimensions: points anywhere in the box never reach them, and no weight
+    // indicates a missing one.
     #[test]
-    fn a_narrow_optimum_that_the_search_found_has_its_share() {
+    fn narrow_second_optimum_has_correct_share() {
         let density = |p: &[f64]| {
             let at = |c: f64| {
                 let squares: f64 = p.iter().map(|x| ((x - c) / 0.03).powi(2)).sum();

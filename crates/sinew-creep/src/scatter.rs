@@ -1,26 +1,27 @@
-//! Repeats: how specimens of a group differ.
+//! Scatter between repeats in a group.
 
 use super::analyze::Analysis;
-use super::scan::median;
+use super::artefacts::median;
 use serde::{Deserialize, Serialize};
 
 /// Mean and scatter of repeats.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scatter {
-    /// Group; `None`: specimens without a group.
+    /// Name of the group; `None` for specimens without a group.
     pub group: Option<String>,
-    /// Specimens.
+    /// Number of specimens.
     pub specimens: usize,
     /// Mean strain at the end, m/m.
     pub end_strain_ratio: f64,
-    /// Standard deviation of it between specimens, m/m; `None` for one.
-    pub end_deviation_ratio: Option<f64>,
-    /// Mean slope, 1/s.
+    /// Standard deviation of the end strain between specimens, m/m; `None` for one.
+    pub end_std_ratio: Option<f64>,
+    /// Mean slope of the strain, 1/s.
     pub slope_per_s: Option<f64>,
     /// Standard deviation of the slope between specimens, 1/s.
-    pub slope_deviation_per_s: Option<f64>,
-    /// Specimens whose end stands more than 3.5 robust deviations apart from their group.
+    pub slope_std_per_s: Option<f64>,
+    /// Outlying specimens, whose end strain is more than 3.5 robust standard deviations from the
+    /// median of their group.
     pub apart: Vec<String>,
 }
 
@@ -41,14 +42,15 @@ pub(super) fn by_group<'a>(
 
 /// Scatter of the specimens of each group, in the order of their first appearance.
 pub fn scatter<'a>(analyses: impl IntoIterator<Item = &'a Analysis>) -> Vec<Scatter> {
-    /// Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993.
-    const APART: f64 = 3.5;
+    /// Outlier threshold in robust standard deviations (Iglewicz and Hoaglin, How to Detect and
+    /// Handle Outliers, 1993).
+    const OUTLIER_THRESHOLD_STDS: f64 = 3.5;
     let moments = |values: &[f64]| {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
-        let deviation = (values.len() > 1)
+        let std = (values.len() > 1)
             .then(|| (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt());
-        (mean, deviation)
+        (mean, std)
     };
     by_group(analyses)
         .into_iter()
@@ -58,7 +60,7 @@ pub fn scatter<'a>(analyses: impl IntoIterator<Item = &'a Analysis>) -> Vec<Scat
                 .iter()
                 .filter_map(|a| a.slope_per_s.map(|s| s.value))
                 .collect();
-            let (end_strain_ratio, end_deviation_ratio) = moments(&ends);
+            let (end_strain_ratio, end_std_ratio) = moments(&ends);
             let centre = median(&ends);
             let distance: Vec<f64> = ends.iter().map(|e| (e - centre).abs()).collect();
             let robust = 1.482_6 * median(&distance);
@@ -66,13 +68,15 @@ pub fn scatter<'a>(analyses: impl IntoIterator<Item = &'a Analysis>) -> Vec<Scat
                 group: group.map(str::to_owned),
                 specimens: members.len(),
                 end_strain_ratio,
-                end_deviation_ratio,
+                end_std_ratio,
                 slope_per_s: (!slopes.is_empty()).then(|| moments(&slopes).0),
-                slope_deviation_per_s: moments(&slopes).1.filter(|_| !slopes.is_empty()),
+                slope_std_per_s: moments(&slopes).1.filter(|_| !slopes.is_empty()),
                 apart: members
                     .iter()
                     .zip(&distance)
-                    .filter(|(_, d)| members.len() >= 5 && robust > 0.0 && **d > APART * robust)
+                    .filter(|(_, d)| {
+                        members.len() >= 5 && robust > 0.0 && **d > OUTLIER_THRESHOLD_STDS * robust
+                    })
                     .map(|(a, _)| a.name.clone())
                     .collect(),
             }

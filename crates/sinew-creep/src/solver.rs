@@ -1,8 +1,9 @@
-//! Least squares within the unit box: Levenberg and Marquardt's method with an active set of bounds.
+//! Least squares within the unit box: Levenberg-Marquardt method with an active set of bounds.
 //!
-//! A step minimises `gᵀs + ½ sᵀ(JᵀJ + S + λD)s` within the box, `D` the largest diagonal of `JᵀJ` so far. `S` is a secant
-//! estimate of the curvature that `JᵀJ` leaves out: residuals of a fit aren't small, and the noise's own parameters have as much
-//! curvature in `S` as in `JᵀJ`. Steps go by that model of the two, with `S` or without, that foretold the last one better.
+//! A step minimises `gᵀs + ½ sᵀ(JᵀJ + S + λD)s` within the box, `D` the largest diagonal of `JᵀJ`
+//! so far. `S` is a secant estimate of the curvature that `JᵀJ` neglects: residuals of a fit are
+//! not small, and the noise parameters have as much curvature in `S` as in `JᵀJ`. Each step uses
+//! the model, with or without `S`, that predicted the previous one better.
 //!
 //! # Source
 //! J. J. Moré, *The Levenberg–Marquardt Algorithm*, Lecture Notes in Mathematics 630, 1978 (scaling); H. B. Nielsen, *Damping
@@ -12,45 +13,45 @@
 use serde::{Deserialize, Serialize};
 use sinew_model::cholesky::{dot, factorise, solve};
 
-/// Why a search ended.
+/// Reason for the termination of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Termination {
-    /// No parameter is searched: the linear problem has one solution.
+    /// No searched parameter: the linear problem has one solution.
     Linear,
-    /// The projected gradient is zero within its tolerance.
+    /// Projected gradient zero within its tolerance.
     Gradient,
-    /// The last step was shorter than its tolerance.
+    /// Last step shorter than its tolerance.
     Step,
-    /// The last step lowered the cost by less than its tolerance.
+    /// Last decrease of the cost below its tolerance.
     Cost,
-    /// No further progress within rounding.
+    /// No further progress within rounding errors.
     NoProgress,
-    /// The limit of steps was reached.
+    /// Maximum number of steps reached.
     StepLimit,
-    /// The search broke off.
+    /// Search aborted because of a non-finite cost.
     Failed,
 }
 
 impl Termination {
-    /// Whether the search ended by a criterion of its own.
+    /// Whether the search ended by a convergence criterion.
     pub fn converged(self) -> bool {
         !matches!(self, Termination::StepLimit | Termination::Failed)
     }
 }
 
-/// How a search ended.
+/// Termination of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ending {
-    /// Why.
+    /// Reason of the termination.
     pub termination: Termination,
-    /// Steps taken.
+    /// Number of steps.
     pub steps: u64,
 }
 
-/// Where a search ended.
+/// Result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Minimum {
     /// Parameters, each between 0 and 1.
@@ -60,7 +61,7 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Residuals at parameters that lie between 0 and 1; their number doesn't change.
+/// Residuals at parameters between 0 and 1; their number is constant.
 pub(super) type Residuals<'a> = dyn Fn(&[f64]) -> Vec<f64> + 'a;
 
 /// Derivatives of residuals, parameter by parameter, by central differences within the box.
@@ -79,19 +80,19 @@ pub(super) fn slopes(residuals: &Residuals<'_>, x: &[f64], step: f64) -> Vec<Vec
     (0..x.len()).map(slope).collect()
 }
 
-/// Half the sum of squares.
+/// Computes half the sum of squares.
 pub(super) fn half_squares(residuals: &[f64]) -> f64 {
     0.5 * dot(residuals, residuals)
 }
 
-/// Searches for the least squares from `start`, by so many steps at most.
+/// Minimises the squares from `start`, with a maximum number of steps.
 pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Minimum {
     /// Width of the differences: the cube root of the rounding error balances truncation.
     const WIDTH: f64 = 6e-6;
-    /// Change of the cost, and of any parameter, that counts as none.
+    /// Tolerances of the relative change of the cost, and of the change of any parameter.
     const SAME_COST: f64 = 1e-10;
     const SAME_PLACE: f64 = 1e-8;
-    /// Damping to begin with, and the most: nothing moves any more.
+    /// Initial and maximum damping.
     const DAMPING: f64 = 1e-3;
     const DAMPING_MOST: f64 = 1e12;
     let n = start.len();
@@ -105,12 +106,12 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
     };
     if n == 0 || !cost.is_finite() {
         let linear = n == 0;
-        let why = if linear {
+        let reason = if linear {
             Termination::Linear
         } else {
             Termination::Failed
         };
-        return end(x, cost, why, 0);
+        return end(x, cost, reason, 0);
     }
     let along = |columns: &[Vec<f64>], left: &[f64]| -> Vec<f64> {
         columns.iter().map(|column| dot(column, left)).collect()
@@ -121,16 +122,16 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
     let mut secant = vec![0.0; n * n];
     let mut with_secant = false;
     let (mut damping, mut growth) = (DAMPING, 2.0);
-    // Whether the damping was let go since the cost last fell.
+    // Whether the damping was reset since the cost last decreased.
     let mut let_go = false;
     for steps in 0..most {
         let normal: Vec<f64> = columns.iter().flat_map(|a| along(&columns, a)).collect();
         for (j, scale) in scale.iter_mut().enumerate() {
             *scale = scale.max(normal[j * n + j]);
         }
-        // A parameter that nothing goes by stays.
+        // A parameter without effect is not moved.
         let least = f64::EPSILON * scale.iter().copied().fold(0.0, f64::max);
-        // Damped until the cost falls.
+        // The damping increases until the cost decreases.
         let (step, tried) = loop {
             let mut hessian = normal.clone();
             if with_secant {
@@ -153,7 +154,7 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
                 let tried_left = residuals(&tried);
                 let gain = (cost - half_squares(&tried_left)) / foretold;
                 if gain > 1e-4 && foretold > 0.0 {
-                    // Nielsen's: a third where the model was right, twice where it was half right.
+                    // Nielsen's rule: a third if the model was right, twice if it was half right.
                     damping =
                         (damping * (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0)).max(1e-12);
                     growth = 2.0;
@@ -172,7 +173,7 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
         columns = slopes(residuals, &x, WIDTH);
         gradient = along(&columns, &left);
         let fell = before.0 - cost;
-        // The secant: what the change of the gradient has beyond JᵀJ s.
+        // Secant: change of the gradient beyond JᵀJ s.
         let bare = foretold(&before.1, &normal, &step);
         let bent = 0.5 * quadratic(&secant, &step, &step);
         with_secant = (bare + bent + fell).abs() < (bare + fell).abs();
@@ -186,14 +187,15 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
         let moved = step.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
         let (small_cost, small_step) = (fell < SAME_COST * cost, moved < SAME_PLACE);
         if small_cost || small_step {
-            // A damping that grew at a bend of the way makes short steps: without it there may be more.
+            // Damping increased at a bend makes short steps: without it there may be further
+            // progress.
             if let_go || damping < DAMPING {
-                let why = if small_cost {
+                let reason = if small_cost {
                     Termination::Cost
                 } else {
                     Termination::Step
                 };
-                return end(x, cost, why, steps + 1);
+                return end(x, cost, reason, steps + 1);
             }
             damping = 1e-6;
             let_go = true;
@@ -204,20 +206,20 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
     end(x, cost, Termination::StepLimit, most)
 }
 
-/// `gᵀs + ½ sᵀHs`.
+/// Evaluates the quadratic model `gᵀs + ½ sᵀHs`.
 fn foretold(gradient: &[f64], hessian: &[f64], step: &[f64]) -> f64 {
     dot(gradient, step) + 0.5 * quadratic(hessian, step, step)
 }
 
-/// `aᵀHb`.
+/// Evaluates the bilinear form `aᵀHb`.
 fn quadratic(hessian: &[f64], a: &[f64], b: &[f64]) -> f64 {
     let rows = hessian.chunks_exact(b.len());
     a.iter().zip(rows).map(|(a, row)| a * dot(row, b)).sum()
 }
 
-/// The step to the least of `gᵀs + ½ sᵀHs` within the box; none where `H` isn't positive definite.
+/// Step to the minimum of `gᵀs + ½ sᵀHs` within the box; `None` if `H` is not positive definite.
 ///
-/// What would leave the box stops at its bound, and the others make up for it.
+/// Components that would leave the box stop at their bound, and the others compensate.
 fn bounded_step(hessian: &[f64], gradient: &[f64], x: &[f64]) -> Option<Vec<f64>> {
     const EDGE: f64 = 1e-6;
     const SHARE: f64 = 0.9;
@@ -254,7 +256,7 @@ fn bounded_step(hessian: &[f64], gradient: &[f64], x: &[f64]) -> Option<Vec<f64>
     }
 }
 
-/// Dennis, Gay and Welsch's update of the secant estimate `S`: `S s` becomes `J₁ᵀr₁ − J₀ᵀr₁`.
+/// Dennis-Gay-Welsch update of the secant estimate `S`: `S s` becomes `J₁ᵀr₁ − J₀ᵀr₁`.
 fn update(secant: &mut [f64], step: &[f64], gradient: &[f64], before: &[f64], mixed: &[f64]) {
     let n = step.len();
     let y: Vec<f64> = gradient.iter().zip(before).map(|(g, b)| g - b).collect();
@@ -292,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_valley_is_followed_to_its_end() {
+    fn bent_valley_is_minimised() {
         // Rosenbrock's, x from −1 to 2.
         let valley = |u: &[f64]| {
             let [x, y] = [3.0 * u[0] - 1.0, 3.0 * u[1] - 1.0];
@@ -310,8 +312,9 @@ mod tests {
         check(&inside, &[1.0, 0.0], &[0.2, 0.9], 20);
     }
 
-    /// Two groups of readings whose variances are `exp(±a)`, as the noise of a fit: `JᵀJ` is half of the curvature. Best where `a`
-    /// is half the logarithm of the ratio of their squares.
+    // Two groups of measurements whose variances are `exp(±a)`, as the noise of a fit: `JᵀJ` is
+    // half of the curvature. The optimum of `a` is half the logarithm of the ratio of their
+    // squares.
     #[test]
     fn large_residuals_do_not_slow_it_down() {
         let noise = |u: &[f64]| {
@@ -323,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_goes_by_stays() {
+    fn parameter_without_effect_is_unchanged() {
         let one = |u: &[f64]| vec![u[0] - 0.25, 0.1];
         let found = minimum(&one, &[0.9, 0.4], 60);
         assert!(

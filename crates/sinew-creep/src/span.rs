@@ -1,21 +1,21 @@
-//! Mean and extremes of readings.
+//! Mean and extremes of measurements.
 
 use serde::{Deserialize, Serialize};
 
-/// Mean, lowest and highest of readings, in the unit that the field's name says.
+/// Mean, minimum and maximum of measurements, in the unit of the field's name.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Span {
-    /// Mean.
+    /// Mean of the measurements.
     pub mean: f64,
-    /// Lowest.
+    /// Minimum of the measurements.
     pub low: f64,
-    /// Highest.
+    /// Maximum of the measurements.
     pub high: f64,
 }
 
 impl Span {
-    /// Of a value that stays.
+    /// Span of a constant value.
     pub(super) fn point(value: f64) -> Self {
         Self {
             mean: value,
@@ -24,7 +24,7 @@ impl Span {
         }
     }
 
-    /// Of readings; `None` without any.
+    /// Span of measurements; `None` without any.
     pub(super) fn of(values: &[f64]) -> Option<Self> {
         let (low, high) = extremes(values);
         (!values.is_empty()).then(|| Self {
@@ -35,7 +35,7 @@ impl Span {
     }
 }
 
-/// Smallest and largest; an empty range the wrong way round of none.
+/// Minimum and maximum; infinity and minus infinity without values.
 pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
     let wider = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
     values

@@ -1,18 +1,18 @@
-//! Where a search begins.
+//! Starts of a search.
 
 use super::model::Model;
 use super::options::NoiseKind;
 
-/// Starts that are searched from, the best of those tried.
+/// Number of starts of a search, the best of those tried.
 const STARTS: usize = 3;
-/// Points of the grid of starts per parameter, by their number.
+/// Number of grid points per parameter, by the number of parameters.
 const GRID: [usize; 5] = [1, 12, 7, 5, 4];
-/// Points tried where a grid would be too large.
+/// Number of points tried if a grid would be too large.
 const SCATTERED: usize = 400;
 /// Bases of the Halton sequence.
 const PRIMES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
-/// The best points over the shapes, with independent and with slow noise.
+/// Best points over the shapes, with independent and with slow noise.
 pub(super) fn starts(model: &Model) -> Vec<Vec<f64>> {
     let mut white = model.clone();
     white.noise = NoiseKind::White;
@@ -33,7 +33,7 @@ pub(super) fn starts(model: &Model) -> Vec<Vec<f64>> {
     }
 }
 
-/// A grid over few shapes, evenly scattered points over many; the base rope's own among them.
+/// Grid over few shapes, quasi-random points over many, and the values of the base rope.
 fn tried(model: &Model) -> Vec<Vec<f64>> {
     let shapes = model.shapes.len();
     let mut points: Vec<Vec<f64>> = match GRID.get(shapes) {
@@ -63,7 +63,8 @@ fn grid_point(index: usize, per: usize, shapes: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Digits of the index in a base, mirrored at the point (Halton, Numer. Math. 2, 1960).
+/// Halton sequence: digits of the index in a base, mirrored at the point (Halton, Numer. Math. 2,
+/// 1960).
 fn halton(index: u32, base: u32) -> f64 {
     let (mut rest, mut share, mut value) = (index, 1.0, 0.0);
     while rest > 0 {

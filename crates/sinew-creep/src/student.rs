@@ -2,9 +2,10 @@
 
 /// Quantile of the standard normal distribution, to rounding.
 ///
-/// By Newton's method for the logarithm of the share: that is concave, so it comes from one side.
+/// Newton's method for the logarithm of the share, which is concave, so that it converges from one
+/// side.
 pub(super) fn normal_quantile(p: f64) -> f64 {
-    /// A tail of 1e-300 takes a dozen.
+    /// Maximum number of steps: a tail of 1e-300 needs a dozen.
     const STEPS: usize = 30;
     if p > 0.5 {
         return -normal_quantile(1.0 - p);
@@ -27,11 +28,12 @@ pub(super) fn normal_share(z: f64) -> f64 {
     0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Two-sided quantile of Student's distribution with whole degrees of freedom: `P(|t| ≤ q) = level`. NaN below one.
+/// Two-sided quantile of Student's distribution with integer degrees of freedom: `P(|t| ≤ q) =
+/// level`. NaN below one.
 ///
-/// By halving the angle `atan(t/√ν)`.
+/// Bisection of the angle `atan(t/√ν)`.
 pub(super) fn student_quantile(freedom: f64, level: f64) -> f64 {
-    /// Halvings of a right angle to rounding.
+    /// Number of bisections of a right angle to rounding.
     const HALVINGS: usize = 60;
     if !(freedom >= 1.0) {
         return f64::NAN;
@@ -48,20 +50,20 @@ pub(super) fn student_quantile(freedom: f64, level: f64) -> f64 {
     freedom.sqrt() * low.tan()
 }
 
-/// `P(|t| ≤ √ν tan angle)`.
+/// Evaluates `P(|t| ≤ √ν tan angle)`.
 ///
 /// # Source
 /// M. Abramowitz, I. A. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.3 and 26.7.4.
 fn student_share(freedom: usize, angle: f64) -> f64 {
     let (sin, cos) = angle.sin_cos();
-    let odd = freedom % 2;
-    let mut term = if odd == 1 { cos } else { 1.0 };
+    let remainder = freedom % 2;
+    let mut term = if remainder == 1 { cos } else { 1.0 };
     let mut sum = 0.0;
-    for k in (odd + 2..=freedom).step_by(2) {
+    for k in (remainder + 2..=freedom).step_by(2) {
         sum += term;
         term *= (k as f64 - 1.0) / k as f64 * cos * cos;
     }
-    match odd {
+    match remainder {
         1 => std::f64::consts::FRAC_2_PI * (angle + sin * sum),
         _ => sin * sum,
     }

@@ -1,43 +1,43 @@
-//! Time–temperature superposition: curves at several temperatures, shifted along the logarithm
-//! of time until they lie on one another.
+//! Time–temperature superposition: curves at several temperatures, shifted along the logarithm of
+//! time until they coincide.
 
 use super::error::CreepError;
 use super::linear;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 
-/// A property over time at one temperature.
+/// Property over time at one temperature.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Isotherm {
-    /// Temperature, °C.
+    /// Temperature of the isotherm, °C.
     pub temperature_c: f64,
-    /// Times, s, positive.
+    /// Positive times, s.
     pub time_s: Vec<f64>,
-    /// Strain, compliance or modulus, positive.
+    /// Positive strain, compliance or modulus.
     pub value: Vec<f64>,
 }
 
-/// The shift of one isotherm.
+/// Shift of one isotherm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shift {
-    /// Temperature, °C.
+    /// Temperature of the isotherm, °C.
     pub temperature_c: f64,
     /// Decadic logarithm of a_T: time at the reference is time here divided by a_T. Its standard
-    /// error follows from the mismatch of the overlap and grows along the chain.
+    /// error follows from the residuals of the overlap and grows along the chain.
     pub log10_a_t: Gaussian,
-    /// Decades of the property's logarithm in common with the neighbour nearer the reference,
-    /// as a share of this isotherm's own range; without overlap the shift is a guess.
+    /// Overlap of the property's logarithm with the neighbour nearer the reference, as a share of
+    /// this isotherm's own range; without overlap the shift is an extrapolation.
     pub overlap_share: f64,
 }
 
-/// Shift factors and what they follow.
+/// Shift factors and their temperature dependence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Superposition {
-    /// Temperature that isn't shifted, °C.
+    /// Reference temperature, which is not shifted, °C.
     pub reference_c: f64,
-    /// Shifts by rising temperature.
+    /// Shifts by increasing temperature.
     pub shifts: Vec<Shift>,
     /// Arrhenius line through all temperatures.
     pub arrhenius: Option<Arrhenius>,
@@ -45,35 +45,36 @@ pub struct Superposition {
     pub wlf: Option<Wlf>,
 }
 
-/// `ln a_T = E/R (1/T − 1/T_ref)`.
+/// Arrhenius equation `ln a_T = E/R (1/T − 1/T_ref)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Arrhenius {
     /// Activation energy `E`, J/mol.
     pub energy_j_per_mol: f64,
-    /// Root mean square misfit of log10 a_T, decades.
-    pub misfit_decades: f64,
+    /// Root mean square residual of log10 a_T, decades.
+    pub residual_rms_decades: f64,
 }
 
-/// `log a_T = −C₁ ΔT/(C₂ + ΔT)`.
+/// Williams-Landel-Ferry equation `log a_T = −C₁ ΔT/(C₂ + ΔT)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wlf {
-    /// C₁.
+    /// Dimensionless coefficient C₁.
     pub c1: f64,
-    /// C₂, K.
+    /// Temperature coefficient C₂, K.
     pub c2_k: f64,
-    /// Root mean square misfit of log10 a_T, decades.
-    pub misfit_decades: f64,
+    /// Root mean square residual of log10 a_T, decades.
+    pub residual_rms_decades: f64,
 }
 
 /// Shifts isotherms onto the one nearest to `reference_c`, neighbour by neighbour.
 ///
-/// The shift between neighbours is the one at which a single parabola, on double logarithmic
-/// axes, fits both best.
+/// The shift between neighbours is the one at which a single parabola, on double logarithmic axes,
+/// fits both best.
 ///
 /// # Errors
-/// [`CreepError::OneTemperature`]; [`CreepError::Isotherm`] for a reading that isn't positive.
+/// Returns [`CreepError::OneTemperature`] if all temperatures are within 1 K, and
+/// [`CreepError::Isotherm`] for a measurement that is not positive or fewer than three.
 pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superposition, CreepError> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for isotherm in isotherms {
@@ -95,7 +96,7 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
     if curves.len() < 2 || curves[curves.len() - 1].0 - curves[0].0 < 1.0 {
         return Err(CreepError::OneTemperature);
     }
-    // Does the property fall (modulus) or rise (strain) with time? All curves vote.
+    // The property decreases (modulus) or increases (strain) with time, by the sum over all curves.
     let rise: f64 = curves.iter().map(|(_, p)| p[p.len() - 1].1 - p[0].1).sum();
     let sign = if rise < 0.0 { -1.0 } else { 1.0 };
     let rising: Vec<Vec<(f64, f64)>> = curves
@@ -123,8 +124,7 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
         let (distance, error, overlap) = distance(&rising[near], &rising[far]);
         // A curve that reaches the same value earlier by d decades has log a_T smaller by d.
         let before = shifts[near].log10_a_t;
-        shifts[far].log10_a_t =
-            Gaussian::new(before.mean + distance, before.deviation.hypot(error));
+        shifts[far].log10_a_t = Gaussian::new(before.mean + distance, before.std.hypot(error));
         shifts[far].overlap_share = overlap;
     }
     let reference_c = curves[reference].0;
@@ -136,20 +136,20 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
     })
 }
 
-/// Shift of `far` against `near` in decades, its standard error, and how far values overlap.
+/// Shift of `far` against `near` in decades, its standard error, and the overlap of their values.
 ///
-/// The shift at which one parabola, on double logarithmic axes, goes through both best. All
-/// readings count at every shift, so a short overlap is not preferred; the error follows from how
-/// sharply the misfit rises.
+/// The shift at which one parabola, on double logarithmic axes, fits both best. All measurements
+/// count at every shift, so that a short overlap is not preferred; the error follows from the
+/// curvature of the residual squares.
 fn distance(near: &[(f64, f64)], far: &[(f64, f64)]) -> (f64, f64, f64) {
-    /// Neighbours farther apart have no place in one chain.
-    const MOST_DECADES: f64 = 8.0;
+    /// Maximum shift between neighbours, decades.
+    const MAX_SHIFT_DECADES: f64 = 8.0;
     const STEPS: i32 = 800;
     let low = near[0].1.max(far[0].1);
     let high = near[near.len() - 1].1.min(far[far.len() - 1].1);
     let own = (far[far.len() - 1].1 - far[0].1).max(1e-12);
     let overlap = ((high - low) / own).clamp(0.0, 1.0);
-    let misfit = |d: f64| {
+    let residual_squares = |d: f64| {
         let n = near.len() + far.len();
         let (x, mut y): (Vec<f64>, Vec<f64>) = near
             .iter()
@@ -161,20 +161,22 @@ fn distance(near: &[(f64, f64)], far: &[(f64, f64)]) -> (f64, f64, f64) {
         columns.extend(x.iter().map(|x| x * x));
         linear::solve(&mut columns, &mut y, &[false; 3]).squares
     };
-    let step = MOST_DECADES / f64::from(STEPS);
+    let step = MAX_SHIFT_DECADES / f64::from(STEPS);
     let best = (-STEPS..=STEPS)
         .map(|i| step * f64::from(i))
-        .min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)))
+        .min_by(|a, b| residual_squares(*a).total_cmp(&residual_squares(*b)))
         .unwrap_or(0.0);
-    let d = golden_section(best - step, best + step, 60, misfit);
-    let bend = (misfit(d + step) - 2.0 * misfit(d) + misfit(d - step)) / (step * step);
+    let d = golden_section(best - step, best + step, 60, residual_squares);
+    let bend = (residual_squares(d + step) - 2.0 * residual_squares(d)
+        + residual_squares(d - step))
+        / (step * step);
     // Three coefficients and the shift are fitted.
     let free = (near.len() + far.len()).saturating_sub(4).max(1) as f64;
-    let error = (2.0 * misfit(d) / free / bend.max(1e-300)).sqrt();
+    let error = (2.0 * residual_squares(d) / free / bend.max(1e-300)).sqrt();
     (d, error, overlap)
 }
 
-/// Where a function with one minimum between two places has it.
+/// Position of the minimum of a function with one minimum between two positions.
 fn golden_section(mut low: f64, mut high: f64, rounds: usize, cost: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..rounds {
@@ -190,7 +192,7 @@ fn golden_section(mut low: f64, mut high: f64, rounds: usize, cost: impl Fn(f64)
 }
 
 fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<Arrhenius> {
-    /// R ln 10 / 1000: kJ/(mol K) per decade.
+    /// Value of R ln 10 / 1000: kJ/(mol K) per decade.
     const GAS_DECADE: f64 = 8.314_462_618e-3 * std::f64::consts::LN_10;
     let x = |t: f64| (1.0 / (t + 273.15) - 1.0 / (reference_c + 273.15)) / GAS_DECADE;
     let xx: f64 = shifts.iter().map(|s| x(s.temperature_c).powi(2)).sum();
@@ -207,11 +209,11 @@ fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<Arrhenius> {
         .sqrt();
     energy.is_finite().then_some(Arrhenius {
         energy_j_per_mol: 1e3 * energy,
-        misfit_decades: rms,
+        residual_rms_decades: rms,
     })
 }
 
-/// For every C₂ the best C₁ is linear; C₂ by golden section.
+/// Fits the equation: for every C₂ the best C₁ is linear; C₂ by golden section.
 fn wlf(shifts: &[Shift], reference_c: f64) -> Option<Wlf> {
     let above: Vec<(f64, f64)> = shifts
         .iter()
@@ -241,7 +243,7 @@ fn wlf(shifts: &[Shift], reference_c: f64) -> Option<Wlf> {
     c1.is_finite().then_some(Wlf {
         c1,
         c2_k: place.exp(),
-        misfit_decades: rms,
+        residual_rms_decades: rms,
     })
 }
 
@@ -249,13 +251,14 @@ fn wlf(shifts: &[Shift], reference_c: f64) -> Option<Wlf> {
 mod tests {
     use super::*;
 
-    /// The same curve 1.2 decades apart, read with errors again and again: the shift varies by as much as its error says.
+    // Same curve shifted by 1.2 decades, with repeated random errors: the scatter of the shift must
+    // match its standard error.
     #[test]
-    fn the_error_of_a_shift_is_how_much_it_varies() {
-        const APART: f64 = 1.2;
+    fn shift_std_error_matches_scatter() {
+        const SHIFT_DECADES: f64 = 1.2;
         const DRAWS: u32 = 60;
         let mut at: u64 = 7;
-        // Twelve even numbers less six: nearly normal.
+        // Sum of twelve uniform numbers minus six: nearly normal.
         let mut normal = || {
             let mut even = || {
                 at = at
@@ -273,7 +276,7 @@ mod tests {
         };
         let found: Vec<(f64, f64)> = (0..DRAWS)
             .map(|_| {
-                let (shift, error, overlap) = distance(&curve(0.0), &curve(APART));
+                let (shift, error, overlap) = distance(&curve(0.0), &curve(SHIFT_DECADES));
                 assert!(overlap > 0.95, "{overlap}");
                 (shift, error)
             })
@@ -283,9 +286,9 @@ mod tests {
         let squares: f64 = found.iter().map(|(shift, _)| (shift - mean).powi(2)).sum();
         let spread = (squares / (n - 1.0)).sqrt();
         let error = found.iter().map(|(_, error)| error).sum::<f64>() / n;
-        println!("{mean} ± {spread}, by its own word ± {error}");
-        assert!((mean - APART).abs() < 4.0 * spread / n.sqrt());
-        // A spread of 60 draws is known to 9 %.
+        println!("{mean} ± {spread}, reported ± {error}");
+        assert!((mean - SHIFT_DECADES).abs() < 4.0 * spread / n.sqrt());
+        // The standard deviation of 60 draws is known to 9 %.
         assert!((error / spread - 1.0).abs() < 0.3, "{error} {spread}");
     }
 }

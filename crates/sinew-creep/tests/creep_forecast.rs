@@ -1,4 +1,4 @@
-//! How honest forecasts are: made data of known truth, the next decade of time.
+//! Calibration of forecasts: simulated data with known truth, one decade of time ahead.
 
 use crate::skipped::skipped;
 use crate::support;
@@ -18,7 +18,7 @@ fn times(count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A maker of creep strain.
+/// Generator of creep strain.
 #[derive(Clone, Copy)]
 enum Maker {
     LogTime,
@@ -85,11 +85,11 @@ impl Maker {
     }
 }
 
-/// What one record's fits and forecasts gave.
+/// Fits and forecasts of one record.
 struct Outcome {
     chosen: Law,
-    /// Shares of ten later times inside: the maker's own law without and with rehearsals, all
-    /// laws together.
+    /// Shares of ten later times inside: the generating law without and with back-tests, all laws
+    /// combined.
     bare: Option<f64>,
     own: Option<f64>,
     all: f64,
@@ -113,7 +113,7 @@ fn forecast(maker: Maker, own: Option<Law>, seed: u64) -> Outcome {
         .iter()
         .min_by(|a, b| a.aicc.total_cmp(&b.aicc))
         .unwrap();
-    let outlook = Outlook::of(&fits, std::slice::from_ref(&curve), 0, &options, &later);
+    let outlook = ForecastSet::of(&fits, std::slice::from_ref(&curve), 0, &options, &later);
     let inside = |f: &Forecast, i: usize| {
         let truth = maker.strain(later[i]);
         f.low_strain_ratio[i] <= truth && truth <= f.high_strain_ratio[i]
@@ -137,8 +137,8 @@ fn forecast(maker: Maker, own: Option<Law>, seed: u64) -> Outcome {
     }
 }
 
-/// Chosen law, forecast by the own law and by all, over many records of one maker. A record takes
-/// fifteen fits: ordinary runs look at three of the makers.
+/// Coverage of forecasts by the generating law and by all laws, over many records of one generator.
+/// A record needs fifteen fits, so that ordinary runs test three of the generators.
 fn judge(name: &str, maker: Maker, own: Option<Law>, always: bool) {
     let count = seeds(if always { 4 } else { 0 });
     if count == 0 {
@@ -155,9 +155,9 @@ fn judge(name: &str, maker: Maker, own: Option<Law>, always: bool) {
     let ends = percent(rows.iter().filter(|r| r.end).count() as f64);
     let width = percent(rows.iter().map(|r| r.half_width).sum());
     println!(
-        "{name}: chosen {chosen:.0?} %, own law {by_bare:.1} %, rehearsed {by_own:.1} %, all {by_all:.1} %, ends {ends:.1} %, half width {width:.0} % of creep ({count})"
+        "{name}: chosen {chosen:.0?} %, own law {by_bare:.1} %, back-tested {by_own:.1} %, all {by_all:.1} %, ends {ends:.1} %, half width {width:.0} % of creep ({count})"
     );
-    // A dozen draws: two or three misses by chance.
+    // A dozen draws: two or three misses are within chance.
     let (least, right) = if count >= 100 {
         (91.0, 70.0)
     } else {
@@ -198,14 +198,13 @@ fn stretched() {
 }
 
 #[test]
-fn schapery_with_findleys_kernel_is_findley_at_every_load() {
+fn schapery_with_findley_kernel_is_findley() {
     for x in [0.3, 0.6, 1.0] {
         let name = format!("schapery {x}");
         judge(&name, Maker::Schapery(x), Some(Law::Findley), x == 1.0);
     }
 }
 
-/// No law of the set made these: only the forecast is asked for.
 #[test]
 fn schapery_with_three_elements() {
     for x in [0.3, 1.0] {
@@ -214,9 +213,10 @@ fn schapery_with_three_elements() {
     }
 }
 
-/// A year from 85 min, of materials that no law of the set made. The laws' own intervals hold half to two thirds of them.
+// A year from 85 min, of materials that no law of the set generated. The laws' own intervals cover
+// half to two thirds of them.
 #[test]
-fn a_year_from_an_hour_is_held_of_what_no_law_made() {
+fn year_ahead_of_other_materials_is_covered() {
     const YEAR_S: f64 = 365.25 * 86_400.0;
     let later = [10.0 * RECORD_S, YEAR_S];
     let cases: Vec<(Family, u64)> = (Family::ALL.into_iter())

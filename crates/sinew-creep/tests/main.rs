@@ -4,7 +4,7 @@
 mod answers;
 mod creep_forecast;
 mod fits;
-mod known;
+mod golden;
 mod plan;
 mod rope;
 #[path = "../../sinew-files/tests/support/skipped.rs"]

@@ -1,4 +1,4 @@
-//! Which test next: the plan's promise comes true, and it goes where the duty is.
+//! Selection of the next test: the plan's prediction is correct, and it selects tests at the duty.
 
 use crate::support::bench::{SIGMA, base};
 use sinew_creep::*;
@@ -35,7 +35,7 @@ pub(crate) fn request(
         candidates,
         tests: 1,
         bench_s: 2.0 * DAY_S,
-        known: Vec::new(),
+        existing: Vec::new(),
         reading_ratio: SIGMA,
         truths: 8,
         seed: 3,
@@ -47,14 +47,14 @@ fn planned(request: &PlanRequest) -> Plan {
 }
 
 #[test]
-fn what_a_plan_promises_comes_true_on_virtual_ropes() {
+fn planned_interval_matches_virtual_ropes() {
     let candidates = vec![test(100.0, 23.0, 5100.0), test(200.0, 23.0, 5100.0)];
     let mut asked = request(100.0, 23.0, candidates);
     asked.tests = 2;
-    // Within the tests' time: what is left is what the fit leaves.
+    // Within the duration of the tests: only the parameters' uncertainty remains.
     asked.duty.times_s = vec![5100.0];
     let plan = planned(&asked);
-    // A test narrows, and one that doesn't is not planned.
+    // A test narrows the interval, and one without an effect is not planned.
     let widths: Vec<f64> = plan.tests.iter().map(|t| t.half_width_share).collect();
     assert!(widths[0] < 0.5 * plan.half_width_share, "{plan:?}");
     assert!(widths.windows(2).all(|w| w[1] < 0.98 * w[0]), "{plan:?}");
@@ -62,15 +62,15 @@ fn what_a_plan_promises_comes_true_on_virtual_ropes() {
     let check = check_plan(&plan, &asked, 12, |_| {}).unwrap();
     println!("promised {promised:.3}, found {check:?}");
     assert_eq!((check.ropes, check.failed), (12, 0));
-    // Of twelve at 95 %, two outside come by chance in one of nine, four in one of 500.
+    // Of twelve at 95 %, two outside have a probability of one in nine, four of one in 500.
     assert!(check.inside >= 9, "{check:?}");
-    // Linearised, a mean over few ropes, against a median: a third.
+    // Linearised, a mean over few ropes, against a median: tolerance of one third.
     let ratio = check.half_width_share / promised;
     assert!((0.67..1.5).contains(&ratio), "{ratio}");
 }
 
 #[test]
-fn a_test_is_chosen_where_the_duty_is() {
+fn test_is_selected_at_conditions_of_duty() {
     let at = |temperature_c: f64| test(100.0, temperature_c, 5100.0);
     for celsius in [23.0, 45.0] {
         let plan = planned(&request(100.0, celsius, vec![at(23.0), at(45.0)]));
@@ -82,7 +82,8 @@ fn a_test_is_chosen_where_the_duty_is() {
         let plan = planned(&request(newtons, 23.0, vec![load(40.0), load(400.0)]));
         assert_eq!(plan.tests[0].test.load_n, newtons, "{plan:?}");
     }
-    // Of a month, a longer test tells more than a shorter one, where the bench has the time.
+    // For a duty of a month, a longer test is more informative than a shorter one, if the bench
+    // time allows.
     let mut asked = request(
         100.0,
         23.0,
@@ -94,12 +95,12 @@ fn a_test_is_chosen_where_the_duty_is() {
 }
 
 #[test]
-fn a_test_that_was_made_already_is_worth_little() {
+fn repeated_test_adds_little() {
     let mut asked = request(100.0, 23.0, vec![test(100.0, 23.0, 5100.0)]);
     let fresh = planned(&asked);
     let law = sinew_rope::law::Law::new(crate::support::bench::truth()).unwrap();
     let mut random = rand::SeedableRng::seed_from_u64(5);
-    asked.known = vec![crate::support::bench::record(
+    asked.existing = vec![crate::support::bench::record(
         *law.parameters(),
         crate::support::bench::Test {
             load_n: 100.0,
@@ -111,8 +112,8 @@ fn a_test_that_was_made_already_is_worth_little() {
         &mut random,
     )];
     let again = planned(&asked);
-    assert_eq!(again.known, 1);
-    // Before it, the known record is worth what the first test was; a repeat only averages readings.
+    assert_eq!(again.existing, 1);
+    // The existing record is as informative as the first test; a repeat only averages measurements.
     let first = fresh.tests[0].half_width_share;
     assert!(
         (again.half_width_share / first - 1.0).abs() < 0.1,
@@ -126,7 +127,7 @@ fn a_test_that_was_made_already_is_worth_little() {
 }
 
 #[test]
-fn what_can_not_be_planned_is_refused() {
+fn infeasible_plans_are_rejected() {
     let mut asked = request(100.0, 23.0, vec![test(100.0, 23.0, 5100.0)]);
     asked.bench_s = 3600.0;
     let text = plan(&asked, |_, _| {}).unwrap_err().to_string();
@@ -137,7 +138,7 @@ fn what_can_not_be_planned_is_refused() {
     let broken = request(4400.0, 60.0, vec![test(100.0, 23.0, 5100.0)]);
     let text = plan(&broken, |_, _| {}).unwrap_err().to_string();
     assert!(text.starts_with("no plan: "), "{text}");
-    // A test that breaks every rope is no candidate.
+    // A test that breaks every rope is not a candidate.
     let heavy = request(100.0, 23.0, vec![test(9000.0, 23.0, 5100.0)]);
     assert!(plan(&heavy, |_, _| {}).is_err());
 }

@@ -1,4 +1,4 @@
-//! Test files: dialects that laboratories write, and what is refused.
+//! Test files: dialects of laboratories, and rejected files.
 
 use crate::skipped::shared;
 use sinew_creep::{TestFileError, TestOptions, TestQuantity, read_test, read_test_bytes};
@@ -16,7 +16,7 @@ fn refusal(text: &str) -> String {
 }
 
 #[test]
-fn units_of_sinews_own_tables_are_read() {
+fn units_of_sinew_tables_are_read() {
     let text = "time_s,tension_n,carriage_force_n,elongation_mm,strain_percent,strain_low_percent,temperature_c\n0,100,200,1.5,0.25,0.2,23\n60,100,200,1.6,0.27,0.2,23\n";
     let test = read(text).expect("a test");
     let specimen = &test.specimens[0];
@@ -32,13 +32,13 @@ fn units_of_sinews_own_tables_are_read() {
         specimen.column(TestQuantity::Temperature),
         Some(&[23.0, 23.0][..])
     );
-    // Without the underscore it is no unit, and none is guessed.
+    // Without the underscore it is no unit, and none is assumed.
     let text = "time_s,force n,strain_percent\n0,1,2\n1,1,2\n";
     assert!(refusal(text).contains("no unit"));
 }
 
 #[test]
-fn a_german_export_with_its_head_and_units_below_reads_in_si() {
+fn german_export_with_head_and_units_is_read_in_si() {
     let text = "Prüfung;Zugkriechversuch\nL0 (mm);350,0\nSeil;DC000-0301\n\nPrüfzeit;Standardkraft;Standardweg\ns;N;mm\n0,0;1,5;0,000\n1,5;60,0;0,700\n";
     let file = read(text).unwrap();
     assert_eq!(file.specimens.len(), 1);
@@ -54,7 +54,7 @@ fn a_german_export_with_its_head_and_units_below_reads_in_si() {
 }
 
 #[test]
-fn units_are_read_in_every_customary_place() {
+fn units_are_read_at_customary_positions() {
     for header in [
         "time_min,force_daN,strain_percent",
         "Time (min),Force [daN],Strain (%)",
@@ -84,7 +84,7 @@ fn names_that_end_in_si_units_are_read() {
 }
 
 #[test]
-fn specimens_are_told_apart_by_name_and_by_a_clock_that_starts_anew() {
+fn specimens_are_separated_by_name_and_clock_restart() {
     let file = read(
         "time_s,strain_1,rope,no\n0,0,a,1\n9,1e-3,a,1\n0,0,b,1\n9,2e-3,b,1\n0,0,b,1\n9,3e-3,b,1\n",
     )
@@ -92,32 +92,32 @@ fn specimens_are_told_apart_by_name_and_by_a_clock_that_starts_anew() {
     let names: Vec<&str> = file.specimens.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["a", "b", "b #2"]);
     assert_eq!(file.specimens[2].attribute("no"), Some("1"));
-    // Latest first is one specimen too.
+    // A file with the latest sample first is one specimen, too.
     let file = read("time_s,strain_1\n9,3e-3\n5,2e-3\n1,1e-3\n").unwrap();
     assert_eq!(file.specimens.len(), 1);
-    // A small step back is the recording's fault and stays in the specimen.
+    // A small step back is an artefact of the recording and stays in the specimen.
     let file = read("time_s,strain_1\n0,0\n9,1e-3\n8,1e-3\n10,1e-3\n").unwrap();
     assert_eq!(file.specimens.len(), 1);
 }
 
 #[test]
-fn a_unit_is_never_guessed_where_it_changes_the_numbers() {
+fn ambiguous_unit_is_never_assumed() {
     assert!(refusal("time_s,force,strain_1\n0,0,0\n1,1,1\n").contains("force=force:N"));
     assert!(refusal("time,force_N,strain_1\n0,0,0\n1,1,1\n").contains("time=time:s"));
-    assert!(refusal("time_s,force (mm),strain_1\n0,0,0\n1,1,1\n").contains("can't be one"));
+    assert!(refusal("time_s,force (mm),strain_1\n0,0,0\n1,1,1\n").contains("is not a unit of it"));
     assert!(
         refusal("time_s,force (stone),strain_1\n0,0,0\n1,1,1\n").contains("unknown unit 'stone'")
     );
     let file = read("time_s,strain\n0,0\n1,1e-3\n").unwrap();
     assert!(
-        file.source.notes[0].contains("taken as a ratio"),
+        file.source.notes[0].contains("interpreted as a ratio"),
         "{:?}",
         file.source.notes
     );
 }
 
 #[test]
-fn what_is_no_test_is_refused_with_its_place() {
+fn invalid_test_is_rejected_with_location() {
     assert!(refusal("a_s,b\n0,0\n1,1\n").contains("no column is a time"));
     assert!(refusal("time_s,force_N\n0,0\n1,1\n").contains("no column is an elongation"));
     assert!(refusal("time_s,strain_1\n0,0\n1,oops\n2,0\n").contains("line 3, column 'strain_1'"));
@@ -128,7 +128,7 @@ fn what_is_no_test_is_refused_with_its_place() {
             .unwrap()
             .source
             .notes[0]
-            .contains("cut off")
+            .contains("incomplete")
     );
     let old = read_test_bytes(
         b"\xd0\xcf\x11\xe0aaaaaaaa".to_vec(),
@@ -142,7 +142,7 @@ fn what_is_no_test_is_refused_with_its_place() {
 }
 
 #[test]
-fn choices_win_over_headers_and_wrong_ones_name_the_nearest() {
+fn user_columns_override_headers_and_suggest_names() {
     let mut options = TestOptions {
         columns: vec![
             "time=clock:min".parse().unwrap(),
@@ -174,7 +174,7 @@ fn choices_win_over_headers_and_wrong_ones_name_the_nearest() {
 }
 
 #[test]
-fn all_204_spruce_tests_are_told_apart() {
+fn all_204_spruce_tests_are_separate_specimens() {
     let path = "data/creep/ferrara_wittel_spruce_creep/ve_creep_all.csv";
     let Some(path) = shared(path) else {
         return;
@@ -193,7 +193,7 @@ fn all_204_spruce_tests_are_told_apart() {
 }
 
 #[test]
-fn our_own_reader_reads_the_same_numbers_from_csv_and_parquet() {
+fn csv_and_parquet_give_identical_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let mut table = Table::new(&[
         ("time_s", CellKind::Number),

@@ -20,7 +20,7 @@ fn assert_near(found: Option<&[f64]>, want: &[f64]) {
 }
 
 #[test]
-fn a_workbook_gives_the_tests_of_its_sheets() {
+fn workbook_sheets_give_tests() {
     let file = read_test(&data("creep.xlsx"), &TestOptions::default()).unwrap();
     assert_eq!(file.format, TestFormat::Xlsx);
     assert_eq!(file.specimens.len(), 2, "{:?}", file.source.notes);
@@ -35,7 +35,7 @@ fn a_workbook_gives_the_tests_of_its_sheets() {
     let a = &file.specimens[0];
     assert_near(a.column(TestQuantity::Time), &[0.0, 60.0, 180.0]);
     assert_near(a.column(TestQuantity::Force), &[60.0; 3]);
-    // The last one was typed as text, with a decimal comma.
+    // The last cell was typed as text, with a decimal comma.
     assert_near(
         a.column(TestQuantity::Elongation),
         &[0.7e-3, 0.875e-3, 0.945e-3],
@@ -46,12 +46,12 @@ fn a_workbook_gives_the_tests_of_its_sheets() {
     assert_near(b.column(TestQuantity::Time), &[0.0, 60.0, 180.0, 360.0]);
     let nan = f64::NAN;
     assert_near(b.column(TestQuantity::Force), &[60.0, nan, 60.0, nan]);
-    // A cell with #DIV/0! was not measured. (No program has worked the formula out yet.)
+    // A cell with #DIV/0! has no value (the formula has not been evaluated yet).
     assert_near(b.column(TestQuantity::Strain), &[2e-3, 2.5e-3, 2.7e-3, nan]);
 }
 
 #[test]
-fn a_sheet_is_chosen_by_its_name_and_a_wrong_one_names_the_others() {
+fn sheet_is_selected_by_name_and_error_lists_names() {
     let mut options = TestOptions {
         sheet: Some("Rope B".into()),
         ..TestOptions::default()
@@ -62,14 +62,14 @@ fn a_sheet_is_chosen_by_its_name_and_a_wrong_one_names_the_others() {
     let error = read_test(&data("creep.xlsx"), &options).unwrap_err();
     assert!(error.to_string().contains("Rope A"), "{error}");
     let error = read_test(&data("creep.parquet"), &options).unwrap_err();
-    assert!(error.to_string().contains("no workbook"), "{error}");
+    assert!(error.to_string().contains("not a workbook"), "{error}");
     options.sheet = Some("Notes".into());
     let error = read_test(&data("creep.xlsx"), &options).unwrap_err();
     assert!(error.to_string().contains("no header"), "{error}");
 }
 
 #[test]
-fn a_parquet_file_gives_numbers_of_every_kind() {
+fn parquet_file_gives_numbers_of_every_kind() {
     let file = read_test(&data("creep.parquet"), &TestOptions::default()).unwrap();
     assert_eq!(file.format, TestFormat::Parquet);
     let names: Vec<&str> = file.specimens.iter().map(|s| s.name.as_str()).collect();
@@ -79,11 +79,11 @@ fn a_parquet_file_gives_numbers_of_every_kind() {
     assert_near(a.column(TestQuantity::Force), &[60.0, 60.0, f64::NAN]);
     assert_near(a.column(TestQuantity::Strain), &[2e-3, 2.5e-3, 2.7e-3]);
     assert_near(b.column(TestQuantity::Strain), &[4e-3, 5e-3, f64::NAN]);
-    // Decimals are numbers too.
+    // Decimals are read as numbers, too.
     assert_near(a.column(TestQuantity::Temperature), &[23.0; 3]);
 }
 
-/// Deterministic bytes for flips.
+/// Deterministic positions of flipped bits.
 fn mixed(i: usize) -> usize {
     let mut x = i as u64 + 0x9e37_79b9_7f4a_7c15;
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -92,8 +92,8 @@ fn mixed(i: usize) -> usize {
 }
 
 #[test]
-fn damaged_files_are_read_or_refused_with_a_word() {
-    // Panics inside the libraries are caught; their noise is not for here.
+fn damaged_files_are_read_or_rejected_with_reason() {
+    // Panics inside the libraries are caught; their output is suppressed.
     std::panic::set_hook(Box::new(|_| {}));
     for name in ["creep.xlsx", "creep.parquet"] {
         let whole = std::fs::read(data(name)).unwrap();

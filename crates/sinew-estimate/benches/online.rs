@@ -1,10 +1,10 @@
-//! The online estimate beside a loop at 1 kHz: how long single steps take at 1 to 17 joints, what share of a core the worker takes, and
-//! how much memory the window and the program hold.
+//! Online estimate in a loop at 1 kHz: duration of single steps at 1 to 17 joints, processor share of the worker, and
+//! memory of the window and the program.
 //!
 //! `cargo bench -p sinew-estimate --bench online [-- JOINTS …]`
 //!
-//! The worker has a thread of its own, and the loop spins until it has done its work: a recording is faster than a robot. Its time is no
-//! part of a step's. Times hold the clock's 20 to 50 ns, and whatever else the machine did meanwhile.
+//! The worker runs in a separate thread, and the loop spins until it has finished, as a recording is faster than a
+//! robot. This time is not part of a step. Times include 20 to 50 ns of the clock, and other load of the computer.
 
 #[path = "../../sinew-model/benches/own_models/mod.rs"]
 mod own_models;
@@ -22,16 +22,16 @@ use std::time::{Duration, Instant};
 
 /// Period of the loop, s.
 const DT_S: f64 = 1e-3;
-/// Motion of a measurement, s: longer than a window.
-const LASTS_S: f64 = 150.0;
-/// Enough to see that the bench runs, s.
-const SHORT_S: f64 = 3.0;
+/// Duration of the motion of a measurement, longer than a window, s.
+const DURATION_S: f64 = 150.0;
+/// Duration of the motion in a test of the bench, s.
+const TEST_DURATION_S: f64 = 3.0;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let lasts_s = match arguments.iter().any(|a| a == "--bench") {
-        true => LASTS_S,
-        false => SHORT_S,
+        true => DURATION_S,
+        false => TEST_DURATION_S,
     };
     let wanted: Vec<usize> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
     println!(
@@ -53,7 +53,7 @@ fn main() {
     }
 }
 
-/// A robot with a tendon at every joint.
+/// Robot with a tendon at every joint.
 fn robot(arm: &Arm) -> Robot {
     let folder = tempfile::tempdir().expect("a folder");
     let mut toml = String::from("urdf = \"arm.urdf\"\n");
@@ -121,9 +121,10 @@ fn measure(robot: &Robot, motion: &own_models::Motion, lasts_s: f64) {
     );
 }
 
-/// Works whenever it is asked, until [`u64::MAX`]; the worker, and the processor time of its thread and those that helped it.
+/// Runs the worker for each request until [`u64::MAX`]; returns the worker, and the processor time of its thread and
+/// its helpers.
 fn worked_when(
-    asked: &AtomicU64,
+    requested: &AtomicU64,
     done: &AtomicU64,
     mut worker: Box<OnlineWorker>,
 ) -> (Box<OnlineWorker>, Duration) {
@@ -131,21 +132,21 @@ fn worked_when(
     // As `OnlineEstimator::start_worker` does.
     let _alone = Alone::new();
     loop {
-        match asked.load(Ordering::Acquire) {
+        match requested.load(Ordering::Acquire) {
             u64::MAX => return (worker, worked),
-            asked if asked > done.load(Ordering::Acquire) => {
-                // The loop spins meanwhile: its time is taken off again.
+            request if request > done.load(Ordering::Acquire) => {
+                // The loop spins meanwhile: its time is subtracted.
                 let (processor, clock) = (ProcessTime::now(), Instant::now());
                 worker.work();
                 worked += processor.elapsed().saturating_sub(clock.elapsed());
-                done.store(asked, Ordering::Release);
+                done.store(request, Ordering::Release);
             }
             _ => std::hint::spin_loop(),
         }
     }
 }
 
-/// Memory of this program, as Linux counts it; 0 elsewhere.
+/// Memory of this program as reported by Linux, bytes; 0 on other systems.
 fn resident_bytes() -> u64 {
     const PAGE: u64 = 4096;
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();

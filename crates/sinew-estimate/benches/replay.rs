@@ -1,8 +1,8 @@
-//! Replay against merely reading: one simulated recording, both in the same run.
+//! Replay compared with reading of one simulated recording, in the same run.
 //!
 //! `cargo bench -p sinew-estimate --bench replay` prints samples/s and MB/s of the paper's estimate and of
-//! reading and decompressing the same MCAP with both readers of the `mcap` crate, and the ratios: `LinearReader`, the quicker
-//! one, hands out raw records without checksums; `MessageStream` makes messages with their channels.
+//! reading and decompressing the same MCAP with both readers of the `mcap` crate, and the ratios: `LinearReader`, the
+//! faster one, returns raw records without checksums; `MessageStream` returns messages with their channels.
 
 use mcap::records::op::MESSAGE;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 fn main() {
-    // `cargo test --benches` only wants to know that it runs.
+    // `cargo test --benches` only checks that it runs.
     let quick = std::env::args().any(|a| a == "--test");
     let rounds = if quick { 1 } else { 9 };
     let seconds = if quick { 2.0 } else { 300.0 };
@@ -80,7 +80,7 @@ fn record(root: &Path, robot: &Path, log: &Path, compression: Compression, secon
     frames
 }
 
-/// Reads and decompresses every record and looks at none.
+/// Reads and decompresses every record without using it.
 fn read_records(log: &Path) -> u64 {
     let bytes = std::fs::read(log).expect("recording");
     let mut file = bytes.as_slice();
@@ -100,7 +100,7 @@ fn read_records(log: &Path) -> u64 {
     count
 }
 
-/// Reads and decompresses every message and looks at none.
+/// Reads and decompresses every message without using it.
 fn read_messages(log: &Path) -> u64 {
     let bytes = std::fs::read(log).expect("recording");
     let mut count = 0;

@@ -1,10 +1,11 @@
-//! The absolute estimate against reading the log: one simulated minute with payload and contacts, and three in which a
-//! payload is picked up, six slips come, and contacts.
+//! Absolute estimate compared with reading the log: one simulated minute with payload and contacts, and three minutes
+//! with a payload change, six slips and contacts.
 //!
 //! `cargo bench -p sinew-estimate --bench session` prints, for 250 Hz and 1 kHz, CSV and MCAP (and
-//! Parquet, 250 Hz, where `../shared` is there), what every stage of
-//! `sinew estimate LOG --baseline FILE` takes, of processors and by the clock, and its ratio to reading
-//! the log; then the cost of a feature step, of the batch, and of the online estimate over it. A word after `--` leaves out recordings that are called otherwise (`-- eventful`).
+//! Parquet, 250 Hz, if `../shared` exists), the processor time and the elapsed time of every stage of
+//! `sinew estimate LOG --baseline FILE`, and their ratio to reading
+//! the log; then the cost of a feature step, of the batch, and of the online estimate. A word after `--` selects the
+//! recordings with that name (`-- eventful`).
 
 use cpu_time::ProcessTime;
 use sinew_estimate::Request;
@@ -22,11 +23,11 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A session's length, s.
+/// Duration of a session, s.
 const SESSION_S: f64 = 60.0;
 
 fn main() {
-    // `cargo test --benches` only wants to know that it runs.
+    // `cargo test --benches` only checks that it runs.
     let quick = std::env::args().any(|a| a == "--test");
     let (rounds, rates): (usize, &[f64]) = if quick {
         (1, &[250.0])
@@ -105,7 +106,7 @@ fn recorded(robot: &Robot, frames: &[Frame]) -> Recorded {
     recorder.finish()
 }
 
-/// As `sinew simulate --out FILE.csv` writes it.
+/// Writes the format of `sinew simulate --out FILE.csv`.
 fn write_csv(path: &Path, robot: &Robot, frames: &[Frame]) {
     let mut writer = CsvWriter::create(path, robot.joint_names(), quantities()).expect("recording");
     for frame in frames {
@@ -135,7 +136,7 @@ fn write_mcap(path: &Path, robot: &Robot, frames: &[Frame]) {
     Box::new(writer).finish().expect("recording");
 }
 
-/// What a stage takes, s: of processors, all threads together, and by the clock.
+/// Durations of a stage, s: processor time of all threads, and elapsed time.
 #[derive(Default)]
 struct Stage(Vec<[f64; 2]>);
 
@@ -147,7 +148,7 @@ impl Stage {
         self.0.push([processor.elapsed().as_secs_f64(), elapsed]);
     }
 
-    /// Median of either.
+    /// Median of processor time and elapsed time, s.
     fn median(&self) -> [f64; 2] {
         [0, 1].map(|which| {
             let mut all: Vec<f64> = self.0.iter().map(|times| times[which]).collect();
@@ -227,7 +228,7 @@ fn stages(
     }
 }
 
-/// Reads every frame of a part and looks at none.
+/// Reads every frame of a part without using it.
 fn read(log: &Path, robot: &Robot, window: Window) -> u64 {
     let mut count = 0;
     each(log, robot, window, |_, _| count += 1);
@@ -259,7 +260,7 @@ fn each(log: &Path, robot: &Robot, window: Window, mut take: impl FnMut(&Frame, 
     }
 }
 
-/// Session B of a shared recording; what it reads includes session A.
+/// Measures session B of a shared recording; reading includes session A.
 fn parquet(root: &Path, place: &Path, robot: &Robot, rounds: usize) {
     let shared = std::env::var_os("SINEW_SHARED")
         .map_or_else(|| root.join("../shared"), PathBuf::from)

@@ -1,12 +1,12 @@
-//! The online estimate of a running robot, sample by sample:
+//! Online estimate of a running robot, updated per sample:
 //!
 //! `cargo run --release -p sinew-estimate --example live_offsets -- ROBOT_DIR BASELINE LOG [FROM_S [SAVE]]`
 //!
-//! SAVE is the next baseline file, written in the end.
+//! SAVE is the next baseline file, written at the end.
 //!
-//! A recording stands in for the robot. What a control loop does for every sample stands between the comments "Sample" and "Worker":
-//! nothing there allocates, locks, panics or prints. What follows "Worker" belongs outside of it, into another thread:
-//! `OnlineEstimator::start_worker` starts one.
+//! A recording replaces the robot. The code between the comments "Sample" and "Worker" belongs in the control loop; it
+//! does not allocate, lock, panic or print. The code after "Worker" belongs in another thread, which
+//! `OnlineEstimator::start_worker` starts.
 
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::online::{OnlineEstimator, StepOutcome};
@@ -17,8 +17,8 @@ use sinew_model::robot::Robot;
 use std::error::Error;
 use std::path::Path;
 
-/// Between two lines, s.
-const SAY_S: f64 = 10.0;
+/// Time between two printed lines, s.
+const PRINT_PERIOD_S: f64 = 10.0;
 
 fn main() {
     if let Err(error) = run() {
@@ -48,7 +48,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 
     let mut first_ns = None;
     let mut last = None;
-    let mut say_s = SAY_S;
+    let mut print_s = PRINT_PERIOD_S;
     while let Some(frame) = recording.next_frame()? {
         let t = (frame.time_ns - *first_ns.get_or_insert(frame.time_ns)) as f64 * 1e-9;
         if t < from_s {
@@ -59,10 +59,10 @@ fn run() -> Result<(), Box<dyn Error>> {
         if segment != frame.segment {
             online.interrupt();
         }
-        // A clock that jumped back goes on.
+        // Continue if the clock stepped back.
         let dt_s = (frame.time_ns - last_ns).max(1) as f64 * 1e-9;
 
-        // Sample. One that cannot be used is refused, with a reason.
+        // Sample. An unusable one is rejected, with a reason.
         let (q, theta, tau_m) = (&frame.q, &frame.theta, &frame.tau_m);
         let outcome = online.step(dt_s, q, theta, tau_m, frame.temperature_c)?;
 
@@ -71,25 +71,25 @@ fn run() -> Result<(), Box<dyn Error>> {
             online.work();
         }
 
-        if t - from_s >= say_s {
-            say_s += SAY_S;
-            say(&robot, t - from_s, &mut online);
+        if t - from_s >= print_s {
+            print_s += PRINT_PERIOD_S;
+            print_offsets(&robot, t - from_s, &mut online);
         }
     }
     let Some((end_ns, _)) = last else {
-        return Err(format!("{log} has nothing from {from_s} s on").into());
+        return Err(format!("{log} has no frame from {from_s} s on").into());
     };
     if let Some(save) = rest.get(1) {
         online.save(log, end_ns)?.write(Path::new(save))?;
-        println!("{save}: what is known now");
+        println!("{save}: baseline for the next session");
     }
     if recording.health().is_damaged() {
-        eprintln!("warning: {log} is damaged; `sinew log info {log}` says where");
+        eprintln!("warning: {log} is damaged; for details run `sinew log info {log}`");
     }
     Ok(())
 }
 
-fn say(robot: &Robot, t: f64, online: &mut OnlineEstimator) {
+fn print_offsets(robot: &Robot, t: f64, online: &mut OnlineEstimator) {
     print!("{t:6.1} s");
     for own in &online.answer().joints {
         let offset = own.offset_rad.scaled(1e3);
@@ -105,7 +105,7 @@ fn say(robot: &Robot, t: f64, online: &mut OnlineEstimator) {
         false => "",
     };
     println!(" mrad{provisional}");
-    if let Some(why) = online.error() {
-        println!("         not solved: {why}");
+    if let Some(reason) = online.error() {
+        println!("         not solved: {reason}");
     }
 }

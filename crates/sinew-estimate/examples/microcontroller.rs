@@ -1,15 +1,15 @@
-//! The host of a microcontroller that makes blocks (`examples/microcontroller`).
+//! Host of a microcontroller that computes blocks (`examples/microcontroller`).
 //!
 //! ```text
-//! microcontroller prepare ROBOT LOG|motion SECONDS OUT    OUT/robot.image, OUT/samples.bin, and what a chip must answer:
+//! microcontroller prepare ROBOT LOG|motion SECONDS OUT    OUT/robot.image, OUT/samples.bin, and the expected output of the chip:
 //!                                                         OUT/desktop.line, OUT/desktop.offsets
 //! microcontroller estimate ROBOT LINE [BASELINE]          offsets of the blocks on a line: a serial port, a pipe, a file
-//! microcontroller rounded ROBOT LOG SECONDS               what single precision of samples and blocks does to the offsets
-//! microcontroller figures FILE                            what the program on the chip counted
+//! microcontroller rounded ROBOT LOG SECONDS               effect of single precision of samples and blocks on the offsets
+//! microcontroller figures FILE                            counters of the program on the chip
 //! ```
 //!
-//! ROBOT is a robot's folder, or a URDF whose joints all get a spring of 40 N·m/rad. `motion` makes a smooth motion up
-//! where there is no recording.
+//! ROBOT is a robot's folder, or a URDF whose joints all get a spring of 40 N·m/rad. `motion` generates a smooth motion
+//! instead of a recording.
 
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::feeder::{Feeder, FeederOptions};
@@ -50,7 +50,7 @@ fn main() {
     }
 }
 
-/// Writes what a chip needs, and what it must answer.
+/// Writes the input of a chip and its expected output.
 fn prepare(place: &str, log: &str, seconds: &str, out: &Path) -> Outcome {
     let seconds: f64 = seconds.parse()?;
     let (arm, springs, frames) = match log {
@@ -100,7 +100,7 @@ fn recorded(place: &str, log: &str, seconds: f64) -> Outcome<(Arm, Springs, Vec<
     Ok((arm, springs, frames))
 }
 
-/// A smooth motion at 250 Hz; now and then a sample without a joint's position, and once a pause.
+/// Smooth motion at 250 Hz, with occasional samples without a joint position, and one gap.
 fn motion(n: usize, seconds: f64) -> Vec<Frame> {
     const PERIOD_S: f64 = 4e-3;
     const PAUSE_NS: i64 = 700_000_000;
@@ -124,7 +124,7 @@ fn motion(n: usize, seconds: f64) -> Vec<Frame> {
     frames.collect()
 }
 
-/// A sample as the bench on the chip reads it.
+/// Encodes a sample for the bench on the chip.
 fn sample(frame: &Frame) -> Vec<u8> {
     let mut bytes = frame.time_ns.to_le_bytes().to_vec();
     bytes.extend(frame.segment.to_le_bytes());
@@ -135,7 +135,8 @@ fn sample(frame: &Frame) -> Vec<u8> {
     bytes
 }
 
-/// What the estimators of a desktop make of the frames: the paper's offsets, NaN where a frame was refused, and the line.
+/// Computes the expected output from the frames: the paper's offsets, NaN for a rejected frame, and the bytes of the
+/// line.
 fn desktop(arm: &Arm, springs: &Springs, frames: &[Frame]) -> Outcome<[Vec<u8>; 2]> {
     let observer = OffsetObserver::new(arm, springs, OffsetConfig::default())?;
     let mut observer = Feeder::new(observer, springs, FeederOptions::default());
@@ -158,10 +159,10 @@ fn desktop(arm: &Arm, springs: &Springs, frames: &[Frame]) -> Outcome<[Vec<u8>; 
     Ok([offsets, line])
 }
 
-/// Offsets of the blocks on a line.
+/// Estimates offsets from the blocks on a line.
 fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
-    /// Blocks between two lines of text.
-    const SAY: u64 = 50;
+    /// Number of blocks between two printed lines.
+    const BLOCKS_PER_LINE: u64 = 50;
     let robot = robot_dir::load(Path::new(place), None)?.robot;
     let baseline = match baseline {
         None => None,
@@ -169,7 +170,7 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
     };
     let mut window = Window::new(robot.clone(), baseline, &SessionOptions::default(), line)?;
     let mut receiver = BlockReceiver::new(&robot.arm, &FeatureConfig::default());
-    // The time at which the chip began, on the window's clock.
+    // Start time of the chip on the window's clock.
     let mut start_s = 0.0;
     for byte in BufReader::new(File::open(line)?).bytes() {
         match receiver.push(byte?) {
@@ -178,7 +179,7 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
                 if received.restarted {
                     start_s = window.answer().time_s.max(0.0);
                     eprintln!(
-                        "the chip began anew: encoders that don't keep their zero without power must be zeroed again"
+                        "the chip restarted: encoders that lose their zero without power must be zeroed again"
                     );
                 }
                 if received.lost_before > 0 {
@@ -188,23 +189,23 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
                 if window.is_due() {
                     window.solve();
                 }
-                if receiver.counts().blocks.is_multiple_of(SAY) {
-                    say(robot.joint_names(), &window);
+                if receiver.counts().blocks.is_multiple_of(BLOCKS_PER_LINE) {
+                    print_offsets(robot.joint_names(), &window);
                 }
             }
-            Err(why) => eprintln!("a block was refused: {why}"),
+            Err(reason) => eprintln!("block rejected: {reason}"),
         }
     }
     let counts = receiver.counts();
     println!(
-        "{} blocks taken, {} lost, {} refused",
-        counts.blocks, counts.lost, counts.refused
+        "{} blocks used, {} lost, {} rejected",
+        counts.blocks, counts.lost, counts.rejected
     );
-    say(robot.joint_names(), &window);
+    print_offsets(robot.joint_names(), &window);
     Ok(())
 }
 
-/// A block of a chip that began at `start_s`, as a window takes it.
+/// Converts a block of a chip that started at `start_s` to the input of a window.
 fn part(mut block: Block, start_s: f64) -> Recorded {
     block.time_s += start_s;
     let half_s = 0.5 * FeatureConfig::default().block_s;
@@ -217,10 +218,10 @@ fn part(mut block: Block, start_s: f64) -> Recorded {
     }
 }
 
-fn say(names: &[String], window: &Window) {
+fn print_offsets(names: &[String], window: &Window) {
     let answer = window.answer();
-    if let Some(why) = window.error() {
-        println!("not solved: {why}");
+    if let Some(reason) = window.error() {
+        println!("not solved: {reason}");
     }
     if window.estimate().is_none() {
         println!("{:5} blocks, no window solved yet", answer.blocks);
@@ -239,7 +240,7 @@ fn say(names: &[String], window: &Window) {
     println!("{:5} blocks{offsets} mrad{provisional}", answer.blocks);
 }
 
-/// How far offsets move when samples, or blocks, are rounded to single precision: the least that it would cost.
+/// Prints the change of the offsets if samples, or blocks, are rounded to single precision: a lower bound of its cost.
 fn rounded(place: &str, log: &str, seconds: &str) -> Outcome {
     let (.., frames) = recorded(place, log, seconds.parse()?)?;
     let robot = robot_dir::load(Path::new(place), None)?.robot;
@@ -277,7 +278,7 @@ fn rounded(place: &str, log: &str, seconds: &str) -> Outcome {
     Ok(())
 }
 
-/// Offsets of a recording whose blocks `change` does something to.
+/// Estimates the offsets of a recording whose blocks are modified by `change`.
 fn offsets(robot: &Robot, frames: &[Frame], change: impl Fn(&mut Block)) -> Outcome<Vec<Gaussian>> {
     let gap_s = FeederOptions::default().gap_s;
     let mut recorder = Recorder::new(robot, &FeatureConfig::default(), gap_s);
@@ -292,8 +293,8 @@ fn offsets(robot: &Robot, frames: &[Frame], change: impl Fn(&mut Block)) -> Outc
     Ok(estimate.joints.iter().map(|own| own.offset_rad).collect())
 }
 
-/// What the program on the chip counted, in words. Ticks are 40 ns of virtual time, an instruction 128 ns (`-icount
-/// shift=7`), so that instructions are counted to one.
+/// Prints the counters of the program on the chip. A tick is 40 ns of virtual time, an instruction 128 ns (`-icount
+/// shift=7`), so that instructions are counted exactly.
 fn figures(file: &str) -> Outcome {
     const INSTRUCTIONS_PER_TICK: f64 = 40.0 / 128.0;
     let bytes = std::fs::read(file)?;
@@ -321,7 +322,7 @@ fn figures(file: &str) -> Outcome {
         frame,
     ] = words[..]
     else {
-        return Err(format!("{file} holds {} figures, not 17", words.len()).into());
+        return Err(format!("{file} contains {} values, expected 17", words.len()).into());
     };
     let instructions =
         |ticks: u32| f64::from(ticks.saturating_sub(empty)) * INSTRUCTIONS_PER_TICK * 1e-3;
@@ -342,9 +343,9 @@ fn figures(file: &str) -> Outcome {
         instructions(collect_mean),
         instructions(collect_most)
     );
-    println!("blocks {blocks}, left out {left_out}, at most {frame} bytes each");
+    println!("blocks {blocks}, skipped {left_out}, at most {frame} bytes each");
     if calls > 0 || left_out > 0 {
-        return Err("the loop must not allocate, nor leave a block out".into());
+        return Err("the loop must not allocate or skip a block".into());
     }
     Ok(())
 }

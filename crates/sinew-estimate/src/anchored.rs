@@ -1,45 +1,46 @@
-//! What a stop or a mark that was touched said, and did to a tendon's estimate.
+//! Measurements at end stops and index marks, and the corrections of offsets derived from them.
 
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_model::transmission::AnchorKind;
 
-/// What one anchor said in one recording.
+/// Measurement at one reference (end stop or index mark) in one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct AnchorReading {
-    /// Joint.
+pub struct ReferenceMeasurement {
+    /// Name of the joint.
     pub joint: String,
-    /// What it is.
+    /// Kind of the reference.
     pub kind: AnchorKind,
-    /// Where it is, rad (m for a joint that slides).
+    /// Position of the reference, rad (m for a prismatic joint).
     pub position_rad: f64,
-    /// When it was touched, s since the recording began.
+    /// Time of the contact since the start of the recording, s.
     pub time_s: f64,
-    /// Error of the encoder it is read by: the joint's at a stop or joint mark, the motor's at a motor mark, rad.
+    /// Error of the encoder that measures the reference, rad: the joint encoder at a stop or joint mark, the motor
+    /// encoder at a motor mark.
     pub encoder_error_rad: Gaussian,
-    /// Offset of the tendon by the push alone, rad; `None` without a push or without the motor's torque.
+    /// Offset of the tendon from the push alone, rad; none without a push or without motor torque.
     pub offset_rad: Option<Gaussian>,
 }
 
-/// What anchors did to one tendon's estimate.
+/// Correction of one tendon's estimate by references.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct AnchoredOffset {
-    /// What was touched, in the order of time.
-    pub readings: Vec<AnchorReading>,
-    /// Whether the baseline had touched the same, so that what follows is a difference.
+pub struct ReferenceOffset {
+    /// Measurements at references, in order of time.
+    pub readings: Vec<ReferenceMeasurement>,
+    /// Whether the baseline contains the same references, so that the following values are differences.
     pub since_baseline: bool,
-    /// What the encoders were off by, and the offset has been corrected for, rad.
+    /// Error of the encoders by which the offset has been corrected, rad.
     pub correction_rad: Gaussian,
-    /// Offset as motion alone shows it, rad.
+    /// Offset from motion alone, rad.
     pub by_motion_rad: Gaussian,
-    /// Offset as pushes alone show it, rad.
+    /// Offset from pushes alone, rad; none without a push.
     pub by_push_rad: Option<Gaussian>,
 }
 
-impl AnchorReading {
-    /// Whether both are of one anchor.
+impl ReferenceMeasurement {
+    /// Whether both measurements belong to the same reference.
     pub(crate) fn is_of(&self, other: &Self) -> bool {
         self.joint == other.joint
             && self.kind == other.kind

@@ -1,4 +1,4 @@
-//! One recording, by the method asked for.
+//! Estimate of one recording by the requested method.
 
 use crate::baseline::Baseline;
 use crate::document::{EstimateDocument, Method};
@@ -9,25 +9,25 @@ use crate::request::{Progress, Request};
 use crate::session::{self, Recorded, SessionEstimate, SessionOptions, Window};
 use sinew_model::robot::Robot;
 
-/// How recordings are estimated.
+/// Settings with which recordings are estimated.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {
-    /// Which estimate answers.
+    /// Method of the estimate.
     pub method: Method,
-    /// Which part of the recording; for the absolute method, as all below.
+    /// Evaluated part of the recording; this and the following fields apply to the absolute method only.
     pub window: Window,
-    /// Baseline, with its file's name.
+    /// Baseline and the name of its file.
     pub baseline: Option<(&'a Baseline, &'a str)>,
-    /// What is known of the session.
+    /// Options of the session.
     pub options: SessionOptions,
-    /// Whether the online estimate goes over the recording, too ([`crate::online::replay`]).
-    pub live: bool,
+    /// Whether the online estimate is also computed over the recording ([`crate::online::replay`]).
+    pub online: bool,
 }
 
-/// Estimates a recording; with it comes what is known afterwards, where the absolute method answers.
+/// Estimates a recording; the absolute method also returns the posterior as the next baseline.
 ///
 /// # Errors
-/// [`SessionError`]; no file has been written then.
+/// Returns [`SessionError`] if recording, robot or baseline cannot be used; no file has been written then.
 pub fn estimate(
     request: &Request,
     plan: &Plan<'_>,
@@ -39,8 +39,8 @@ pub fn estimate(
             let (baseline, options) = (plan.baseline, &plan.options);
             let also = |robot: &Robot, recorded: &Recorded, session: &mut SessionEstimate| {
                 let name = &session.recording;
-                let course = || trajectory(robot, recorded, baseline, options, name);
-                session.live = plan.live.then(course).transpose()?;
+                let online = || trajectory(robot, recorded, baseline, options, name);
+                session.online = plan.online.then(online).transpose()?;
                 Ok(())
             };
             let (reading, session, next) = session::estimate_with_replay(

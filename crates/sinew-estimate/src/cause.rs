@@ -1,39 +1,39 @@
-//! What made an offset change: rope or encoder.
+//! Cause of an offset change: rope or encoder.
 
 use serde::{Deserialize, Serialize};
 
-/// What made an offset change.
+/// Cause of an offset change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
-    /// The motor's reading jumped between two samples, the joint's did not.
+    /// Encoder slip at the motor: its position stepped between two samples, that of the joint did not.
     MotorEncoder,
-    /// The joint's reading jumped between two samples, the motor's did not.
+    /// Encoder slip at the joint: its position stepped between two samples, that of the motor did not.
     JointEncoder,
-    /// Neither jumped: motor or joint moved, as a rope lets them.
+    /// Rope: neither position stepped between two samples; motor or joint moved with finite acceleration.
     Rope,
-    /// The recording doesn't tell, and why not.
+    /// Ambiguous cause, with the reason.
     Unknown(UnknownCause),
 }
 
-/// Why a cause can't be told.
+/// Reason why the cause is ambiguous.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum UnknownCause {
     /// Samples are missing around the change.
     Missing,
-    /// The change is not large against noise and quantisation.
+    /// The change is not large compared with noise and quantisation.
     Noise,
-    /// Between two samples the arm itself could have moved as far.
+    /// The sampling rate is too low: the arm itself could have moved by the change between two samples.
     Rate,
-    /// Both readings jumped.
+    /// Both positions stepped between two samples.
     Both,
 }
 
 impl Cause {
-    /// Whether an encoder's reading jumped: no contact looks like that, nor a rope.
+    /// Whether an encoder slipped, which neither a contact nor a rope can imitate.
     pub fn is_encoder(self) -> bool {
         matches!(self, Self::MotorEncoder | Self::JointEncoder)
     }

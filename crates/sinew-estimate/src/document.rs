@@ -1,19 +1,20 @@
-//! What commands print as JSON.
+//! JSON documents of the commands.
 
-use crate::replay::{Estimate, JointRefusal};
-use crate::session::{LimitState, SessionEstimate};
+use crate::replay::{Estimate, JointError};
+use crate::session::{LimitState, SessionEstimate, TendonEstimate, Verdict};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 
-/// Which estimate answers.
+/// Method of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Absolute offsets, all joints together, with an interval that holds what is unknown.
+    /// Absolute offsets of all joints, estimated jointly, with intervals that include the uncertainty of the nuisance
+    /// parameters.
     #[default]
     Absolute,
-    /// The paper's: a reading of each joint, right in differences between like recordings.
+    /// Method of the paper: an uncorrected estimate per joint, valid for differences of comparable recordings.
     Paper,
 }
 
@@ -21,18 +22,18 @@ pub enum Method {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EstimateDocument {
-    /// Which estimate answers.
+    /// Estimation method of the result.
     pub method: Method,
-    /// The answer of the absolute method, with verdicts.
+    /// Result of the absolute method, with verdicts.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub session: Option<SessionEstimate>,
-    /// What the paper's equation reads of the same frames. It takes stiffness, masses, payload and
-    /// contact as known, so it is no verdict.
+    /// Uncorrected estimate by the equation of the paper from the same frames. The method assumes exact stiffness and
+    /// masses, no payload and no contact, so no verdict is derived from it.
     pub reading: Estimate,
 }
 
 impl JsonDocument for EstimateDocument {
-    const SCHEMA: &'static str = "sinew/estimate/1";
+    const SCHEMA: &'static str = "sinew/estimate/2";
 }
 
 impl EstimateDocument {
@@ -44,26 +45,29 @@ impl EstimateDocument {
     /// Whether a tendon has no estimate because the position of its joint is not recorded.
     pub fn lacks_encoder(&self) -> bool {
         let mut joints = self.reading.joints.iter();
-        joints.any(|joint| joint.refused == Some(JointRefusal::NoJointPosition))
+        joints.any(|joint| joint.reason == Some(JointError::NoJointPosition))
     }
 
-    /// Whether a tendon is past the elongation at which to tension again.
-    pub fn passes_limit(&self) -> bool {
-        let joints = self.session.iter().flat_map(|s| &s.joints);
-        let mut limits = joints.filter_map(|j| j.retension);
-        limits.any(|limit| limit.state == LimitState::Passed)
+    /// Whether a tendon requires action: it transmits no torque, or exceeds the elongation at which it is to be
+    /// re-tensioned.
+    pub fn requires_action(&self) -> bool {
+        let is_passed = |joint: &TendonEstimate| {
+            (joint.retension).is_some_and(|limit| limit.state == LimitState::Passed)
+        };
+        let mut joints = self.session.iter().flat_map(|s| &s.joints);
+        joints.any(|j| j.verdict == Verdict::TransmissionLost || is_passed(j))
     }
 }
 
-/// What a recording right after tensioning taught.
+/// Result of a recording taken directly after tensioning, from which a baseline was estimated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BaselineDocument {
-    /// The recording's own estimate, its offsets zero by definition.
+    /// Estimate of the recording; its offsets are zero by definition.
     #[serde(flatten)]
     pub learned: SessionEstimate,
 }
 
 impl JsonDocument for BaselineDocument {
-    const SCHEMA: &'static str = "sinew/baseline/1";
+    const SCHEMA: &'static str = "sinew/baseline/2";
 }

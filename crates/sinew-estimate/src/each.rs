@@ -1,4 +1,4 @@
-//! Many recordings, each on its own.
+//! Independent estimates of several recordings.
 
 use crate::answer::{Plan, estimate};
 use crate::document::{EstimateDocument, Method};
@@ -8,37 +8,37 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 
-/// Many recordings, each on its own.
+/// Independent estimates of several recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EachDocument {
-    /// Which estimate answers.
+    /// Estimation method of all recordings.
     pub method: Method,
-    /// One entry per recording, in the order they were named.
+    /// One entry per recording, in the order of the command line.
     pub recordings: Vec<RecordingOutcome>,
 }
 
 impl JsonDocument for EachDocument {
-    const SCHEMA: &'static str = "sinew/estimate-each/1";
+    const SCHEMA: &'static str = "sinew/estimate-each/2";
 }
 
 impl EachDocument {
-    /// How many recordings gave no estimate.
+    /// Number of recordings without an estimate.
     pub fn failed(&self) -> usize {
         let failed = self.recordings.iter().filter(|r| !r.is_estimated());
         failed.count()
     }
 }
 
-/// One recording of many.
+/// Outcome of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingOutcome {
-    /// The recording as it was named.
+    /// Recording as named on the command line.
     pub recording: String,
-    /// Why it couldn't be estimated; `None`: it was.
+    /// Reason why the recording could not be estimated; none if it was.
     pub error: Option<String>,
-    /// Its estimate, as `sinew estimate` has it, without the series over time.
+    /// Estimate of the recording as printed by `sinew estimate`, without the time series.
     pub estimate: Option<EstimateDocument>,
 }
 
@@ -47,13 +47,13 @@ impl RecordingOutcome {
     pub fn is_estimated(&self) -> bool {
         self.estimate.as_ref().is_some_and(|document| {
             let mut readings = document.reading.joints.iter();
-            document.session.is_some() || readings.any(|j| j.refused.is_none())
+            document.session.is_some() || readings.any(|j| j.reason.is_none())
         })
     }
 }
 
-/// Estimates every recording on its own, on all processors: none knows of another. One that can't be estimated
-/// doesn't stop the others. `done` is called with each that is finished.
+/// Estimates recordings independently of each other, on all processors. A recording that cannot be estimated does
+/// not stop the others. `done` is called with each outcome.
 pub fn estimate_each(
     requests: &[Request],
     plan: &Plan<'_>,
@@ -79,7 +79,7 @@ pub fn estimate_each(
     }
 }
 
-/// Thousands of points of every recording would fill the memory.
+/// Removes the time series, which would need too much memory for many recordings.
 fn without_series(mut document: EstimateDocument) -> EstimateDocument {
     for joint in &mut document.reading.joints {
         joint.series = Series::default();

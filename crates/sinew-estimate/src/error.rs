@@ -1,108 +1,120 @@
-//! Why there is no estimate.
+//! Errors of the estimates.
 
 use crate::robot_dir::RobotDirError;
 use sinew_files::OutputError;
 use sinew_log::LogError;
 use sinew_model::offset::{MapError, OffsetConfigError};
 
-/// Why there is no estimate. Nothing has been written then.
+/// Error of an estimate; no file has been written then.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EstimateError {
-    /// The recording can't be read.
+    /// The recording cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// The robot can't be loaded.
+    /// The robot cannot be loaded.
     #[error(transparent)]
     Robot(#[from] RobotDirError),
-    /// The catalogue of ropes can't be read.
+    /// The rope catalogue cannot be read.
     #[error(transparent)]
     Ropes(#[from] sinew_rope::CatalogueError),
-    /// The settings don't make an estimator.
+    /// The settings of the estimator are invalid.
     #[error(transparent)]
     Config(#[from] OffsetConfigError),
-    /// An output file can't be written.
+    /// An output file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// Recording and robot (or settings) don't go together.
-    #[error("{file}: {why}")]
+    /// Recording and robot (or settings) are inconsistent.
+    #[error("{file}: {reason}")]
     Mismatch {
-        /// The recording.
+        /// Name of the recording.
         file: String,
-        /// What doesn't fit and what to do.
-        why: String,
+        /// Inconsistency and its remedy.
+        reason: String,
     },
-    /// `--inject` with a joint or value nobody has.
-    #[error("can't inject an offset: {0}")]
+    /// `--inject` with an unknown joint or an invalid value.
+    #[error("cannot inject an offset: {0}")]
     Injection(String),
-    /// Motor and joint side can't be the two sides of springs.
+    /// Motor and joint side are not the two sides of elastic joints.
     #[error("{file}: {fault}")]
     Sides {
-        /// The recording.
+        /// Name of the recording.
         file: String,
-        /// What is wrong with them.
+        /// Fault of the two sides.
         fault: SidesFault,
     },
-    /// A mark is said to be passed where none is, or when nothing was recorded.
-    #[error("no mark is read: {0}")]
+    /// An index mark is specified where robot.toml has none, or at a time without a frame.
+    #[error("invalid index mark: {0}")]
     Touch(String),
 }
 
-/// Why there is no session estimate.
+/// Error of a session estimate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SessionError {
-    /// Recording or robot can't be used.
+    /// Recording or robot cannot be used.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
-    /// The estimator refused.
+    /// The estimator has no solution.
     #[error("{file}: {error}")]
     Map {
-        /// The recording.
+        /// Name of the recording.
         file: String,
-        /// Why.
+        /// Error of the estimator.
         error: MapError,
     },
-    /// An online estimate that is provisional is not saved.
+    /// The transmission of a joint was lost in a recording for a baseline.
     #[error(
-        "{recording}: an offset is provisional (no window solved yet, or a change that has not settled); save when none is, or keep the file from before"
+        "{file}: '{joint}' transmits no torque from {time_s:.1} s on: the tendon is torn or off its pulley, or its motor side is detached; repair the tendon and record the baseline again"
+    )]
+    TransmissionLost {
+        /// Name of the recording.
+        file: String,
+        /// Name of the joint or tendon.
+        joint: String,
+        /// Onset since the start of the recording, s.
+        time_s: f64,
+    },
+    /// A provisional online estimate cannot be saved.
+    #[error(
+        "{recording}: an offset is provisional (no window solved yet, or an unresolved change); save when no offset is provisional, or keep the previous file"
     )]
     Provisional {
-        /// The recording, or what stands for it.
+        /// Name of the recording or session.
         recording: String,
     },
-    /// The baseline file can't be used.
-    #[error("{file}: {why}")]
+    /// The baseline file cannot be used.
+    #[error("{file}: {reason}")]
     Baseline {
-        /// The file.
+        /// Name of the baseline file.
         file: String,
-        /// Why, and what to do.
-        why: String,
+        /// Reason and remedy.
+        reason: String,
     },
 }
 
-/// Why motor and joint side can't be the two sides of springs.
+/// Reason why motor and joint side are not the two sides of elastic joints.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SidesFault {
-    /// Both are one signal at these joints.
+    /// Both sides are the same signal at these joints.
     Same {
-        /// Joints.
+        /// Names of the joints.
         joints: Vec<String>,
     },
-    /// Springs that turn against what they carry.
+    /// Deflections of springs have the opposite sign of their load.
     Opposed {
-        /// Which.
+        /// Springs with the opposite sign.
         springs: Vec<OpposedSpring>,
     },
 }
 
-/// A spring that turns against what it carries.
+/// Spring whose deflection has the opposite sign of its load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpposedSpring {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// How far its deflection lies about the turned one that masses and motion ask for, over how far about that one; above 1
-    /// is right.
+    /// Scatter of the deflection about the expected deflection with opposite sign, divided by the scatter about the
+    /// expected deflection; above 1 if the sign is right.
     pub turned_share: f64,
 }
 
@@ -113,17 +125,23 @@ impl std::fmt::Display for SidesFault {
                 let joints: Vec<String> = joints.iter().map(|name| format!("'{name}'")).collect();
                 write!(
                     f,
-                    "motor and joint position of {} are the same all the time: both come from one encoder or one topic; name the motor side with --motor-topic, --motor-interface or --mapping",
+                    "motor and joint positions of {} are identical in all frames: both come from one encoder or one topic; specify the motor side with --motor-topic, --motor-interface or --mapping",
                     joints.join(", ")
                 )
             }
             Self::Opposed { springs } => {
                 let springs: Vec<String> = (springs.iter())
-                    .map(|s| format!("{:.1} times at '{}'", 1.0 / s.turned_share, s.joint))
+                    .map(|s| {
+                        format!(
+                            "by a factor of {:.1} at '{}'",
+                            1.0 / s.turned_share,
+                            s.joint
+                        )
+                    })
                     .collect();
                 write!(
                     f,
-                    "motor and joint side look swapped, or one has the wrong sign: turned round, what the springs show fits the described masses better, {}; look at topics, interfaces, columns and signs (--mapping); if they are right, at gravity_m_s2, and for a counterweight that the URDF lacks",
+                    "motor and joint side are probably swapped, or one has the wrong sign: with the opposite sign the spring deflections agree better with the described masses, {}; check topics, interfaces, columns and signs (--mapping); if these are right, check gravity_m_s2 and whether the URDF lacks a counterweight",
                     springs.join(", ")
                 )
             }

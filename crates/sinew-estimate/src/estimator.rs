@@ -1,25 +1,25 @@
-//! The estimator of a robot's sessions, and what is known of a session besides its recording.
+//! Estimator of a robot's sessions, and the options of a session.
 
 use crate::executor::Pool;
 use sinew_model::Gaussian;
 use sinew_model::offset::{Block, ExternalForce, FeatureConfig, MapEstimator, Payload, Prior};
 use sinew_model::robot::Robot;
 
-/// How a session is estimated.
+/// Options of a session estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SessionOptions {
-    /// What may be in the gripper.
+    /// Payload in the gripper: empty, unknown or specified.
     pub payload: Payload,
-    /// Whether a recorded motor torque is used.
+    /// Whether recorded motor torque is used.
     pub motor_torque: bool,
-    /// Whether that is a current times a torque constant, which is known less well; a recording that
-    /// says so needs no word here.
+    /// Whether the motor torque is current times a torque constant, which has a larger tolerance. Not needed for a
+    /// recording that already declares it.
     pub motor_current: bool,
-    /// Temperature during the recording, °C, where it is stated instead of recorded.
+    /// Temperature during the recording, °C, if specified instead of recorded.
     pub temperature_c: Option<Gaussian>,
-    /// A constant force from outside at the tool, along the axes of the base, N, where it is stated.
+    /// Constant external force at the tool in the base frame, N, if specified.
     pub external_force_n: Option<[Gaussian; 3]>,
-    /// Whether ropes may creep within the recording: not those of steel.
+    /// Whether ropes may creep within the recording; false for steel ropes.
     pub creep: bool,
 }
 
@@ -36,8 +36,8 @@ impl Default for SessionOptions {
     }
 }
 
-/// The estimator of a robot. The payload is expected half as far again from the last joint as that
-/// body's own centre of mass, where a gripper holds things.
+/// Creates the estimator of a robot. The payload's centre of mass is assumed at 1.5 times the distance of the last
+/// body's centre of mass from the last joint, approximately in the gripper.
 pub fn estimator(robot: &Robot, options: &SessionOptions) -> MapEstimator {
     let last = robot.arm.dof().saturating_sub(1);
     let at = robot
@@ -51,7 +51,7 @@ pub fn estimator(robot: &Robot, options: &SessionOptions) -> MapEstimator {
     let force = match options.external_force_n {
         Some(force_n) => Some(ExternalForce {
             force_n,
-            is_stated: true,
+            is_specified: true,
         }),
         None => ExternalForce::possible(robot.tolerances.external_force_n),
     };
@@ -62,7 +62,7 @@ pub fn estimator(robot: &Robot, options: &SessionOptions) -> MapEstimator {
         .with_executor(&Pool)
 }
 
-/// Mean temperature of a recording's blocks, °C; NaN where it isn't recorded.
+/// Mean temperature of a recording's blocks, °C; NaN if not recorded.
 pub(crate) fn mean_temperature(blocks: &[Block]) -> f64 {
     blocks.iter().map(|b| b.temperature_c).sum::<f64>() / blocks.len().max(1) as f64
 }

@@ -1,8 +1,8 @@
-//! Two halves of a computation at once, where a processor has nothing to do.
+//! Parallel execution of two halves of a computation on idle processors.
 
 use sinew_model::offset::Executor;
 
-/// Rayon's pool of threads: the one that the caller runs in, else one thread per processor.
+/// Thread pool of Rayon: the pool of the caller, otherwise one thread per processor.
 #[derive(Debug, Clone, Copy)]
 pub struct Pool;
 
@@ -12,15 +12,15 @@ impl Executor for Pool {
     }
 }
 
-/// Guard that makes the thread it was created in a pool of its own: until it is dropped, [`Pool`] computes one half after the other in
-/// this thread. The other processors stay free, for a control loop for example.
+/// Guard that turns its thread into a pool of one thread. Until it is dropped, [`Pool`] computes both halves in
+/// sequence in this thread, and the other processors stay free, for example for a control loop.
 #[derive(Debug)]
 pub struct Alone {
     _pool: Option<rayon::ThreadPool>,
 }
 
 impl Alone {
-    /// Makes the calling thread a pool of its own. A thread that belongs to a pool already stays in that pool.
+    /// Turns the calling thread into a pool of one thread. A thread that already belongs to a pool stays in that pool.
     pub fn new() -> Self {
         let one = rayon::ThreadPoolBuilder::new().num_threads(1);
         let pool = one.use_current_thread().build();

@@ -1,32 +1,32 @@
-//! From frames to an observer, sans I/O.
+//! Input of frames to an observer, without I/O.
 //!
-//! Replay of a recording, the session's recorder, the scenario bench and a live program all feed
-//! their observer through a [`Feeder`], so that a frame means the same to each. Which frames are used, and with which time
-//! step, stands in [`sinew_model::feeder`]; a microcontroller uses that one itself.
+//! The replay of a recording, the session recorder, the scenario bench and online programs pass frames to
+//! their observer through a [`Feeder`], so that all treat a frame in the same way. [`sinew_model::feeder`] defines
+//! which frames are used and with which time step; a microcontroller uses it directly.
 
 use sinew_log::Frame;
-use sinew_model::feeder::Reading;
+use sinew_model::feeder::RobotSample;
 pub use sinew_model::feeder::{
-    Fed, FeederOptions, FrameObserver, Input, MissingMotor, Needs, Refusal,
+    FeedOutcome, FeederOptions, FrameObserver, Input, MissingMotor, Needs, RejectionReason,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
 
-/// An offset added to a joint's motor position, as the paper does to see it found again.
+/// Offset added to a joint's motor position to test the estimate, as in the paper.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Injection {
-    /// Tendon it is added to, in the coordinate of the joint it is paired with.
+    /// Name of the tendon; the offset is in the coordinate of the joint paired with it.
     pub joint: String,
-    /// Offset, rad.
+    /// Added offset, rad.
     pub offset_rad: f64,
-    /// From this time of the recording on, s; `None` from the start.
+    /// Start of the injection since the start of the recording, s; none: from the start.
     pub from_s: Option<f64>,
 }
 
-/// A frame as a feeder takes it.
-pub fn reading(frame: &Frame) -> Reading<'_> {
-    Reading {
+/// Converts a frame to the input of a feeder.
+pub fn robot_sample(frame: &Frame) -> RobotSample<'_> {
+    RobotSample {
         time_ns: frame.time_ns,
         segment: frame.segment,
         q: &frame.q,
@@ -35,16 +35,17 @@ pub fn reading(frame: &Frame) -> Reading<'_> {
         tau_el: &frame.tau_el,
         tau_m: &frame.tau_m,
         tau_ext: &frame.tau_ext,
+        tension: &frame.tension,
         temperature_c: frame.temperature_c,
     }
 }
 
-/// Feeds frames to an observer, which it owns.
+/// Feeder of frames that owns its observer.
 #[derive(Debug, Clone)]
 pub struct Feeder<O>(sinew_model::feeder::Feeder<O>);
 
 impl<O: FrameObserver> Feeder<O> {
-    /// A feeder of `observer`. Joints without a transmission are rigid. All memory is allocated here.
+    /// Creates a feeder of `observer`. Joints without a transmission are rigid. Allocates all memory.
     pub fn new(
         observer: O,
         transmissions: &[Option<Transmission>],
@@ -54,8 +55,7 @@ impl<O: FrameObserver> Feeder<O> {
         Self(feeder)
     }
 
-    /// Adds offsets to the motor positions on the way; those of tendons that the robot doesn't have are
-    /// left out.
+    /// Adds offsets to the motor positions. Injections at tendons that the robot does not have are ignored.
     #[must_use]
     pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
         for injection in injections {
@@ -67,20 +67,20 @@ impl<O: FrameObserver> Feeder<O> {
         self
     }
 
-    /// When the recording began that injections count from; otherwise with the first frame.
+    /// Sets the start of the recording to which the times of injections refer; default: the first frame.
     pub fn set_start(&mut self, time_ns: i64) {
         self.0.set_start(time_ns);
     }
 
-    /// Takes the next frame.
+    /// Processes the next frame.
     ///
     /// # Realtime
-    /// No allocation, lock, panic or clock of its own; the observer's step besides.
-    pub fn frame(&mut self, frame: &Frame) -> Fed<O::Output> {
-        self.0.take(&reading(frame))
+    /// No allocation, lock, panic or clock, apart from the observer's step.
+    pub fn frame(&mut self, frame: &Frame) -> FeedOutcome<O::Output> {
+        self.0.take(&robot_sample(frame))
     }
 
-    /// The next frame is a start, as after a gap.
+    /// Treats the next frame as the first one, as after a gap.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -88,32 +88,32 @@ impl<O: FrameObserver> Feeder<O> {
         self.0.restart();
     }
 
-    /// The observer, after the last frame it took.
+    /// Returns the observer after its last frame.
     pub fn observer(&self) -> &O {
         self.0.observer()
     }
 
-    /// Motor positions as the observer got them last, injected offsets included, `n`, rad.
+    /// Returns the latest motor positions passed to the observer, including injected offsets, rad, length `n`.
     pub fn theta(&self) -> &[f64] {
         self.0.theta()
     }
 
-    /// Time of the first frame, ns.
+    /// Returns the time of the first frame, ns.
     pub fn start_ns(&self) -> Option<i64> {
         self.0.start_ns()
     }
 
-    /// Segments so far.
+    /// Returns the number of segments so far.
     pub fn segments(&self) -> u32 {
         self.0.segments()
     }
 
-    /// Whether a joint's motor position has been missing for so long that its last one is held.
+    /// Whether a joint's motor position has been missing for long enough that its last value is used.
     pub fn is_held(&self, joint: usize) -> bool {
         self.0.is_held(joint)
     }
 
-    /// Whether a joint has settled since its motor position came back.
+    /// Whether the estimate of a joint has settled since its motor position was available again.
     pub fn is_joint_settled(&self, joint: usize) -> bool {
         self.0.is_joint_settled(joint)
     }
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_feeder_starts_anew_where_a_recording_is_cut() {
+    fn feeder_gap_limit_equals_recording_gap_limit() {
         let cut = sinew_log::OpenOptions::default().gap_s;
         assert_eq!(FeederOptions::default().gap_s.to_bits(), cut.to_bits());
     }

@@ -1,4 +1,4 @@
-//! Recordings and a robot that are in memory and no files.
+//! Recordings and robot in memory instead of files.
 
 use crate::robot_dir::LoadedRobot;
 use sinew_log::{LogError, OpenOptions, Recording};
@@ -6,28 +6,28 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Opens a recording that is in memory, from its start.
+/// Function that opens a recording in memory from its start.
 pub type Opener = Arc<dyn Fn(&OpenOptions) -> Result<Recording, LogError> + Send + Sync>;
 
-/// What of a [`Request`](crate::Request) is in memory; everything else is read from files.
+/// Inputs of a [`Request`](crate::Request) that are in memory; all others are read from files.
 #[derive(Clone, Default)]
 pub struct Given {
-    /// The robot; it stands for the folder that a request may name.
+    /// Robot that replaces the folder of the request.
     pub robot: Option<Arc<LoadedRobot>>,
     recordings: Vec<(PathBuf, Opener)>,
 }
 
 impl Given {
-    /// Adds a recording; `name` is what the request calls it.
+    /// Adds a recording; `name` is its name in the request.
     #[must_use]
     pub fn with_recording(mut self, name: impl Into<PathBuf>, opener: Opener) -> Self {
         self.recordings.push((name.into(), opener));
         self
     }
 
-    /// Opens a recording: the one of this name, else the file.
+    /// Opens the recording in memory with this name, otherwise the file.
     pub(crate) fn open(&self, name: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
-        match self.recordings.iter().find(|(known, _)| known == name) {
+        match self.recordings.iter().find(|(stored, _)| stored == name) {
             Some((_, open)) => open(options),
             None => sinew_log::open(name, options),
         }

@@ -1,30 +1,30 @@
-//! What a recording and a URDF say of a robot, for a first robot.toml.
+//! Initial robot.toml of a robot from a recording and a URDF.
 
 use crate::robot_check::JointMotion;
 use crate::robot_check::loads::loads;
 use serde::Serialize;
 use sinew_files::{Fault, JsonDocument, Located, names};
-use sinew_log::{Ambiguity, JointInfo, LogError, Pace, Quantity, Recording, SignalSource};
+use sinew_log::{Ambiguity, FrameCounter, JointInfo, LogError, Quantity, Recording, SignalSource};
 use sinew_model::arm::JointKind;
 use sinew_model::arm::urdf::{self, UrdfOptions};
 use sinew_model::transmission_map::{MappedTendon, Relation, TransmissionMap};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-/// Frames read for the rate.
+/// Number of frames that determine the frame rate.
 const FRAMES: u64 = 4096;
 
-/// A first description of a robot: what the files say, and what they can't.
+/// Initial description of a robot: values from the files, and values that the files do not contain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Init {
-    /// The recording or URDF it was made from.
+    /// Recording or URDF from which the description was made.
     pub source: String,
-    /// Name of the robot; none without a URDF.
+    /// Name of the robot; `None` without a URDF.
     pub robot: Option<String>,
-    /// The URDF that robot.toml names, beside it.
+    /// URDF file in the folder of robot.toml, to which robot.toml refers.
     pub urdf: Option<String>,
-    /// Its joints in Sinew's order, then those that only the recording has.
+    /// Joints in the order of the URDF, then joints that only the recording contains.
     pub joints: Vec<InitJoint>,
     /// Motors that pull the tendons.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -32,42 +32,42 @@ pub struct Init {
     /// Tendons of a description of couplings, except those of one motor that turns one joint 1 to 1.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tendons: Vec<InitTendon>,
-    /// What the recording holds, where there is one.
+    /// Content of the recording; `None` without a recording.
     pub recording: Option<InitRecording>,
-    /// What a mapping file must choose before the recording can be read.
+    /// Choice that a mapping file must make before the recording can be read.
     pub choice: Option<InitChoice>,
     /// Options that the recording was read with, as every command needs them.
     pub options: Vec<String>,
-    /// What an estimate still needs.
+    /// Values that an estimate requires and that are still missing.
     pub missing: Vec<InitGap>,
-    /// Files written.
+    /// Names of the files that were written.
     pub written: Vec<String>,
-    /// Those of them that were there before.
+    /// Names of the written files that replaced existing ones.
     pub replaced: Vec<String>,
 }
 
 impl JsonDocument for Init {
-    const SCHEMA: &'static str = "sinew/init/1";
+    const SCHEMA: &'static str = "sinew/init/2";
 }
 
-/// A joint of a first robot.toml. Of a prismatic one, rad is m and N·m is N.
+/// Joint of an initial robot.toml. For a prismatic joint, values in rad are in m and values in N·m in N.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InitJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// What robot.toml says of it.
+    /// Content of robot.toml for the joint.
     pub plan: InitPlan,
-    /// What the URDF says of it.
+    /// Content of the URDF for the joint.
     pub described: Option<InitDescribed>,
-    /// What is recorded of it.
+    /// Recorded quantities of the joint.
     pub recorded: Vec<Quantity>,
-    /// Motor that turns it 1 to 1, by the description of couplings.
+    /// Motor that drives the joint with a ratio of 1, by the description of couplings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motor: Option<String>,
 }
 
-/// A motor of a first robot.toml.
+/// Motor of an initial robot.toml.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InitMotor {
@@ -77,116 +77,116 @@ pub struct InitMotor {
     pub recorded: Vec<Quantity>,
 }
 
-/// A tendon of a first robot.toml.
+/// Tendon of an initial robot.toml.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InitTendon {
     /// Name of the tendon.
     pub name: String,
-    /// Motors that pull it; empty where the description names none.
+    /// Motors that drive the tendon; empty if the description names none.
     pub motors: Vec<String>,
-    /// Joints that it crosses.
+    /// Joints that the tendon crosses.
     pub joints: Vec<String>,
-    /// Relation of their positions.
+    /// Relation of the motor and joint positions.
     #[serde(skip)]
     pub relation: Relation,
 }
 
-/// How robot.toml has a joint driven.
+/// Transmission of a joint in robot.toml.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum InitPlan {
-    /// By a spring whose stiffness is still to be filled in.
+    /// Driven by a spring whose stiffness is still missing.
     Elastic,
-    /// By the tendons that cross it.
+    /// Driven by the tendons that cross the joint.
     Coupled,
-    /// Rigid: no motor position of it is recorded, so that a spring would not show.
+    /// Rigid, because its motor position is not recorded and its spring is therefore not observable.
     Rigid,
-    /// Locked where it stood, still to be filled in: it is not recorded.
+    /// Locked at a position that is still missing, because the joint is not recorded.
     Locked,
-    /// Left out: the URDF hasn't got it.
-    LeftOut,
+    /// Excluded, because the joint is missing in the URDF.
+    Excluded,
 }
 
-/// What a URDF says of a joint.
+/// Content of a URDF for a joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InitDescribed {
-    /// Whether it turns or slides.
+    /// Whether the joint is revolute or prismatic.
     pub motion: JointMotion,
-    /// Its axis in the link it hangs on.
+    /// Axis of the joint in the frame of its parent link.
     pub axis: [f64; 3],
-    /// Lower end of its range, rad; none where it turns without end.
+    /// Lower limit of the joint, rad; `None` for a continuous joint.
     pub lower_rad: Option<f64>,
-    /// Upper end of its range, rad; none where it turns without end.
+    /// Upper limit of the joint, rad; `None` for a continuous joint.
     pub upper_rad: Option<f64>,
-    /// Mass it carries, kg.
-    pub carried_kg: f64,
-    /// Whether the URDF states friction.
-    pub friction_stated: bool,
-    /// Stiffness at which the arm swings at 1 Hz and at 20 Hz, N·m/rad: where such springs lie.
+    /// Mass that the joint carries, kg.
+    pub carried_mass_kg: f64,
+    /// Whether the URDF specifies friction.
+    pub friction_specified: bool,
+    /// Stiffnesses at which the arm oscillates at 1 Hz and at 20 Hz, N·m/rad: the usual range of such springs.
     pub stiffness_usual_nm_per_rad: Option<[f64; 2]>,
 }
 
-/// What a recording holds, as far as robot.toml needs it.
+/// Content of a recording that robot.toml requires.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InitRecording {
-    /// Frames per second at its start.
+    /// Frame rate at the start of the recording, Hz.
     pub rate_hz: Option<f64>,
-    /// Where each quantity is read from.
+    /// Source of each quantity.
     pub sources: Vec<SignalSource>,
 }
 
-/// What must be chosen before a recording can be read.
+/// Choice that is required before a recording can be read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum InitChoice {
-    /// One of several topics.
+    /// Choice of one of several topics.
     Topic(Ambiguity),
-    /// Which of a table's columns is what.
+    /// Assignment of the columns of a table.
     Columns(Vec<String>),
 }
 
-/// What an estimate still needs.
+/// Value that an estimate requires and that is still missing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum InitGap {
-    /// A URDF: the recording holds none.
+    /// URDF, which the recording does not contain.
     Urdf,
-    /// A motor side: the recording holds none.
+    /// Motor positions, which the recording does not contain.
     MotorSide,
-    /// `stiffness_nm_per_rad` of a joint.
+    /// Value of `stiffness_nm_per_rad` of a joint.
     Stiffness(String),
-    /// `locked_at_rad` of a joint.
+    /// Value of `locked_at_rad` of a joint.
     LockedAt(String),
     /// Stiffness of a tendon.
     TendonStiffness(String),
-    /// `drums_mm` of a tendon.
+    /// Values of `drums_mm` of a tendon.
     Drums(String),
-    /// A choice in the mapping file.
+    /// Choice that the mapping file must make.
     Choice,
 }
 
-/// Why a recording could not be looked into: a choice to make, or a refusal.
+/// Reason why a recording cannot be inspected.
 #[derive(Debug, thiserror::Error)]
 pub enum InitError {
-    /// The recording.
+    /// Error of the recording.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// The URDF.
+    /// Error of the URDF.
     #[error(transparent)]
     Urdf(#[from] Located),
 }
 
 impl Init {
-    /// Of a recording that needs a mapping first; gives any other error back.
+    /// Creates the description of a recording that requires a mapping file first.
     ///
     /// # Errors
-    /// What is no choice.
+    /// Returns `error` if it does not state a choice.
     pub fn undecided(source: &str, error: LogError) -> Result<Self, LogError> {
         let choice = match error {
             LogError::Ambiguous(choice) => InitChoice::Topic(choice),
@@ -219,7 +219,8 @@ impl Init {
         }
     }
 
-    /// Of a URDF's text and a recording, of which at least one should be there. `urdf` is the name of
+    /// Creates a description from the text of a URDF and a recording, at least one of which is required. `urdf` is the
+    /// name of
     /// the URDF beside robot.toml, and its text.
     ///
     /// # Errors
@@ -253,10 +254,11 @@ impl Init {
         Ok(out)
     }
 
-    /// Of a URDF's text and of joints that are heard on a network. `urdf` is the name it will have beside robot.toml.
+    /// Creates the description from the text of a URDF and the joints that a network publishes. `urdf` is the file name of the
+    /// URDF in the folder of robot.toml.
     ///
     /// # Errors
-    /// The URDF's.
+    /// Returns an error of the URDF.
     pub fn of_network(
         source: &str,
         urdf: Option<(&str, &str)>,
@@ -279,9 +281,9 @@ impl Init {
 
     /// Joints of a URDF.
     fn describe(&mut self, name: &str, text: &str) -> Result<(), Located> {
-        let refused = |error: urdf::UrdfError| error.located(name, text);
-        let outline = urdf::outline(text).map_err(refused)?;
-        let parsed = urdf::parse(text, &UrdfOptions::default()).map_err(refused)?;
+        let located = |error: urdf::UrdfError| error.located(name, text);
+        let outline = urdf::outline(text).map_err(located)?;
+        let parsed = urdf::parse(text, &UrdfOptions::default()).map_err(located)?;
         let loads = loads(&parsed.arm, &parsed.limits);
         self.robot = Some(parsed.name.clone());
         for (i, (joint, load)) in parsed.arm.joint_names().iter().zip(loads).enumerate() {
@@ -300,8 +302,8 @@ impl Init {
                     axis: in_urdf.map_or([0.0; 3], |j| j.axis),
                     lower_rad: end(limits.lower),
                     upper_rad: end(limits.upper),
-                    carried_kg: parsed.arm.subtree_mass(i).unwrap_or(0.0),
-                    friction_stated: parsed.coulomb_nm[i] > 0.0
+                    carried_mass_kg: parsed.arm.subtree_mass(i).unwrap_or(0.0),
+                    friction_specified: parsed.coulomb_nm[i] > 0.0
                         || parsed.viscous_nm_s_per_rad[i] > 0.0,
                     stiffness_usual_nm_per_rad: (load.inertia_kg_m2 > 0.0)
                         .then(|| [swings(1.0), swings(20.0)]),
@@ -313,7 +315,7 @@ impl Init {
         Ok(())
     }
 
-    /// Joins what is recorded of each joint.
+    /// Adds the recorded quantities of each joint.
     fn record(&mut self, joints: &[JointInfo]) {
         let no_urdf = self.joints.is_empty();
         for JointInfo { name, channels } in joints {
@@ -324,7 +326,7 @@ impl Init {
                     name: name.clone(),
                     plan: match no_urdf {
                         true => InitPlan::Elastic,
-                        false => InitPlan::LeftOut,
+                        false => InitPlan::Excluded,
                     },
                     described: None,
                     recorded,
@@ -350,8 +352,8 @@ impl Init {
 
     /// Adds the couplings of a description. `file` is its name for messages.
     ///
-    /// A row of one joint with the ratio 1 and no offset stays the joint's own spring, unless its name would be
-    /// ambiguous. A joint that a recording lacks stays locked.
+    /// A row with one joint, the ratio 1 and no offset remains the spring of that joint, unless its name would be
+    /// ambiguous. A joint that is missing in the recording remains locked.
     ///
     /// # Errors
     /// [`Fault::UnknownName`] for a joint that the URDF does not have; nothing is changed then.
@@ -446,7 +448,7 @@ impl Init {
         out.extend(self.joints.iter().filter_map(|joint| match joint.plan {
             InitPlan::Elastic => Some(InitGap::Stiffness(joint.name.clone())),
             InitPlan::Locked => Some(InitGap::LockedAt(joint.name.clone())),
-            InitPlan::Coupled | InitPlan::Rigid | InitPlan::LeftOut => None,
+            InitPlan::Coupled | InitPlan::Rigid | InitPlan::Excluded => None,
         }));
         for tendon in &self.tendons {
             if matches!(tendon.relation, Relation::MomentArms { .. }) {
@@ -458,7 +460,7 @@ impl Init {
     }
 }
 
-/// Joint and motor of the rows that stay a joint's own spring, and the other tendons.
+/// Separates the rows that remain the spring of one joint, as joint and motor, from the other tendons.
 ///
 /// Such a spring has a motor and a tendon of the joint's name, so that no other may have it.
 fn direct(tendons: Vec<MappedTendon>) -> (Vec<(String, String)>, Vec<MappedTendon>) {
@@ -498,13 +500,13 @@ fn direct(tendons: Vec<MappedTendon>) -> (Vec<(String, String)>, Vec<MappedTendo
 
 /// Frames per second at the start of a recording.
 fn rate_hz(recording: &mut Recording) -> Result<Option<f64>, LogError> {
-    let mut pace = Pace::default();
-    while pace.frames() < FRAMES {
+    let mut counter = FrameCounter::default();
+    while counter.frames() < FRAMES {
         let Some(frame) = recording.next_frame()? else {
             break;
         };
         let (time_ns, segment) = (frame.time_ns, frame.segment);
-        pace.frame(time_ns, segment);
+        counter.frame(time_ns, segment);
     }
-    Ok(pace.rate_hz())
+    Ok(counter.rate_hz())
 }

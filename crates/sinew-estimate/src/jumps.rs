@@ -1,16 +1,16 @@
-//! Whether it was the rope or an encoder: which reading jumped, and how fast.
+//! Discrimination between a slip of the rope and one of an encoder from single samples.
 //!
-//! From positions alone a slip of the rope and one of an encoder are the same step of
-//! `theta − q` at every torque. The moment itself tells them apart. Masses can't jump: when a rope
-//! slips by `Δ`, the spring's torque drops by `K Δ` at once and both ends follow with finite
-//! accelerations, so that within one sample `h` no reading moves by more than
+//! Before and after the event, a slip of the rope and one of an encoder are the same step of
+//! `theta − q` at every torque. They differ during the event, because masses have finite accelerations: when a rope
+//! slips by `Δ`, the spring torque drops immediately by `K Δ`, and within one sample period `h` no position changes by
+//! more than
 //!
 //! ```text
 //! 1.4 K Δ h² max(1/J, (M⁻¹)ᵢᵢ)          (J: motor, M: mass matrix of the arm)
 //! ```
 //!
-//! beyond its course. A reading that moves by all of `Δ` between two samples has itself slipped;
-//! a joint's encoder does so downwards. The jump of a reading `x` between two samples is measured
+//! beyond its trajectory. An encoder whose position changes by all of `Δ` between two samples has itself slipped;
+//! at the joint the sign is opposite. The step of a position `x` between two samples is measured
 //! against a line through the four samples on either side (least squares; a common curvature
 //! cancels),
 //!
@@ -18,58 +18,58 @@
 //! s = Σₖ wₖ (x₊ₖ − x₋ₖ),     w = 0.85, 0.45, 0.05, −0.35
 //! ```
 //!
-//! and compared with what noise and quantisation do every second. Where that is too much, where
-//! samples are missing, or the arm is too quick for the rate of the recording, it can't be told.
-//! An encoder that creeps over tens of milliseconds looks like a rope.
+//! and compared with the steps that noise and quantisation cause every second. The cause is ambiguous if these are too
+//! large, if samples are missing, or if the arm is too fast for the sampling rate.
+//! A slip of an encoder over tens of milliseconds is indistinguishable from one of the rope.
 
 use crate::cause::{Cause, UnknownCause};
 use sinew_model::Gaussian;
 use sinew_model::arm::{Arm, ArmWorkspace};
 use std::ops::Range;
 
-/// Samples on either side of a jump.
+/// Number of samples on either side of a step.
 const SIDE: usize = 4;
-/// `w`, the oldest sample first.
+/// Weights `w`, oldest sample first.
 const WEIGHTS: [f64; 2 * SIDE] = [0.35, -0.05, -0.45, -0.85, 0.85, 0.45, 0.05, -0.35];
-/// Over this time the largest jump is kept, s.
+/// Duration of the time slots, each of which stores its largest step, s.
 const SLOT_S: f64 = 1.0;
-/// A found change's moment is known to this, s.
-const WITHIN_S: f64 = 2.5;
-/// A jump counts from so many times on what is usual.
-const CLEAR: f64 = 3.0;
-/// Samples whose distance differs by more than this share of it can't be compared.
-const UNEVEN: f64 = 0.5;
+/// Maximum difference between the times of a detected change and of a step, s.
+const MAX_TIME_ERROR_S: f64 = 2.5;
+/// Minimum ratio of a step to the usual step size.
+const MIN_STEP_RATIO: f64 = 3.0;
+/// Maximum relative deviation of a sample period from its mean; samples around a larger one are not compared.
+const MAX_PERIOD_DEVIATION: f64 = 0.5;
 
-/// The largest jump of a reading in a slot of time.
+/// Largest step of a position in a time slot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Jump {
     time_s: f64,
     size_rad: f64,
 }
 
-/// The jumps of a recording's readings, sample by sample. Memory: `32 n` bytes a second.
+/// Largest steps of the positions of a recording per time slot. Memory: `32 n` bytes per second.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Jumps {
     joints: usize,
-    /// How many of the last samples came one after the other.
+    /// Number of latest samples without a gap.
     samples: usize,
-    /// The last `2 SIDE` of every reading, motor readings first, the oldest sample first.
+    /// Last `2 SIDE` samples of every position, motor positions first, oldest sample first, rad.
     readings: Vec<[f64; 2 * SIDE]>,
     times: [f64; 2 * SIDE],
-    /// When slots of time began, s.
+    /// Start times of the slots, s.
     slots_s: Vec<f64>,
-    /// The largest jump of every reading in every slot: motor readings, then joint readings, `2 n` a slot.
+    /// Largest step of every position in every slot: motor positions, then joint positions, `2 n` per slot.
     largest: Vec<Jump>,
-    /// When samples were missing or came unevenly, s.
+    /// Intervals with missing or unevenly spaced samples, s.
     blind: Vec<[f64; 2]>,
-    /// Sum and number of the samples' distances, s.
+    /// Sum of the sample periods, s; their number is `steps`.
     sum_s: f64,
     steps: u64,
     last_s: Option<f64>,
 }
 
 impl Jumps {
-    /// For an arm of `joints`.
+    /// Creates an empty record for an arm of `joints` joints.
     pub fn new(joints: usize) -> Self {
         Self {
             joints,
@@ -78,7 +78,7 @@ impl Jumps {
         }
     }
 
-    /// Room for so many seconds: taking them allocates nothing.
+    /// Reserves memory for a duration in seconds, so that recording it does not allocate.
     pub fn reserve(&mut self, duration_s: f64) {
         let slots = (duration_s / SLOT_S).ceil().max(0.0) as usize + 1;
         self.slots_s.reserve(slots);
@@ -87,7 +87,7 @@ impl Jumps {
         self.blind.reserve(10 * slots);
     }
 
-    /// Forgets all but the room.
+    /// Removes all slots and gaps; keeps the reserved memory.
     pub fn clear(&mut self) {
         self.slots_s.clear();
         self.largest.clear();
@@ -95,11 +95,11 @@ impl Jumps {
         (self.samples, self.sum_s, self.steps, self.last_s) = (0, 0.0, 0, None);
     }
 
-    /// Goes on where `before` ended: the last samples, and the slot of time under way.
+    /// Continues from the end of `before`: takes its last samples and the current slot.
     ///
     /// # Realtime
-    /// No allocation where there is [room](Jumps::reserve), lock, panic or clock.
-    pub(crate) fn go_on_from(&mut self, before: &mut Self) {
+    /// No lock, panic or clock, and no allocation within the [reserved memory](Jumps::reserve).
+    pub(crate) fn continue_from(&mut self, before: &mut Self) {
         self.clear();
         self.joints = before.joints;
         std::mem::swap(&mut self.readings, &mut before.readings);
@@ -111,22 +111,22 @@ impl Jumps {
         }
     }
 
-    /// Appends what [goes on](Jumps::go_on_from) from here.
+    /// Appends a record that [continues](Jumps::continue_from) this one.
     pub(crate) fn append(&mut self, next: &Self) {
         let width = 2 * self.joints;
         let mut largest = next.largest.as_slice();
         let mut slots_s = next.slots_s.as_slice();
-        if let (Some(last), Some((first, more))) = (self.slots_s.last(), slots_s.split_first())
+        if let (Some(last), Some((first, following))) = (self.slots_s.last(), slots_s.split_first())
             && last == first
         {
-            let (own, rest) = largest.split_at(width);
+            let (shared, rest) = largest.split_at(width);
             let from = self.largest.len() - width;
-            for (known, jump) in self.largest[from..].iter_mut().zip(own) {
-                if jump.size_rad.abs() > known.size_rad.abs() {
-                    *known = *jump;
+            for (stored, jump) in self.largest[from..].iter_mut().zip(shared) {
+                if jump.size_rad.abs() > stored.size_rad.abs() {
+                    *stored = *jump;
                 }
             }
-            (slots_s, largest) = (more, rest);
+            (slots_s, largest) = (following, rest);
         }
         self.slots_s.extend_from_slice(slots_s);
         self.largest.extend_from_slice(largest);
@@ -136,18 +136,18 @@ impl Jumps {
         (self.sum_s, self.steps, self.last_s) = (next.sum_s, next.steps, next.last_s);
     }
 
-    /// Appends slots and gaps of `from` that ended after a time, s, or are under way, `by_s` later on another clock. Those there are already
-    /// are brought up to date.
+    /// Appends the slots and gaps of `from` that ended after `since_s`, or are incomplete, shifted by `by_s` to another
+    /// clock. Existing ones are updated.
     ///
     /// # Realtime
-    /// No allocation where there is [room](Jumps::reserve), lock, panic or clock.
+    /// No lock, panic or clock, and no allocation within the [reserved memory](Jumps::reserve).
     pub(crate) fn append_since(&mut self, from: &Self, since_s: f64, by_s: f64) {
         let width = 2 * self.joints;
         let slots = from
             .slots_s
             .iter()
             .zip(from.largest.chunks_exact(width.max(1)));
-        for (slot_s, own) in slots.filter(|(slot_s, _)| **slot_s + SLOT_S > since_s) {
+        for (slot_s, jumps) in slots.filter(|(slot_s, _)| **slot_s + SLOT_S > since_s) {
             let slot_s = slot_s + by_s;
             if self.slots_s.last() != Some(&slot_s) {
                 self.slots_s.push(slot_s);
@@ -155,9 +155,9 @@ impl Jumps {
                 self.largest.resize(length, Jump::default());
             }
             let at = self.largest.len() - width;
-            for (known, jump) in self.largest[at..].iter_mut().zip(own) {
-                if jump.size_rad.abs() > known.size_rad.abs() {
-                    *known = Jump {
+            for (stored, jump) in self.largest[at..].iter_mut().zip(jumps) {
+                if jump.size_rad.abs() > stored.size_rad.abs() {
+                    *stored = Jump {
                         time_s: jump.time_s + by_s,
                         ..*jump
                     };
@@ -171,7 +171,7 @@ impl Jumps {
         self.last_s = from.last_s.map(|last_s| last_s + by_s);
     }
 
-    /// Whether another slot and another gap have [room](Jumps::reserve).
+    /// Whether there is [reserved memory](Jumps::reserve) for another slot and another gap.
     pub(crate) fn has_room(&self) -> bool {
         let fits = |length: usize, more: usize, capacity: usize| length + more <= capacity;
         fits(self.slots_s.len(), 1, self.slots_s.capacity())
@@ -179,7 +179,7 @@ impl Jumps {
             && fits(self.blind.len(), 1, self.blind.capacity())
     }
 
-    /// Forgets slots and gaps that lie within a time, s.
+    /// Removes the slots and gaps within a time interval, s.
     pub(crate) fn forget_within(&mut self, time_s: Range<f64>) {
         let is_within = |from_s: f64, to_s: f64| from_s >= time_s.start && to_s < time_s.end;
         let width = 2 * self.joints;
@@ -198,7 +198,7 @@ impl Jumps {
             .retain(|[from_s, to_s]| !is_within(*from_s, *to_s));
     }
 
-    /// Forgets slots and gaps that ended before a time, s.
+    /// Removes the slots and gaps that ended before a time, s.
     pub(crate) fn forget_before(&mut self, time_s: f64) {
         let over = self
             .slots_s
@@ -208,7 +208,7 @@ impl Jumps {
         self.blind.retain(|[_, to_s]| *to_s >= time_s);
     }
 
-    /// Slots that ended after one time and up to another, s, and gaps alike.
+    /// Returns the slots and gaps that ended between two times, s.
     pub(crate) fn between(&self, from_s: f64, to_s: f64) -> Self {
         let range = from_s..to_s;
         let slots = || {
@@ -229,16 +229,16 @@ impl Jumps {
         }
     }
 
-    /// Takes a sample at `time_s`: motor and joint readings, rad.
+    /// Processes a sample at `time_s`: motor and joint positions, rad.
     pub fn push(&mut self, time_s: f64, theta: &[f64], q: &[f64]) {
         if let Some(last_s) = self.last_s {
             let step_s = time_s - last_s;
             let usual_s = self.step_s();
-            if self.steps > 20 && (step_s - usual_s).abs() > UNEVEN * usual_s {
+            if self.steps > 20 && (step_s - usual_s).abs() > MAX_PERIOD_DEVIATION * usual_s {
                 self.mark_blind(last_s, time_s);
                 self.samples = 0;
             }
-            // A gap is no step.
+            // A gap is not a sample period.
             if step_s > 0.0 && (self.steps < 20 || step_s < 10.0 * usual_s) {
                 self.sum_s += step_s;
                 self.steps += 1;
@@ -284,12 +284,12 @@ impl Jumps {
         }
     }
 
-    /// Mean distance of samples, s.
+    /// Returns the mean sample period, s.
     fn step_s(&self) -> f64 {
         self.sum_s / self.steps.max(1) as f64
     }
 
-    /// What noise, quantisation and motion usually make in a second, rad: the upper quartile.
+    /// Returns the usual step size due to noise, quantisation and motion, rad: the upper quartile of all slots.
     fn usual_rad(&self, reading: usize) -> f64 {
         let jumps = self.jumps(reading);
         let mut sizes: Vec<f64> = jumps.map(|j| j.size_rad.abs()).collect();
@@ -300,44 +300,48 @@ impl Jumps {
             .unwrap_or(f64::INFINITY)
     }
 
-    /// A jump of `size_rad`, to `unsure_rad`, of a reading around `at_s`.
-    fn jumped(&self, reading: usize, at_s: f64, size_rad: f64, unsure_rad: f64) -> bool {
+    /// Whether a position has a step of `size_rad` ± `tolerance_rad` around `at_s`.
+    fn jumped(&self, reading: usize, at_s: f64, size_rad: f64, tolerance_rad: f64) -> bool {
         self.jumps(reading).any(|j| {
-            (j.time_s - at_s).abs() < WITHIN_S && (j.size_rad - size_rad).abs() < unsure_rad
+            (j.time_s - at_s).abs() < MAX_TIME_ERROR_S
+                && (j.size_rad - size_rad).abs() < tolerance_rad
         })
     }
 
-    /// The largest jumps of a reading, slot by slot.
+    /// Returns the largest steps of a position in all slots.
     fn jumps(&self, reading: usize) -> impl Iterator<Item = &Jump> {
         let slots = self.largest.chunks_exact((2 * self.joints).max(1));
         slots.filter_map(move |slot| slot.get(reading))
     }
 
-    /// What made the offset of a joint change by `change_rad` around `at_s`.
+    /// Determines the cause of a change of a joint's offset by `change_rad` around `at_s`.
     ///
     /// `quickness`: acceleration per deflection of the joint's spring, `K max(1/J, (M⁻¹)ᵢᵢ)`,
     /// 1/s² (see [`quickness`]).
     pub fn cause(&self, joint: usize, at_s: f64, change_rad: Gaussian, quickness: f64) -> Cause {
-        /// Share of a slip that the arm may follow by within a sample.
-        const FOLLOWS: f64 = 0.3;
+        /// Maximum share of a rope slip that appears in one position within a sample period.
+        const MAX_SHARE_PER_SAMPLE: f64 = 0.3;
+        /// Factor 1.4 of the equation in the module documentation.
         const PER_STEP: f64 = 1.4;
-        let (size_rad, unsure_rad) = (change_rad.mean, change_rad.half_width_95());
+        let (size_rad, half_width_rad) = (change_rad.mean, change_rad.half_width_95());
         let (theta, q) = (joint, self.joints + joint);
         if joint >= self.joints || self.slots_s.is_empty() {
             return Cause::Unknown(UnknownCause::Missing);
         }
-        let near = |[from_s, to_s]: &[f64; 2]| *from_s < at_s + WITHIN_S && *to_s > at_s - WITHIN_S;
+        let near = |[from_s, to_s]: &[f64; 2]| {
+            *from_s < at_s + MAX_TIME_ERROR_S && *to_s > at_s - MAX_TIME_ERROR_S
+        };
         if self.blind.iter().any(near) {
             return Cause::Unknown(UnknownCause::Missing);
         }
         let usual = [theta, q].map(|reading| self.usual_rad(reading));
-        let clear = usual.map(|usual| size_rad.abs() > CLEAR * usual);
+        let clear = usual.map(|usual| size_rad.abs() > MIN_STEP_RATIO * usual);
         let step_s = self.step_s();
-        // Not a number where the arm is none: nothing is claimed then.
-        if !(PER_STEP * quickness * step_s * step_s < FOLLOWS) {
+        // NaN for an invalid arm: the cause is ambiguous then.
+        if !(PER_STEP * quickness * step_s * step_s < MAX_SHARE_PER_SAMPLE) {
             return Cause::Unknown(UnknownCause::Rate);
         }
-        let tolerance = |usual: f64| unsure_rad.max(0.25 * size_rad.abs()).max(1.5 * usual);
+        let tolerance = |usual: f64| half_width_rad.max(0.25 * size_rad.abs()).max(1.5 * usual);
         let motor = clear[0] && self.jumped(theta, at_s, size_rad, tolerance(usual[0]));
         let joint = clear[1] && self.jumped(q, at_s, -size_rad, tolerance(usual[1]));
         match (motor, joint) {
@@ -350,8 +354,8 @@ impl Jumps {
     }
 }
 
-/// Acceleration per deflection, `K max(1/J, (M⁻¹)ᵢᵢ)`, 1/s², of joint `i` at pose `q`; NaN without
-/// the motor's inertia or where the masses make no arm.
+/// Returns the acceleration per deflection, `K max(1/J, (M⁻¹)ᵢᵢ)`, of joint `i` at pose `q`, 1/s²; NaN without
+/// motor inertia or with invalid masses.
 pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option<f64>) -> f64 {
     let n = arm.dof();
     let mut ws = ArmWorkspace::new(arm);
@@ -374,9 +378,9 @@ pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option
 mod tests {
     use super::*;
 
-    /// Readings that jump now and then, with a pause, as one record and as parts that go on from each other.
+    // Positions with steps and a pause, as one record and as consecutive parts.
     #[test]
-    fn parts_put_together_are_the_whole() {
+    fn jumps_appended_parts_equal_whole_record() {
         let mut whole = Jumps::new(2);
         let mut together = Jumps::new(2);
         let mut part = Jumps::new(2);
@@ -390,7 +394,7 @@ mod tests {
             part.push(time_s, &theta, &q);
             if k % 53 == 52 {
                 let mut next = Jumps::new(2);
-                next.go_on_from(&mut part);
+                next.continue_from(&mut part);
                 together.append(&part);
                 part = next;
             }
@@ -401,7 +405,7 @@ mod tests {
         assert_eq!(together.largest, whole.largest);
         assert_eq!(together.blind, whole.blind);
         assert_eq!((together.sum_s, together.steps), (whole.sum_s, whole.steps));
-        // What is forgotten leaves the rest as it was.
+        // Removing slots does not change the others.
         let (from_s, to_s) = (whole.slots_s[3], whole.slots_s[6]);
         let [before, after] = [whole.slots_s[..3].to_vec(), whole.slots_s[6..].to_vec()];
         whole.forget_within(from_s..to_s);

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
 //! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
-//! [`excitation`] (poses that tell). Results are data in SI; their words are `sinew-report`'s.
+//! [`excitation`] (poses that make offsets identifiable). Results are data in SI units; `sinew-report` formats them.
 
 mod anchored;
 mod answer;
@@ -30,8 +30,8 @@ pub mod robot_toml;
 mod sample;
 pub mod session;
 pub mod strand_duty;
+pub mod thermal;
 mod touch;
-pub mod warmth;
 mod warning;
 
 pub use answer::{Plan, estimate};
@@ -41,5 +41,6 @@ pub use each::{EachDocument, RecordingOutcome, estimate_each};
 pub use error::EstimateError;
 pub use given::{Given, Opener};
 pub use nuisance::NuisanceChange;
+pub use recording::axes;
 pub use request::{Progress, Request};
 pub use warning::RecordingWarning;

@@ -1,4 +1,4 @@
-//! What is estimated along with the offsets.
+//! Nuisance parameters, estimated jointly with the offsets.
 
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
@@ -6,27 +6,36 @@ use sinew_model::arm::JointKind;
 use sinew_model::offset::StateEntry;
 use sinew_model::robot::Robot;
 
-/// A nuisance parameter before and after.
+/// Prior and posterior of a nuisance parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NuisanceChange {
-    /// Joint or body; `None` for the payload.
+    /// Name of the joint, tendon or body; none for the payload.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// What it is.
+    /// Name of the parameter.
     pub name: String,
-    /// Its unit; empty for a ratio.
+    /// Unit of the parameter; empty for a ratio.
     pub unit: String,
-    /// Believed before the recording.
+    /// Distribution before the recording.
     pub prior: Gaussian,
-    /// Believed after.
+    /// Distribution after the recording.
     pub posterior: Gaussian,
-    /// Whether the data moved it: surer by a fifth, or by more than a standard deviation off.
+    /// Whether the data changed it: the standard deviation decreased by more than 20 %, or the mean moved by more than
+    /// one prior standard deviation.
     pub moved: bool,
 }
 
+/// Returns the name of the joint or tendon on an axis to which an entry belongs.
+pub(crate) fn owner<'a>(entry: &StateEntry, robot: &'a Robot, axis: usize) -> &'a str {
+    match entry.is_of_joint {
+        true => robot.axis_name(axis),
+        false => robot.tendon_name(axis),
+    }
+}
+
 impl NuisanceChange {
-    /// Of an entry of the state of a robot.
+    /// Creates the change of an entry of a robot's state.
     pub(crate) fn new(
         entry: &StateEntry,
         robot: &Robot,
@@ -38,13 +47,13 @@ impl NuisanceChange {
             false => entry.unit.into(),
         };
         Self {
-            joint: entry.joint.map(|i| robot.tendon_name(i).to_owned()),
+            joint: entry.joint.map(|i| owner(entry, robot, i).to_owned()),
             name: entry.name.into(),
             unit,
             prior,
             posterior,
-            moved: posterior.deviation < 0.8 * prior.deviation
-                || (posterior.mean - prior.mean).abs() > prior.deviation,
+            moved: posterior.std < 0.8 * prior.std
+                || (posterior.mean - prior.mean).abs() > prior.std,
         }
     }
 }

@@ -1,15 +1,15 @@
-//! Whether motor and joint side are one signal.
+//! Detection of motor and joint positions that are the same signal.
 
 use crate::error::{EstimateError, SidesFault};
 use sinew_log::Frame;
 use sinew_model::robot::Robot;
 
-/// A joint that moved less than this tells nothing, rad.
-const MOVED_RAD: f64 = 10e-3;
-/// A spring whose deflection changes by no more than this carries nothing at all: rounding of positions, rad.
-const NOTHING_RAD: f64 = 1e-9;
+/// Minimum travel of a joint for the check, rad.
+const MIN_TRAVEL_RAD: f64 = 10e-3;
+/// Maximum travel of the deflection of an unloaded spring, rad; bounds the rounding of positions.
+const MAX_UNLOADED_DEFLECTION_RAD: f64 = 1e-9;
 
-/// Least and largest of some readings.
+/// Minimum and maximum of a signal.
 #[derive(Debug, Clone, Copy)]
 struct Range(f64, f64);
 
@@ -23,10 +23,10 @@ impl Range {
     }
 }
 
-/// Looks at every frame of a recording.
+/// Check of all frames of a recording.
 #[derive(Debug)]
 pub(crate) struct OneSignal {
-    /// Of every elastic joint its index, the travel of the joint and that of motor less joint.
+    /// Index, joint position range and range of motor minus joint position of every elastic joint.
     joints: Vec<(usize, Range, Range)>,
 }
 
@@ -43,20 +43,19 @@ impl OneSignal {
     pub(crate) fn frame(&mut self, frame: &Frame) {
         for (i, joint, spring) in &mut self.joints {
             let (q, theta) = (frame.q[*i], frame.theta[*i]);
-            // NaN is passed over by both.
+            // Both ignore NaN.
             joint.push(q);
             spring.push(theta - q);
         }
     }
 
-    /// Refuses a recording in which a joint moved and its motor went along to the last digit.
-    pub(crate) fn judge(&self, robot: &Robot, file: &str) -> Result<(), EstimateError> {
+    /// Returns an error if a joint moved and its motor position was identical in all frames.
+    pub(crate) fn check(&self, robot: &Robot, file: &str) -> Result<(), EstimateError> {
         let same = self.joints.iter().filter(|(_, joint, spring)| {
-            joint.travel() > MOVED_RAD && (0.0..=NOTHING_RAD).contains(&spring.travel())
+            joint.travel() > MIN_TRAVEL_RAD
+                && (0.0..=MAX_UNLOADED_DEFLECTION_RAD).contains(&spring.travel())
         });
-        let joints: Vec<String> = same
-            .map(|(i, ..)| robot.joint_names()[*i].clone())
-            .collect();
+        let joints: Vec<String> = same.map(|(i, ..)| robot.axis_name(*i).to_owned()).collect();
         match joints.is_empty() {
             true => Ok(()),
             false => Err(EstimateError::Sides {

@@ -1,30 +1,31 @@
-//! A recording and its robot, opened together.
+//! Opening of a recording together with its robot.
 
 use crate::error::EstimateError;
 use crate::one_signal::OneSignal;
 use crate::request::{Progress, Request};
 use crate::robot_dir;
 use crate::robot_dir::LoadedRobot;
-use crate::warmth;
+use crate::thermal;
 use crate::warning::RecordingWarning;
 use sinew_files::names::nearest;
-use sinew_log::{Channels, Frame, Quantity, Recording};
+use sinew_log::{Axis, Channels, Frame, Quantity, Recording};
+use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
-/// A recording and its robot, whose joints are those of the frames.
+/// Recording and its robot, with the joints of the frames in the robot's order.
 pub(crate) struct Opened {
     pub(crate) recording: Recording,
     pub(crate) loaded: LoadedRobot,
     pub(crate) warnings: Vec<RecordingWarning>,
-    /// Joints with a tendon of which the recording holds the motor's position alone: it stands in for the joint's, and the
-    /// joint is taken as rigid.
+    /// Joints with a tendon of which only the motor position is recorded. The motor position replaces the joint
+    /// position, and the joint is treated as rigid.
     pub(crate) without_encoder: Vec<usize>,
 }
 
 impl Opened {
-    /// Opens what a request names.
+    /// Opens the recording and the robot of a request.
     pub(crate) fn new(request: &Request) -> Result<Self, EstimateError> {
         let given = &request.given;
         let mut recording = given.open(&request.log, &request.open)?;
@@ -36,23 +37,29 @@ impl Opened {
                 robot_dir::load(&place, recording.robot_description())?
             }
         };
-        warmth::look_up(&mut loaded.robot, &loaded.file)?;
-        let words = loaded.robot.warnings.iter().cloned();
-        let mut warnings: Vec<_> = words.map(|text| RecordingWarning::Robot { text }).collect();
+        thermal::look_up(&mut loaded.robot, &loaded.file)?;
+        let texts = loaded.robot.warnings.iter().cloned();
+        let mut warnings: Vec<_> = texts.map(|text| RecordingWarning::Robot { text }).collect();
         let names = loaded.robot.joint_names();
         let motors = loaded.robot.motor_names();
         let unknown = match_joints(&request.name(), (names, &motors), &recording)?;
         if !unknown.is_empty() {
             warnings.push(RecordingWarning::UnknownJoints { joints: unknown });
         }
+        let pulling: Vec<&str> = (0..loaded.robot.axes())
+            .filter_map(|axis| loaded.robot.pulling_tendon(axis))
+            .collect();
+        let unused = recording.tendons().iter();
+        let unused = unused.filter(|name| !pulling.contains(&name.as_str()));
+        let tendons: Vec<String> = unused.cloned().collect();
+        if !tendons.is_empty() {
+            warnings.push(RecordingWarning::UnusedTensions { tendons });
+        }
         check_motors(request, &loaded)?;
         check_injections(request, &loaded)?;
         check_touches(request, &loaded)?;
-        fn all(names: &[String]) -> Vec<&str> {
-            names.iter().map(String::as_str).collect()
-        }
-        recording.select_driven(&all(names), &loaded.robot.motors_at_shaft())?;
-        // A position under a name that the robot does not have may be that of the joint.
+        recording.select_axes(&axes(&loaded.robot))?;
+        // A position under an unknown name may belong to a joint without a position.
         let has_strangers = warnings
             .iter()
             .any(|warning| matches!(warning, RecordingWarning::UnknownJoints { .. }));
@@ -71,8 +78,8 @@ impl Opened {
         })
     }
 
-    /// Hands every frame to `take` until it breaks, read ahead on another thread. `progress` is called
-    /// every few thousand frames. A recording whose two sides are one signal is refused.
+    /// Passes every frame to `take` until it breaks; frames are read ahead on another thread. `progress` is called
+    /// every 8192 frames. Returns an error if motor and joint side are the same signal.
     pub(crate) fn each_frame(
         &mut self,
         is_reference: bool,
@@ -110,14 +117,26 @@ impl Opened {
             }
         });
         stopped?.unwrap_or(Ok(()))?;
-        one_signal.judge(&self.loaded.robot, self.recording.name())
+        one_signal.check(&self.loaded.robot, self.recording.name())
     }
 }
 
-/// Joints with a tendon of their own whose position is not recorded, though that of their motor is.
+/// Returns the axes of the frames for the estimate of a robot: its joints, then the remaining tendons.
+pub fn axes(robot: &Robot) -> Vec<Axis<'_>> {
+    let motors = robot.motors_at_shaft().into_iter().enumerate();
+    let axes = motors.map(|(i, motor)| Axis {
+        joint: robot.joint_names().get(i).map(String::as_str),
+        motor: motor.filter(|_| !robot.shares_motor(i)),
+        tendon: robot.pulling_tendon(i),
+    });
+    axes.collect()
+}
+
+/// Returns the joints with a separate tendon whose motor position is recorded but whose joint position is not.
 ///
 /// # Errors
-/// There is no other joint with a tendon: a motor's position alone does not show how long its tendon is.
+/// Returns [`EstimateError::Mismatch`] if no other joint with a tendon remains: the elongation of a tendon is not
+/// observable from motor positions alone.
 fn without_encoder(
     file: &str,
     loaded: &LoadedRobot,
@@ -131,54 +150,55 @@ fn without_encoder(
     if with.is_empty() && !without.is_empty() {
         return Err(EstimateError::Mismatch {
             file: file.into(),
-            why: "holds motor positions and no joint position. An elongation is what motor and joint differ by, so motor positions alone do not show it. Record the joints' encoders. Name them in a mapping file (--mapping) if they have other names".into(),
+            reason: "contains motor positions but no joint position; an elongation is the difference of both, so it is not observable from motor positions alone; record the joint encoders, or map their names in a mapping file (--mapping)".into(),
         });
     }
     Ok(without.into_iter().map(|(joint, _)| joint).collect())
 }
 
-/// Every moving joint needs a position; others of the recording are left alone: their names.
+/// Checks that every moving joint has a position; returns the names of unknown joints of the recording.
 fn match_joints(
     file: &str,
     (names, motors): (&[String], &[String]),
     recording: &Recording,
 ) -> Result<Vec<String>, EstimateError> {
-    let known = recording.joints();
+    let recorded = recording.joints();
     let missing: Vec<&str> = names
         .iter()
-        .filter(|n| !known.contains(n))
+        .filter(|n| !recorded.contains(n))
         .map(String::as_str)
         .collect();
     if !missing.is_empty() {
         return Err(EstimateError::Mismatch {
             file: file.into(),
-            why: format!(
-                "has no position of joint {}, which the robot has; it has {}{}. Name it in a mapping file (--mapping), or hold it with locked_at_rad in robot.toml",
+            reason: format!(
+                "position of joint {} is missing; recorded: {}{}; map its name in a mapping file (--mapping), or fix the joint with locked_at_rad in robot.toml",
                 quoted(&missing),
-                quoted(&known.iter().map(String::as_str).collect::<Vec<_>>()),
+                quoted(&recorded.iter().map(String::as_str).collect::<Vec<_>>()),
                 sources(recording),
             ),
         });
     }
-    let unknown = known
+    let unknown = recorded
         .iter()
-        .filter(|k| !names.contains(k) && !motors.contains(k));
+        .filter(|name| !names.contains(name) && !motors.contains(name));
     Ok(unknown.cloned().collect())
 }
 
-/// Which topics or columns positions were looked for in.
+/// Lists the topics or columns from which positions are read.
 fn sources(recording: &Recording) -> String {
     let positions = [Quantity::Q, Quantity::Theta];
     let all = recording.sources().into_iter();
-    let own = all.filter(|s| positions.contains(&s.quantity));
-    let told = own.map(|s| format!("{} from {}", s.quantity.symbol(), s.source));
-    match Vec::from_iter(told).join(", ") {
+    let of_positions = all.filter(|s| positions.contains(&s.quantity));
+    let texts = of_positions.map(|s| format!("{} from {}", s.quantity.symbol(), s.source));
+    match Vec::from_iter(texts).join(", ") {
         none if none.is_empty() => none,
-        told => format!(" ({told})"),
+        list => format!(" ({list})"),
     }
 }
 
-/// A motor of a tendon that crosses several joints is read as its encoder measures it: a sum would take out the other joints twice.
+/// Checks that the motor position of a tendon across several joints is that of its encoder: a sum would subtract the
+/// motion of the other joints twice.
 fn check_motors(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
     let Some(mapping) = &request.open.mapping else {
         return Ok(());
@@ -191,8 +211,8 @@ fn check_motors(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateE
         if crosses_others && mapping.sums(&routing.motor, Quantity::Theta) {
             return Err(EstimateError::Mismatch {
                 file: mapping.file().into(),
-                why: format!(
-                    "makes the position of motor '{}' a sum, and robot.toml describes the joints that its tendon '{}' crosses: they would be taken out twice. Name the column of the motor alone",
+                reason: format!(
+                    "the position of motor '{}' is a sum, and robot.toml describes the joints that its tendon '{}' crosses: their motion would be subtracted twice; map the column of the motor alone",
                     routing.motor, routing.tendon
                 ),
             });
@@ -223,7 +243,7 @@ fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), Estim
     Ok(())
 }
 
-/// Marks that are said to be passed are marks of robot.toml.
+/// Checks that the specified index marks are marks of robot.toml.
 fn check_touches(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
     for touch in &request.touches {
         let Some(i) = loaded.robot.tendon_index(&touch.joint) else {
@@ -234,7 +254,7 @@ fn check_touches(request: &Request, loaded: &LoadedRobot) -> Result<(), Estimate
             .flat_map(|t| &t.anchors);
         if !anchors.clone().any(|a| a.kind.is_mark()) {
             return Err(EstimateError::Touch(format!(
-                "{} states no mark of joint '{}'; write one as [[joints.{}.anchors]] with kind = \"joint-mark\" or \"motor-mark\", position_rad and deviation_rad",
+                "{} specifies no index mark of joint '{}'; add [[joints.{}.anchors]] with kind = \"joint-mark\" or \"motor-mark\", position_rad and std_rad",
                 loaded.file.display(),
                 touch.joint,
                 touch.joint
@@ -260,21 +280,21 @@ fn no_joint(joint: &str, loaded: &LoadedRobot) -> String {
         "joint"
     };
     format!(
-        "the robot has no {of} '{joint}'; it has {}{hint}",
+        "{of} '{joint}' not found in the robot; available: {}{hint}",
         names.join(", ")
     )
 }
 
 fn quoted(names: &[&str]) -> String {
-    const SHOWN: usize = 12;
+    const MAX_NAMES: usize = 12;
     let mut text = names
         .iter()
-        .take(SHOWN)
+        .take(MAX_NAMES)
         .map(|n| format!("'{n}'"))
         .collect::<Vec<_>>()
         .join(", ");
-    if names.len() > SHOWN {
-        let _ = write!(text, " and {} more", names.len() - SHOWN);
+    if names.len() > MAX_NAMES {
+        let _ = write!(text, " and {} more", names.len() - MAX_NAMES);
     }
     if names.is_empty() {
         text.push_str("none");

@@ -1,4 +1,4 @@
-//! What is asked of an estimate.
+//! Inputs and settings of an estimate.
 
 use crate::feeder::Injection;
 use crate::given::Given;
@@ -7,39 +7,39 @@ use sinew_log::OpenOptions;
 use sinew_model::offset::{Comparison, OffsetConfig, TorqueSource, VelocityFilter};
 use std::path::PathBuf;
 
-/// What is asked.
+/// Inputs and settings of an estimate.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Recording.
+    /// Path of the recording.
     pub log: PathBuf,
-    /// Robot's folder or `robot.toml`; `None` looks beside the recording, then here.
+    /// Folder of the robot or `robot.toml`; `None` searches the folder of the recording, then the current folder.
     pub robot: Option<PathBuf>,
-    /// Where `tau_el` comes from.
+    /// Source of the elastic torque `tau_el`.
     pub source: TorqueSource,
-    /// Lag treatment.
+    /// Treatment of the observer lag.
     pub comparison: Comparison,
     /// Observer gain, 1/s; `None` for the default.
     pub gain_per_s: Option<f64>,
-    /// Where velocities come from.
+    /// Source of the velocities.
     pub velocity_filter: VelocityFilter,
-    /// Use the recording's known external torque.
+    /// Whether the recorded external torque is used.
     pub use_tau_ext: bool,
     /// Offsets to add to the measured motor positions.
     pub injections: Vec<Injection>,
-    /// Marks that joints or motors pass.
+    /// Index marks that joints or motors pass.
     pub touches: Vec<Touch>,
-    /// Recording to compare with, made with the same robot and settings.
+    /// Reference recording, estimated with the same robot and settings.
     pub reference: Option<PathBuf>,
-    /// How recordings are read.
+    /// Options for reading recordings.
     pub open: OpenOptions,
-    /// Where every frame's estimate goes as CSV.
+    /// CSV file for the estimate of every frame.
     pub csv: Option<PathBuf>,
-    /// What of it is in memory and no file.
+    /// Inputs in memory instead of files.
     pub given: Given,
 }
 
 impl Request {
-    /// The defaults for a recording.
+    /// Creates a request with default settings for a recording.
     pub fn new(log: PathBuf) -> Self {
         let defaults = OffsetConfig::default();
         Self {
@@ -59,7 +59,7 @@ impl Request {
         }
     }
 
-    /// The recording as messages name it.
+    /// Returns the name of the recording in messages.
     pub(crate) fn name(&self) -> String {
         self.log.display().to_string()
     }
@@ -76,15 +76,15 @@ impl Request {
     }
 }
 
-/// How far an estimate has come.
+/// Progress of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Bytes read of the recording under way.
+    /// Number of bytes read of the current recording.
     pub bytes_done: u64,
-    /// Bytes there are.
+    /// Size of the current recording, bytes.
     pub bytes_total: u64,
-    /// Frames estimated so far.
+    /// Number of frames estimated so far.
     pub frames: u64,
-    /// Whether this is the reference recording.
+    /// Whether the current recording is the reference.
     pub reference: bool,
 }

@@ -1,4 +1,4 @@
-//! A robot's folder: `robot.toml` and the URDF it names.
+//! Folder of a robot: `robot.toml` and its URDF.
 
 use sinew_files::{Located, limits, names, read_text};
 use sinew_model::arm::JointKind;
@@ -7,34 +7,36 @@ use sinew_model::transmission::{Tendon, Transmission};
 use sinew_rope::task::Drive;
 use std::path::{Path, PathBuf};
 
-/// A robot and where it came from.
+/// Robot and the files from which it was loaded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedRobot {
-    /// The robot.
+    /// Robot model and transmissions.
     pub robot: Robot,
-    /// `robot.toml` as opened.
+    /// Path of `robot.toml`.
     pub file: PathBuf,
-    /// Its text.
+    /// Text of `robot.toml`.
     pub file_text: String,
-    /// Where the URDF came from, in words.
+    /// Source of the URDF: its path, or the recording's `/robot_description`.
     pub urdf: String,
     /// Text of the URDF.
     pub urdf_text: String,
 }
 
 impl LoadedRobot {
-    /// The tendon of a joint.
+    /// Returns the tendon of a joint.
     ///
     /// # Errors
-    /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
+    /// Returns [`RobotDirError::NoJoint`] for an unknown name and [`RobotDirError::NoTendon`] for a joint without
+    /// tendon.
     pub fn tendon(&self, joint: &str) -> Result<&Tendon, RobotDirError> {
         Ok(self.tendon_drive(joint)?.1)
     }
 
-    /// What holds a joint that has a tendon.
+    /// Returns the drive of a joint that has a tendon.
     ///
     /// # Errors
-    /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
+    /// Returns [`RobotDirError::NoJoint`] for an unknown name and [`RobotDirError::NoTendon`] for a joint without
+    /// tendon.
     pub fn drive(&self, joint: &str) -> Result<Drive, RobotDirError> {
         let (transmission, tendon) = self.tendon_drive(joint)?;
         let kind = self.robot.tendon_index(joint);
@@ -46,14 +48,14 @@ impl LoadedRobot {
         })
     }
 
-    /// The transmission of a joint that has a tendon, and the tendon.
+    /// Returns the transmission and the tendon of a joint that has a tendon.
     fn tendon_drive(&self, joint: &str) -> Result<(&Transmission, &Tendon), RobotDirError> {
         let names = self.robot.tendon_names();
         let Some(i) = names.iter().position(|n| n == joint) else {
             return Err(RobotDirError::NoJoint {
                 path: self.file.clone(),
                 joint: joint.to_owned(),
-                known: names.join(", "),
+                available: names.join(", "),
                 hint: names::did_you_mean(joint, &names),
             });
         };
@@ -67,64 +69,64 @@ impl LoadedRobot {
     }
 }
 
-/// Why a robot could not be loaded.
+/// Error of loading a robot.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotDirError {
-    /// No robot was named and none lies where one is looked for.
+    /// No robot was specified and none was found in the searched folders.
     #[error(
-        "no robot.toml beside the recording nor in the current folder; name the robot's folder with --robot DIR (it holds robot.toml with stiffness_nm_per_rad per joint; robots/biorob-like is an example)"
+        "robot.toml not found next to the recording or in the current folder; specify the robot's folder with --robot DIR (it contains robot.toml with stiffness_nm_per_rad per joint; example: robots/biorob-like)"
     )]
     NotFound,
-    /// A URDF stands where `robot.toml` belongs.
+    /// A URDF was specified instead of `robot.toml`.
     #[error(
-        "{path} is a URDF, which knows no stiffness; name the folder of robot.toml instead: {cure}", path = path.display()
+        "{path} is a URDF, which contains no stiffness; specify the folder of robot.toml instead: {cure}", path = path.display()
     )]
     Urdf {
-        /// The URDF.
+        /// Path of the URDF.
         path: PathBuf,
-        /// Which folder, or how to get one.
+        /// Folder of robot.toml, or the command that creates one.
         cure: String,
     },
     /// Neither the robot's folder nor the recording has a URDF.
     #[error(
-        "{path} names no urdf and the recording has no /robot_description; add urdf = \"NAME.urdf\"", path = path.display()
+        "{path}: key urdf is missing and the recording has no /robot_description; add urdf = \"NAME.urdf\"", path = path.display()
     )]
     NoUrdf {
-        /// `robot.toml`.
+        /// Path of `robot.toml`.
         path: PathBuf,
     },
-    /// A joint that the robot hasn't.
-    #[error("{path}: no joint '{joint}'; it has {known}{hint}", path = path.display())]
+    /// The robot has no joint of this name.
+    #[error("{path}: joint '{joint}' not found; available: {available}{hint}", path = path.display())]
     NoJoint {
-        /// `robot.toml`.
+        /// Path of `robot.toml`.
         path: PathBuf,
-        /// Joint asked for.
+        /// Name of the requested joint.
         joint: String,
-        /// Joints there are.
-        known: String,
-        /// The one that may have been meant, as the end of a sentence.
+        /// Names of the available joints.
+        available: String,
+        /// Suggestion of a similar name, as the end of a sentence.
         hint: String,
     },
-    /// A joint without a tendon.
+    /// The joint has no tendon.
     #[error("{path}: joint '{joint}' has no tendon; add [joints.{joint}.tendon]", path = path.display())]
     NoTendon {
-        /// `robot.toml`.
+        /// Path of `robot.toml`.
         path: PathBuf,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// The description, with the place of what is wrong.
+    /// The description is invalid, with the location of the fault.
     #[error(transparent)]
     File(#[from] Located),
 }
 
 /// Loads a robot from `place` (its folder, or `robot.toml` itself).
 ///
-/// `description` is the recording's own URDF; it is used where `robot.toml` names none.
+/// `description` is the URDF of the recording; it is used if `robot.toml` names none.
 ///
 /// # Errors
-/// [`RobotDirError`].
+/// Returns [`RobotDirError`] if a file cannot be read, the description is invalid or a value is missing.
 pub fn load(place: &Path, description: Option<&str>) -> Result<LoadedRobot, RobotDirError> {
     let (loaded, gaps) = draft(place, description)?;
     gaps.into_iter()
@@ -132,11 +134,11 @@ pub fn load(place: &Path, description: Option<&str>) -> Result<LoadedRobot, Robo
         .map_or(Ok(loaded), |gap| Err(gap.into()))
 }
 
-/// Loads a robot as far as its folder describes it, with what keeps it from being used
+/// Loads a robot as far as its folder describes it, with the gaps that prevent its use
 /// ([`RobotFile::draft`]).
 ///
 /// # Errors
-/// As [`load`], less the gaps.
+/// Returns the errors of [`load`], except for gaps.
 pub fn draft(
     place: &Path,
     description: Option<&str>,
@@ -150,10 +152,17 @@ pub fn draft(
     if file_text.trim_start().starts_with('<') {
         return Err(urdf_as_robot(file));
     }
-    let parsed = RobotFile::parse(&file_text, &file.display().to_string())?;
+    let mut parsed = RobotFile::parse(&file_text, &file.display().to_string())?;
+    let in_folder = |name: &str| file.parent().unwrap_or(Path::new("")).join(name);
+    let tables: Vec<String> = parsed.tables().into_iter().map(str::to_owned).collect();
+    for name in tables {
+        let path = in_folder(&name);
+        let text = read_text(&path, &limits::DESCRIPTION)?;
+        parsed = parsed.with_table(&name, &path.display().to_string(), &text)?;
+    }
     let (urdf_text, urdf) = match (parsed.urdf(), description) {
         (Some(name), _) => {
-            let path = file.parent().unwrap_or(Path::new("")).join(name);
+            let path = in_folder(name);
             (
                 read_text(&path, &limits::DESCRIPTION)?,
                 path.display().to_string(),
@@ -176,24 +185,24 @@ pub fn draft(
     Ok((loaded, gaps))
 }
 
-/// What to say where a URDF was named as the robot.
+/// Creates the error for a URDF that was specified as the robot.
 fn urdf_as_robot(path: PathBuf) -> RobotDirError {
     let folder = path.parent().filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new("."));
     let cure = match folder.join("robot.toml").is_file() {
         true => folder.display().to_string(),
-        false => format!("sinew init {} writes one", path.display()),
+        false => format!("sinew init {} creates one", path.display()),
     };
     RobotDirError::Urdf { path, cure }
 }
 
-/// Where a robot is looked for when none is named: beside the recording, then here.
+/// Searches robot.toml in the folder of the recording, then in the current folder.
 ///
 /// # Errors
-/// [`RobotDirError::NotFound`].
+/// Returns [`RobotDirError::NotFound`] if neither folder contains robot.toml.
 pub fn find(log: &Path) -> Result<PathBuf, RobotDirError> {
-    let beside = log.parent().unwrap_or(Path::new("")).join("robot.toml");
-    [beside, PathBuf::from("robot.toml")]
+    let with_log = log.parent().unwrap_or(Path::new("")).join("robot.toml");
+    [with_log, PathBuf::from("robot.toml")]
         .into_iter()
         .find(|p| p.is_file())
         .ok_or(RobotDirError::NotFound)

@@ -1,4 +1,4 @@
-//! The text of a first robot.toml.
+//! Text of a first robot.toml.
 
 use crate::init::{Init, InitDescribed, InitJoint, InitPlan, InitTendon};
 use crate::robot_check::JointMotion;
@@ -8,8 +8,8 @@ use sinew_log::Quantity;
 use sinew_model::transmission_map::{MappedMotor, Relation};
 use std::fmt::Write as _;
 
-/// The text of robot.toml: what the files say, and every other key as a comment with its unit, what is
-/// usual and where to find it.
+/// Writes robot.toml: the values from the files, and every other key as a comment with its unit, its usual
+/// range and its source.
 pub fn robot_toml(init: &Init) -> String {
     let mut out = format!("# Made by `sinew init` from {}.\n", plain(&init.source));
     if let Some(recording) = &init.recording {
@@ -21,15 +21,15 @@ pub fn robot_toml(init: &Init) -> String {
             let _ = writeln!(out, "# {} Hz", three_digits(rate_hz));
         }
     }
-    out += "# Lines with # are not known from there: fill in what you know and take the # away.\n\
-            # `sinew robot check` says what is still missing and what looks odd.\n\n";
+    out += "# Lines with # are not specified yet: fill in the values and remove the #.\n\
+            # `sinew robot check` lists missing and implausible values.\n\n";
     match &init.urdf {
         Some(urdf) => {
             let _ = writeln!(out, "urdf = {}", quoted(urdf));
         }
         None => {
             out +=
-                "# urdf = \"ROBOT.urdf\"                # beside this file: links, masses, joints\n"
+                "# urdf = \"ROBOT.urdf\"                # in this folder: links, masses, joints\n"
         }
     }
     for joint in &init.joints {
@@ -41,7 +41,7 @@ pub fn robot_toml(init: &Init) -> String {
     for tendon in &init.tendons {
         out += &tendon_section(tendon);
     }
-    out += "\n# How far the robot may be from this file, one standard deviation each. Defaults:\n\
+    out += "\n# Tolerances of the values in this file, one standard deviation each. Defaults:\n\
             # [tolerances]\n\
             # stiffness_percent = 12.0\n\
             # mass_percent = 6.0\n\
@@ -52,11 +52,11 @@ pub fn robot_toml(init: &Init) -> String {
 fn joint_section(joint: &InitJoint, tendons: &[InitTendon]) -> String {
     let key = key(&joint.name);
     let mut out = String::from("\n");
-    if joint.plan == InitPlan::LeftOut {
+    if joint.plan == InitPlan::Excluded {
         let name = plain(&joint.name);
         let _ = writeln!(
             out,
-            "# '{name}' is recorded, and the URDF has no such joint."
+            "# '{name}' is recorded but is not a joint of the URDF."
         );
         return out;
     }
@@ -66,10 +66,10 @@ fn joint_section(joint: &InitJoint, tendons: &[InitTendon]) -> String {
     }
     match joint.plan {
         InitPlan::Rigid => {
-            out += "# No motor position of it is recorded, so that no spring would show.\nrigid = true\n";
+            out += "# Motor position not recorded: elasticity is not observable.\nrigid = true\n";
         }
         InitPlan::Locked => {
-            out += "# It is not recorded. Where does it stand meanwhile?\n\
+            out += "# Not recorded: specify its constant position.\n\
                     # locked_at_rad =                   # rad; m if it slides\n";
         }
         InitPlan::Coupled => {
@@ -77,9 +77,9 @@ fn joint_section(joint: &InitJoint, tendons: &[InitTendon]) -> String {
             let crossing: Vec<String> = crossing.map(|t| plain(&t.name)).collect();
             let _ = writeln!(out, "# Tendons that turn it: {}.", names::list(&crossing));
             out += "# joint_friction = { coulomb_nm = , viscous_nm_s_per_rad =  }\n\
-                    # spring = { stiffness_nm_per_rad = , rest_rad =  }   # passive spring that holds it, if any\n";
+                    # spring = { stiffness_nm_per_rad = , rest_rad =  }   # passive spring of the joint, if any\n";
         }
-        InitPlan::Elastic | InitPlan::LeftOut => {
+        InitPlan::Elastic | InitPlan::Excluded => {
             if let Some(motor) = joint.motor.as_ref().filter(|m| **m != joint.name) {
                 let motor = names::shorten(&plain(motor), 40);
                 let _ = writeln!(
@@ -93,17 +93,17 @@ fn joint_section(joint: &InitJoint, tendons: &[InitTendon]) -> String {
     out
 }
 
-/// Keys of a motor, all still to be filled in.
+/// Writes the keys of a motor, all still to be specified.
 fn motor_section(name: &str) -> String {
     format!(
         "\n[motors.{}]\n\
          # inertia_kg_m2 =                   # kg·m² at the shaft whose angle is recorded; data sheet\n\
-         # friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # at that shaft; guessed, unless stated here\n",
+         # friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # at that shaft; default, unless specified here\n",
         key(name)
     )
 }
 
-/// A tendon: what the description says, and the other keys still to be filled in.
+/// Writes a tendon: the values of the description, and the other keys still to be specified.
 fn tendon_section(tendon: &InitTendon) -> String {
     let mut out = format!("\n[[tendons]]\nname = {}\n", quoted(&tendon.name));
     out += "# kind = \"strand\"                   # a single rope, which only pulls; without it a loop, which pulls both ways\n";
@@ -169,24 +169,24 @@ fn tendon_section(tendon: &InitTendon) -> String {
             # length_mm =                       # mm between the pulleys, 50 to 2000; measure it\n\
             # pretension_n =                    # N with every motor and joint at zero, of a loop of each strand\n\
             # guides = [{ radius_mm = , wrap_deg = , friction = 0.05 }]     # from drive to joint\n\
-            # retension_at_mm =                 # mm of elongation at which you tension again, 0.3 to 3\n";
+            # retension_at_mm =                 # mm of elongation at which to re-tension, 0.3 to 3\n";
     out
 }
 
-/// An inline table of numbers.
+/// Formats an inline table of numbers.
 fn table(entries: &[(String, f64)]) -> String {
     let entry = |(name, value): &(String, f64)| format!("{} = {}", key(name), number(*value));
     let entries: Vec<String> = entries.iter().map(entry).collect();
     format!("{{ {} }}", entries.join(", "))
 }
 
-/// A number of a TOML file with 15 significant digits, which hide the rounding of a product.
+/// Formats a number for TOML with 15 significant digits, which hides the rounding of a product.
 fn number(value: f64) -> String {
     let rounded = format!("{value:.14e}").parse().unwrap_or(value);
     format!("{:?}", if rounded.is_finite() { rounded } else { value })
 }
 
-/// `revolute about 0 0 1, −2.60 to 2.60 rad, carries 1.50 kg`.
+/// Describes a joint: `turns about 0 0 1, -2.60 to 2.60 rad, carries 1.50 kg`.
 fn about(joint: &InitDescribed) -> String {
     let (kind, unit) = match joint.motion {
         JointMotion::Revolute => ("turns about", "rad"),
@@ -202,16 +202,16 @@ fn about(joint: &InitDescribed) -> String {
         }
         _ => "without end".into(),
     };
-    let mass = three_digits(joint.carried_kg);
+    let mass = three_digits(joint.carried_mass_kg);
     format!("{kind} {axis}, {range}, carries {mass} kg")
 }
 
-/// Keys of an elastic joint, all still to be filled in.
+/// Writes the keys of an elastic joint, all still to be specified.
 fn spring(joint: &InitJoint, key: &str) -> String {
     let described = joint.described.as_ref();
-    let friction = match described.is_some_and(|d| d.friction_stated) {
-        true => "the URDF's, unless stated here",
-        false => "guessed, unless stated here",
+    let friction = match described.is_some_and(|d| d.friction_specified) {
+        true => "from the URDF, unless specified here",
+        false => "default, unless specified here",
     };
     let slides = described.is_some_and(|d| d.motion == JointMotion::Prismatic);
     let [unit, pull, inertia, radius] = match slides {
@@ -239,13 +239,13 @@ fn spring(joint: &InitJoint, key: &str) -> String {
     let mut out = format!(
         "# stiffness_nm_per_rad =            # {unit} at the joint; needed.{usual}\n\
          #                                   # 20 Hz). Hang a weight on the link, hold the motor: K = {pull} / change\n\
-         #                                   # of theta - q. No spring in it? Then: rigid = true\n\
+         #                                   # of theta - q. If it has no elasticity: rigid = true\n\
          # motor_inertia_kg_m2 =             # {inertia}\n\
          # joint_friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # {friction}\n\
          # motor_friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # {pull} that just turns motor and gear\n"
     );
     if joint.recorded.contains(&Quantity::TauM) {
-        out += "# Its motor torque is recorded: with motor_inertia_kg_m2 it is a second witness.\n";
+        out += "# Its motor torque is recorded: with motor_inertia_kg_m2 it is an independent measurement.\n";
     }
     let _ = write!(
         out,
@@ -255,12 +255,12 @@ fn spring(joint: &InitJoint, key: &str) -> String {
          # joint_pulley_radius_mm =          # {radius}\n\
          # pretension_n =                    # N at rest, 5 to 20 % of the rope's breaking load; spring scale\n\
          # guides = [{{ radius_mm = , wrap_deg = , friction = 0.05 }}]     # from drive to joint\n\
-         # retension_at_mm =                 # mm of elongation at which you tension again, 0.3 to 3\n"
+         # retension_at_mm =                 # mm of elongation at which to re-tension, 0.3 to 3\n"
     );
     out
 }
 
-/// A key of a TOML file.
+/// Formats a key of a TOML file.
 fn key(name: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     match !name.is_empty() && name.chars().all(bare) {
@@ -269,7 +269,7 @@ fn key(name: &str) -> String {
     }
 }
 
-/// A text of a TOML file.
+/// Formats a string of a TOML file.
 pub fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
@@ -292,7 +292,7 @@ mod tests {
     use sinew_log::{JointInfo, Quantity};
     use sinew_model::transmission_map::TransmissionMap;
 
-    /// A chain of these joints.
+    // URDF of a chain of these joints.
     fn urdf(joints: &[&str]) -> String {
         let mut out = String::from("<robot name='r'><link name='base'/>");
         let mut parent = "base";
@@ -314,7 +314,7 @@ mod tests {
         init
     }
 
-    /// Texts and numbers of `[[tendons]]`, tables as `table.key`.
+    // Strings and numbers of `[[tendons]]`, tables as `table.key`.
     fn tendons(text: &str) -> Vec<Vec<(String, String)>> {
         let file = TomlFile::parse(text, "robot.toml").expect(text);
         let root = file.root();
@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn table_becomes_ratios_and_keeps_the_shorthand() {
+    fn table_becomes_ratios_and_keeps_shorthand() {
         let init = coupled(
             &["yaw", "pitch", "twist"],
             "motor,yaw,pitch,twist\nm1,1,,\nm2,0,28.25,-16.8\nm3,0,-28.25,-16.8\n",
@@ -435,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn offset_becomes_the_motor_angle_at_zero() {
+    fn offset_becomes_motor_angle_at_zero() {
         let model = "<robot><transmission name='t'><type>transmission_interface/SimpleTransmission</type>\
              <joint name='a'><offset>0.5</offset></joint><actuator name='m'><mechanicalReduction>-80</mechanicalReduction>\
              </actuator></transmission></robot>";
@@ -536,7 +536,7 @@ mod tests {
     }
 
     #[test]
-    fn any_name_is_read_as_it_was_written() {
+    fn keys_and_strings_round_trip_through_toml() {
         for name in [
             "elbow",
             "",

@@ -1,9 +1,9 @@
-//! One sample of a control loop as a frame.
+//! Conversion of the samples of a control loop to frames.
 
 use sinew_log::Frame;
 use sinew_model::StepError;
 
-/// The frame that samples of a loop are put into, whose clock is the sum of their time steps.
+/// Frame of the latest sample of a control loop; its clock is the sum of the time steps.
 #[derive(Debug, Clone)]
 pub(crate) struct SampleFrame {
     frame: Frame,
@@ -11,7 +11,7 @@ pub(crate) struct SampleFrame {
 }
 
 impl SampleFrame {
-    /// For an arm of `joints`. Allocates here only.
+    /// Creates the frame for a number of axes; no other function allocates.
     pub(crate) fn new(joints: usize) -> Self {
         Self {
             frame: Frame::new(joints),
@@ -19,14 +19,15 @@ impl SampleFrame {
         }
     }
 
-    /// The frame of a sample, `dt_s` after the one before; of the first that does not matter.
+    /// Converts a sample to the frame. `dt_s`: time since the previous sample, s; ignored for the first sample.
     ///
     /// * `q`, `theta`: `n` each, joint and motor positions, rad.
-    /// * `tau_m`: `n` or empty, motor torque, N·m; NaN where it is not known.
-    /// * `temperature_c`: °C; NaN where it is not known.
+    /// * `tau_m`: `n` or empty, motor torque, N·m; NaN if unknown.
+    /// * `temperature_c`: temperature, °C; NaN if unknown.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::TimeStep`]; the clock is then unchanged.
+    /// Returns [`StepError::Length`] for a slice of wrong length and [`StepError::TimeStep`] for an invalid `dt_s`; the
+    /// clock is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -54,13 +55,13 @@ impl SampleFrame {
         self.frame.theta.copy_from_slice(theta);
         match tau_m {
             [] => self.frame.tau_m.fill(f64::NAN),
-            stated => self.frame.tau_m.copy_from_slice(stated),
+            values => self.frame.tau_m.copy_from_slice(values),
         }
         self.frame.temperature_c = temperature_c;
         Ok(&mut self.frame)
     }
 
-    /// Samples that follow do not go on where the last one was.
+    /// Starts a new segment: the next samples do not continue the previous ones.
     pub(crate) fn interrupt(&mut self) {
         self.frame.segment = self.frame.segment.wrapping_add(1);
     }

@@ -1,4 +1,4 @@
-//! A recording's own torques as a rope's duty.
+//! Duty of a rope from the torques of a recording.
 
 use crate::replay::{self, JointEstimate, Series};
 use crate::{EstimateError, Progress, Request};
@@ -6,22 +6,22 @@ use sinew_model::transmission::Tendon;
 use sinew_rope::law::RopeLoad;
 use sinew_rope::{Duty, Stretch};
 
-/// Which of the two strands between motor and joint pulley.
+/// Strand between motor and joint pulley, by the sign of the torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strand {
-    /// The one that pulls when the torque is positive.
+    /// Strand that carries positive torque.
     Positive,
-    /// The one that pulls when the torque is negative.
+    /// Strand that carries negative torque.
     Negative,
 }
 
-/// Stretches a recording is condensed to: a year of it must be followed for hundreds of draws.
-const STRETCHES: usize = 128;
+/// Maximum number of duty sections per recording, which limits the time to evaluate hundreds of posterior draws.
+const MAX_SECTIONS: usize = 128;
 
-/// Tension of a strand at an elastic torque, N.
+/// Returns the tension of a strand at an elastic torque, N.
 ///
-/// Both strands carry the pretension `T₀` while neither is slack: `T = T₀ ± τ/(2r)`. Once the
-/// other strand is slack (`|τ| > 2 r T₀`), one carries all: `T = |τ|/r`.
+/// While neither strand is slack, `T = T₀ ± τ/(2r)` with the pretension `T₀`. If the
+/// other strand is slack (`|τ| > 2 r T₀`), one strand carries the torque: `T = |τ|/r`.
 pub fn strand_tension_n(pretension_n: f64, radius_m: f64, tau_el: f64, strand: Strand) -> f64 {
     let pull = match strand {
         Strand::Positive => tau_el,
@@ -34,13 +34,12 @@ pub fn strand_tension_n(pretension_n: f64, radius_m: f64, tau_el: f64, strand: S
     }
 }
 
-/// Turns a joint's elastic torque over a recording into a strand's duty, repeated for ever.
+/// Converts a joint's elastic torque over a recording into the periodic duty of a strand.
 ///
-/// The recording is condensed to at most 128 stretches: consecutive pieces, each split into the
-/// mean of its lower and of its upper half, so that peaks, which decide the bedding-in, are not
-/// averaged away.
+/// The recording is reduced to at most 128 sections: consecutive pieces, each split into the
+/// mean of its lower and of its upper half, to preserve the peaks, which determine the bedding-in.
 ///
-/// Returns `None` when no interval of the recording has a torque.
+/// Returns `None` if the recording has no torque of the joint.
 pub fn duty(
     joint: &JointEstimate,
     tendon: &Tendon,
@@ -56,11 +55,12 @@ pub fn duty(
     })
 }
 
-/// The duty of a strand of `joint` over the recording of a request: its torques by the paper's
-/// estimate, through [`duty`]. A tendon without a pretension counts as one with none.
+/// Computes the [`duty`] of a strand of `joint` over the recording of a request, from the torques of the paper's
+/// estimate. A missing pretension is treated as 0.
 ///
 /// # Errors
-/// [`EstimateError`]; [`EstimateError::Mismatch`] where the recording has no torque of the joint.
+/// Returns [`EstimateError::Mismatch`] if the recording has no torque of the joint, and other variants of
+/// [`EstimateError`] if recording or robot cannot be used.
 pub fn recorded(
     request: &Request,
     joint: &str,
@@ -71,12 +71,12 @@ pub fn recorded(
 ) -> Result<Duty, EstimateError> {
     let found = replay::run(request, on_progress)?;
     let pretension_n = tendon.pretension_n.unwrap_or(0.0);
-    let joint_found = found.joints.iter().find(|j| j.name == joint);
-    joint_found
+    let estimate = found.joints.iter().find(|j| j.name == joint);
+    estimate
         .and_then(|j| duty(j, tendon, pretension_n, temperature_c, strand))
         .ok_or_else(|| EstimateError::Mismatch {
             file: request.log.display().to_string(),
-            why: format!("no torque of joint '{joint}' could be made out"),
+            reason: format!("torque of joint '{joint}' is not available"),
         })
 }
 
@@ -102,8 +102,8 @@ fn stretches(
     if tensions.is_empty() {
         return None;
     }
-    let piece = tensions.len().div_ceil(STRETCHES / 2);
-    let mut stretches = Vec::with_capacity(STRETCHES);
+    let piece = tensions.len().div_ceil(MAX_SECTIONS / 2);
+    let mut stretches = Vec::with_capacity(MAX_SECTIONS);
     for chunk in tensions.chunks(piece) {
         let mut sorted = chunk.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -130,7 +130,7 @@ mod tests {
         close(0.0, Strand::Positive, 60.0);
         close(1.8, Strand::Positive, 90.0);
         close(1.8, Strand::Negative, 30.0);
-        // 2 r T₀ = 3.6 N·m: beyond, one strand alone, without a jump.
+        // 2 r T₀ = 3.6 N·m: one strand alone above, without a step.
         close(3.6, Strand::Positive, 120.0);
         close(4.5, Strand::Positive, 150.0);
         close(4.5, Strand::Negative, 0.0);
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_torque_over_time_becomes_a_duty_of_the_same_mean_length_and_peaks() {
+    fn duty_preserves_duration_mean_and_peaks_of_torque() {
         // Ten slow swings of 1.5 N·m about 0.5 N·m, in 5000 intervals of 0.1 s; a gap in between.
         let n = 5000;
         let tau: Vec<f64> = (0..n)
@@ -159,13 +159,13 @@ mod tests {
             joint_pulley_radius_m: 0.025,
             ..Tendon::default()
         };
-        let ask = |series: &Series| stretches(series, &tendon, 60.0, 30.0, Strand::Positive);
+        let sections = |series: &Series| stretches(series, &tendon, 60.0, 30.0, Strand::Positive);
         let found = Duty {
             about: String::new(),
-            stretches: ask(&series).expect("a duty"),
+            stretches: sections(&series).expect("a duty"),
             repeat: true,
         };
-        assert!(found.stretches.len() <= STRETCHES);
+        assert!(found.stretches.len() <= MAX_SECTIONS);
         let sum = found.summary();
         assert!((sum.duration_s - 0.1 * used).abs() < 1e-6, "{sum:?}");
         let finite = tau.iter().filter(|t| t.is_finite());
@@ -176,6 +176,6 @@ mod tests {
         assert!((sum.tension_max_n - 100.0).abs() < 1.8, "{sum:?}");
         assert!((sum.tension_min_n - 40.0).abs() < 1.8, "{sum:?}");
         assert!((sum.temperature_mean_c - 30.0).abs() < 1e-9, "{sum:?}");
-        assert!(ask(&Series::default()).is_none());
+        assert!(sections(&Series::default()).is_none());
     }
 }

@@ -1,31 +1,31 @@
-//! A mark that a joint or its motor passed, as its owner says.
+//! Passages of index marks, as specified by the operator.
 
 use sinew_model::robot::Robot;
 use sinew_model::transmission::{Anchor, AnchorKind, Transmission};
 use std::cmp::Ordering;
 
-/// A joint whose reading is further than this from a stop's position has not touched it, rad.
+/// Maximum distance of a measured position from the described position of a stop or mark, rad.
 pub(crate) const NEAR_RAD: f64 = 0.05;
 
-/// A mark that a joint or its motor passes, as its owner says.
+/// Passage of an index mark by a joint or its motor, as specified by the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Touch {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Whose mark it is, the joint's or the motor's; `None`: the joint has one mark there.
+    /// Kind of the mark, of the joint or the motor; `None` if only one mark matches.
     pub kind: Option<AnchorKind>,
-    /// When, s since the recording began.
+    /// Time since the start of the recording, s.
     pub time_s: f64,
 }
 
-/// Where a joint and its motor stood at a touch.
+/// Positions of a joint and its motor at the passage of a mark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchReading {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Whose mark it is said to be.
+    /// Kind of the mark, if specified.
     pub kind: Option<AnchorKind>,
-    /// When, s since the recording began.
+    /// Time since the start of the recording, s.
     pub time_s: f64,
     /// Joint position, rad.
     pub q: f64,
@@ -33,35 +33,35 @@ pub struct TouchReading {
     pub theta_measured: f64,
 }
 
-/// How far a touch's reading is from a mark, rad; `None`: it isn't said to be that mark.
+/// Returns the distance of the measured position from a mark, rad; `None` for a mark of another kind.
 fn from_mark(anchor: &Anchor, touch: &TouchReading) -> Option<f64> {
-    let read = match anchor.kind {
+    let measured_rad = match anchor.kind {
         AnchorKind::Stop => return None,
         AnchorKind::JointMark => touch.q,
         AnchorKind::MotorMark => touch.theta_measured,
     };
-    let meant = touch.kind.is_none_or(|kind| kind == anchor.kind);
-    meant.then(|| (read - anchor.position_rad).abs())
+    let is_specified = touch.kind.is_none_or(|kind| kind == anchor.kind);
+    is_specified.then(|| (measured_rad - anchor.position_rad).abs())
 }
 
-/// The mark that a touch is of: of those it may be, the nearest.
+/// Returns the nearest mark of the specified kind.
 pub(crate) fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&'a Anchor> {
     let apart = |a: &&Anchor| from_mark(a, touch);
     let marks = t.anchors.iter().filter(|a| apart(a).is_some());
     marks.min_by(|a, b| apart(a).partial_cmp(&apart(b)).unwrap_or(Ordering::Equal))
 }
 
-/// Whether a touch is of exactly one mark of robot.toml.
+/// Checks that a passage matches exactly one mark of robot.toml.
 ///
 /// # Errors
-/// In words: no mark is where joint or motor stood then, or two are.
+/// Returns a message if no mark is near the position of joint or motor, or if several are.
 pub(crate) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String> {
     let transmission = robot.tendon_index(&touch.joint);
     let transmission = transmission.and_then(|i| robot.transmissions[i].as_ref());
     let anchors = transmission.map_or(&[][..], |t| &t.anchors);
     let near = |a: &&Anchor| from_mark(a, touch).is_some_and(|apart| apart < NEAR_RAD);
-    let stood = format!(
-        "the joint stood at {:.4} rad and the motor at {:.4} rad",
+    let positions = format!(
+        "joint at {:.4} rad and motor at {:.4} rad",
         touch.q, touch.theta_measured
     );
     match anchors.iter().filter(near).count() {
@@ -70,12 +70,12 @@ pub(crate) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String>
             let marks = anchors.iter().filter(|a| a.kind.is_mark());
             let places: Vec<String> = marks.map(|a| format!("{} rad", a.position_rad)).collect();
             Err(format!(
-                "{stood}, more than {NEAR_RAD} rad from its marks at {}; check the time, the unit and whose mark it is",
+                "{positions}, more than {NEAR_RAD} rad from the marks at {}; check the time, the unit and the kind of the mark",
                 places.join(", ")
             ))
         }
         _ => Err(format!(
-            "{stood}, where two marks are; say which: {joint}:joint-mark@… or {joint}:motor-mark@…",
+            "{positions}: two marks match; specify {joint}:joint-mark@… or {joint}:motor-mark@…",
             joint = touch.joint
         )),
     }

@@ -1,102 +1,107 @@
-//! What the reader of a recording's estimate should know, as data; the words are the report's.
+//! Warnings about a recording and its estimate, as data; `sinew-report` formats them.
 
 use serde::{Deserialize, Serialize};
 use sinew_log::StreamRole;
 
-/// What the reader of a recording's estimate should know.
+/// Warning about a recording or its estimate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum RecordingWarning {
-    /// What robot.toml or the URDF are warned of.
+    /// Warning about robot.toml or the URDF.
     Robot {
-        /// In words.
+        /// Text of the warning.
         text: String,
     },
-    /// What looks wrong in the recording's signals.
-    Suspicion {
-        /// In words.
+    /// Implausible signal of the recording.
+    ImplausibleSignal {
+        /// Text of the warning.
         text: String,
     },
-    /// Joints of the recording that the robot doesn't have.
+    /// Joints of the recording that the robot does not have.
     UnknownJoints {
-        /// Their names.
+        /// Names of the joints.
         joints: Vec<String>,
     },
-    /// An offset no rope stretches by.
+    /// Tendons whose tension is recorded, though no estimate of this robot uses it.
+    UnusedTensions {
+        /// Names of the tendons.
+        tendons: Vec<String>,
+    },
+    /// Offset that is implausibly large for a rope.
     ImplausibleOffset {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Offset, rad.
+        /// Estimated offset, rad.
         offset_rad: f64,
     },
-    /// A joint's torque hardly changes: a wrong stiffness can't be told from stretch.
-    TorqueHardlyChanges {
-        /// Joint.
+    /// Torque range of a joint that is too small to separate the offset from a stiffness or mass error.
+    TorqueRangeSmall {
+        /// Name of the joint.
         joint: String,
         /// Smallest torque, N·m.
         min_nm: f64,
         /// Largest torque, N·m.
         max_nm: f64,
     },
-    /// A part of the file is damaged.
+    /// Damaged part of the file.
     Damaged {
-        /// Where, bytes from the start.
+        /// Position in the file, bytes from the start.
         offset: u64,
-        /// Why.
+        /// Reason of the damage.
         reason: String,
-        /// Bytes lost.
+        /// Number of bytes lost.
         bytes: u64,
     },
-    /// Pauses in the recording.
+    /// Gaps in the recording.
     Gaps {
-        /// How many.
+        /// Number of gaps.
         count: u64,
-        /// The longest, s.
+        /// Length of the longest gap, s.
         longest_s: f64,
     },
-    /// The clock went back.
+    /// Non-monotonic time stamps: the clock stepped back.
     ClockJumps {
-        /// How often.
+        /// Number of steps back.
         count: u64,
     },
-    /// Messages that came out of order.
+    /// Messages that were reordered by time stamp.
     OutOfOrder {
-        /// How many.
+        /// Number of messages.
         count: u64,
     },
-    /// Samples of a stream that are missing, or were dropped because their stamp was there already.
+    /// Samples of a stream that are missing, or were excluded because of a duplicate time stamp.
     SamplesLost {
-        /// What the stream brings.
+        /// Role of the stream.
         stream: StreamRole,
-        /// Missing, as far as the steps between the others tell.
+        /// Number of missing samples, derived from the time steps of the others.
         missing: u64,
-        /// Dropped.
+        /// Number of excluded samples with a duplicate time stamp.
         repeated: u64,
-        /// Part of all samples, 0 to 1.
+        /// Share of all samples, 0 to 1.
         share: f64,
     },
     /// Samples that are NaN or infinite.
     NonFinite {
         /// Symbol of the quantity.
         quantity: String,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// How many.
+        /// Number of samples.
         count: u64,
     },
-    /// Encoder wrap-arounds that were removed.
+    /// Encoder wrap-arounds that were corrected.
     Unwrapped {
         /// Symbol of the quantity.
         quantity: String,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// How many.
+        /// Number of wrap-arounds.
         count: u64,
     },
-    /// One of the reference recording.
+    /// Warning about the reference recording.
     Reference {
-        /// Which.
+        /// Warning of the reference recording.
         warning: Box<RecordingWarning>,
     },
 }

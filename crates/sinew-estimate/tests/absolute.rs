@@ -1,8 +1,8 @@
-//! Absolute offsets on our own simulator: the S7-like work session of the examples, with masses,
-//! stiffness, friction, encoders, payload and contacts drawn anew per seed.
+//! Absolute offsets on the simulator of the repository: the S7-like work session of the examples, with masses,
+//! stiffness, friction, encoders, payload and contacts drawn per seed.
 //!
 //! `SINEW_SEEDS=200 cargo test -p sinew-estimate --test all absolute -- --nocapture` prints the statistics
-//! of as many recordings; the ordinary run makes do with a few.
+//! of 200 recordings; the default is a few.
 
 use crate::support;
 
@@ -13,13 +13,13 @@ use sinew_sim::{Scenario, SimulateOptions};
 use support::{biorob_like, biorob_like_folder, repository, seeds};
 
 #[test]
-fn offsets_are_found_in_spite_of_wrong_masses_payload_and_contact() {
+fn estimate_mass_errors_payload_contact_covers_truth() {
     let (root, place) = (repository(), biorob_like_folder());
     let robot = biorob_like();
     let text = std::fs::read_to_string(root.join("examples/scenarios/work-session.toml")).unwrap();
     let seeds = seeds(4);
     let folder = tempfile::tempdir().unwrap();
-    // Shoulder pitch and elbow, the two with 10 mrad.
+    // Shoulder pitch and elbow, the joints with an offset of 10 mrad.
     let mut errors = [Vec::new(), Vec::new()];
     let (mut inside, mut all) = (0, 0);
     for seed in 0..seeds {
@@ -70,8 +70,8 @@ fn offsets_are_found_in_spite_of_wrong_masses_payload_and_contact() {
     println!(
         "{seeds} recordings: RMSE {pitch:.2} mrad shoulder pitch, {elbow:.2} mrad elbow; {inside} of {all} inside the 95 % interval"
     );
-    // Wanted in S7 are 0.45 and 0.55 mrad; of four recordings the RMSE scatters by a third.
+    // S7 requires 0.45 and 0.55 mrad; the RMSE of four recordings scatters by a third.
     assert!(pitch < 0.9 && elbow < 1.1, "{pitch} {elbow}");
-    // Of eight at 95 %, six or fewer inside has a chance of 6 %: five is a failure.
+    // With a coverage of 95 %, six or fewer of eight are inside with a probability of 6 %: five is a failure.
     assert!(10 * inside >= 7 * all, "{inside} of {all}");
 }

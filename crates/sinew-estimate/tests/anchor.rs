@@ -1,4 +1,4 @@
-//! An end stop or a mark that is touched tells an encoder that slipped from a rope that got longer.
+//! Reference contacts: an end stop or an index mark separates an encoder slip from an elongation.
 //!
 //! `SINEW_SEEDS=24 cargo test --release -p sinew-estimate --test all anchor:: -- --nocapture` measures it.
 
@@ -13,13 +13,13 @@ use sinew_model::transmission::{Anchor, AnchorKind};
 use sinew_sim::{Scenario, Simulation};
 use support::{biorob_like, least, repository, seeds};
 
-/// Where the elbow's stop is, rad.
+/// Position of the elbow's stop, rad.
 pub(crate) const STOP_RAD: f64 = 1.9;
-/// Each session is so long, s.
+/// Duration of each session, s.
 const SESSION_S: f64 = 60.0;
 pub(crate) const ELBOW: usize = 2;
 
-/// Poses over the arm's range, then three slow pushes of the elbow against its stop, in and out.
+/// Motion over the arm's range, then three slow pushes of the elbow against its stop.
 fn motion(seed: u64) -> String {
     let mut out = String::from(
         "[motion]\nkind = \"waypoints\"\nrepeat = true\nstart_rad = { elbow = 0.4 }\n",
@@ -49,7 +49,7 @@ fn motion(seed: u64) -> String {
     out
 }
 
-/// Two sessions in one simulation: right after tensioning, and later with what `offsets` says.
+/// Simulates two sessions: directly after tensioning, and later with `offsets`.
 pub(crate) fn simulate(
     robot: &Robot,
     seed: u64,
@@ -58,7 +58,7 @@ pub(crate) fn simulate(
 ) -> [Recorded; 2] {
     let text = std::fs::read_to_string(repository().join("examples/scenarios/work-session.toml"));
     let text = text.unwrap();
-    // The robot's truth and sensors of the shipped scenario; its motion and what happens are ours.
+    // Truth and sensors are those of the shipped scenario; motion and events are replaced.
     let from = text.find("[motion]").unwrap();
     let to = text.find("[truth]").unwrap();
     let end = text.find("[random_contacts]").unwrap();
@@ -91,7 +91,7 @@ pub(crate) fn with_anchor(kind: AnchorKind, position_rad: f64) -> Robot {
     let anchor = Anchor {
         kind,
         position_rad,
-        deviation_rad: 0.2e-3,
+        std_rad: 0.2e-3,
     };
     robot.transmissions[ELBOW]
         .as_mut()
@@ -111,24 +111,25 @@ fn estimate(robot: &Robot, [a, b]: &[Recorded; 2]) -> SessionEstimate {
         .0
 }
 
-/// The joint's encoder slips by 8 mrad between the sessions, and the rope is 5 mrad longer: motion sees 13.
+// The joint encoder slips by 8 mrad between the sessions, and the offset of the rope grows by 5 mrad: the estimate from
+// motion is 13 mrad.
 #[test]
-fn a_stop_tells_a_slipped_encoder_from_a_longer_rope() {
+fn stop_separates_encoder_slip_from_elongation() {
     let offsets = "[[offsets]]\njoint = \"elbow\"\nkind = \"joint-encoder\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.008\n\
         [[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.005\n";
-    let (mut hits, mut blind, mut pushed, mut squares) = (0, 0, 0, 0.0);
+    let (mut hits, mut without_reference, mut pushed, mut squares) = (0, 0, 0, 0.0);
     let count = seeds(4);
     for seed in 0..count {
         let plain = biorob_like();
         let recorded = simulate(&plain, 40 + seed, offsets, [&[], &[]]);
         let robot = with_anchor(AnchorKind::Stop, STOP_RAD);
-        let said = estimate(&robot, &recorded);
-        let elbow = &said.joints[ELBOW];
+        let result = estimate(&robot, &recorded);
+        let elbow = &result.joints[ELBOW];
         let anchored = elbow.anchored.as_ref().expect("the stop was touched");
         assert!(anchored.since_baseline && anchored.readings.len() == 1);
         let off = |x: sinew_model::Gaussian, truth: f64| (x.mean - truth).abs();
-        // Motion alone is sure and wrong.
-        blind +=
+        // The estimate from motion alone is wrong, with a small interval.
+        without_reference +=
             u32::from(off(anchored.by_motion_rad, 5e-3) > anchored.by_motion_rad.half_width_95());
         assert!(
             off(anchored.correction_rad, -8e-3) < 1.5e-3,
@@ -150,26 +151,26 @@ fn a_stop_tells_a_slipped_encoder_from_a_longer_rope() {
             1e3 * push.half_width_95(),
         );
         pushed += u32::from(off(push, 5e-3) <= push.half_width_95());
-        // Other joints are as they were, and without the anchor nothing is corrected.
+        // Other joints are unchanged, and without the reference nothing is corrected.
         let free = estimate(&plain, &recorded);
         assert_eq!(free.joints[ELBOW].offset_rad, anchored.by_motion_rad);
-        assert_eq!(free.joints[1].offset_rad, said.joints[1].offset_rad);
+        assert_eq!(free.joints[1].offset_rad, result.joints[1].offset_rad);
     }
     let rms = 1e3 * (squares / count as f64).sqrt();
     println!(
-        "{hits} of {count} inside, RMS {rms:.2} mrad; by motion alone {blind} outside, by pushes {pushed} inside"
+        "{hits} of {count} inside, RMS {rms:.2} mrad; by motion alone {without_reference} outside, by pushes {pushed} inside"
     );
     assert!(
         u64::from(hits) * 10 >= count * 9 && rms < 1.0,
         "{hits} of {count}, {rms} mrad"
     );
-    assert_eq!(u64::from(blind), count);
+    assert_eq!(u64::from(without_reference), count);
     assert!(f64::from(pushed) >= least(0.95, count as f64), "{pushed}");
 }
 
-/// A recording that doesn't reach the stop has no anchor, and neither has one that stands near it unpushed.
+// A recording that does not reach the stop, or rests near it without pushing, has no reference.
 #[test]
-fn what_is_not_pushed_is_not_touched() {
+fn stop_without_push_is_no_reference() {
     let mut robot = with_anchor(AnchorKind::Stop, 0.4);
     let recorded = simulate(&biorob_like(), 60, "", [&[], &[]]);
     assert!(estimate(&robot, &recorded).joints[ELBOW].anchored.is_none());
@@ -178,9 +179,9 @@ fn what_is_not_pushed_is_not_touched() {
     assert!(estimate(&robot, &recorded).joints[ELBOW].anchored.is_none());
 }
 
-/// The motor's encoder slips by 6 mrad: a mark that the motor passes tells; a mark of the joint doesn't move.
+// The motor encoder slips by 6 mrad: the motor mark moves, the joint mark does not.
 #[test]
-fn marks_tell_which_encoder_slipped() {
+fn marks_identify_slipped_encoder() {
     let offsets = "[[offsets]]\njoint = \"elbow\"\nkind = \"motor-encoder\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.006\n";
     let touch = |time_s| Touch {
         joint: "elbow".into(),
@@ -188,33 +189,39 @@ fn marks_tell_which_encoder_slipped() {
         time_s,
     };
     let plain = biorob_like();
-    // The simulated arm moves alike in both sessions: what it reads at a moment of the first is its mark.
+    // The simulated arm has the same motion in both sessions, so its position at a time of the first session is the
+    // mark.
     let times = [20.0, 80.0].map(|t| [touch(t)]);
     let recorded = simulate(&plain, 70, offsets, [&times[0], &times[1]]);
     let mut robot = with_anchor(AnchorKind::MotorMark, 0.0);
-    // As if the mark had been passed at the same place of the motor, 6 mrad further by its own reading.
+    // As if the motor had passed the mark at the same position, which its encoder measures 6 mrad larger.
     let mut recorded = recorded;
     recorded[1].touches[0].theta_measured = recorded[0].touches[0].theta_measured + 6e-3;
-    let said = estimate(&robot, &recorded);
-    let elbow = &said.joints[ELBOW];
+    let result = estimate(&robot, &recorded);
+    let elbow = &result.joints[ELBOW];
     let anchored = elbow.anchored.as_ref().expect("the mark was passed");
     assert!(
         (anchored.correction_rad.mean + 6e-3).abs() < 1e-9,
         "{anchored:?}"
     );
     assert!(anchored.by_motion_rad.mean > 4e-3, "{anchored:?}");
-    assert_eq!(elbow.verdict, Verdict::Unchanged, "{:?}", elbow.offset_rad);
+    assert_eq!(
+        elbow.verdict,
+        Verdict::NoChangeDetected,
+        "{:?}",
+        elbow.offset_rad
+    );
     robot.transmissions[ELBOW].as_mut().unwrap().anchors[0].kind = AnchorKind::JointMark;
     recorded[1].touches[0].q = recorded[0].touches[0].q;
-    let said = estimate(&robot, &recorded);
-    let anchored = said.joints[ELBOW].anchored.as_ref().expect("passed");
+    let result = estimate(&robot, &recorded);
+    let anchored = result.joints[ELBOW].anchored.as_ref().expect("passed");
     assert!(anchored.correction_rad.mean.abs() < 1e-9);
-    assert_eq!(said.joints[ELBOW].verdict, Verdict::Longer);
+    assert_eq!(result.joints[ELBOW].verdict, Verdict::Elongated);
 }
 
-/// A mark nobody wrote down, or that is passed when nothing was recorded, is not passed over in silence.
+// A mark that is not in robot.toml, or at a time without data, returns an error.
 #[test]
-fn a_mark_that_cannot_be_read_is_refused() {
+fn unreadable_mark_returns_error() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("robot");
     std::fs::create_dir(&place).unwrap();
@@ -224,8 +231,8 @@ fn a_mark_that_cannot_be_read_is_refused() {
         std::fs::copy(&file, place.join(file.file_name().unwrap())).unwrap();
     }
     let text = std::fs::read_to_string(place.join("robot.toml")).unwrap();
-    let mark = "\n[[joints.elbow.anchors]]\nkind = \"joint-mark\"\nposition_rad = 0.9\ndeviation_rad = 1e-3\n\
-        [[joints.elbow.anchors]]\nkind = \"motor-mark\"\nposition_rad = 0.95\ndeviation_rad = 1e-3\n";
+    let mark = "\n[[joints.elbow.anchors]]\nkind = \"joint-mark\"\nposition_rad = 0.9\nstd_rad = 1e-3\n\
+        [[joints.elbow.anchors]]\nkind = \"motor-mark\"\nposition_rad = 0.95\nstd_rad = 1e-3\n";
     std::fs::write(place.join("robot.toml"), text + mark).unwrap();
     let log = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
     let estimated = |joint: &str, time_s: f64| {
@@ -247,13 +254,13 @@ fn a_mark_that_cannot_be_read_is_refused() {
             .map(|(estimate, _)| estimate)
             .map_err(|e| e.to_string())
     };
-    let refused = |joint, time_s| estimated(joint, time_s).unwrap_err();
-    assert!(refused("elbo", 3.0).contains("did you mean 'elbow'"));
-    assert!(refused("wrist", 3.0).contains("joints.wrist.anchors"));
-    assert!(refused("elbow", 400.0).contains("no positions at 400 s"));
-    // The arm begins at rest at 0.9 rad, and is elsewhere later.
-    assert!(refused("elbow", 0.5).contains("two marks"));
-    assert!(refused("elbow:joint-mark", 11.0).contains("from its marks at 0.9 rad, 0.95 rad"));
+    let error_of = |joint, time_s| estimated(joint, time_s).unwrap_err();
+    assert!(error_of("elbo", 3.0).contains("did you mean 'elbow'"));
+    assert!(error_of("wrist", 3.0).contains("joints.wrist.anchors"));
+    assert!(error_of("elbow", 400.0).contains("no positions at 400 s"));
+    // The arm starts at rest at 0.9 rad and moves away later.
+    assert!(error_of("elbow", 0.5).contains("two marks match"));
+    assert!(error_of("elbow:joint-mark", 11.0).contains("from the marks at 0.9 rad, 0.95 rad"));
     let read = estimated("elbow:joint-mark", 0.5).unwrap();
     let elbow = read.joints.iter().find(|j| j.name == "elbow").unwrap();
     assert_eq!(elbow.anchored.as_ref().unwrap().readings.len(), 1);

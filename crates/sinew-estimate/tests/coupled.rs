@@ -1,4 +1,4 @@
-//! Simulated recordings of robots whose tendons cross several joints, from the scenario to the answer.
+//! Simulated recordings of robots whose tendons cross several joints, from the scenario to the result.
 
 use crate::support;
 
@@ -12,16 +12,16 @@ use sinew_model::robot::Robot;
 use sinew_sim::{Scenario, SimulateOptions, Simulation, run};
 use support::{repository, seeds};
 
-/// When the second session of both scenarios begins, and when a tendon slips by 5 mrad, s.
+/// Start of the second session of both scenarios, and time of a tendon slip of 5 mrad, s.
 const SECOND_FROM_S: f64 = 60.0;
 const SLIP_AT_S: f64 = 90.0;
 
-fn robot(name: &str) -> Robot {
+pub(crate) fn robot(name: &str) -> Robot {
     let place = repository().join("robots").join(name);
     robot_dir::load(&place, None).unwrap().robot
 }
 
-fn scenario(name: &str, seed: u64) -> Scenario {
+pub(crate) fn scenario(name: &str, seed: u64) -> Scenario {
     let path = repository().join("examples/scenarios").join(name);
     let mut scenario = Scenario::open(&path.with_extension("toml")).unwrap();
     scenario.seed = seed;
@@ -29,7 +29,7 @@ fn scenario(name: &str, seed: u64) -> Scenario {
 }
 
 /// Both sessions of a scenario, and the true offsets at its end, rad of the joint that each tendon is paired with.
-fn recorded(robot: &Robot, scenario: &Scenario) -> ([Recorded; 2], Vec<f64>) {
+pub(crate) fn recorded(robot: &Robot, scenario: &Scenario) -> ([Recorded; 2], Vec<f64>) {
     let mut simulation = Simulation::new(robot, scenario).unwrap();
     let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
     let (mut first, mut second) = (recorder(), recorder());
@@ -55,15 +55,15 @@ fn estimated(
         ..SessionOptions::default()
     };
     let known = Some((&baseline, "A"));
-    let (said, _) = session::estimate_recorded(robot, second, "B", known, &options).unwrap();
-    said
+    let (estimate, _) = session::estimate_recorded(robot, second, "B", known, &options).unwrap();
+    estimate
 }
 
-/// Every tendon is within three deviations, and the one that slipped is named, alone.
+// Every tendon is within three standard deviations, and only the slipped one is reported.
 #[test]
-fn a_slip_is_found_at_the_tendon_that_slipped() {
+fn coupled_slip_is_found_at_slipped_tendon_only() {
     // The widest interval of ten draws of each robot, with and without motor torque, was ± 0.035 mm.
-    const WIDE_MM: f64 = 0.05;
+    const MAX_HALF_WIDTH_MM: f64 = 0.05;
     for (name, slipped) in [("coupled-arm", "elbow"), ("differential-wrist", "left")] {
         let robot = robot(name);
         let tendons = robot.tendon_names();
@@ -72,19 +72,22 @@ fn a_slip_is_found_at_the_tendon_that_slipped() {
                 let mut scenario = scenario(name, seed);
                 scenario.record.tau_m = motor_torque;
                 let (parts, truth) = recorded(&robot, &scenario);
-                let said = estimated(&robot, &parts, motor_torque);
-                for ((tendon, found), truth) in tendons.iter().zip(&said.joints).zip(&truth) {
+                let estimate = estimated(&robot, &parts, motor_torque);
+                for ((tendon, found), truth) in tendons.iter().zip(&estimate.joints).zip(&truth) {
                     let offset = found.offset_rad;
                     let error = 1e3 * (offset.mean - truth);
-                    let deviation = 1e3 * offset.deviation;
+                    let std = 1e3 * offset.std;
                     let elongation = found.elongation_m.unwrap();
                     let half_mm = 1e3 * elongation.half_width_95();
                     println!(
-                        "{name} {seed} {motor_torque} {tendon} {error:+.3} mrad, σ {deviation:.3}, ± {half_mm:.4} mm {:?}",
+                        "{name} {seed} {motor_torque} {tendon} {error:+.3} mrad, σ {std:.3}, ± {half_mm:.4} mm {:?}",
                         found.changes
                     );
-                    assert!(error.abs() < 3.0 * deviation, "{name} {seed} {tendon}");
-                    assert!(half_mm < WIDE_MM, "{name} {seed} {tendon}: {half_mm}");
+                    assert!(error.abs() < 3.0 * std, "{name} {seed} {tendon}");
+                    assert!(
+                        half_mm < MAX_HALF_WIDTH_MM,
+                        "{name} {seed} {tendon}: {half_mm}"
+                    );
                     if tendon != slipped {
                         assert!(found.changes.is_empty(), "{tendon}: {:?}", found.changes);
                         continue;
@@ -94,16 +97,16 @@ fn a_slip_is_found_at_the_tendon_that_slipped() {
                     };
                     assert!((slip.time_s - SLIP_AT_S).abs() < 1.0, "{slip:?}");
                     let size = slip.size_rad.unwrap();
-                    assert!((size.mean - 5e-3).abs() < 3.0 * size.deviation, "{slip:?}");
+                    assert!((size.mean - 5e-3).abs() < 3.0 * size.std, "{slip:?}");
                 }
             }
         }
     }
 }
 
-/// Columns with the names of motors come back as what was simulated: the answer of the file is that of the frames.
+// Columns with the names of motors reproduce the simulation: the result of the file equals that of the frames.
 #[test]
-fn a_recording_of_motors_with_names_of_their_own_is_read_from_files() {
+fn motor_columns_from_file_equal_frames() {
     const NAME: &str = "differential-wrist";
     let (robot, scenario) = (robot(NAME), scenario(NAME, 5));
     let folder = tempfile::tempdir().unwrap();
@@ -120,7 +123,7 @@ fn a_recording_of_motors_with_names_of_their_own_is_read_from_files() {
         let first = window(0.0, SECOND_FROM_S);
         let learned = session::learn(&request, first, &Learning::default(), &mut |_| ());
         let (baseline, _) = learned.unwrap();
-        let (said, _) = session::estimate(
+        let (estimate, _) = session::estimate(
             &request,
             window(SECOND_FROM_S, f64::INFINITY),
             Some((&baseline, "A")),
@@ -128,18 +131,11 @@ fn a_recording_of_motors_with_names_of_their_own_is_read_from_files() {
             &mut |_| (),
         )
         .unwrap();
-        for ((file, frames), truth) in said.joints.iter().zip(&of_frames.joints).zip(&truth) {
-            let (mean, deviation) = (file.offset_rad.mean, file.offset_rad.deviation);
-            println!(
-                "{ending} {} {mean:.6} {truth:.6} ± {deviation:.6}",
-                file.name
-            );
-            assert!(
-                (mean - truth).abs() < 3.0 * deviation,
-                "{ending} {}",
-                file.name
-            );
-            assert!((mean - frames.offset_rad.mean).abs() < deviation);
+        for ((file, frames), truth) in estimate.joints.iter().zip(&of_frames.joints).zip(&truth) {
+            let (mean, std) = (file.offset_rad.mean, file.offset_rad.std);
+            println!("{ending} {} {mean:.6} {truth:.6} ± {std:.6}", file.name);
+            assert!((mean - truth).abs() < 3.0 * std, "{ending} {}", file.name);
+            assert!((mean - frames.offset_rad.mean).abs() < std);
         }
     }
 }

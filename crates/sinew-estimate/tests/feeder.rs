@@ -1,14 +1,14 @@
-//! From frames to an observer: what is refused leaves no trace, a segment starts anew.
+//! Input of frames to an observer: rejected frames do not change it, a segment re-initialises it.
 
 use crate::support::biorob_like;
 
-use sinew_estimate::feeder::{Fed, Feeder, FeederOptions, Refusal};
+use sinew_estimate::feeder::{FeedOutcome, Feeder, FeederOptions, RejectionReason};
 use sinew_estimate::session::Recorder;
 use sinew_log::Frame;
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
 
-/// Sixteen seconds of a swinging arm at 250 Hz.
+/// Frames of an oscillating arm: 16 s at 250 Hz.
 fn swing(robot: &Robot) -> Vec<Frame> {
     let n = robot.arm.dof();
     let frame = |k: u32| {
@@ -33,7 +33,7 @@ fn recorded(robot: &Robot, frames: &[Frame]) -> Vec<Block> {
     recorder.finish().blocks
 }
 
-/// As `examples/live_offsets.rs` takes its samples.
+/// Blocks of samples that are processed as in `examples/live_offsets.rs`.
 fn live(robot: &Robot, frames: &[Frame]) -> Vec<Block> {
     let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
     let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
@@ -46,7 +46,7 @@ fn live(robot: &Robot, frames: &[Frame]) -> Vec<Block> {
     blocks
 }
 
-/// Blocks are the same to the last bit; time of day aside, NaN is NaN.
+/// Checks that blocks are bitwise identical except for the time of day; NaN equals NaN.
 fn assert_same(a: &[Block], b: &[Block]) {
     assert!(
         a.len() > 10 && a.len() == b.len(),
@@ -65,9 +65,9 @@ fn assert_same(a: &[Block], b: &[Block]) {
 
 type Blocks = fn(&Robot, &[Frame]) -> Vec<Block>;
 
-/// Every fiftieth frame can't be used: the next one's step is the time since the last that could.
+// Every 50th frame is unusable: the time step of the next one is the time since the last usable frame.
 #[test]
-fn a_refused_sample_leaves_no_trace() {
+fn rejected_sample_does_not_change_state() {
     let robot = biorob_like();
     let clean = swing(&robot);
     for bad in [1e70, f64::NAN] {
@@ -89,9 +89,9 @@ fn a_refused_sample_leaves_no_trace() {
     }
 }
 
-/// After a short pause that the recording calls a new segment the arm stands elsewhere.
+// After a short gap, which the recording marks as a new segment, the arm has another pose.
 #[test]
-fn a_new_segment_starts_the_filters_anew() {
+fn new_segment_reinitialises_filters() {
     let robot = biorob_like();
     let mut frames = swing(&robot);
     for frame in &mut frames[2000..] {
@@ -110,7 +110,7 @@ fn a_new_segment_starts_the_filters_anew() {
         let blocks = blocks(&robot, &frames);
         assert_eq!(blocks.len(), first + alone.len());
         for (a, b) in blocks[first..].iter().zip(&alone) {
-            // The clock of blocks goes on: sums of steps round otherwise.
+            // The clock of the blocks continues, so sums of steps are rounded differently.
             let pairs = a.y.iter().zip(&b.y);
             assert!(
                 pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-9),
@@ -120,9 +120,9 @@ fn a_new_segment_starts_the_filters_anew() {
     }
 }
 
-/// What a caller is told of a frame.
+// Outcome of a frame as returned to the caller.
 #[test]
-fn a_frame_is_taken_refused_with_a_reason_or_a_start() {
+fn frame_outcome_is_used_rejected_or_restart() {
     let robot = biorob_like();
     let mut frames = swing(&robot);
     frames.truncate(9);
@@ -135,17 +135,17 @@ fn a_frame_is_taken_refused_with_a_reason_or_a_start() {
     frames[8].time_ns += 600_000_000;
     let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
     let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
-    let fed: Vec<Fed<bool>> = frames.iter().map(|frame| feeder.frame(frame)).collect();
+    let fed: Vec<FeedOutcome<bool>> = frames.iter().map(|frame| feeder.frame(frame)).collect();
     let expected = [
-        Fed::Restarted(false),
-        Fed::Taken(false),
-        Fed::Refused(Refusal::JointPosition),
-        Fed::Refused(Refusal::MotorPosition),
-        Fed::Refused(Refusal::Range),
-        Fed::Refused(Refusal::TimeStep),
-        Fed::Taken(false),
-        Fed::Restarted(false),
-        Fed::Restarted(false),
+        FeedOutcome::Restarted(false),
+        FeedOutcome::Accepted(false),
+        FeedOutcome::Rejected(RejectionReason::JointPosition),
+        FeedOutcome::Rejected(RejectionReason::MotorPosition),
+        FeedOutcome::Rejected(RejectionReason::Range),
+        FeedOutcome::Rejected(RejectionReason::TimeStep),
+        FeedOutcome::Accepted(false),
+        FeedOutcome::Restarted(false),
+        FeedOutcome::Restarted(false),
     ];
     assert_eq!(fed, expected);
     assert_eq!(feeder.segments(), 2);

@@ -1,4 +1,4 @@
-//! All tests of sinew-estimate in one binary: one link, one start.
+//! All tests of sinew-estimate in one binary, which saves link time.
 
 mod absolute;
 mod absolute_events;
@@ -8,22 +8,24 @@ mod answers;
 mod bad_input;
 mod baseline_merge;
 mod coupled;
+mod coverage;
 mod external_force;
 mod feeder;
-mod given;
-mod honest;
-mod known;
+mod golden;
+mod in_memory;
 mod motor_current;
 mod offset_map;
 mod offset_scenarios;
 mod online;
 mod real_absolute;
 mod real_data;
+mod rest_phases;
 mod robot_check;
 mod simulated_recordings;
 mod slip_cause;
 mod slips;
-mod stands;
+mod strands;
 mod support;
 mod tendons;
-mod warmth;
+mod thermal;
+mod transmission_loss;

@@ -1,4 +1,4 @@
-//! A motor's current as the second witness: its torque constant is known to a tenth only.
+//! Motor current as an independent measurement, with a torque constant of 10 % tolerance.
 //!
 //! `SINEW_SEEDS=32 cargo test --release -p sinew-estimate --test all motor_current:: -- --nocapture` measures it.
 
@@ -10,22 +10,22 @@ use rand_distr::{Distribution, Normal};
 use sinew_estimate::session;
 use sinew_estimate::session::{MotorTorque, Recorded, SessionEstimate, SessionOptions};
 use sinew_model::robot::Robot;
-use support::{asked_seeds, biorob_like, least, work_session};
+use support::{biorob_like, least, requested_seeds, work_session};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Witness {
+enum Measurement {
     None,
     Torque,
     Current,
 }
 
-/// What is said of session B since A.
-fn watched(robot: &Robot, sessions: &[Recorded], witness: Witness) -> SessionEstimate {
+/// Estimate of session B since A.
+fn estimate_b(robot: &Robot, sessions: &[Recorded], measurement: Measurement) -> SessionEstimate {
     let [a, b] = [0, 1].map(|k| Recorded {
-        motor_current: witness == Witness::Current,
+        motor_current: measurement == Measurement::Current,
         ..sessions[k].clone()
     });
-    let motor_torque = witness != Witness::None;
+    let motor_torque = measurement != Measurement::None;
     let learning = session::Learning {
         motor_torque,
         ..session::Learning::default()
@@ -42,13 +42,13 @@ fn watched(robot: &Robot, sessions: &[Recorded], witness: Witness) -> SessionEst
 }
 
 #[test]
-fn a_torque_constant_a_tenth_off_is_within_what_is_believed_of_a_current() {
+fn motor_current_tolerance_covers_10_percent_scale_error() {
     let robot = biorob_like();
-    let (asked, error) = (asked_seeds(), Normal::new(0.0, 0.1).unwrap());
-    let recordings = asked.unwrap_or(2);
-    // The mapping's constants are all that is off.
+    let (requested, error) = (requested_seeds(), Normal::new(0.0, 0.1).unwrap());
+    let recordings = requested.unwrap_or(2);
+    // Only the torque constants of the mapping are wrong.
     let exact = |text: String| text.replace("scale_error = { std = 0.03 }", "scale_error = 0.0");
-    for witness in [Witness::None, Witness::Torque, Witness::Current] {
+    for measurement in [Measurement::None, Measurement::Torque, Measurement::Current] {
         let (mut inside, mut scales, mut count) = (0_u32, 0_u32, 0_u32);
         let mut squares = vec![0.0; robot.arm.dof()];
         for seed in 0..recordings {
@@ -63,12 +63,12 @@ fn a_torque_constant_a_tenth_off_is_within_what_is_believed_of_a_current() {
                     *torque *= scale;
                 }
             }
-            let said = watched(&robot, &parts, witness);
+            let result = estimate_b(&robot, &parts, measurement);
             assert_eq!(
-                said.motor_torque == MotorTorque::FromCurrent,
-                witness == Witness::Current
+                result.motor_torque == MotorTorque::FromCurrent,
+                measurement == Measurement::Current
             );
-            for (i, joint) in said.joints.iter().enumerate() {
+            for (i, joint) in result.joints.iter().enumerate() {
                 let error = 1e3 * joint.offset_rad.mean - truth[i];
                 inside += u32::from(error.abs() <= 1e3 * joint.offset_rad.half_width_95());
                 count += 1;
@@ -76,8 +76,8 @@ fn a_torque_constant_a_tenth_off_is_within_what_is_believed_of_a_current() {
                 let own = |n: &&sinew_estimate::NuisanceChange| {
                     n.joint.as_ref() == Some(&joint.name) && n.name == "motor torque scale"
                 };
-                let scaled = said.nuisance.iter().find(own).unwrap().posterior;
-                let off = (scaled.mean - (scale[i] - 1.0)).abs() / scaled.deviation;
+                let scaled = result.nuisance.iter().find(own).unwrap().posterior;
+                let off = (scaled.mean - (scale[i] - 1.0)).abs() / scaled.std;
                 scales += u32::from(off < 1.96);
             }
         }
@@ -85,18 +85,18 @@ fn a_torque_constant_a_tenth_off_is_within_what_is_believed_of_a_current() {
             .map(|s| format!("{:.2}", s.sqrt()))
             .collect();
         println!(
-            "{witness:?}: {inside} of {count} offsets inside, {scales} scales, RMSE {} mrad",
+            "{measurement:?}: {inside} of {count} offsets inside, {scales} scales, RMSE {} mrad",
             rmse.join(", ")
         );
-        match witness {
-            Witness::Current => {
+        match measurement {
+            Measurement::Current => {
                 let least = least(0.95, f64::from(count));
                 assert!(f64::from(inside) >= least, "{inside} of {count}");
                 assert!(f64::from(scales) >= least, "{scales} of {count}");
             }
-            // The belief in a torque is too narrow for such constants.
-            Witness::Torque => assert!(10 * scales < 9 * count, "{scales} of {count}"),
-            Witness::None => {}
+            // The prior of a torque is too narrow for such constants.
+            Measurement::Torque => assert!(10 * scales < 9 * count, "{scales} of {count}"),
+            Measurement::None => {}
         }
     }
 }

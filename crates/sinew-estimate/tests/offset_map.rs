@@ -1,5 +1,5 @@
-//! Absolute offsets on the independent simulator's recordings: session A of each teaches the
-//! baseline, B and C are watched.
+//! Absolute offsets on the independent simulator's recordings: session A of each is the
+//! baseline, B and C are estimated.
 
 use crate::support;
 
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use support::{biorob_like_folder, shared};
 
 #[test]
-fn offsets_since_the_baseline_lie_in_their_intervals() {
+fn offsets_since_baseline_lie_inside_intervals() {
     let Some(folder) = shared("data/offset_scenarios") else {
         return;
     };
@@ -37,7 +37,7 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
             &mut |_| {},
         )
         .unwrap();
-        let (watched, _) = session::estimate(
+        let (estimate_b, _) = session::estimate(
             &request,
             window(60.0, 120.0),
             Some((&baseline, "baseline")),
@@ -46,30 +46,30 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         )
         .unwrap();
         let mut line = format!("{scenario:4}");
-        for joint in &watched.joints {
+        for joint in &estimate_b.joints {
             let error = 1e3 * joint.offset_rad.mean
                 - 1e3 * truth["offset_rad"][&joint.name].as_f64().unwrap();
             let interval = 1e3 * joint.offset_rad.half_width_95();
             all += 1;
             inside += usize::from(error.abs() <= interval);
             line += &format!(" {} {error:+.2} ±{interval:.2}", joint.name);
-            // Where the arm moves through many poses the answer must be of use as well.
+            // With many poses the interval must also be narrow enough.
             if ["S5", "S6", "S7", "S8"].contains(&scenario) {
                 assert!(error.abs() < 1.5 && interval < 2.0, "{line}");
             }
         }
         println!(
             "{line}; payload {:.3} kg, {:.0} % left out, {} poses",
-            watched.payload_kg.mean,
-            100.0 * watched.left_out_share,
-            watched.poses
+            estimate_b.payload_kg.mean,
+            100.0 * estimate_b.rejected_share,
+            estimate_b.poses
         );
         if scenario == "S9c" {
-            // Standing still: nothing can be told, and nothing may be claimed.
-            for joint in &watched.joints[1..] {
-                assert_eq!(joint.verdict, session::Verdict::CannotTell, "{joint:?}");
+            // At rest: nothing is identifiable, and no verdict may be given.
+            for joint in &estimate_b.joints[1..] {
+                assert_eq!(joint.verdict, session::Verdict::Inconclusive, "{joint:?}");
             }
-            assert!(!watched.warnings.is_empty());
+            assert!(!estimate_b.warnings.is_empty());
         }
         // The slips of session C, in the recordings without contacts.
         if ["S5", "S6"].contains(&scenario) {
@@ -87,6 +87,6 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         }
     }
     println!("{inside} of {all} offsets inside their 95 % interval");
-    // 32 offsets at 95 %: fewer than 28 inside has a chance below 2 %.
+    // With a coverage of 95 %, fewer than 28 of 32 are inside with a probability below 2 %.
     assert!(inside >= 28, "{inside} of {all}");
 }

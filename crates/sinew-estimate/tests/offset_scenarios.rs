@@ -1,7 +1,7 @@
-//! Recordings of an independent simulator open as they are, and read as the paper's method does.
+//! Recordings of an independent simulator, opened without changes and estimated by the paper's method.
 //!
-//! The offset of session B against session A of the same recording is judged only in S5: with an
-//! unknown payload (S6 on) this method is 40 mrad off, as the protocol's own table says.
+//! The offset of session B against session A of the same recording is checked only in S5: with an
+//! unknown payload (from S6 on) the error of this method is 40 mrad, as in the table of the protocol.
 
 use crate::support;
 
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use support::{biorob_like_folder, shared};
 
 #[test]
-fn scenario_recordings_open_as_they_are() {
+fn scenario_recordings_open_without_mapping() {
     let Some(folder) = shared("data/offset_scenarios") else {
         return;
     };
@@ -38,7 +38,7 @@ fn scenario_recordings_open_as_they_are() {
         let scenario = truth["scenario"].as_str().unwrap();
         for joint in ["shoulder_pitch", "elbow"] {
             let found = estimate.joints.iter().find(|j| j.name == joint).unwrap();
-            assert!(found.refused.is_none());
+            assert!(found.reason.is_none());
             assert!(found.usable_share > 0.99, "{}", found.usable_share);
             let mean = |from: f64, to: f64| {
                 let s = &found.series;

@@ -1,6 +1,6 @@
-//! The online estimate: the estimator of recordings on a sliding window.
+//! Online estimate: the estimator of recordings on a sliding window.
 
-use crate::stands;
+use crate::rest_phases;
 use crate::support::{biorob_like, repository, sessions, watching, work_session};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::online::{OnlineEstimator, Provisional, StepOutcome, Window, replay};
@@ -32,9 +32,9 @@ fn until(recorded: &Recorded, count: usize) -> Recorded {
     part
 }
 
-/// At every solution the window says what the estimate of a recording that ends there says, to the last bit.
+// At every solution the window is bitwise identical to the estimate of a recording that ends there.
 #[test]
-fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
+fn window_equals_estimate_of_its_blocks() {
     let plan = plan_named("S7").unwrap();
     let ([a, b], _) = sessions(&plan, 31);
     let (robot, options) = (&plan.robot, watching(&plan));
@@ -65,12 +65,12 @@ fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
                 "{count}: {}",
                 batch.name
             );
-            assert_eq!(online.stiffness_since_before, batch.stiffness_since_before);
+            assert_eq!(online.stiffness_change, batch.stiffness_change);
             assert_eq!(online.verdict, batch.verdict);
             compared += 1;
         }
         assert_eq!(online.payload_kg, estimate.payload_kg);
-        assert_eq!(online.left_out, estimate.left_out);
+        assert_eq!(online.rejected_intervals, estimate.rejected_intervals);
         assert_eq!(online.warnings, estimate.warnings);
     }
     assert_eq!(compared, 16);
@@ -78,10 +78,10 @@ fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
     assert_eq!(next.recordings, ["A", "B"]);
 }
 
-/// Two tendons slip by 5 mrad 20 s apart: each is suspected within two seconds, no other is for long, and ten seconds later the offset is
-/// right.
+// Two tendons slip by 5 mrad 20 s apart: each is suspected within 2 s, no other one is for long, and the offset is
+// right 10 s later.
 #[test]
-fn a_slip_is_suspected_at_once_and_then_followed() {
+fn slip_is_provisional_within_2_s_then_tracked() {
     const SLIPS: [(usize, f64); 2] = [(PITCH, 130.0), (ELBOW, 150.0)];
     const SIZE_RAD: f64 = 5e-3;
     let robot = biorob_like();
@@ -103,7 +103,7 @@ fn a_slip_is_suspected_at_once_and_then_followed() {
                 suspected_s[k] = time_s - at_s;
             }
             let error_rad = own.offset_rad.mean - 1e-3 * truth[joint] - SIZE_RAD;
-            // An honest interval is left now and then: what counts is what the slip does.
+            // A correct interval is left occasionally: only the effect of the slip is checked.
             let outside = error_rad.abs() > 1.5 * own.offset_rad.half_width_95();
             if outside && own.provisional.is_none() {
                 silent_s[k] = time_s - at_s;
@@ -131,9 +131,9 @@ fn a_slip_is_suspected_at_once_and_then_followed() {
     }
 }
 
-/// A motor torque that is left out of the estimate says nothing of blocks that come after it either: every answer is the one without it.
+// A motor torque that the estimate rejects is also ignored for later blocks: every answer equals the one without it.
 #[test]
-fn a_torque_that_is_left_out_is_left_out_of_the_check() {
+fn rejected_motor_torque_is_ignored_by_check() {
     let robot = biorob_like();
     let slips = |text: String| {
         text + "\n[[offsets]]\njoint = \"shoulder_pitch\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 82.1\nrad = 0.005\n"
@@ -154,22 +154,22 @@ fn a_torque_that_is_left_out_is_left_out_of_the_check() {
         let with = Some((&baseline, "A"));
         let options = SessionOptions::default();
         replay(&robot, &recorded, with, &options, "B", &mut each).unwrap();
-        // Before the first solution nothing is known.
+        // Before the first solution there is no answer.
         answers.retain(|(solved_s, _)| solved_s.is_finite());
         answers
     };
     let without = answers(&|_| f64::NAN);
     assert!(without.len() > 100, "{}", without.len());
-    assert!(answers(&|_| 3.0) == without, "a torque that never changes");
-    assert!(answers(&|nm| nm) != without, "a torque that is a witness");
+    assert!(answers(&|_| 3.0) == without, "a constant torque");
+    assert!(answers(&|nm| nm) != without, "a torque that is used");
 }
 
-/// An arm that stands for minutes after it worked knows what it knew, and holds no more memory.
+// An arm at rest for minutes after motion keeps its estimate and needs no more memory.
 #[test]
-fn a_stand_of_minutes_replaces_no_motion() {
+fn long_rest_phase_keeps_motion_in_window() {
     let robot = biorob_like();
-    let baseline = stands::baseline(&robot);
-    let recorded = stands::recording(&robot, 2, 400.0, 11, "");
+    let baseline = rest_phases::baseline(&robot);
+    let recorded = rest_phases::recording(&robot, 2, 400.0, 11, "");
     let with = Some((&baseline, "A"));
     let moves = recorded
         .blocks
@@ -189,13 +189,13 @@ fn a_stand_of_minutes_replaces_no_motion() {
         let then = worked.answer().joint(own.joint).unwrap().offset_rad;
         let offset = own.offset_rad;
         assert!(offset.mean.abs() < offset.half_width_95(), "{own:?}");
-        assert!(offset.deviation < 1.5 * then.deviation, "{own:?} {then:?}");
+        assert!(offset.std < 1.5 * then.std, "{own:?} {then:?}");
     }
 }
 
-/// A window forgets what is older than two minutes.
+// A window drops blocks older than 2 min.
 #[test]
-fn a_window_slides_by_whole_blocks() {
+fn window_drops_blocks_after_2_min() {
     let robot = biorob_like();
     let (parts, _) = work_session(&robot, 42, |text| text, &[60.0]);
     let baseline = learned(&robot, &parts[0]);
@@ -231,9 +231,9 @@ fn a_window_slides_by_whole_blocks() {
     );
 }
 
-/// Sample by sample, worked on by the caller or by a thread, it gives what a replay of the recording gives.
+// Samples processed by the caller or by a thread give the same result as a replay of the recording.
 #[test]
-fn samples_one_by_one_give_what_a_replay_gives() {
+fn online_samples_equal_replay() {
     let robot = biorob_like();
     let options = SessionOptions::default();
     let file = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
@@ -284,10 +284,10 @@ fn samples_one_by_one_give_what_a_replay_gives() {
             close(now.offset_rad.mean, then.offset_rad.mean),
             "{now:?} {then:?}"
         );
-        assert!(close(now.offset_rad.deviation, then.offset_rad.deviation));
+        assert!(close(now.offset_rad.std, then.offset_rad.std));
     }
     assert_eq!((own.blocks_behind(), own.error().is_none()), (0, true));
-    // Which reading jumped is found across the parts that were handed over.
+    // The slipped encoder is identified across the exchanged parts.
     let causes = |estimate: &SessionEstimate| -> Vec<_> {
         let changes = estimate.joints.iter().flat_map(|joint| &joint.changes);
         changes.map(|change| change.cause).collect()
@@ -297,7 +297,7 @@ fn samples_one_by_one_give_what_a_replay_gives() {
     assert!(found.iter().any(Option::is_some), "{found:?}");
     let saved = own.save("today", 5).unwrap();
     assert_eq!((&*saved.recordings[1], saved.end_time_ns), ("today", 5));
-    // What can't be a sample changes nothing.
+    // An invalid sample changes nothing.
     let four = [0.1; 4];
     let refused = own.step(0.002, &four[..3], &four, &[], f64::NAN);
     assert_eq!(refused, Err(StepError::Length));
@@ -305,7 +305,7 @@ fn samples_one_by_one_give_what_a_replay_gives() {
         let refused = own.step(dt_s, &four, &four, &[], f64::NAN);
         assert_eq!(refused, Err(StepError::TimeStep));
     }
-    // A thread of its own, waited for at the end: it is never late by so much that blocks are dropped.
+    // A separate thread, joined at the end: its delay is never large enough to drop blocks.
     let mut threaded = online();
     threaded.start_worker().unwrap();
     run(&mut threaded, &mut |online| {
@@ -318,9 +318,9 @@ fn samples_one_by_one_give_what_a_replay_gives() {
     }
 }
 
-/// A recording gone over with `--live`: spans of provisional answers hold every provisional block.
+// Estimate with `--online`: the intervals of provisional answers contain every provisional block.
 #[test]
-fn spans_of_a_trajectory_hold_what_is_provisional() {
+fn provisional_intervals_contain_all_provisional_blocks() {
     let robot = biorob_like();
     let options = SessionOptions::default();
     let (parts, _) = work_session(&robot, 40, |text| text, &[60.0, 120.0]);
@@ -329,22 +329,23 @@ fn spans_of_a_trajectory_hold_what_is_provisional() {
     let course =
         sinew_estimate::online::trajectory(&robot, &parts[1], with, &options, "B").unwrap();
     assert_eq!(course.blocks.len(), parts[1].blocks.len());
-    assert!(course.blocks[0].in_doubt && !course.in_doubt);
+    assert!(course.blocks[0].provisional && !course.provisional);
     for block in &course.blocks {
-        let spans = course.doubts.iter();
+        let spans = course.provisional_intervals.iter();
         let inside = spans.filter(|d| (d.from_s..=d.to_s).contains(&block.time_s));
-        let expected = usize::from(block.in_doubt);
+        let expected = usize::from(block.provisional);
         assert_eq!(inside.count(), expected, "{}", block.time_s);
     }
-    // Against the zero of the encoders, too.
+    // Also relative to the encoder zero.
     let fresh = sinew_estimate::online::trajectory(&robot, &parts[1], None, &options, "B").unwrap();
-    let [fresh, since] = [&fresh, &course].map(|c| c.joints[PITCH].offset_rad.deviation);
+    let [fresh, since] = [&fresh, &course].map(|c| c.joints[PITCH].offset_rad.std);
     assert!(fresh > since, "{fresh} {since}");
 }
 
-/// Motor and joint side are exchanged from a time on: the window can no longer be solved, and every answer from then on says so.
+// Motor and joint side are swapped from a time on: the window can no longer be solved, and every later answer reports
+// it.
 #[test]
-fn a_window_that_is_refused_leaves_no_settled_answer() {
+fn unsolved_window_makes_all_answers_provisional() {
     let robot = biorob_like();
     let (parts, _) = work_session(&robot, 43, |text| text, &[60.0]);
     let baseline = learned(&robot, &parts[0]);
@@ -359,7 +360,7 @@ fn a_window_that_is_refused_leaves_no_settled_answer() {
     let window = replay(&robot, &swapped, with, &options, "B", &mut |window| {
         let answer = window.answer();
         let is_refused = |own: &sinew_estimate::online::OnlineJoint| {
-            own.provisional == Some(Provisional::Refused)
+            own.provisional == Some(Provisional::NotSolved)
         };
         refused |= answer.joints.iter().any(is_refused);
         if refused {
@@ -373,7 +374,7 @@ fn a_window_that_is_refused_leaves_no_settled_answer() {
     .unwrap();
     let error = window
         .error()
-        .expect("a window that was refused")
+        .expect("a window that was not solved")
         .to_string();
     assert!(after > 20 && error.contains("B"), "{after} {error}");
 }

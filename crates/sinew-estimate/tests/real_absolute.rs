@@ -1,13 +1,13 @@
-//! The absolute offset on a real arm: the KUKA LWR4+ recording with offsets added by hand.
+//! Absolute offsets of a real arm: the KUKA LWR4+ recording with added offsets.
 //!
 //! The recording has no motor positions; they are built as its own `q + tau/K` for several true `K`.
-//! The baseline is learned from one half, known offsets are added in the other, and the
-//! estimate with that baseline is held against them. Masses are those of the identified model;
-//! the estimator sees the torque sensors only through the springs made of them. Their zeros (up to
-//! 2 N·m) are an encoder's zero then, which `[tolerances] zero_mrad` leaves open.
+//! The baseline is estimated from one half, offsets are added in the other, and the
+//! estimate with that baseline is compared with them. Masses are those of the identified model;
+//! the estimator uses the torque sensors only through the simulated springs. Their zero offsets (up to
+//! 2 N·m) act as encoder zero offsets, which `[tolerances] zero_mrad` covers.
 //!
 //! `SINEW_LONG=1 cargo test --release -p sinew-estimate --test all real_absolute:: -- --nocapture` prints the
-//! table of docs/src/science/absolute.md.
+//! table of docs/src/validation.md.
 
 use crate::support;
 
@@ -31,7 +31,7 @@ const SECOND: Window = Window {
     to_s: f64::INFINITY,
 };
 
-/// The arm as described with `described` and `zero_mrad`, its springs in truth of `k_nm_per_rad`.
+/// Arm described with stiffness `described` and tolerance `zero_mrad`; the true stiffness is `k_nm_per_rad`.
 struct Arm {
     request: Request,
     _folder: tempfile::TempDir,
@@ -69,19 +69,22 @@ impl Arm {
 
     fn learn(&mut self, part: Window) -> Baseline {
         self.request.injections.clear();
-        let (baseline, said) = session::learn(
+        let (baseline, estimate) = session::learn(
             &self.request,
             part,
             &session::Learning::default(),
             &mut |_| {},
         )
         .unwrap();
-        // All of the arm moves all of the time.
-        assert!(said.poses > 15 && said.left_out_share < 0.05, "{said:?}");
+        // All joints move all the time.
+        assert!(
+            estimate.poses > 15 && estimate.rejected_share < 0.05,
+            "{estimate:?}"
+        );
         baseline
     }
 
-    /// The estimate of a part with these offsets added, mrad.
+    /// Estimates a part with these added offsets, mrad.
     fn watch(
         &mut self,
         part: Window,
@@ -99,14 +102,14 @@ impl Arm {
             ..SessionOptions::default()
         };
         let with = Some((baseline, "baseline"));
-        let (said, _) =
+        let (estimate, _) =
             session::estimate(&self.request, part, with, &options, &mut |_| {}).unwrap();
-        assert_eq!(said.joints.len(), JOINTS);
-        said
+        assert_eq!(estimate.joints.len(), JOINTS);
+        estimate
     }
 }
 
-/// Offsets added in the second half, mrad.
+/// Added offsets in the second half, mrad.
 const ADDED: [[f64; JOINTS]; 6] = [
     [10.0; JOINTS],
     [2.0, -4.0, 6.0, -8.0, 10.0, -12.0, 14.0],
@@ -116,7 +119,7 @@ const ADDED: [[f64; JOINTS]; 6] = [
     [5.0, -5.0, 5.0, -5.0, 5.0, -5.0, 5.0],
 ];
 
-/// `SINEW_LONG` in the environment: every case, and both halves' order.
+/// Whether `SINEW_LONG` is set: every case, and both orders of the halves.
 fn long() -> bool {
     std::env::var_os("SINEW_LONG").is_some()
 }
@@ -129,11 +132,11 @@ fn added_offsets_lie_inside_their_interval() {
     let added = if long() { &ADDED[..] } else { &ADDED[..2] };
     let (mut inside, mut all) = (0, 0);
     let halves = [
-        (FIRST, SECOND, "learned in the first half"),
+        (FIRST, SECOND, "baseline from the first half"),
         (SECOND, FIRST, "in the second"),
     ];
-    for (learn, watch, said) in halves.into_iter().take(if long() { 2 } else { 1 }) {
-        println!("{said}: RMSE (mean half interval) in mrad, joints 1 to 7; inside");
+    for (learn, watch, name) in halves.into_iter().take(if long() { 2 } else { 1 }) {
+        println!("{name}: RMSE (mean half interval) in mrad, joints 1 to 7; inside");
         for (k, described) in [
             (100.0, 100.0),
             (200.0, 200.0),
@@ -147,8 +150,8 @@ fn added_offsets_lie_inside_their_interval() {
             let (mut squares, mut widths) = ([0.0; JOINTS], [0.0; JOINTS]);
             let mut held = 0;
             for offsets in added {
-                let said = arm.watch(watch, &baseline, *offsets);
-                for (i, joint) in said.joints.iter().enumerate() {
+                let estimate = arm.watch(watch, &baseline, *offsets);
+                for (i, joint) in estimate.joints.iter().enumerate() {
                     let error = 1e3 * joint.offset_rad.mean - offsets[i];
                     squares[i] += error * error / added.len() as f64;
                     widths[i] += 1e3 * joint.offset_rad.half_width_95() / added.len() as f64;
@@ -156,7 +159,7 @@ fn added_offsets_lie_inside_their_interval() {
                     let useless = 1e3 * joint.offset_rad.half_width_95() > 5.0;
                     assert_eq!(
                         useless,
-                        joint.verdict == session::Verdict::CannotTell,
+                        joint.verdict == session::Verdict::Inconclusive,
                         "{joint:?}"
                     );
                     assert!(joint.changes.is_empty(), "{:?}", joint.changes);
@@ -167,7 +170,7 @@ fn added_offsets_lie_inside_their_interval() {
                 print!(" {:.2} ({width:.2})", square.sqrt());
             }
             println!("; {held} of {}", JOINTS * added.len());
-            // What joint 5 leaves unexplained is its own: the others know what they were taught.
+            // The unexplained residual of joint 5 does not affect the others.
             let others = || (widths.iter().enumerate()).filter(|(i, _)| *i != 4);
             assert!(others().all(|(_, w)| *w < 600.0 / k + 1.5), "{widths:?}");
             inside += held;
@@ -179,14 +182,15 @@ fn added_offsets_lie_inside_their_interval() {
 }
 
 #[test]
-fn a_zero_that_is_not_where_it_is_stated_is_named_and_estimated() {
+fn wrong_encoder_zero_is_reported_and_estimated() {
     let Some(shared) = shared("data").map(|data| data.join("..")) else {
         return;
     };
-    // The torque sensors' own zeros are the encoders' here: up to 10 mrad, where robot.toml says none.
+    // The zero offsets of the torque sensors act as encoder zero offsets: up to 10 mrad, with none specified in
+    // robot.toml.
     let mut arm = Arm::new(&shared, 200.0, 200.0, 0.0);
     let baseline = arm.learn(FIRST);
-    let said = arm.watch(SECOND, &baseline, [0.0; JOINTS]);
+    let estimate = arm.watch(SECOND, &baseline, [0.0; JOINTS]);
     let (_, learned) = session::learn(
         &arm.request,
         FIRST,
@@ -195,7 +199,9 @@ fn a_zero_that_is_not_where_it_is_stated_is_named_and_estimated() {
     )
     .unwrap();
     let named = learned.warnings.iter().filter_map(|w| match w {
-        session::Warning::NotZeroed { joint, zero_rad } => Some((joint.as_str(), *zero_rad)),
+        session::Warning::EncoderZeroOffset { joint, zero_rad } => {
+            Some((joint.as_str(), *zero_rad))
+        }
         _ => None,
     });
     let named: Vec<_> = named.collect();
@@ -203,14 +209,14 @@ fn a_zero_that_is_not_where_it_is_stated_is_named_and_estimated() {
     let first = named.iter().find(|(joint, _)| *joint == "lwr_0_joint");
     let (_, zero_rad) = first.unwrap_or_else(|| panic!("{:?}", learned.warnings));
     assert!((1e3 * zero_rad.mean.abs() - 4.5).abs() < 1.0, "{named:?}");
-    // Nothing was added: the truth is zero. What is stated as unknown gives the same.
+    // Without added offsets the truth is zero. A specified unknown zero offset gives the same result.
     let mut stated = Arm::new(&shared, 200.0, 200.0, 30.0);
     let baseline = stated.learn(FIRST);
     let with_stated = stated.watch(SECOND, &baseline, [0.0; JOINTS]);
-    for (joint, same) in said.joints.iter().zip(&with_stated.joints) {
+    for (joint, same) in estimate.joints.iter().zip(&with_stated.joints) {
         let offset = joint.offset_rad;
         assert!(!offset.is_nonzero_95(), "{}: {offset:?}", joint.name);
         let apart = (offset.mean - same.offset_rad.mean).abs();
-        assert!(apart < 0.5 * offset.deviation, "{joint:?} {same:?}");
+        assert!(apart < 0.5 * offset.std, "{joint:?} {same:?}");
     }
 }

@@ -1,8 +1,8 @@
-//! Real arms: the KUKA LWR4+ recording with offsets added by hand.
+//! Offsets of a real arm: the KUKA LWR4+ recording with added offsets.
 //!
-//! The recording has no motor positions, so they are built as its own `q + tau/K` with a stated
+//! The recording has no motor positions, so they are calculated as `q + tau/K` with a specified
 //! `K` of 200 N·m/rad (`examples/mappings/lwr4.toml`); 0.01 rad is added at joints 2 and 4 from
-//! mid-recording. The observer doesn't see the torque: what it estimates rests on the masses.
+//! mid-recording. The observer does not use the torque: its estimate is based on the masses.
 
 use crate::support;
 
@@ -61,7 +61,7 @@ fn lwr4_offsets_are_found() {
             let s = &b.series;
             let (mut sum, mut n) = (0.0, 0.0);
             for (t, d) in s.time_s.iter().zip(&s.offset_rad) {
-                // Leave the observer 1 s to follow the step.
+                // The observer has 1 s to settle after the step.
                 let inside = if late {
                     *t > MIDDLE_S + 1.0
                 } else {

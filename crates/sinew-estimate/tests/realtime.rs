@@ -1,4 +1,4 @@
-//! The loop's side of the online estimate allocates nothing: a counting allocator.
+//! Allocations of the online estimate in a control loop, measured with a counting allocator.
 
 use sinew_estimate::online::{OnlineEstimator, StepOutcome};
 use sinew_estimate::robot_dir;
@@ -14,28 +14,28 @@ thread_local! {
 struct Counting;
 
 fn count() {
-    // A thread that ends has no counter any more.
+    // A thread that ends has no counter anymore.
     let _ended = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
 }
 
-// SAFETY: every call goes to the system's allocator as it came.
+// SAFETY: every call is forwarded unchanged to the system allocator.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
         count();
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.dealloc(place, layout) }
     }
 
     unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.realloc(place, layout, size) }
     }
 }
@@ -43,9 +43,9 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// A minute of samples; the worker takes blocks in between, or comes so late that blocks are dropped.
+// Samples of 1 min; the worker processes blocks in between, or is delayed until blocks are dropped.
 #[test]
-fn a_step_allocates_and_frees_nothing() {
+fn step_does_not_allocate_or_free() {
     const STEP_S: f64 = 2e-3;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
     let robot = robot_dir::load(&folder, None).unwrap().robot;
@@ -58,7 +58,7 @@ fn a_step_allocates_and_frees_nothing() {
             let q: [f64; 4] = std::array::from_fn(|i| 0.4 * (0.7 * t + i as f64).sin());
             let theta = q.map(|q| q + 0.01);
             let before = ALLOCATIONS.get();
-            // Now and then a sample is missing.
+            // Occasionally a sample is missing.
             let missing = k % 5_000 == 4_999;
             let first = if missing { f64::NAN } else { q[0] };
             let q = [first, q[1], q[2], q[3]];

@@ -1,4 +1,4 @@
-//! Simulate, write, read, estimate: the whole way, against the simulation's own truth.
+//! Simulation, writing, reading and estimation, compared with the truth of the simulation.
 
 use sinew_estimate::Request;
 use sinew_estimate::replay;
@@ -57,7 +57,7 @@ fn offset(joint: &str, rad: f64) -> Offset {
     }
 }
 
-/// The robot exactly as described but for joint friction, with perfect sensors.
+/// Scenario of the nominal robot without joint friction, with ideal sensors.
 fn ideal() -> Scenario {
     Scenario {
         duration_s: Some(20.0),
@@ -67,8 +67,8 @@ fn ideal() -> Scenario {
             move_s: Draw::Uniform { min: 0.9, max: 1.6 },
             pause_s: Draw::Uniform { min: 0.5, max: 1.2 },
         },
-        // What the estimator's smooth Coulomb friction says of a joint at rest is not what a
-        // joint at rest does: without it the two sides know the same.
+        // The estimator's smooth Coulomb friction differs from that of a joint at rest: without it
+        // both models are identical.
         joint_friction: FrictionSpec {
             coulomb_nm: PerJoint::fixed(0.0),
             ..FrictionSpec::default()
@@ -82,7 +82,7 @@ fn ideal() -> Scenario {
     }
 }
 
-/// `robot.toml` without Coulomb friction at the joints, beside the same URDF.
+/// Creates `robot.toml` without Coulomb friction at the joints, in a folder with the same URDF.
 fn frictionless_robot(folder: &Path) -> PathBuf {
     let text = std::fs::read_to_string(robot_folder().join("robot.toml")).expect("there");
     let mut out = String::new();
@@ -96,7 +96,7 @@ fn frictionless_robot(folder: &Path) -> PathBuf {
         }
         out.push('\n');
     }
-    assert_ne!(out, text, "the robot's friction is written otherwise now");
+    assert_ne!(out, text, "the text of the robot's friction has changed");
     let to = folder.join("robot.toml");
     std::fs::write(&to, out).expect("written");
     std::fs::copy(
@@ -108,7 +108,7 @@ fn frictionless_robot(folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn a_robot_as_described_is_estimated_exactly() {
+fn estimate_nominal_robot_is_exact() {
     let folder = tempfile::tempdir().expect("a folder");
     let robot = frictionless_robot(folder.path());
     let truth = [0.004, 0.012, -0.008, 0.006];
@@ -120,9 +120,9 @@ fn a_robot_as_described_is_estimated_exactly() {
     let log = folder.path().join("ideal.mcap");
     simulated(&scenario, &log);
     let filtered = Request::new(log.clone()).velocity_filter;
-    // With exact velocities only the observer's straight lines between samples remain: the
-    // torque bends by at most τ̈ Δt²/12 between them, some 100 N·m/s² · (2 ms)²/12 = 3e-5 N·m.
-    // Filtered positions pass through a non-linear arm: the follow-up of the paper reports
+    // With exact velocities only the observer's linear interpolation between samples remains: the
+    // torque deviates by at most τ̈ Δt²/12 between them, some 100 N·m/s² · (2 ms)²/12 = 3e-5 N·m.
+    // Filtered positions of a non-linear arm cause errors: the follow-up of the paper reports
     // 0.05 to 0.3 mrad in motion; the mean over many moves stays below 0.1.
     for (source, velocity_filter, bar) in [
         (TorqueSource::Observer, VelocityFilter::Recorded, 0.005),
@@ -149,7 +149,7 @@ fn a_robot_as_described_is_estimated_exactly() {
 }
 
 #[test]
-fn the_difference_to_an_earlier_recording_forgets_model_errors() {
+fn difference_to_reference_cancels_model_errors() {
     let folder = tempfile::tempdir().expect("a folder");
     let now = shipped("stretched-arm.toml");
     let mut then = now.clone();
@@ -178,16 +178,16 @@ fn the_difference_to_an_earlier_recording_forgets_model_errors() {
             joint.name,
             1e3 * joint.offset_rad.unwrap()
         );
-        // Friction leaves what depends on the poses visited, which are others in the reference.
+        // Friction causes a pose-dependent error, and the reference has other poses.
         // Half a milliradian is below the 0.67 mrad RMSE that the paper's estimate minus a fresh
-        // baseline is known to reach on a robot with larger errors.
+        // baseline reaches on a robot with larger errors.
         assert!((difference - expected).abs() < 0.5, "{}", joint.name);
     }
 }
 
-/// A joint without an encoder has no estimate, which a warning says, and the others keep theirs.
+// A joint without an encoder has no estimate, which a warning reports, and the others keep theirs.
 #[test]
-fn a_joint_without_an_encoder_does_not_stop_the_others() {
+fn joint_without_encoder_keeps_other_estimates() {
     use sinew_estimate::baseline::Baseline;
     use sinew_estimate::session::{self, SessionOptions, Warning, Window};
     let folder = tempfile::tempdir().unwrap();
@@ -220,7 +220,7 @@ fn a_joint_without_an_encoder_does_not_stop_the_others() {
         session::estimate(&request, minute, baseline, &options, &mut |_| {})
     };
     let (all, baseline) = without(&[], None).unwrap();
-    // What is known of the wrist does not keep a baseline from the others.
+    // A baseline is estimated although the wrist has no encoder.
     without(&["q.wrist_rad"], Some((&baseline, "all"))).unwrap();
     let part = without(&["q.wrist_rad"], None).unwrap().0;
     let wrist = "wrist".to_owned();
@@ -232,7 +232,7 @@ fn a_joint_without_an_encoder_does_not_stop_the_others() {
     assert_eq!(names(&part), ["shoulder_yaw", "shoulder_pitch", "elbow"]);
     assert_eq!(names(&all).len(), 4);
     for (a, b) in all.joints.iter().zip(&part.joints) {
-        // The wrist shows what the gripper holds: without it the others know less.
+        // The wrist observes the payload: without it the intervals of the others are wider.
         let apart = (a.offset_rad.mean - b.offset_rad.mean).abs();
         let [wide, wider] = [a, b].map(|j| j.offset_rad.half_width_95());
         assert!(apart < wide.hypot(wider), "{}: {apart}", a.name);
@@ -245,7 +245,7 @@ fn a_joint_without_an_encoder_does_not_stop_the_others() {
     ];
     let error = without(&columns, None).unwrap_err().to_string();
     assert!(
-        error.contains("motor positions alone do not show it"),
+        error.contains("not observable from motor positions alone"),
         "{error}"
     );
     // A position under another name may be the joint's.

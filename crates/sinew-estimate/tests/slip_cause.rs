@@ -1,4 +1,4 @@
-//! A slip of the rope and one of an encoder are told apart by the moment they happen at.
+//! Discrimination between slips of the rope and of an encoder by the samples around the event.
 
 use crate::support;
 
@@ -14,11 +14,11 @@ use support::{biorob_like, repository, seeds};
 
 const PITCH: usize = 1;
 const ELBOW: usize = 2;
-/// An arm this quick follows 1.4 · 500 / 250² = 1 % of a slip within a sample of 250 Hz.
+/// Acceleration per deflection, 1/s². The arm follows 1.4 · 500 / 250² = 1 % of a slip within a sample of 250 Hz.
 const QUICKNESS: f64 = 500.0;
 
-/// One joint that swings, read by a 13-bit encoder and a finer one on the motor's side, with
-/// what `motor` and `joint` add at a time.
+/// Steps of one oscillating joint, measured by a 13-bit encoder and a finer one at the motor, with
+/// `motor` and `joint` added over time.
 fn swing(rate_hz: f64, motor: impl Fn(f64) -> f64, joint: impl Fn(f64) -> f64) -> Jumps {
     let mut jumps = Jumps::new(1);
     let step = std::f64::consts::TAU / 8192.0;
@@ -32,13 +32,13 @@ fn swing(rate_hz: f64, motor: impl Fn(f64) -> f64, joint: impl Fn(f64) -> f64) -
     jumps
 }
 
-/// 5 mrad from 30.1 s on, over `rise_s`.
+/// Slip of 5 mrad from 30.1 s on, with a rise time of `rise_s`.
 fn slip(rise_s: f64) -> impl Fn(f64) -> f64 {
     move |t: f64| 5e-3 * ((t - 30.1) / rise_s).clamp(0.0, 1.0)
 }
 
 #[test]
-fn which_reading_jumped_is_seen_in_the_samples() {
+fn samples_identify_slipped_encoder() {
     let none = |_: f64| 0.0;
     let at = |jumps: &Jumps| jumps.cause(0, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS);
     assert_eq!(at(&swing(250.0, slip(1e-6), none)), Cause::MotorEncoder);
@@ -46,11 +46,11 @@ fn which_reading_jumped_is_seen_in_the_samples() {
         at(&swing(250.0, none, |t| -slip(1e-6)(t))),
         Cause::JointEncoder
     );
-    // The arm rests for ten minutes: that is no slower sampling.
+    // The arm rests for ten minutes, which does not reduce the sampling rate.
     let mut rested = swing(250.0, slip(1e-6), none);
     (0..500).for_each(|k| rested.push(660.0 + f64::from(k) / 250.0, &[0.0], &[0.0]));
     assert_eq!(at(&rested), Cause::MotorEncoder);
-    // The other way round would make the offset smaller: that is no explanation.
+    // A step of the opposite sign would decrease the offset and does not explain the change.
     assert_eq!(at(&swing(250.0, none, slip(1e-6))), Cause::Rope);
     // Motor and joint share a rope's slip and take a tenth of a second.
     let motor = |t: f64| 0.4 * slip(0.1)(t);
@@ -63,7 +63,7 @@ fn which_reading_jumped_is_seen_in_the_samples() {
 }
 
 #[test]
-fn what_cannot_be_told_is_not_told() {
+fn ambiguous_cause_is_reported_as_unknown() {
     let none = |_: f64| 0.0;
     let jumps = swing(250.0, slip(1e-6), none);
     let cause = |size: f64, quickness: f64| {
@@ -87,7 +87,7 @@ fn what_cannot_be_told_is_not_told() {
         slow.cause(0, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
         Cause::Unknown(UnknownCause::Rate)
     );
-    // A hole of 40 ms at the slip.
+    // A gap of 40 ms at the slip.
     let mut holed = Jumps::new(1);
     for k in 0..15_000_u32 {
         let t = f64::from(k) / 250.0;
@@ -99,16 +99,16 @@ fn what_cannot_be_told_is_not_told() {
         holed.cause(0, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
         Cause::Unknown(UnknownCause::Missing)
     );
-    // Elsewhere the same recording tells.
+    // Elsewhere in the same recording the cause is identified.
     assert_eq!(
         holed.cause(0, 50.0, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
         Cause::Rope
     );
 }
 
-/// The work session of the examples, sessions A and C, its two slips of `kind`; every `every`th
+/// Estimate of sessions A and C of the examples' work session with two slips of `kind`; every `every`th
 /// frame is recorded.
-fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> SessionEstimate {
+fn estimate_session(robot: &Robot, seed: u64, kind: &str, every: usize) -> SessionEstimate {
     let place = repository().join("examples/scenarios");
     let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
     let (before, slips) = text.split_at(text.find("at_s = 130.0").unwrap() - 60);
@@ -142,7 +142,7 @@ fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> SessionEstimat
 }
 
 #[test]
-fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
+fn simulated_slips_have_correct_cause() {
     let robot = biorob_like();
     for (kind, expected) in [
         ("physical", Cause::Rope),
@@ -151,9 +151,9 @@ fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
     ] {
         let (mut found, mut right, mut open) = (0, 0, 0);
         for seed in 0..seeds(1) {
-            let said = watched(&robot, 70 + seed, kind, 1);
+            let result = estimate_session(&robot, 70 + seed, kind, 1);
             for (joint, at_s) in [(PITCH, 130.0), (ELBOW, 150.0)] {
-                let steps = said.joints[joint].changes.iter();
+                let steps = result.joints[joint].changes.iter();
                 for step in steps
                     .filter(|s| (s.time_s - at_s).abs() < 2.5 && s.kind == TendonChangeKind::Slip)
                 {
@@ -175,9 +175,9 @@ fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
         assert_eq!(right + open, found, "{kind}: wrong ones");
         assert!(2 * right > found, "{kind}: {right} of {found}");
     }
-    // At 25 Hz an arm moves as fast as an encoder jumps.
-    let said = watched(&robot, 70, "motor-encoder", 10);
-    for joint in &said.joints {
+    // At 25 Hz a motion of the arm is indistinguishable from an encoder step.
+    let result = estimate_session(&robot, 70, "motor-encoder", 10);
+    for joint in &result.joints {
         for step in joint
             .changes
             .iter()

@@ -1,5 +1,5 @@
-//! Slips in the third session of the bench's scenarios: found, not taken for lost stiffness or for noise, and
-//! the offset in the end inside its interval.
+//! Slips in the third session of the bench's scenarios: detected, separated from stiffness loss and noise, and
+//! the final offset inside its interval.
 //!
 //! `SINEW_SEEDS=40 cargo test --release -p sinew-estimate --test all slips:: -- --nocapture` measures it.
 
@@ -10,12 +10,12 @@ use sinew_estimate::session::{Recorded, Recorder, SessionEstimate};
 use sinew_model::offset::FeatureConfig;
 use sinew_sim::Simulation;
 use sinew_sim::protocol::{Plan, plan_named};
-use support::{asked_seeds, watching};
+use support::{requested_seeds, watching};
 
-/// Joint, when, s.
+/// Joint name and time of a slip, s.
 type Slip = (String, f64);
 
-/// What is said of session C, the true offsets at its end, mrad, and its slips.
+/// Estimate of session C, the true offsets at its end, mrad, and its slips.
 fn third_session(plan: &Plan, seed: u64) -> (SessionEstimate, Vec<f64>, Vec<Slip>) {
     let mut scenario = plan.scenario.clone();
     scenario.seed = seed;
@@ -58,27 +58,27 @@ fn third_session(plan: &Plan, seed: u64) -> (SessionEstimate, Vec<f64>, Vec<Slip
         session::estimate_recorded(&plan.robot, part, "part", Some((with, "before")), &options)
     };
     let (_, next) = watch(&sessions[1], &baseline).unwrap();
-    let (said, _) = watch(&sessions[2], &next).unwrap();
-    (said, truth, slips)
+    let (result, _) = watch(&sessions[2], &next).unwrap();
+    (result, truth, slips)
 }
 
 #[test]
-fn slips_are_no_noise_and_no_lost_stiffness() {
-    // Two thirds of a session after a slip: it was taken for noise. Four poses: for a failed strand.
+fn slips_are_separated_from_noise_and_stiffness_loss() {
+    // With two thirds of a session after it, a slip was once classified as noise; with four poses as a strand failure.
     let ordinary = [("S7", vec![3020]), ("S9", vec![3007, 3014])];
-    let asked = asked_seeds().map(|n| {
+    let requested = requested_seeds().map(|n| {
         let seeds: Vec<u64> = (3000..3000 + n).collect();
         ["S5", "S7", "S8", "S9"]
             .map(|name| (name, seeds.clone()))
             .to_vec()
     });
-    for (name, seeds) in asked.clone().unwrap_or_else(|| ordinary.to_vec()) {
+    for (name, seeds) in requested.clone().unwrap_or_else(|| ordinary.to_vec()) {
         let plan = plan_named(name).unwrap();
         let (mut found, mut slipped, mut inside, mut offsets) = (0, 0, 0, 0);
         let mut late_s = Vec::new();
         for seed in seeds {
-            let (said, truth, slips) = third_session(&plan, seed);
-            for (joint, truth) in said.joints.iter().zip(&truth) {
+            let (result, truth, slips) = third_session(&plan, seed);
+            for (joint, truth) in result.joints.iter().zip(&truth) {
                 let error = 1e3 * joint.offset_rad.mean - truth;
                 let is_inside = error.abs() < 1e3 * joint.offset_rad.half_width_95();
                 inside += usize::from(is_inside);
@@ -98,7 +98,10 @@ fn slips_are_no_noise_and_no_lost_stiffness() {
                             1e3 * joint.offset_rad.half_width_95()
                         );
                     }
-                    assert!(asked.is_some() || (as_slip && is_inside), "{name} {seed}");
+                    assert!(
+                        requested.is_some() || (as_slip && is_inside),
+                        "{name} {seed}"
+                    );
                 }
             }
         }
@@ -108,7 +111,7 @@ fn slips_are_no_noise_and_no_lost_stiffness() {
         late_s.sort_by(f64::total_cmp);
         let median_s = late_s[late_s.len() / 2];
         println!("{name}: {median_s:+.2} s late in the median");
-        // Features lag by 0.26 s, what is said of a moment must not.
+        // Features lag by 0.26 s, which the estimated time must not.
         assert!(median_s.abs() < 0.15, "{median_s}");
         assert!(slipped > 0);
     }

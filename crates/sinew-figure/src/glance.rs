@@ -1,4 +1,4 @@
-//! A page at a glance, inside another page such as a notebook.
+//! Summary of a page for another page, such as a notebook.
 
 use crate::page::{Block, Page, fill};
 use crate::plot::Figure;
@@ -6,8 +6,8 @@ use minijinja::context;
 use minijinja::value::Serde;
 use std::cmp::Reverse;
 
-/// A piece of HTML: the page's first answers, and the figure of the one that asks most of its reader. It has no
-/// script, and no style but its own.
+/// Renders an HTML fragment with the first results of the page and the figure of the most urgent one. It has no script
+/// and only inline styles.
 pub fn glance(page: &Page) -> String {
     let blocks = || page.sections.iter().flat_map(|s| &s.blocks);
     let answers = blocks().find_map(|block| match block {
@@ -21,11 +21,11 @@ pub fn glance(page: &Page) -> String {
             _ => None,
         })
         .collect();
-    // Pages with an answer a figure have both in one order.
+    // In pages with one figure per result, results and figures have the same order.
     let all = answers.iter().enumerate();
     let most = all.max_by_key(|(i, answer)| (answer.level, Reverse(*i)));
-    let place = most.map_or(0, |(i, _)| i);
-    let figure = figures.get(place).or(figures.first());
+    let index = most.map_or(0, |(i, _)| i);
+    let figure = figures.get(index).or(figures.first());
     let (title, answers) = (&page.title, Serde(answers));
     let figure = figure.map(|figure| figure.svg());
     fill("glance.html", context! { title, answers, figure })

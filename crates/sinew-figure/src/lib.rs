@@ -1,4 +1,4 @@
-//! Plots, pages and numbers as Sinew shows them.
+//! Plots, HTML pages and number formats of Sinew.
 
 mod glance;
 mod page;
@@ -8,6 +8,6 @@ mod table;
 pub use glance::glance;
 pub use page::{Block, Headline, Level, Page, Section, Sentence};
 pub use sinew_files::number::{
-    count, duration, given, interval_cells, rounded, share, with_interval,
+    count, duration, given, interval_cells, probability, rounded, share, with_interval,
 };
 pub use table::{Columns, Table};

@@ -1,4 +1,4 @@
-//! A page: sections of text, tables, figures and judged sentences, as one HTML file.
+//! HTML page with sections of text, tables, figures and evaluated statements.
 
 use crate::Table;
 use crate::plot::{Figure, escape_xml, page_colours};
@@ -10,88 +10,88 @@ use sha2::{Digest, Sha256};
 use std::sync::LazyLock;
 
 const STYLE: &str = include_str!("page/page.css");
-/// Values, zoom and legend of the figures.
+/// Script for cursor values, zoom and legend of the figures.
 const SCRIPT: &str = include_str!("page/page.js");
 const TEMPLATES: [(&str, &str); 3] = [
     ("page.html", include_str!("page/page.html")),
     ("block.html", include_str!("page/block.html")),
     ("glance.html", include_str!("page/glance.html")),
 ];
-/// Templates are part of the program, and a test fills each of them.
-const TESTED: &str = "a template of the program";
+/// Message for template errors; templates are part of the program, and a test renders each of them.
+const TEMPLATE_ERROR: &str = "a template of the program";
 
-/// One HTML file.
+/// HTML page in one file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Page {
     /// Title of the window and first heading.
     pub title: String,
     /// Line under the heading; may be empty.
     pub subtitle: String,
-    /// The content.
+    /// Sections of the page in order.
     pub sections: Vec<Section>,
     /// Last line, such as the version; may be empty.
     pub footer: String,
 }
 
-/// A heading and what stands under it.
+/// Section of a page: a heading and its blocks.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Section {
     /// Heading; may be empty.
     pub heading: String,
-    /// What stands under it.
+    /// Blocks under the heading.
     pub blocks: Vec<Block>,
 }
 
-/// A piece of a section.
+/// Block of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Block {
-    /// Text.
+    /// Paragraph of text.
     Paragraph(String),
-    /// Sentences in large letters: the answers.
+    /// Results in large letters.
     Headlines(Vec<Headline>),
-    /// Text in a frame: what a reader must not miss.
+    /// Highlighted text in a frame.
     Notice(String),
-    /// Points.
+    /// Bulleted list of texts.
     List(Vec<String>),
-    /// Rows and columns.
+    /// Table with rows and columns.
     Table(Table),
-    /// A figure with a line under it (may be empty).
-    Figure(#[serde(serialize_with = "picture")] Box<Figure>, String),
-    /// Sentences held against data.
+    /// Figure with a caption, which may be empty.
+    Figure(#[serde(serialize_with = "pictures")] Box<Figure>, String),
+    /// Statements compared with data.
     Sentences(Vec<Sentence>),
-    /// What few want to read, under a line that opens it.
+    /// Collapsed details under a summary line.
     Folded(String, Vec<Block>),
 }
 
-/// How much an answer asks of its reader: a colour and, beside it, a sign.
+/// Urgency of a result, shown as a colour and an icon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// Nothing: a fact.
+    /// Information without an assessment.
     #[default]
     Plain,
-    /// All is well.
+    /// Result within limits; no action required.
     Good,
-    /// The data can't tell.
+    /// The result is inconclusive.
     Open,
-    /// It has changed.
+    /// Change that should be observed.
     Watch,
-    /// Something is to be done.
+    /// The result requires action.
     Alarm,
 }
 
-/// An answer in large letters. Its words say all that its colour does.
+/// Result in large letters. The text contains all information that the colour shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Headline {
-    /// What it asks of the reader.
+    /// Urgency of the result.
     pub level: Level,
-    /// The answer.
+    /// Text of the result.
     pub text: String,
 }
 
 impl Headline {
-    /// An answer.
+    /// Creates a result with a level and a text.
     pub fn new(level: Level, text: impl Into<String>) -> Self {
         let text = text.into();
         Self { level, text }
@@ -110,23 +110,23 @@ impl From<Table> for Block {
     }
 }
 
-/// A sentence of a source, judged from data by a stated criterion.
+/// Statement of a source, evaluated from data by a specified criterion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sentence {
-    /// What the source says.
+    /// Statement of the source.
     pub text: String,
-    /// What must be so for it to hold, with the threshold and its unit.
+    /// Criterion for the statement, with threshold and unit.
     pub criterion: String,
-    /// What the data gave.
+    /// Value from the data, in `unit`.
     pub value: f64,
     /// Unit of the value.
     pub unit: String,
-    /// Whether the criterion is met; `None`: the data leave it open.
+    /// Whether the criterion is met; `None`: inconclusive.
     pub holds: Option<bool>,
 }
 
 impl Page {
-    /// An empty page.
+    /// Creates an empty page.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -144,13 +144,17 @@ impl Page {
         self
     }
 
-    /// The file's text.
+    /// Renders the page as HTML text.
     pub fn html(&self) -> String {
         let script = tight(SCRIPT);
-        // A page lets no script run but this one.
+        // The content security policy permits only this script.
         let digest = base64(&Sha256::digest(&script));
         let style = tight(STYLE) + &page_colours();
-        let script = self.sections.iter().any(Section::moves).then_some(script);
+        let script = self
+            .sections
+            .iter()
+            .any(Section::needs_script)
+            .then_some(script);
         fill(
             "page.html",
             context! { page => Serde(self), digest, style, script },
@@ -159,28 +163,28 @@ impl Page {
 }
 
 impl Section {
-    /// Whether something in it moves: a figure, or what is unfolded before it is printed.
-    fn moves(&self) -> bool {
-        let moves = |b: &Block| matches!(b, Block::Figure(..) | Block::Folded(..));
-        self.blocks.iter().any(moves)
+    /// Whether the section needs the script: a figure, or details that are expanded for printing.
+    fn needs_script(&self) -> bool {
+        let needs_script = |b: &Block| matches!(b, Block::Figure(..) | Block::Folded(..));
+        self.blocks.iter().any(needs_script)
     }
 }
 
 impl Table {
-    /// The table as a piece of HTML.
+    /// Renders the table as an HTML fragment.
     pub fn html(&self) -> String {
         let block = context! { table => Serde(self) };
         fill("block.html", context! { block })
     }
 }
 
-/// A template filled in; whatever is not marked as safe in it is escaped.
+/// Renders a template; values not marked as safe are escaped.
 pub(crate) fn fill(template: &str, values: Value) -> String {
     static ENVIRONMENT: LazyLock<Environment<'static>> = LazyLock::new(|| {
         let mut environment = Environment::new();
         let mut syntax = SyntaxConfig::builder();
         syntax.trim_blocks(true).lstrip_blocks(true);
-        environment.set_syntax(syntax.build().expect(TESTED));
+        environment.set_syntax(syntax.build().expect(TEMPLATE_ERROR));
         environment.set_formatter(|out, _, value| {
             let text = value.to_string();
             let text = if value.is_safe() {
@@ -191,21 +195,24 @@ pub(crate) fn fill(template: &str, values: Value) -> String {
             Ok(out.write_str(&text)?)
         });
         environment.add_filter("prose", prose);
-        environment.add_filter("one_line", |text: &str| text.replace('\n', ", "));
+        environment.add_filter("one_line", |text: &str| {
+            // A unit in brackets follows its quantity without a comma.
+            text.replace("\n(", " (").replace('\n', ", ")
+        });
         environment.add_filter("unstopped", |text: &str| {
             text.trim_end_matches('.').to_owned()
         });
         environment.add_filter("rounded", |value: f64| crate::rounded(value, 3));
         for (name, text) in TEMPLATES {
-            environment.add_template(name, text).expect(TESTED);
+            environment.add_template(name, text).expect(TEMPLATE_ERROR);
         }
         environment
     });
-    let template = ENVIRONMENT.get_template(template).expect(TESTED);
-    template.render(values).expect(TESTED)
+    let template = ENVIRONMENT.get_template(template).expect(TEMPLATE_ERROR);
+    template.render(values).expect(TEMPLATE_ERROR)
 }
 
-/// Bytes as text (RFC 4648).
+/// Encodes bytes in base 64 (RFC 4648).
 fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = String::new();
@@ -225,7 +232,7 @@ fn base64(bytes: &[u8]) -> String {
     out
 }
 
-/// Code without comment lines and indentation: every page carries it.
+/// Removes comment lines and indentation, because every page contains the code.
 fn tight(code: &str) -> String {
     let lines = code.lines().map(str::trim_start);
     lines
@@ -233,7 +240,7 @@ fn tight(code: &str) -> String {
         .fold(String::new(), |text, line| text + line + "\n")
 }
 
-/// Text of the page: an option of the command stays in one line.
+/// Formats a text so that command options are not broken across lines.
 fn prose(text: &str) -> Value {
     let words = text.split(' ').map(|word| match word.starts_with("--") {
         true => format!("<span class=\"whole\">{}</span>", escape_xml(word)),
@@ -242,7 +249,7 @@ fn prose(text: &str) -> Value {
     Value::from_safe_string(words.collect::<Vec<_>>().join(" "))
 }
 
-/// A figure in a page is its picture.
-fn picture<S: serde::Serializer>(figure: &Figure, out: S) -> Result<S::Ok, S::Error> {
-    out.serialize_str(&figure.svg())
+/// Serialises a figure as two SVGs, for wide and for narrow windows.
+fn pictures<S: serde::Serializer>(figure: &Figure, out: S) -> Result<S::Ok, S::Error> {
+    figure.wide_and_narrow().serialize(out)
 }

@@ -1,23 +1,23 @@
-//! Rows and columns.
+//! Tables with rows and columns.
 
 use sinew_files::plain;
 
-/// Rows and columns.
+/// Table with rows and columns.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Table {
-    /// Line above; may be empty.
+    /// Caption above the table; may be empty.
     pub caption: String,
-    /// Heading of every column; a terminal breaks it at its line ends. Empty: a table of names and values.
+    /// Heading of each column; a terminal breaks it at its line ends. Empty: a table of names and values.
     pub head: Vec<String>,
-    /// Cells, one per column. The first of a row names it; the others are numbers to the right
-    /// when the table has a head.
+    /// Rows of cells, one cell per column. The first cell names the row; the others are right-aligned numbers if the
+    /// table has headings.
     pub rows: Vec<Vec<String>>,
-    /// Numbers of the columns of words: they stand to the left and are broken into lines.
+    /// Indices of the text columns, which are left-aligned and wrapped.
     pub worded: Vec<usize>,
 }
 
 impl Table {
-    /// A table under a heading of every column.
+    /// Creates a table with a heading for each column.
     pub fn new(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Self {
         Self {
             head: head.iter().map(ToString::to_string).collect(),
@@ -26,7 +26,7 @@ impl Table {
         }
     }
 
-    /// A table of names and values.
+    /// Creates a table of names and values.
     pub fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, String)>) -> Self {
         let rows = rows
             .into_iter()
@@ -34,7 +34,7 @@ impl Table {
         Self::new(&[], rows)
     }
 
-    /// Columns of these headings hold words: they stand to the left and are broken into lines. A heading that isn't there is none.
+    /// Marks the columns with these headings as text: left-aligned and wrapped. Unknown headings are ignored.
     #[must_use]
     pub fn worded(mut self, headings: &[&str]) -> Self {
         let worded = |name: &String| headings.contains(&name.as_str());
@@ -44,7 +44,7 @@ impl Table {
         self
     }
 
-    /// Puts a line above.
+    /// Sets the caption.
     #[must_use]
     pub fn captioned(mut self, text: impl Into<String>) -> Self {
         self.caption = text.into();
@@ -52,12 +52,12 @@ impl Table {
     }
 }
 
-/// A table that is filled column by column, with a row for each of some things.
+/// Builder of a table, column by column, with one row per item.
 ///
 /// ```
 /// let table = sinew_figure::Columns::of([("elbow", 1.5), ("wrist", 0.25)])
 ///     .words("joint", |j| j.0)
-///     .column("offset, mrad", |j| format!("{:.2}", j.1))
+///     .column("offset (mrad)", |j| format!("{:.2}", j.1))
 ///     .table();
 /// assert_eq!(table.rows[1], ["wrist", "0.25"]);
 /// ```
@@ -68,7 +68,7 @@ pub struct Columns<T> {
 }
 
 impl<T> Columns<T> {
-    /// A table without columns.
+    /// Creates a table without columns, with one row per item.
     pub fn of(things: impl IntoIterator<Item = T>) -> Self {
         let things: Vec<T> = things.into_iter().collect();
         let mut table = Table::default();
@@ -76,19 +76,19 @@ impl<T> Columns<T> {
         Self { things, table }
     }
 
-    /// Adds a column of numbers. Characters that a terminal would obey are replaced.
+    /// Adds a column of numbers. Terminal control characters are replaced.
     #[must_use]
     pub fn column<C: ToString>(self, head: impl Into<String>, cell: impl Fn(&T) -> C) -> Self {
         self.lines(head, |thing| plain(&cell(thing).to_string()))
     }
 
-    /// Adds a column of words, which stand to the left.
+    /// Adds a left-aligned text column.
     #[must_use]
     pub fn words<C: ToString>(self, head: impl Into<String>, cell: impl Fn(&T) -> C) -> Self {
         self.column(head, cell).left()
     }
 
-    /// The last column holds words.
+    /// Marks the last column as text.
     #[must_use]
     pub fn left(mut self) -> Self {
         let last = self.table.head.len().checked_sub(1);
@@ -96,7 +96,7 @@ impl<T> Columns<T> {
         self
     }
 
-    /// Adds neighbouring columns of numbers.
+    /// Adds adjacent columns of numbers.
     #[must_use]
     pub fn columns<const N: usize>(
         mut self,
@@ -110,7 +110,7 @@ impl<T> Columns<T> {
         self
     }
 
-    /// Adds a column whose cells have lines of their own; nothing in them is replaced.
+    /// Adds a column with multi-line cells; no characters are replaced.
     #[must_use]
     pub fn lines(mut self, head: impl Into<String>, cell: impl Fn(&T) -> String) -> Self {
         self.table.head.push(head.into());
@@ -120,12 +120,12 @@ impl<T> Columns<T> {
         self
     }
 
-    /// The table.
+    /// Returns the finished table.
     pub fn table(self) -> Table {
         self.table
     }
 
-    /// The table with a line above.
+    /// Returns the finished table with a caption.
     pub fn captioned(self, text: impl Into<String>) -> Table {
         self.table.captioned(text)
     }

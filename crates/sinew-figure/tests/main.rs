@@ -1,5 +1,5 @@
 //! All tests of sinew-figure in one binary: one link, one start.
 
-mod glance;
+mod notebook;
 mod page;
 mod plot;

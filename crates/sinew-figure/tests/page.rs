@@ -1,4 +1,4 @@
-//! Pages: what they carry, what they let run, what they say without eyes or colour.
+//! Pages: content, content security policy, text alternatives and icons.
 
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table};
@@ -28,24 +28,21 @@ fn drawn() -> String {
     page(vec![Block::Figure(Box::new(figure()), String::new())])
 }
 
-/// Text between two marks.
+/// Text between two markers.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
     let start = text.find(from).unwrap_or_else(|| panic!("no {from}")) + from.len();
     &text[start..start + text[start..].find(to).unwrap_or_else(|| panic!("no {to}"))]
 }
 
 #[test]
-fn a_page_lets_its_own_script_run_and_nothing_else() {
+fn page_policy_permits_only_own_script() {
     use sha2::Digest;
     let page = drawn();
     assert_eq!(page.matches("<script").count(), 1);
     let script = between(&page, "<script>", "</script>");
-    assert!(
-        script.starts_with("\"use strict\""),
-        "comments stay at home"
-    );
+    assert!(script.starts_with("\"use strict\""), "comments are removed");
     let allowed = between(&page, "script-src 'sha256-", "'");
-    // Six bits a letter.
+    // Six bits per letter.
     const LETTERS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bits: String = (allowed.trim_end_matches('=').chars())
         .map(|c| format!("{:06b}", LETTERS.find(c).expect("a letter of base 64")))
@@ -55,7 +52,7 @@ fn a_page_lets_its_own_script_run_and_nothing_else() {
     assert_eq!(bits[..256], expected);
     assert!(page.contains("default-src 'none'"));
     assert!(!script.contains("http") && !script.contains("eval("));
-    // What doesn't move needs none.
+    // A page without figures needs no script.
     assert!(!page_of_words().contains("<script"));
 }
 
@@ -64,11 +61,39 @@ fn page_of_words() -> String {
 }
 
 #[test]
-fn a_figure_says_what_is_seen() {
+fn narrow_figure_reuses_curves_of_wide_figure() {
+    let page = drawn();
+    let narrow = between(&page, "<div class=\"scroll narrow\">", "</div>");
+    assert!(narrow.contains("viewBox=\"0 0 340 "), "{narrow}");
+    let id = between(narrow, "<use href=\"#", "\"");
+    assert_eq!(page.matches(&format!(" id=\"{id}\"")).count(), 1);
+    assert!(!narrow.contains("class=\"line\""), "{narrow}");
+    let heights = |svg: &str| -> Vec<String> {
+        let boxes = svg.split("data-box=\"").skip(1);
+        let last = |text: &str| text.split(' ').nth(3).unwrap_or("").to_owned();
+        boxes.map(|rest| last(between(rest, "", "\""))).collect()
+    };
+    let wide = between(&page, "<div class=\"scroll wide\">", "</div>");
+    assert_eq!(heights(wide), heights(narrow));
+    // Panels below one another repeat the label that they shared with the panel below.
+    let panel =
+        |label| Panel::new("", label, "y").line(Line::new("", vec![0.0, 1.0], vec![0.0, 1.0]));
+    let labels = ["", "", "time (s)", "time (h)"];
+    let grid = labels.into_iter().map(panel);
+    let grid = grid.fold(Figure::new("").columns(2), Figure::panel);
+    let page = self::page(vec![Block::Figure(Box::new(grid), String::new())]);
+    let narrow = between(&page, "<div class=\"scroll narrow\">", "</div>");
+    for label in [">time (s)<", ">time (h)<"] {
+        assert_eq!(narrow.matches(label).count(), 2, "{label}");
+    }
+}
+
+#[test]
+fn figure_text_alternative_describes_curves() {
     assert_eq!(
         between(&figure().svg(), "<desc>", "</desc>"),
         "The elbow grows. offset δe (mrad), time (s) from 0.00 to 10.0: \
-         95 % spans 0.00 to 102; estimate goes from 0.00 to 100; session: 2 readings, 4.00 to 9.00. \
+         95 % spans 0.00 to 102; estimate goes from 0.00 to 100; session: 2 measurements, 4.00 to 9.00. \
          Marked: slip at 4.00."
     );
     let falls_between = Figure::new("").panel(Panel::new("", "x", "y").line(Line::new(
@@ -86,7 +111,7 @@ fn a_figure_says_what_is_seen() {
 }
 
 #[test]
-fn every_colour_of_a_figure_changes_with_the_page() {
+fn figure_colours_follow_page_theme() {
     let all = [Colour::Grey, Colour::Black]
         .into_iter()
         .chain(Colour::CYCLE);
@@ -107,7 +132,7 @@ fn every_colour_of_a_figure_changes_with_the_page() {
                 key.split('=').next().unwrap_or("")
             );
             let variable = between(&page, &rule, ")");
-            // Light, and another in the dark.
+            // One value in the light theme, another in the dark theme.
             let values: Vec<&str> = (page.split(&format!("--{variable}: ")).skip(1))
                 .map(|rest| rest.split(';').next().unwrap_or(""))
                 .collect();
@@ -120,7 +145,7 @@ fn every_colour_of_a_figure_changes_with_the_page() {
 }
 
 #[test]
-fn an_answer_shows_what_it_asks_without_its_colour() {
+fn headline_level_has_icon_besides_colour() {
     let all = [Level::Good, Level::Open, Level::Watch, Level::Alarm];
     let lines = all.map(|level| Headline::new(level, "elbow: <longer>"));
     let page = page(vec![Block::Headlines(lines.to_vec())]);
@@ -129,24 +154,24 @@ fn an_answer_shows_what_it_asks_without_its_colour() {
     assert_eq!(page.matches("elbow: &lt;longer&gt;").count(), all.len());
     signs.sort_by_key(|s| between(s, "d=\"", "\""));
     signs.dedup_by_key(|s| between(s, "d=\"", "\"").to_owned());
-    assert_eq!(signs.len(), all.len(), "each has a shape of its own");
+    assert_eq!(signs.len(), all.len(), "each level has a different icon");
 }
 
 #[test]
-fn words_stand_to_the_left_and_break_numbers_to_the_right_and_whole() {
+fn table_text_is_left_aligned_numbers_right_aligned() {
     let row = vec!["Fig. 1".into(), "a long sentence".into(), "1.5".into()];
     let table = Table::new(&["where", "sentence", "found"], vec![row]);
     let page = page(vec![table.worded(&["sentence", "verdict"]).into()]);
     for words in [
         "<th scope=\"col\" class=\"words\">sentence</th><th scope=\"col\">found</th>",
-        "<td class=\"words\">a long sentence</td><td>1.5</td>",
+        "<td data-label=\"sentence\" class=\"words\">a long sentence</td><td data-label=\"found\">1.5</td>",
     ] {
         assert!(page.contains(words), "{words}");
     }
 }
 
 #[test]
-fn what_few_want_to_read_is_folded_and_whole() {
+fn folded_block_contains_complete_content() {
     let table =
         Table::new(&["a", "b"], vec![vec!["x".into(), "1".into()]]).captioned("all of them");
     let page = page(vec![Block::Folded(
@@ -157,16 +182,16 @@ fn what_few_want_to_read_is_folded_and_whole() {
     for words in [
         "<summary>2 parameters</summary>",
         "all of them",
-        "<td>1</td>",
+        "<td data-label=\"b\">1</td>",
     ] {
         assert!(folded.contains(words), "{words}: {folded}");
     }
-    // On paper it is opened.
+    // Details are expanded for printing.
     assert!(page.contains("beforeprint") && page.contains("details-content"));
 }
 
 #[test]
-fn the_script_reads_what_the_figure_draws() {
+fn page_script_reads_figure_attributes() {
     let svg = figure().svg();
     for words in [
         "data-x=\"0 10\"",

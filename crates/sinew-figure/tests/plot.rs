@@ -1,4 +1,4 @@
-//! Figures: what is drawn, what is refused; the PNGs lie in the target folder's `tmp` for a look.
+//! Figures: drawing and errors. The PNGs are saved in the target folder's `tmp` for inspection.
 
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, PngError};
 use std::path::Path;
@@ -7,7 +7,7 @@ fn time_s(n: usize, end_s: f64) -> Vec<f64> {
     (0..n).map(|i| end_s * i as f64 / (n - 1) as f64).collect()
 }
 
-/// The paper's staircase with an offset of 10 mrad from 12 s on: three stacked panels.
+/// Staircase motion of the paper with an offset of 10 mrad from 12 s on: three stacked panels.
 fn stacked() -> Figure {
     let t = time_s(2000, 40.0);
     let q: Vec<f64> = t
@@ -65,7 +65,7 @@ fn stacked() -> Figure {
 }
 
 /// Three panels side by side with large and small numbers.
-fn beside() -> Figure {
+fn side_by_side() -> Figure {
     let t = time_s(300, 12.0);
     let wave = |a: f64, w: f64| t.iter().map(|t| a * (w * t).sin()).collect::<Vec<f64>>();
     let mut figure =
@@ -104,10 +104,10 @@ fn save(figure: &Figure, name: &str) -> Vec<u8> {
 }
 
 #[test]
-fn figures_become_png_of_the_size_asked_for() {
+fn png_has_requested_size() {
     for (figure, name, size) in [
         (stacked(), "stacked", (1440u32, 1240u32)),
-        (beside(), "beside", (2000, 640)),
+        (side_by_side(), "side_by_side", (2000, 640)),
     ] {
         let png = save(&figure, name);
         assert_eq!(&png[1..4], b"PNG");
@@ -117,17 +117,20 @@ fn figures_become_png_of_the_size_asked_for() {
 }
 
 #[test]
-fn the_png_has_words_without_any_font_on_the_machine() {
-    // The same figure without words must give other pixels: glyphs were drawn.
+fn png_has_text_without_installed_fonts() {
+    // The same figure without text must give different pixels, because glyphs are drawn.
     let with = Figure::new("offset of the elbow").size(300.0, 120.0);
     let without = Figure::new("").size(300.0, 120.0);
     assert_ne!(with.png(1.0).unwrap(), without.png(1.0).unwrap());
 }
 
 #[test]
-fn a_figure_is_the_same_every_time() {
+fn figure_output_is_deterministic() {
     assert_eq!(stacked().svg(), stacked().svg());
-    assert_eq!(beside().png(1.0).unwrap(), beside().png(1.0).unwrap());
+    assert_eq!(
+        side_by_side().png(1.0).unwrap(),
+        side_by_side().png(1.0).unwrap()
+    );
 }
 
 #[test]
@@ -147,7 +150,7 @@ fn gaps_split_lines_and_bands() {
 }
 
 #[test]
-fn words_from_files_cannot_break_the_picture() {
+fn hostile_text_is_escaped() {
     let name = "</text><script>alert('x')</script>\u{0}&\"";
     let figure = Figure::new(name).subtitle(name).panel(
         Panel::new(name, name, name)
@@ -161,8 +164,8 @@ fn words_from_files_cannot_break_the_picture() {
 }
 
 #[test]
-fn odd_data_is_drawn_without_a_panic() {
-    let odd = [
+fn degenerate_data_is_drawn_without_panic() {
+    let degenerate = [
         (vec![], vec![]),
         (vec![0.0], vec![f64::NAN]),
         (vec![f64::NAN; 3], vec![f64::NAN; 3]),
@@ -170,14 +173,14 @@ fn odd_data_is_drawn_without_a_panic() {
         (vec![0.0, 1e308], vec![-1e308, 1e308]),
         (vec![5.0, 1.0, 3.0], vec![1.0, 2.0, 3.0]),
     ];
-    for (x, y) in odd {
-        let panel = Panel::new("odd", "x", "y")
+    for (x, y) in degenerate {
+        let panel = Panel::new("degenerate", "x", "y")
             .line(Line::new("line", x.clone(), y.clone()))
             .band(Band::new("band", x, y.clone(), y))
             .event(f64::NAN, "never")
             .reference(f64::INFINITY, "nowhere")
             .span(f64::NAN, 2.0, "nowhere");
-        let figure = Figure::new("odd").panel(panel);
+        let figure = Figure::new("degenerate").panel(panel);
         assert!(!figure.svg().contains("NaN"));
         figure.png(1.0).expect("drawn");
     }
@@ -187,7 +190,7 @@ fn odd_data_is_drawn_without_a_panic() {
 }
 
 #[test]
-fn very_many_points_stay_a_small_picture_that_keeps_the_spikes() {
+fn long_series_is_reduced_and_keeps_extremes() {
     let t = time_s(400_000, 1000.0);
     let y: Vec<f64> = (0..t.len())
         .map(|i| {
@@ -212,7 +215,7 @@ fn very_many_points_stay_a_small_picture_that_keeps_the_spikes() {
 }
 
 #[test]
-fn a_png_of_impossible_size_is_refused() {
+fn png_of_invalid_size_returns_error() {
     for scale in [0.0, -1.0, f64::NAN, 1e6] {
         let error = stacked().png(scale).unwrap_err();
         assert!(matches!(error, PngError::Size { .. }), "{scale}");
@@ -221,7 +224,7 @@ fn a_png_of_impossible_size_is_refused() {
 }
 
 #[test]
-fn a_figure_is_written_as_its_name_says() {
+fn figure_format_follows_file_extension() {
     let folder = std::env::temp_dir().join(format!("sinew-figure-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let read = |name: &str| {

@@ -13,14 +13,15 @@ const BUFFER_BYTES: usize = 256 << 10;
 /// Links that lead to links, followed at most: as many as Linux follows.
 const LINKS_MOST: usize = 40;
 
-/// What files of this process took the place of.
+/// Files that outputs of this process have replaced.
 static REPLACED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// A file that appears under its name only when it is finished.
 ///
-/// Written as a [`Temporary`] file in the folder of its target. Dropped unfinished, nothing stays, and an
-/// older file of the name is untouched. A link is followed: its target is replaced, the link stays.
-/// `-`, a pipe and a device are written through: what was written can't be taken back.
+/// Written as a [`Temporary`] file in the folder of its target. If it is dropped before it is finished,
+/// no file is created and an existing file of that name is unchanged. A symbolic link is followed: its
+/// target is replaced and the link is kept. `-`, pipes and devices are written directly, so that output
+/// already written cannot be undone.
 #[derive(Debug)]
 pub struct AtomicFile {
     // Before `place`: the file is closed before it is removed.
@@ -31,23 +32,23 @@ pub struct AtomicFile {
     written: u64,
 }
 
-/// Why an output file was not written.
+/// Error of writing an output file.
 #[derive(Debug, thiserror::Error)]
-#[error("can't write {path}: {source}", path = path.display())]
+#[error("cannot write {path}: {source}", path = path.display())]
 pub struct OutputError {
-    /// The file asked for.
+    /// Path of the requested output.
     pub path: PathBuf,
-    /// What the system says.
+    /// Error reported by the operating system.
     pub source: std::io::Error,
 }
 
-/// Where the bytes of an output go.
+/// Destination of the bytes of an output.
 enum Destination {
-    /// `-`, `/dev/stdout`.
+    /// Standard output: `-` or `/dev/stdout`.
     Stdout,
-    /// A pipe, a device, or a file this process was given open.
+    /// A pipe, a device, or a file that this process inherited open.
     Through,
-    /// A file, there or not, behind all links.
+    /// Path of the file after all links are resolved; the file may be missing.
     Whole(PathBuf),
 }
 
@@ -82,7 +83,7 @@ impl Destination {
     }
 }
 
-/// Whether an output is asked for on stdout.
+/// Whether the path names standard output.
 pub fn is_stdout(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].contains(&path.to_str().unwrap_or(""))
 }
@@ -95,19 +96,19 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// What files of this process took the place of, since the last call.
+/// Returns the files that this process has replaced since the last call.
 pub fn take_replaced() -> BTreeSet<PathBuf> {
     let mut replaced = REPLACED.lock().unwrap_or_else(PoisonError::into_inner);
     std::mem::take(&mut *replaced)
 }
 
 impl AtomicFile {
-    /// Starts a file.
+    /// Creates a file.
     ///
     /// # Errors
-    /// [`OutputError`] where the system refuses, such as in a folder that isn't there.
+    /// Returns an [`OutputError`] if the system reports an error, e.g. for a missing folder.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
-        let opened = || -> IoResult<(File, Option<(Temporary, PathBuf)>)> {
+        let destination = || -> IoResult<(File, Option<(Temporary, PathBuf)>)> {
             Ok(match Destination::of(path)? {
                 Destination::Stdout => (stdout_file()?, None),
                 Destination::Through => (OpenOptions::new().append(true).open(path)?, None),
@@ -118,7 +119,7 @@ impl AtomicFile {
                 }
             })
         };
-        let (file, place) = opened().map_err(|source| OutputError {
+        let (file, place) = destination().map_err(|source| OutputError {
             path: path.to_path_buf(),
             source,
         })?;
@@ -135,7 +136,7 @@ impl AtomicFile {
         &self.path
     }
 
-    /// Whether what was written can still be changed: not in a pipe.
+    /// Whether written data can still be changed, which is not possible in a pipe.
     pub fn can_seek(&self) -> bool {
         self.place.is_some()
     }
@@ -143,7 +144,7 @@ impl AtomicFile {
     /// Writes all of `bytes`.
     ///
     /// # Errors
-    /// [`OutputError`] where the system refuses.
+    /// Returns an [`OutputError`] if the operating system reports an error.
     pub fn append(&mut self, bytes: &[u8]) -> Result<(), OutputError> {
         let result = self.write_all(bytes);
         result.map_err(|error| self.error(error))
@@ -157,10 +158,10 @@ impl AtomicFile {
         }
     }
 
-    /// Waits until all that was written is on the disk: what can fail then is the name alone.
+    /// Waits until all written data is on the disk; afterwards only the renaming of the file can fail.
     ///
     /// # Errors
-    /// [`OutputError`] where the system refuses.
+    /// Returns an [`OutputError`] if the operating system reports an error.
     pub fn sync(&mut self) -> Result<(), OutputError> {
         let done = self.writer.flush();
         let done = done.and_then(|()| match self.can_seek() {
@@ -170,10 +171,11 @@ impl AtomicFile {
         done.map_err(|error| self.error(error))
     }
 
-    /// Puts the file in its place, once its bytes are on the disk; the disk then knows its name too.
+    /// Moves the file to its final name after its data is on the disk, and synchronises the name.
     ///
     /// # Errors
-    /// [`OutputError`] where the system refuses; no part of the file stays.
+    /// Returns an [`OutputError`] if the operating system reports an error; no part of the file
+    /// remains.
     pub fn finish(mut self) -> Result<(), OutputError> {
         self.settle().map_err(|error| self.error(error))
     }
@@ -184,7 +186,7 @@ impl AtomicFile {
             return Ok(());
         };
         if let Ok(old) = std::fs::metadata(&target) {
-            // Who may read it stays as it was, where the file system knows of that.
+            // The permissions of the old file are kept where the file system supports them.
             let _unknown = self.writer.get_ref().set_permissions(old.permissions());
         }
         self.writer.get_ref().sync_all()?;
@@ -196,7 +198,7 @@ impl AtomicFile {
     }
 }
 
-/// Stdout as a file: what is written passes no second buffer.
+/// Returns stdout as a file without a second buffer.
 fn stdout_file() -> IoResult<File> {
     let stdout = std::io::stdout();
     #[cfg(unix)]
@@ -206,10 +208,10 @@ fn stdout_file() -> IoResult<File> {
     handle.map(File::from)
 }
 
-/// Makes the disk keep the names in a folder, where the system lets a folder be opened for it.
+/// Synchronises the names in a folder to the disk, if the operating system supports this.
 fn sync_folder(folder: &Path) -> IoResult<()> {
     match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // A failing disk is an error; a file system that can't do it is none.
+        // A disk fault is an error; a file system without this operation is not.
         Err(error) if error.raw_os_error() == Some(5) => Err(error),
         _ => Ok(()),
     }
@@ -230,17 +232,18 @@ impl Write for AtomicFile {
 impl Seek for AtomicFile {
     fn seek(&mut self, to: SeekFrom) -> IoResult<u64> {
         match to {
-            // A pipe knows how much went through it.
+            // The position of a pipe is the number of bytes written.
             SeekFrom::Current(0) if !self.can_seek() => Ok(self.written),
             _ => self.writer.seek(to),
         }
     }
 }
 
-/// Writes a whole text or image at once.
+/// Writes a complete text or image.
 ///
 /// # Errors
-/// [`OutputError`] where the system refuses; an older file of the name is then untouched.
+/// Returns an [`OutputError`] if the operating system reports an error; an existing file of the name is
+/// then unchanged.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let mut file = AtomicFile::create(path)?;
     file.append(bytes)?;
@@ -252,7 +255,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_whole_or_not_there() {
+    fn file_is_complete_or_absent() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         let count = || std::fs::read_dir(folder.path()).unwrap().count();

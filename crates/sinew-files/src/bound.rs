@@ -1,14 +1,14 @@
-//! What a number may be, and the unit its key ends in.
+//! Bounds of numbers, and the units that end their keys.
 
-/// Temperatures that robots work at, °C: what is beyond is another unit or a fault of the sensor.
+/// Operating temperatures of robots, °C; a value outside this range indicates another unit or a sensor fault.
 pub const WORKS_AT_C: [f64; 2] = [-60.0, 150.0];
 
-/// What a number may be.
+/// Permitted range of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
     /// Any finite number.
     Any,
-    /// Above 0.
+    /// Values above 0.
     Positive,
     /// At least 0.
     NotNegative,
@@ -31,7 +31,7 @@ impl Bound {
             }
     }
 
-    /// What a number that is refused must be: `above 0 N·m`.
+    /// Returns the requirement for an error message, e.g. `above 0 N·m`.
     #[cfg(any(feature = "toml", feature = "csv"))]
     pub(crate) fn must(self, unit: &str) -> String {
         let text: std::borrow::Cow<'_, str> = match self {

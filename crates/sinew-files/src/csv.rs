@@ -1,5 +1,5 @@
-//! Delimited text in every common dialect: `,`, `;` or tab; a decimal comma where the comma doesn't
-//! part cells; any [`Encoding`](crate::text::Encoding).
+//! Delimited text in every common dialect: `,`, `;` or tab; a decimal comma if the comma does not
+//! separate cells; any [`Encoding`](crate::text::Encoding).
 
 use crate::bound::{Bound, unit_of};
 use crate::located::{Fault, Fields, Located};
@@ -13,7 +13,7 @@ const LOOK_LINES: usize = 40;
 /// How cells are parted and numbers written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dialect {
-    /// What parts cells.
+    /// Separator of the cells.
     pub delimiter: u8,
     /// Whether a comma may be a decimal sign.
     pub decimal_comma: bool,
@@ -60,10 +60,10 @@ impl Dialect {
         })
     }
 
-    /// A cell as a number: `None` when it is none, `Some(None)` when it is empty.
+    /// Parses a cell as a number: `None` if it is not a number, `Some(None)` if it is empty.
     ///
-    /// Takes what writers write: `nan`, `inf`, `1e-3`, words for "nothing was measured" (NaN); and a
-    /// decimal comma where the dialect has one.
+    /// Accepts the spellings of common programs: `nan`, `inf`, `1e-3`, words for a missing value (NaN), and a decimal
+    /// comma if the dialect has one.
     #[inline]
     pub fn number(self, cell: &[u8]) -> Option<Option<f64>> {
         let cell = cell.trim_ascii();
@@ -97,7 +97,7 @@ fn line_of(row: &StringRecord, text: &str) -> u64 {
     line + skipped.filter(|b| *b == b'\n').count() as u64
 }
 
-/// How often a delimiter stands outside quotes.
+/// Counts the delimiters outside quotes.
 fn count(line: &[u8], delimiter: u8) -> usize {
     let mut quoted = false;
     line.iter()
@@ -121,7 +121,7 @@ impl Table {
     /// Reads a file within its limit.
     ///
     /// # Errors
-    /// As [`read_text`](crate::read_text) and [`Table::parse`].
+    /// Returns the errors of [`read_text`](crate::read_text) and [`Table::parse`].
     pub fn read(path: &Path, limit: &crate::Limit) -> Result<Self, Located> {
         let text = crate::read_text(path, limit)?;
         Self::parse(&text, &path.display().to_string())
@@ -130,7 +130,7 @@ impl Table {
     /// Reads a text; `file` is its name for messages.
     ///
     /// # Errors
-    /// [`Fault::Syntax`] with the line, for a row with more cells than the header has too.
+    /// Returns [`Fault::Syntax`] with the line, for a row with more cells than the header has too.
     pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let header = text
@@ -173,17 +173,17 @@ impl Table {
         })
     }
 
-    /// Place of a column, whatever its case.
+    /// Index of a column by its name, ignoring case.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.headers
             .iter()
             .position(|header| header.eq_ignore_ascii_case(name))
     }
 
-    /// Refuses a table without one of these columns.
+    /// Checks that the table has these columns.
     ///
     /// # Errors
-    /// [`Fault::MissingKey`] with the columns needed and found.
+    /// Returns [`Fault::MissingKey`] with the columns needed and found.
     pub fn need(&self, columns: &[&str]) -> Result<(), Located> {
         match columns.iter().find(|name| self.column(name).is_none()) {
             None => Ok(()),
@@ -196,17 +196,17 @@ impl Table {
         }
     }
 
-    /// Refuses a table with any other column.
+    /// Checks that the table has no other columns.
     ///
     /// # Errors
-    /// [`Fault::UnknownKey`] with the nearest name and all there are.
+    /// Returns [`Fault::UnknownKey`] with the nearest name and all there are.
     pub fn only(&self, columns: &[&str]) -> Result<(), Located> {
-        let known = |header: &&String| columns.iter().any(|c| c.eq_ignore_ascii_case(header));
-        match self.headers.iter().find(|header| !known(header)) {
+        let permitted = |header: &&String| columns.iter().any(|c| c.eq_ignore_ascii_case(header));
+        match self.headers.iter().find(|header| !permitted(header)) {
             None => Ok(()),
             Some(stranger) => {
                 let hint = names::hint(stranger, columns);
-                let problem = format!("unknown column '{stranger}'{hint} known are");
+                let problem = format!("unknown column '{stranger}'{hint} valid columns:");
                 let problem = format!("{problem} {}", columns.join(", "));
                 Err(Located::new(&self.file, Fault::UnknownKey, problem))
             }
@@ -218,7 +218,7 @@ impl Table {
         &self.headers
     }
 
-    /// Its rows.
+    /// Iterates over the rows of the table.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|(line, cells)| Row {
             table: self,
@@ -242,25 +242,25 @@ impl<'t> Row<'t> {
         self.line
     }
 
-    /// What stands in a column, unless it is empty or not there.
+    /// Returns the text of a column, or `None` if the column is missing or the cell empty.
     pub fn text(&self, column: &str) -> Option<&'t str> {
         let cell = self.cells.get(self.table.column(column)?)?;
         (!cell.is_empty()).then_some(cell)
     }
 
-    /// What stands in a column.
+    /// Returns the text of a column.
     ///
     /// # Errors
-    /// It is empty.
+    /// Returns an error if the cell is empty or missing.
     pub fn need_text(&self, column: &'static str) -> Result<&'t str, Located> {
         self.text(column)
-            .ok_or_else(|| self.missing(column, "every row has one"))
+            .ok_or_else(|| self.missing(column, "required in every row"))
     }
 
     /// The finite number in a column, counted from 0; `None` where the cell is empty or not there.
     ///
     /// # Errors
-    /// [`Fault::NotAllowed`] with line, column and cell where it is no finite number.
+    /// Returns [`Fault::NotAllowed`] with line, column and cell where it is no finite number.
     pub fn number_at(&self, column: usize) -> Result<Option<f64>, Located> {
         let cell = self.cells.get(column).unwrap_or_default();
         match self.table.dialect.number(cell.as_bytes()) {
@@ -300,22 +300,22 @@ impl Fields for Row<'_> {
         match self.table.dialect.number(cell.as_bytes()) {
             Some(Some(v)) if bound.allows(v) => Ok(Some(v)),
             Some(None) => Ok(None),
-            Some(Some(v)) if v.is_finite() => Err(self.refuse(key, &bound.must(unit_of(key)))),
+            Some(Some(v)) if v.is_finite() => Err(self.invalid(key, &bound.must(unit_of(key)))),
             _ => Err(self
                 .fault(key, cell, "is not a finite number")
                 .cure("leave it empty where nothing is known")),
         }
     }
 
-    fn refuse(&self, key: &'static str, must: &str) -> Located {
+    fn invalid(&self, key: &'static str, must: &str) -> Located {
         match self.text(key) {
             None => self.missing(key, must),
             Some(cell) => self.fault(key, cell, &format!("must be {must}")),
         }
     }
 
-    fn missing(&self, key: &'static str, why: &str) -> Located {
-        self.here(Fault::MissingKey, format!("'{key}' is empty: {why}"))
+    fn missing(&self, key: &'static str, reason: &str) -> Located {
+        self.here(Fault::MissingKey, format!("'{key}' is empty: {reason}"))
     }
 }
 
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_numbers_nothing_or_refused() {
+    fn csv_cell_is_number_empty_or_error() {
         let comma = Dialect::of_header(b"a,b");
         let semicolon = Dialect::of_header(b"a;b");
         assert_eq!(comma.number(b"  "), Some(None));
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn the_delimiter_is_found_under_a_head_of_names() {
+    fn csv_delimiter_detected_below_header_lines() {
         let german = "Probe;A1\nL0;350;mm\n\nZeit;Kraft\ns;N\n0,5;1,5\n1,0;1,5\n";
         assert_eq!(Dialect::of_lines(german).delimiter, b';');
         assert_eq!(Dialect::of_lines("t,f\n1,2\n3,4\n").delimiter, b',');

@@ -1,14 +1,14 @@
 //! Days and times of day in UTC, in the Gregorian calendar.
 //!
-//! Three small functions (H. Hinnant, "chrono-compatible low-level date algorithms") instead of a
-//! library of 96,000 lines: nothing here knows time zones or arithmetic with months.
+//! Three small functions (H. Hinnant, "chrono-compatible low-level date algorithms") instead of a library of 96,000
+//! lines: time zones and arithmetic with months are not needed.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Seconds of a day.
 pub const DAY_S: f64 = 86_400.0;
-/// 2000-01-01 and 2200-01-01, s since 1970: what can be the date of a session. Earlier stamps count
-/// from a boot or from a recording's start.
+/// 2000-01-01 and 2200-01-01, s since 1970: range of plausible dates of a session. Earlier time stamps count from the
+/// start of the computer or of the recording.
 pub const PLAUSIBLE_S: std::ops::Range<f64> = 946_684_800.0..7_258_118_400.0;
 
 /// Days from 1970-01-01; `None` where the calendar has no such day.
@@ -49,13 +49,13 @@ pub fn civil(days: i64) -> (i64, i64, i64) {
     (year, month, of_year - (153 * shifted + 2) / 5 + 1)
 }
 
-/// `2026-03-01`.
+/// Formats a day as in `2026-03-01`.
 fn day_text(days: i64) -> String {
     let (year, month, day) = civil(days);
     format!("{year:04}-{month:02}-{day:02}")
 }
 
-/// Day of a time, s since 1970: `2026-03-01`; `–` for what is no date of a session.
+/// Formats the day of a time, s since 1970, such as `2026-03-01`; `–` if the time is not a plausible date of a session.
 pub fn day_of(utc_s: f64) -> String {
     if PLAUSIBLE_S.contains(&utc_s) {
         day_text((utc_s / DAY_S).floor() as i64)
@@ -110,7 +110,7 @@ fn parse_civil(text: &str) -> Option<f64> {
     Some(days as f64 * DAY_S + of_day)
 }
 
-/// `08:30`, `08:30:05.25`, each with `Z` or `+01:00` behind.
+/// Parses `08:30` or `08:30:05.25`, each followed by `Z` or `+01:00`.
 fn clock_s(text: &str) -> Option<f64> {
     let (clock, zone_s) = match text.trim_end().strip_suffix(['Z', 'z']) {
         Some(clock) => (clock, 0.0),

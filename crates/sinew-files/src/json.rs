@@ -1,17 +1,17 @@
-//! A result as a JSON document that says by which schema to read it.
+//! Results as JSON documents that name their schema.
 
 use serde::Serialize;
 
-/// What a command prints as JSON: SI values, units in the keys.
+/// JSON document that a command prints: SI values, units in the keys.
 pub trait JsonDocument: Serialize {
-    /// Name and number of the schema, such as `sinew/estimate/1`. The number rises when a key goes
-    /// or changes its meaning; a new key does not raise it. `docs/schema/` has the schemas.
+    /// Name and number of the schema, such as `sinew/estimate/2`. The number increases if a key is removed or changes
+    /// its meaning; a new key does not change it. `docs/schema/` contains the schemas.
     const SCHEMA: &'static str;
 
-    /// The document as indented JSON with a line end, its key `schema` first.
+    /// Formats the document as indented JSON with a line end, its key `schema` first.
     ///
     /// # Errors
-    /// A key of a map that JSON can't hold.
+    /// Returns an error for a map key that JSON cannot represent.
     fn to_json(&self) -> Result<String, serde_json::Error> {
         #[derive(Serialize)]
         struct Named<'a, D: ?Sized> {
@@ -25,6 +25,13 @@ pub trait JsonDocument: Serialize {
         };
         Ok(serde_json::to_string_pretty(&named)? + "\n")
     }
+}
+
+/// Returns the `kind` of an internally tagged value in JSON, such as `few-poses`; empty without one.
+pub fn json_kind<T: Serialize>(value: &T) -> String {
+    let json = serde_json::to_value(value).ok();
+    let kind = json.as_ref().and_then(|json| json.get("kind")?.as_str());
+    kind.unwrap_or_default().to_owned()
 }
 
 #[cfg(test)]
@@ -41,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn the_schema_stands_first() {
+    fn json_schema_is_first_key() {
         let text = Length { length_m: 0.1 }.to_json().unwrap();
         assert_eq!(
             text,

@@ -1,18 +1,19 @@
-//! Text in, files out: what every reader and writer of Sinew shares. No physics, no format of ours.
+//! Text in, files out: functions shared by all readers and writers of Sinew. Contains no physics
+//! and no format of Sinew.
 //!
-//! * [`located`]: the one error of a text file: file, line, key or column, value, unit, cure;
+//! * [`located`]: the common error of text files: file, line, key or column, value, unit, cure;
 //! * [`text`]: bytes as text, in the encodings instruments and spreadsheets write;
 //! * [`section`]: a TOML table read key by key (feature `toml`);
 //! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
-//! * [`bound`]: what a number may be, and the unit its key ends in;
-//! * [`limits`]: what is read and simulated at most;
+//! * [`bound`]: permitted ranges of numbers, and the units that end their keys;
+//! * [`limits`]: maximum sizes of inputs and simulations;
 //! * [`mod@unit`]: units that a file may name, as factors to SI;
-//! * [`names`]: the name somebody may have meant;
-//! * [`number`]: numbers as a reader wants them;
+//! * [`names`]: suggestions for misspelt names;
+//! * [`number`]: formatting of numbers;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
 //! * [`date`]: days and times of day, UTC;
-//! * [`atomic`]: output files that are whole or not there;
-//! * [`temporary`]: files that nobody else writes, gone unless they get a name.
+//! * [`atomic`]: output files that are complete or absent;
+//! * [`temporary`]: temporary files with an exclusive writer, deleted unless they are given a name.
 
 pub mod atomic;
 pub mod bound;
@@ -36,7 +37,7 @@ mod utf16;
 pub use atomic::{AtomicFile, OutputError, folder_of, is_stdout, take_replaced, write_file};
 pub use bound::{Bound, WORKS_AT_C};
 #[cfg(feature = "json")]
-pub use json::JsonDocument;
+pub use json::{JsonDocument, json_kind};
 pub use limits::Limit;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]

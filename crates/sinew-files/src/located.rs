@@ -4,10 +4,10 @@ use crate::Bound;
 use std::fmt;
 use std::ops::Deref;
 
-/// What is wrong at one place of a file, and what to do.
+/// Problem at one location of a file, with its remedy.
 ///
-/// Read as one line: `robot.toml, line 6: joints.elbow.stiffness_nm_per_rad = -4 (N·m/rad): must be
-/// above 0 N·m/rad`.
+/// Displayed as one line: `robot.toml, line 6: joints.elbow.stiffness_nm_per_rad = -4 (N·m/rad):
+/// must be above 0 N·m/rad`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located(Box<Details>);
 
@@ -22,17 +22,17 @@ pub struct Details {
     pub place: Place,
     /// Value found, as written.
     pub value: Option<String>,
-    /// Its unit.
+    /// Unit of the value.
     pub unit: Option<&'static str>,
-    /// What kind of fault it is.
+    /// Kind of the problem.
     pub fault: Fault,
-    /// What is wrong, or what it must be.
+    /// Description of the problem, or the requirement on the value.
     pub problem: String,
-    /// What to do.
+    /// Remedy, if there is one.
     pub cure: Option<String>,
 }
 
-/// Where in a file.
+/// Location in a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Place {
     /// Nowhere in particular.
@@ -50,21 +50,21 @@ pub enum Place {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The system can't read the file.
+    /// The system cannot read the file.
     Unreadable,
     /// More bytes or entries than such a file has.
     TooLarge,
     /// No text, or not in the file's language.
     Syntax,
-    /// A key or column that means nothing here.
+    /// Unknown key or column.
     UnknownKey,
     /// A key or column that is needed.
     MissingKey,
-    /// Of another type than needed: text for a number.
+    /// Wrong type, such as a text instead of a number.
     WrongType,
-    /// Outside what the quantity allows, or none of the words there are.
+    /// Value outside the permitted range, or not one of the permitted words.
     NotAllowed,
-    /// A name of something that isn't there: joint, link, source.
+    /// Name of a missing joint, link or source.
     UnknownName,
     /// Two values that exclude each other.
     Contradiction,
@@ -127,7 +127,7 @@ impl Located {
         self
     }
 
-    /// With what to do.
+    /// Adds the remedy.
     #[must_use]
     pub fn cure(mut self, cure: impl Into<String>) -> Self {
         self.0.cure = Some(cure.into());
@@ -172,31 +172,32 @@ impl fmt::Display for Located {
 
 /// A place with named values: a section of a TOML file, a row of a table.
 pub trait Fields {
-    /// A number, if there is one of that name.
+    /// Returns the number at `key`, if there is one.
     ///
     /// # Errors
-    /// What stands there is no number, or not within the bound.
+    /// Returns an error if the value is not a number or outside the bound.
     fn number(&self, key: &'static str, bound: Bound) -> Result<Option<f64>, Located>;
 
-    /// Refuses what stands at `key`, with what it must be; as missing where nothing does.
-    fn refuse(&self, key: &'static str, must: &str) -> Located;
+    /// Returns the error for the value at `key`, with the requirement; a missing-key error if there
+    /// is no value.
+    fn invalid(&self, key: &'static str, must: &str) -> Located;
 
-    /// Refuses the place for lack of `key`, with what it is for.
-    fn missing(&self, key: &'static str, why: &str) -> Located;
+    /// Returns the error for the missing key `key`, with its purpose.
+    fn missing(&self, key: &'static str, reason: &str) -> Located;
 
     /// A number that has to be there.
     ///
     /// # Errors
-    /// As [`Fields::number`], and [`Fields::missing`] with `why`.
-    fn need(&self, key: &'static str, bound: Bound, why: &str) -> Result<f64, Located> {
+    /// Returns the errors of [`Fields::number`], and [`Fields::missing`] with `why`.
+    fn need(&self, key: &'static str, bound: Bound, reason: &str) -> Result<f64, Located> {
         self.number(key, bound)?
-            .ok_or_else(|| self.missing(key, why))
+            .ok_or_else(|| self.missing(key, reason))
     }
 
     /// A number, or `plain` where there is none.
     ///
     /// # Errors
-    /// As [`Fields::number`].
+    /// Returns the errors of [`Fields::number`].
     fn number_or(&self, key: &'static str, bound: Bound, plain: f64) -> Result<f64, Located> {
         Ok(self.number(key, bound)?.unwrap_or(plain))
     }

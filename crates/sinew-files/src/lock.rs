@@ -1,4 +1,4 @@
-//! One run at a time on a file that stopped runs go on with.
+//! Lock of a file from which stopped runs resume: one run at a time.
 
 use std::fs::{File, TryLockError};
 
@@ -6,8 +6,8 @@ use std::fs::{File, TryLockError};
 /// other's work.
 ///
 /// # Errors
-/// Who holds it: `process 4711, since 2026-03-01 08:30:05 UTC`, or `another process` where the system
-/// doesn't tell.
+/// Returns the holder of the lock: `process 4711, since 2026-03-01 08:30:05 UTC`, or `another
+/// process` if the system does not report it.
 pub fn lock(file: &File) -> Result<(), String> {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(holder(file).unwrap_or("another process".into())),
@@ -46,9 +46,9 @@ fn holder(file: &File) -> Option<String> {
 fn started_ns(process: &str) -> Option<i64> {
     use std::fs::read_to_string;
 
-    /// Of all architectures that Linux tells times of processes on.
+    /// Clock ticks per second in the process times of Linux, identical on all architectures.
     const TICKS_PER_S: i64 = 100;
-    /// Words of `stat` behind the name, which may hold spaces, before the start.
+    /// Number of fields of `stat` between the name, which may contain spaces, and the start time.
     const BEFORE: usize = 19;
     let stat = read_to_string(format!("/proc/{process}/stat")).ok()?;
     let (_, words) = stat.rsplit_once(')')?;
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_holds_a_file_is_told() {
+    fn lock_error_names_holder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         let first = File::create(&path).unwrap();

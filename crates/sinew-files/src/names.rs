@@ -1,23 +1,24 @@
-//! Names: the one somebody may have meant, those there are, their order.
+//! Names: suggestions for misspelt names, lists of existing names, and their order.
 
-/// Most names compared, and most characters of each: they may come from a damaged file.
+/// Maximum number of names compared, and maximum characters of each: they may come from a damaged
+/// file.
 const NAMES: usize = 1024;
 const CHARACTERS: usize = 128;
-/// Most names listed in a message.
+/// Maximum number of names listed in a message.
 const LISTED: usize = 24;
 
-/// The known name nearest to `wanted`, when it is close enough to be a slip of the pen.
+/// Returns the existing name nearest to `wanted` if it is close enough to be a misspelling.
 ///
-/// Closeness: letters put in, taken out or changed (Levenshtein), ignoring case; at most a third of
-/// the name, or two.
-pub fn nearest<'a, S: AsRef<str>>(wanted: &str, known: &'a [S]) -> Option<&'a str> {
+/// Distance: characters inserted, removed or replaced (Levenshtein), ignoring case; at most a third
+/// of the name, or two.
+pub fn nearest<'a, S: AsRef<str>>(wanted: &str, names: &'a [S]) -> Option<&'a str> {
     let plain = |name: &str| -> String {
         let head = name.chars().take(CHARACTERS);
         head.flat_map(char::to_lowercase).collect()
     };
     let limit = (wanted.chars().count() / 3).max(2);
     let wanted = plain(wanted);
-    known
+    names
         .iter()
         .take(NAMES)
         .map(|name| {
@@ -29,18 +30,18 @@ pub fn nearest<'a, S: AsRef<str>>(wanted: &str, known: &'a [S]) -> Option<&'a st
         .map(|(_, name)| name)
 }
 
-/// `; did you mean 'elbow'?`, or just the semicolon: what goes between a name that isn't there and
-/// those that are.
-pub fn hint<S: AsRef<str>>(wanted: &str, known: &[S]) -> String {
-    match did_you_mean(wanted, known) {
+/// Returns `; did you mean 'elbow'?`, or only the semicolon: the text between a missing name and
+/// the list of existing names.
+pub fn hint<S: AsRef<str>>(wanted: &str, names: &[S]) -> String {
+    match did_you_mean(wanted, names) {
         hint if hint.is_empty() => ";".to_owned(),
         hint => hint,
     }
 }
 
-/// `; did you mean 'elbow'?`, or nothing: the end of a message about a name that isn't there.
-pub fn did_you_mean<S: AsRef<str>>(wanted: &str, known: &[S]) -> String {
-    let meant = nearest(wanted, known);
+/// Returns `; did you mean 'elbow'?`, or an empty text: the end of a message about a missing name.
+pub fn did_you_mean<S: AsRef<str>>(wanted: &str, names: &[S]) -> String {
+    let meant = nearest(wanted, names);
     meant.map_or(String::new(), |name| format!("; did you mean '{name}'?"))
 }
 
@@ -58,7 +59,7 @@ pub fn list<S: AsRef<str>>(names: &[S]) -> String {
     }
 }
 
-/// At most `limit` characters of a text that came from a file.
+/// Returns at most `limit` characters of a text from a file.
 pub fn shorten(text: &str, limit: usize) -> String {
     if text.chars().count() <= limit {
         return text.to_owned();
@@ -68,7 +69,7 @@ pub fn shorten(text: &str, limit: usize) -> String {
     short
 }
 
-/// A key by which `run_9` comes before `run_10`.
+/// Returns a sort key that places `run_9` before `run_10`.
 pub fn natural_key(name: &str) -> Vec<(u64, String)> {
     let mut key = vec![(0_u64, String::new())];
     for c in name.chars() {
@@ -99,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_of_the_pen_finds_its_name_and_a_stranger_does_not() {
+    fn nearest_misspelling_matches_other_name_does_not() {
         let known = ["shoulder_pitch", "elbow", "wrist"];
         assert_eq!(nearest("elbwo", &known), Some("elbow"));
         assert_eq!(nearest("elbo", &known), Some("elbow"));

@@ -1,12 +1,12 @@
-//! Numbers as a reader wants them: two digits of what is uncertain, none of what is not known.
+//! Formatting of numbers: two digits of the uncertainty, a placeholder for missing values.
 
-/// Most decimals shown: below a tenth of a microradian (in mrad) nothing here is known.
+/// Maximum number of decimals: results are not more accurate than 0.1 µrad (in mrad).
 const MOST_DECIMALS: i32 = 4;
 
 /// Standard deviations on either side of a mean that hold 95 % of a normal distribution, as intervals are stated.
 pub const Z95: f64 = 1.96;
 
-/// Stands where there is no number.
+/// Placeholder for a missing number.
 const NONE: &str = "–";
 
 /// Decimals that show `digits` significant digits of `size`, 0 to 4.
@@ -35,8 +35,8 @@ pub fn rounded(value: f64, digits: u8) -> String {
     fixed(value, decimals(value, i32::from(digits)))
 }
 
-/// A value with half its 95 % interval to two digits: `10.02 ± 0.26` for a standard error of 0.13; three
-/// digits without one. Whatever stands behind a ± in Sinew is 95 %.
+/// Formats a value with the half-width of its 95 % interval to two digits: `10.02 ± 0.26` for a standard error of
+/// 0.13; three digits without an interval. Every number after ± in Sinew is the half-width of a 95 % interval.
 pub fn with_interval(value: f64, standard_error: f64) -> String {
     let [value, half] = interval_cells(value, standard_error);
     match half.as_str() {
@@ -45,7 +45,7 @@ pub fn with_interval(value: f64, standard_error: f64) -> String {
     }
 }
 
-/// The same in two cells of a table, the value with as many decimals as half its interval; `–` for what there is not.
+/// Formats value and half-width as two cells of a table with equal numbers of decimals; `–` for a missing value.
 pub fn interval_cells(value: f64, standard_error: f64) -> [String; 2] {
     if !value.is_finite() {
         return [NONE.into(), NONE.into()];
@@ -107,6 +107,21 @@ pub fn share(share: f64) -> String {
     }
 }
 
+/// Smallest probability that is printed as a number; below it, and above its complement, a bound is printed.
+const MIN_PROBABILITY: f64 = 0.001;
+
+/// Formats a probability: two decimals, three near 0 and 1, `< 0.001` and `> 0.999` beyond; never 0 or 1.
+pub fn probability(probability: f64) -> String {
+    match probability {
+        p if !p.is_finite() => NONE.into(),
+        p if p < MIN_PROBABILITY => format!("< {MIN_PROBABILITY}"),
+        p if p > 1.0 - MIN_PROBABILITY => format!("> {}", 1.0 - MIN_PROBABILITY),
+        // Two decimals would round to 0 or 1.
+        p if !(0.005..0.995).contains(&p) => format!("{p:.3}"),
+        p => format!("{p:.2}"),
+    }
+}
+
 /// Seconds in words of a fitting unit.
 pub fn duration(seconds: f64) -> String {
     match seconds {
@@ -122,7 +137,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_shows_two_digits_of_its_interval() {
+    fn probability_never_prints_zero_or_one() {
+        for (p, text) in [
+            (0.0, "< 0.001"),
+            (0.0042, "0.004"),
+            (0.5, "0.50"),
+            (0.9849, "0.98"),
+            (0.996, "0.996"),
+            (1.0, "> 0.999"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(probability(p), text);
+        }
+    }
+
+    #[test]
+    fn value_has_two_digits_of_interval() {
         assert_eq!(with_interval(10.0234, 0.1321), "10.02 ± 0.26");
         assert_eq!(with_interval(-0.00003, 0.0042), "0.0000 ± 0.0082");
         assert_eq!(with_interval(-1234.6, 56.7), "−1235 ± 111");
@@ -136,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loss_is_never_rounded_away() {
+    fn share_never_rounds_loss_to_zero() {
         assert_eq!(share(0.999_999), "over 99.9 %");
         assert_eq!(share(1e-7), "under 0.1 %");
         assert_eq!(share(1.0), "100 %");

@@ -1,4 +1,4 @@
-//! A TOML table read key by key, so that every refusal names file, line, key, value and unit.
+//! Reader of a TOML table, key by key, whose errors name file, line, key, value and unit.
 
 use crate::bound::{Bound, unit_of};
 use crate::located::{Fault, Fields, Located};
@@ -13,7 +13,7 @@ pub struct TomlFile<'t> {
     file: &'t str,
     text: &'t str,
     table: Spanned<DeTable<'t>>,
-    /// Where the lines end, so that the line of a byte is looked up and not counted.
+    /// Byte positions of the line ends, for the line number of a byte.
     ends: Vec<usize>,
 }
 
@@ -21,7 +21,7 @@ impl<'t> TomlFile<'t> {
     /// Parses a text; `file` is its name for messages.
     ///
     /// # Errors
-    /// [`Fault::Syntax`] with the line.
+    /// Returns [`Fault::Syntax`] with the line.
     pub fn parse(text: &'t str, file: &'t str) -> Result<Self, Located> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
@@ -48,7 +48,7 @@ impl<'t> TomlFile<'t> {
             path: String::new(),
             table: self.table.get_ref(),
             start: 0,
-            asked: RefCell::default(),
+            read_keys: RefCell::default(),
             named: Cell::new(false),
             lacking: RefCell::default(),
         }
@@ -99,8 +99,8 @@ impl<'d> Value<'d> {
             .unit(unit_of(&self.path))
     }
 
-    /// Refuses the value, with what it must be.
-    pub fn refuse(&self, must: &str) -> Located {
+    /// Returns the error for an invalid value, with the requirement.
+    pub fn invalid(&self, must: &str) -> Located {
         self.fault(Fault::NotAllowed, format!("must be {must}"))
     }
 
@@ -120,7 +120,7 @@ impl<'d> Value<'d> {
         };
         match parsed {
             Some(v) if bound.allows(v) => Ok(v),
-            Some(_) => Err(self.refuse(&bound.must(unit_of(&self.path)))),
+            Some(_) => Err(self.invalid(&bound.must(unit_of(&self.path)))),
             None => Err(self.not_a("a number")),
         }
     }
@@ -136,28 +136,28 @@ impl<'d> Value<'d> {
             .ok_or_else(|| self.not_a("a whole number of at least 0"))
     }
 
-    /// `true` or `false`.
+    /// Returns the value as a boolean.
     ///
     /// # Errors
-    /// Anything else.
+    /// Returns an error for any other value.
     pub fn flag(&self) -> Result<bool, Located> {
         let flag = self.value.get_ref().as_bool();
         flag.ok_or_else(|| self.not_a("true or false"))
     }
 
-    /// A text.
+    /// Returns the value as a text.
     ///
     /// # Errors
-    /// Anything else.
+    /// Returns an error for any other value.
     pub fn text(&self) -> Result<&'d str, Located> {
         let text = self.value.get_ref().as_str();
         text.ok_or_else(|| self.not_a("text in quotes"))
     }
 
-    /// One of the words there are, and what it stands for.
+    /// Returns the value of one of the permitted words.
     ///
     /// # Errors
-    /// Anything else, with the words.
+    /// Returns an error with the valid words for any other value.
     pub fn one_of<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, Located> {
         let text = self.value.get_ref().as_str();
         let found = text.and_then(|text| words.iter().find(|(word, _)| *word == text));
@@ -168,14 +168,14 @@ impl<'d> Value<'d> {
                 Some((last, rest)) => format!("{} or {last}", rest.join(", ")),
                 None => String::new(),
             };
-            self.refuse(&must)
+            self.invalid(&must)
         })
     }
 
     /// The entries of a list, each at the list's own key.
     ///
     /// # Errors
-    /// No list; `must` says of what.
+    /// Returns an error if the value is not a list; `must` describes the expected list.
     pub fn list(&self, must: &str) -> Result<Vec<Value<'d>>, Located> {
         let array = self.value.get_ref().as_array();
         let array = array.ok_or_else(|| self.not_a(must))?;
@@ -190,10 +190,11 @@ impl<'d> Value<'d> {
         }
     }
 
-    /// So many numbers in a list.
+    /// Reads a list of `N` numbers.
     ///
     /// # Errors
-    /// No such list, or a number that is not within the bound; `must` says what it holds.
+    /// Returns an error if the value is not such a list, or if a number is outside the bound; `must`
+    /// describes the expected list.
     pub fn numbers<const N: usize>(&self, bound: Bound, must: &str) -> Result<[f64; N], Located> {
         let list = self.list(must)?;
         let mut out = [0.0; N];
@@ -206,10 +207,10 @@ impl<'d> Value<'d> {
         Ok(out)
     }
 
-    /// The table it is.
+    /// Returns the value as a table.
     ///
     /// # Errors
-    /// Anything else.
+    /// Returns an error for any other value.
     pub fn section(&self) -> Result<Section<'d>, Located> {
         let table = self.value.get_ref().as_table();
         Ok(Section {
@@ -217,24 +218,24 @@ impl<'d> Value<'d> {
             path: self.path.clone(),
             table: table.ok_or_else(|| self.not_a("a table"))?,
             start: self.value.span().start,
-            asked: RefCell::default(),
+            read_keys: RefCell::default(),
             named: Cell::new(false),
             lacking: RefCell::default(),
         })
     }
 }
 
-/// One table of the file; remembers which keys were asked for, and refuses the others.
+/// One table of the file. It records the keys that were read and reports all others as unknown.
 #[derive(Debug)]
 pub struct Section<'d> {
     doc: &'d TomlFile<'d>,
     path: String,
     table: &'d DeTable<'d>,
     start: usize,
-    asked: RefCell<Vec<&'static str>>,
-    /// Keys are names, known to the reader.
+    read_keys: RefCell<Vec<&'static str>>,
+    /// Whether the keys are names, which only the caller can check.
     named: Cell<bool>,
-    /// The first key that is needed and not there.
+    /// The error of the first required key that is missing.
     lacking: RefCell<Option<Located>>,
 }
 
@@ -244,9 +245,9 @@ impl<'d> Section<'d> {
         self.doc.line(self.start)
     }
 
-    /// What stands at a key.
+    /// Returns the value at a key, if there is one.
     pub fn value(&self, key: &'static str) -> Option<Value<'d>> {
-        self.asked.borrow_mut().push(key);
+        self.read_keys.borrow_mut().push(key);
         self.table.get(key).map(|value| self.at(key, value))
     }
 
@@ -280,7 +281,7 @@ impl<'d> Section<'d> {
             .collect()
     }
 
-    /// Whether anything stands at a key.
+    /// Whether a value exists at a key.
     pub fn has(&self, key: &'static str) -> bool {
         self.value(key).is_some()
     }
@@ -288,57 +289,58 @@ impl<'d> Section<'d> {
     /// A whole number from 0 on.
     ///
     /// # Errors
-    /// As [`Value::count`].
+    /// Returns the errors of [`Value::count`].
     pub fn count(&self, key: &'static str) -> Result<Option<u64>, Located> {
         self.value(key).map(|v| v.count()).transpose()
     }
 
-    /// `true` or `false`; `false` when left out.
+    /// Reads a boolean; `false` if the key is missing.
     ///
     /// # Errors
-    /// As [`Value::flag`].
+    /// Returns the errors of [`Value::flag`].
     pub fn flag(&self, key: &'static str) -> Result<bool, Located> {
         self.flag_or(key, false)
     }
 
-    /// `true` or `false`; `plain` when left out.
+    /// Reads a boolean; `plain` if the key is missing.
     ///
     /// # Errors
-    /// As [`Value::flag`].
+    /// Returns the errors of [`Value::flag`].
     pub fn flag_or(&self, key: &'static str, plain: bool) -> Result<bool, Located> {
         self.value(key).map_or(Ok(plain), |v| v.flag())
     }
 
-    /// A text.
+    /// Returns the value as a text.
     ///
     /// # Errors
-    /// As [`Value::text`].
+    /// Returns the errors of [`Value::text`].
     pub fn text(&self, key: &'static str) -> Result<Option<String>, Located> {
         let text = self.value(key).map(|v| v.text().map(str::to_owned));
         text.transpose()
     }
 
-    /// A text that has to be there, as [`Section::needed`]; `why` says what it is for.
+    /// Reads a required text, as [`Section::needed`]; `reason` states its purpose.
     ///
     /// # Errors
-    /// As [`Value::text`].
-    pub fn need_text(&self, key: &'static str, why: &str) -> Result<String, Located> {
-        Ok(self.needed(self.text(key)?, key, why, String::new()))
+    /// Returns the errors of [`Value::text`].
+    pub fn need_text(&self, key: &'static str, reason: &str) -> Result<String, Located> {
+        Ok(self.needed(self.text(key)?, key, reason, String::new()))
     }
 
-    /// What was read at `key`; where nothing was, `instead`, and [`Section::whole`] refuses the section
-    /// at its end. So a key that is misspelt is told as such, not as missing.
-    pub fn needed<T>(&self, read: Option<T>, key: &'static str, why: &str, instead: T) -> T {
+    /// Returns the value read at `key`. If there was none, returns `instead`, and [`Section::whole`]
+    /// reports the missing key at the end of the section, so that a misspelt key is reported as
+    /// misspelt and not as missing.
+    pub fn needed<T>(&self, read: Option<T>, key: &'static str, reason: &str, instead: T) -> T {
         read.unwrap_or_else(|| {
-            self.missing(key, why);
+            self.missing(key, reason);
             instead
         })
     }
 
-    /// One of the words there are, and what it stands for.
+    /// Returns the value of one of the permitted words.
     ///
     /// # Errors
-    /// As [`Value::one_of`].
+    /// Returns the errors of [`Value::one_of`].
     pub fn one_of<T: Copy>(
         &self,
         key: &'static str,
@@ -350,17 +352,18 @@ impl<'d> Section<'d> {
     /// `[x, y, z]`.
     ///
     /// # Errors
-    /// As [`Value::numbers`].
+    /// Returns the errors of [`Value::numbers`].
     pub fn vec3(&self, key: &'static str) -> Result<Option<[f64; 3]>, Located> {
         let must = "three numbers [x, y, z]";
         let vec3 = self.value(key).map(|v| v.numbers(Bound::Any, must));
         vec3.transpose()
     }
 
-    /// A sub-table, read to its end.
+    /// Reads a sub-table completely.
     ///
     /// # Errors
-    /// No table, what `read` refuses, or a key it doesn't ask for.
+    /// Returns an error if the value is not a table, the errors of `read`, or an error for a key that
+    /// `read` does not use.
     pub fn read<T, E: From<Located>>(
         &self,
         key: &'static str,
@@ -375,7 +378,7 @@ impl<'d> Section<'d> {
     /// A list of sub-tables, each read to its end.
     ///
     /// # Errors
-    /// As [`Section::read`].
+    /// Returns the errors of [`Section::read`].
     pub fn each<T, E: From<Located>>(
         &self,
         key: &'static str,
@@ -394,11 +397,11 @@ impl<'d> Section<'d> {
             .collect()
     }
 
-    /// Reads the section; refuses what `read` didn't ask for, then what it needed and is not there.
+    /// Reads the section; reports keys that `read` did not use, then required keys that are missing.
     ///
     /// # Errors
-    /// As [`Section::read`]; [`Fault::UnknownKey`] with the nearest key and all there are;
-    /// [`Fault::MissingKey`].
+    /// Returns the errors of [`Section::read`]; [`Fault::UnknownKey`] with the nearest key and the list
+    /// of permitted keys; [`Fault::MissingKey`].
     pub fn whole<T, E: From<Located>>(
         &self,
         read: impl FnOnce(&Section<'d>) -> Result<T, E>,
@@ -408,18 +411,18 @@ impl<'d> Section<'d> {
         if value.is_err() && lacking.is_none() {
             return value;
         }
-        let mut known = self.asked.borrow().clone();
-        known.sort_unstable();
-        known.dedup();
+        let mut permitted = self.read_keys.borrow().clone();
+        permitted.sort_unstable();
+        permitted.dedup();
         let named = self.named.get();
         let strangers = self.table.keys().filter(|key| {
             let name: &str = key.get_ref();
-            !named && !known.contains(&name)
+            !named && !permitted.contains(&name)
         });
         match strangers.min_by_key(|key| key.span().start) {
             Some(key) => {
                 let line = self.doc.line(key.span().start);
-                Err(self.unknown(key.get_ref(), line, &known).into())
+                Err(self.unknown(key.get_ref(), line, &permitted).into())
             }
             None => match lacking {
                 Some(lacking) => Err(lacking.into()),
@@ -428,14 +431,14 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// Refuses a name of [`Section::entries`] that isn't one of the names known.
-    pub fn unknown(&self, name: &str, line: u64, known: &[&str]) -> Located {
-        let near = names::nearest(name, known);
+    /// Returns the error for a name of [`Section::entries`] that is not one of `permitted`.
+    pub fn unknown(&self, name: &str, line: u64, permitted: &[&str]) -> Located {
+        let near = names::nearest(name, permitted);
         let near = near.map_or(String::new(), |near| format!("did you mean '{near}'? "));
-        let known = known.join(", ");
+        let permitted = permitted.join(", ");
         self.here(Fault::UnknownKey, format!("unknown key '{name}'"))
             .line(line)
-            .cure(format!("{near}known are {known}"))
+            .cure(format!("{near}valid keys: {permitted}"))
     }
 
     /// A fault of the section.
@@ -453,21 +456,21 @@ impl Fields for Section<'_> {
         self.value(key).map(|v| v.number(bound)).transpose()
     }
 
-    /// As [`Section::needed`], with NaN instead.
-    fn need(&self, key: &'static str, bound: Bound, why: &str) -> Result<f64, Located> {
-        Ok(self.needed(self.number(key, bound)?, key, why, f64::NAN))
+    /// Reads a required number, as [`Section::needed`], with NaN as the substitute.
+    fn need(&self, key: &'static str, bound: Bound, reason: &str) -> Result<f64, Located> {
+        Ok(self.needed(self.number(key, bound)?, key, reason, f64::NAN))
     }
 
-    fn refuse(&self, key: &'static str, must: &str) -> Located {
+    fn invalid(&self, key: &'static str, must: &str) -> Located {
         match self.value(key) {
-            Some(value) => value.refuse(must),
+            Some(value) => value.invalid(must),
             None => self.missing(key, must),
         }
     }
 
-    /// [`Section::whole`] tells a misspelt key in its place.
-    fn missing(&self, key: &'static str, why: &str) -> Located {
-        let located = self.here(Fault::MissingKey, format!("{key} is missing: {why}"));
+    /// [`Section::whole`] reports a misspelt key instead.
+    fn missing(&self, key: &'static str, reason: &str) -> Located {
+        let located = self.here(Fault::MissingKey, format!("{key} is missing: {reason}"));
         let mut lacking = self.lacking.borrow_mut();
         lacking.get_or_insert_with(|| located.clone());
         located
@@ -481,7 +484,7 @@ mod tests {
     const TEXT: &str = "mod = \"a\"\nmode = \"fast\"\n[arm]\nlength_mm = -3\nlist = [1, 2]\n\n[[arm.joint]]\nq_rad = nan\n";
 
     #[test]
-    fn a_byte_is_on_the_line_that_counting_gives() {
+    fn line_of_byte_matches_counted_lines() {
         let text = "a = 1\r\n\n[b]\nc = 2\n";
         let doc = TomlFile::parse(text, "t.toml").expect("TOML");
         for byte in 0..=text.len() {
@@ -493,7 +496,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_has_its_place_value_unit_and_cure() {
+    fn section_fault_has_location_value_unit_remedy() {
         let doc = TomlFile::parse(TEXT, "a.toml").unwrap();
         let root = doc.root();
         let said = |error: Located| error.to_string();
@@ -525,7 +528,7 @@ mod tests {
         let whole = root.whole(|s| s.need("length_m", Bound::Any, "how long it is"));
         assert_eq!(
             said(whole.unwrap_err()),
-            "a.toml, line 1: unknown key 'mod'; did you mean 'mode'? known are arm, length_m, mode"
+            "a.toml, line 1: unknown key 'mod'; did you mean 'mode'? valid keys: arm, length_m, mode"
         );
         let joint = arm.each("joint", |s| {
             s.value("q_rad");

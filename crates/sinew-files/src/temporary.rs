@@ -1,53 +1,53 @@
-//! Files that nobody else writes and no dead run leaves for ever.
+//! Temporary files with an exclusive writer, removed after a crash.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Characters of the name asked for that its temporary names keep: file systems allow 255 bytes in all.
+/// Maximum number of characters of the requested name in a temporary name, because file systems permit 255 bytes.
 const NAME_KEPT: usize = 40;
 
-/// A file that is gone unless it gets a name.
+/// A file that is deleted unless it is given a name.
 ///
-/// On Linux it has none while it is written, where the file system can do that: whatever ends the
-/// process ends the file. Elsewhere it is `.NAME.sinew-PROCESS-NUMBER.tmp`. Its process holds a lock
-/// on it, so that a later run can tell what a dead run has left.
+/// On Linux it has no name while it is written, if the file system supports this: the file disappears
+/// when the process ends for any reason. Elsewhere its name is `.NAME.sinew-PROCESS-NUMBER.tmp`. Its
+/// process holds a lock on it, so that a later run can identify the files of a crashed run.
 #[derive(Debug)]
 pub struct Temporary(Place);
 
 #[derive(Debug)]
 enum Place {
     Named(PathBuf),
-    /// The folder it will be in, and how its name begins when it gets one.
+    /// Folder of the file, and prefix of its later name.
     #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
     Unnamed(PathBuf, String),
-    /// Under the name asked for.
+    /// Renamed to the requested name.
     Settled,
 }
 
 impl Temporary {
-    /// Makes an empty file for `name` in `folder`, without a name where the system can do that, open
-    /// for reading and writing, and removes what dead runs have left for that name.
+    /// Creates an empty file for `name` in `folder`, open for reading and writing, and without a name if the operating
+    /// system supports this. Removes temporary files of terminated runs for that name.
     ///
     /// # Errors
-    /// Where the system refuses.
+    /// Returns the error of the operating system.
     pub fn create(folder: &Path, name: &str) -> IoResult<(File, Self)> {
         #[cfg(target_os = "linux")]
         if let Some(file) = unnamed::create(folder) {
             let start = start(name);
             remove_dead(folder, &start);
-            // Without locks, nothing of the file system is ever taken for dead.
+            // Without locks, no file is assumed to belong to a crashed run.
             let _without = file.lock();
             return Ok((file, Self(Place::Unnamed(folder.to_path_buf(), start))));
         }
         Self::create_named(folder, name)
     }
 
-    /// The same, with a name from the start.
+    /// Creates an empty file with a name.
     ///
     /// # Errors
-    /// Where the system refuses.
+    /// Returns the error of the operating system.
     pub fn create_named(folder: &Path, name: &str) -> IoResult<(File, Self)> {
         let start = start(name);
         remove_dead(folder, &start);
@@ -69,7 +69,7 @@ impl Temporary {
         }
     }
 
-    /// Where it lies, if it has a name.
+    /// Path of the file, if it has a name.
     pub fn path(&self) -> Option<&Path> {
         match &self.0 {
             Place::Named(path) => Some(path),
@@ -77,10 +77,11 @@ impl Temporary {
         }
     }
 
-    /// Gives the open `file` its name, in place of a file that has it; whether there was one.
+    /// Renames the open `file` to its final name and replaces an existing file; returns whether there
+    /// was one.
     ///
     /// # Errors
-    /// Where the system refuses.
+    /// Returns the error of the operating system.
     pub fn rename(mut self, file: &File, to: &Path) -> IoResult<bool> {
         if let Place::Unnamed(folder, start) = &self.0 {
             match link(file, to) {
@@ -121,7 +122,7 @@ fn next_name(folder: &Path, start: &str) -> PathBuf {
     folder.join(format!("{start}{}-{number}.tmp", std::process::id()))
 }
 
-/// Names a file that has no name, for a moment: a name can take the place of another, no name can't.
+/// Temporarily names an unnamed file: a named file can replace another, an unnamed one cannot.
 fn name(file: &File, folder: &Path, start: &str) -> IoResult<PathBuf> {
     loop {
         let path = next_name(folder, start);
@@ -197,7 +198,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_dead_run_left_goes_and_nothing_else() {
+    fn cleanup_removes_only_files_of_crashed_runs() {
         let folder = tempfile::tempdir().unwrap();
         let place = |name: &str| folder.path().join(name);
         let others = [

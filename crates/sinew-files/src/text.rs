@@ -15,7 +15,7 @@ pub enum Encoding {
     Utf16Le,
     /// UTF-16, big endian, with its mark.
     Utf16Be,
-    /// Windows code page 1252: whatever is neither.
+    /// Windows code page 1252, used if the text is neither of these.
     Cp1252,
 }
 
@@ -41,7 +41,7 @@ impl Encoding {
         }
     }
 
-    /// Text of bytes behind the mark; what is no character becomes U+FFFD.
+    /// Decodes the bytes after the byte order mark; an invalid character becomes U+FFFD.
     pub fn decode(self, bytes: &[u8]) -> Cow<'_, str> {
         let utf16 = |unit: fn([u8; 2]) -> u16| {
             let pairs = bytes.chunks_exact(2);
@@ -60,37 +60,37 @@ impl Encoding {
 /// Text of a whole file, without its byte order mark.
 ///
 /// # Errors
-/// [`Fault::Syntax`] for bytes with zeros in them that are not UTF-16 with its mark: no text.
+/// Returns [`Fault::Syntax`] for bytes with zeros in them that are not UTF-16 with its mark: no text.
 pub fn decode<'b>(bytes: &'b [u8], file: &str) -> Result<(Cow<'b, str>, Encoding), Located> {
     let (encoding, mark) = Encoding::of(bytes);
     let wide = matches!(encoding, Encoding::Utf16Le | Encoding::Utf16Be);
     if !wide && bytes.contains(&0) {
-        let problem = "it holds zero bytes, so it is not text";
+        let problem = "not a text file: contains zero bytes";
         return Err(Located::new(file, Fault::Syntax, problem));
     }
     Ok((encoding.decode(&bytes[mark..]), encoding))
 }
 
-/// Text of a file within its limit, in whatever encoding.
+/// Reads the text of a file within its limit, in any of the encodings.
 ///
 /// # Errors
-/// As [`read_bytes`]; [`Fault::Syntax`] when it is no text.
+/// Returns the errors of [`read_bytes`]; [`Fault::Syntax`] when it is no text.
 pub fn read_text(path: &Path, limit: &Limit) -> Result<String, Located> {
     let bytes = read_bytes(path, limit)?;
     let (text, _) = decode(&bytes, &path.display().to_string())?;
     Ok(text.into_owned())
 }
 
-/// A whole file, or what a pipe gives, within its limit.
+/// Reads a complete file or pipe within its limit.
 ///
 /// # Errors
-/// [`Fault::Unreadable`], also for a device, which may never end; [`Fault::TooLarge`].
+/// Returns [`Fault::Unreadable`], also for a device, which may never end; [`Fault::TooLarge`].
 pub fn read_bytes(path: &Path, limit: &Limit) -> Result<Vec<u8>, Located> {
     let file = path.display().to_string();
     let wrong = |fault, problem: String| Located::new(&file, fault, problem);
-    let unreadable = |error| wrong(Fault::Unreadable, format!("can't read: {error}"));
-    let opened = std::fs::File::open(path).map_err(unreadable)?;
-    let about = opened.metadata().map_err(unreadable)?;
+    let unreadable = |error| wrong(Fault::Unreadable, format!("cannot read: {error}"));
+    let handle = std::fs::File::open(path).map_err(unreadable)?;
+    let about = handle.metadata().map_err(unreadable)?;
     if about.is_dir() {
         return Err(wrong(Fault::Unreadable, "is a folder; name a file".into()));
     }
@@ -101,10 +101,10 @@ pub fn read_bytes(path: &Path, limit: &Limit) -> Result<Vec<u8>, Located> {
     limit.check(about.len()).map_err(too_large)?;
     let mut bytes = Vec::with_capacity(about.len() as usize);
     // A pipe has no length, and a file may grow.
-    let mut bounded = opened.take(limit.most + 1);
+    let mut bounded = handle.take(limit.most + 1);
     bounded.read_to_end(&mut bytes).map_err(unreadable)?;
     match bytes.len() as u64 > limit.most {
-        true => Err(too_large(format!("it goes on; {limit}"))),
+        true => Err(too_large(format!("file exceeds the limit; {limit}"))),
         false => Ok(bytes),
     }
 }
@@ -121,7 +121,7 @@ fn is_device(_about: &std::fs::Metadata) -> bool {
     false
 }
 
-/// A byte of code page 1252; the five it leaves open stay control characters.
+/// Decodes a byte of code page 1252; its five undefined bytes become control characters.
 fn cp1252(byte: u8) -> char {
     const FROM_80: [char; 32] = [
         '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž',
@@ -134,7 +134,8 @@ fn cp1252(byte: u8) -> char {
     }
 }
 
-/// A text as a cell of CSV: in quotes where it holds a comma, a quote or a line end (RFC 4180).
+/// Formats a text as a CSV cell: in quotes if it contains a comma, a quote or a line end (RFC
+/// 4180).
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
     if text.contains([',', '"', '\n', '\r']) {
         Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))
@@ -163,8 +164,8 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_end_is_not_read() {
-        const FEW: Limit = Limit {
+    fn endless_input_is_not_read() {
+        const MAX_4_BYTES: Limit = Limit {
             most: 4,
             ..crate::limits::SETTINGS
         };
@@ -172,19 +173,19 @@ mod tests {
         let path = folder.path().join("a");
         for (text, fault) in [("four", None), ("five!", Some(Fault::TooLarge)), ("", None)] {
             std::fs::write(&path, text).unwrap();
-            assert_eq!(read_text(&path, &FEW).err().map(|e| e.fault), fault);
+            assert_eq!(read_text(&path, &MAX_4_BYTES).err().map(|e| e.fault), fault);
         }
-        assert!(read_text(folder.path(), &FEW).is_err());
+        assert!(read_text(folder.path(), &MAX_4_BYTES).is_err());
         #[cfg(unix)]
         for endless in ["/dev/zero", "/dev/null", "/proc/self/status"] {
-            let error = read_text(Path::new(endless), &FEW).unwrap_err();
+            let error = read_text(Path::new(endless), &MAX_4_BYTES).unwrap_err();
             let is_device = endless.starts_with("/dev");
             assert_eq!(error.problem.contains("is a device"), is_device, "{error}");
         }
     }
 
     #[test]
-    fn the_same_words_in_every_encoding() {
+    fn text_identical_in_every_encoding() {
         let words = "Prüfzeit;µm;°C\n1,5;2;3\n";
         let wide = |unit: fn(u16) -> [u8; 2]| -> Vec<u8> {
             let text = format!("\u{feff}{words}");

@@ -2,24 +2,24 @@
 
 use std::f64::consts::PI;
 
-/// What a unit measures.
+/// Physical dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// Times, s.
+    /// Time, in SI units s.
     Time,
-    /// Angles, rad.
+    /// Angle, in SI units rad.
     Angle,
-    /// Lengths, m.
+    /// Length, in SI units m.
     Length,
-    /// Areas, m².
+    /// Area, in SI units m².
     Area,
     /// Speeds of rotation, rad/s.
     AngularVelocity,
-    /// Speeds, m/s.
+    /// Velocity, in SI units m/s.
     Velocity,
-    /// Torques, N·m.
+    /// Torque, in SI units N·m.
     Torque,
-    /// Forces, N.
+    /// Force, in SI units N.
     Force,
     /// Pressures and stresses, Pa.
     Pressure,
@@ -31,7 +31,7 @@ pub enum Dimension {
     Count,
     /// Strain, humidity. The factor is to 1.
     Ratio,
-    /// A number that is in SI as it stands.
+    /// Number that needs no conversion.
     One,
 }
 
@@ -40,9 +40,9 @@ pub enum Dimension {
 pub struct Unit {
     /// Factor to SI.
     pub factor: f64,
-    /// What is added after it.
+    /// Offset added after the factor, in SI units.
     pub offset: f64,
-    /// What it measures.
+    /// Physical dimension of the unit.
     pub dimension: Dimension,
 }
 
@@ -124,7 +124,7 @@ const TABLE: &[(&[&str], f64, f64, Dimension)] = &[
 ];
 
 impl Unit {
-    /// A number that is in SI as it stands.
+    /// Unit of numbers that need no conversion.
     pub const SI: Unit = Unit {
         factor: 1.0,
         offset: 0.0,
@@ -134,10 +134,10 @@ impl Unit {
     /// Finds a unit of one of these dimensions by its name.
     ///
     /// # Errors
-    /// A sentence that lists the units that are known.
+    /// Returns a sentence that lists the valid units.
     pub fn parse(text: &str, dimensions: &[Dimension]) -> Result<Unit, String> {
-        let mut known = TABLE.iter().filter(|unit| dimensions.contains(&unit.3));
-        let found = known.clone().find(|(names, ..)| names.contains(&text));
+        let mut candidates = TABLE.iter().filter(|unit| dimensions.contains(&unit.3));
+        let found = candidates.clone().find(|(names, ..)| names.contains(&text));
         let unit = found.map(|&(_, factor, offset, dimension)| Unit {
             factor,
             offset,
@@ -145,8 +145,8 @@ impl Unit {
         });
         unit.ok_or_else(|| {
             let first = |(names, ..): &(&[&'static str], f64, f64, Dimension)| names[0];
-            let known: Vec<&str> = known.by_ref().map(first).collect();
-            format!("unknown unit '{text}'; known are {}", known.join(", "))
+            let names: Vec<&str> = candidates.by_ref().map(first).collect();
+            format!("unknown unit '{text}'; valid units: {}", names.join(", "))
         })
     }
 }
@@ -155,8 +155,8 @@ impl Unit {
 mod tests {
     use super::*;
 
-    /// What one of a unit is in SI (degrees Celsius for temperatures), written from its definition and apart from the table:
-    /// dimension, SI of 0 and of 1, names.
+    /// Definition of each unit, written independently of the table: dimension, SI values of 0 and of 1 (degrees Celsius
+    /// for temperatures), names.
     const BY_DEFINITION: &[(Dimension, f64, f64, &str)] = &[
         (D::One, 0.0, 1.0, "1"),
         (D::Angle, 0.0, 1.0, "rad"),
@@ -239,7 +239,7 @@ mod tests {
     ];
 
     #[test]
-    fn every_unit_that_is_read_is_what_its_definition_says() {
+    fn parsed_units_match_definitions() {
         let mut expected = Vec::new();
         for &(dimension, zero, one, names) in BY_DEFINITION {
             for name in names.split(", ") {

@@ -2,10 +2,10 @@
 
 use std::io::{Read, Result};
 
-/// Bytes read at once.
+/// Buffer size, bytes.
 const BUFFER_BYTES: usize = 64 << 10;
 
-/// Hands out as UTF-8 what a reader holds as UTF-16; half a pair becomes U+FFFD.
+/// Reader that converts UTF-16 to UTF-8; an unpaired surrogate becomes U+FFFD.
 #[derive(Debug)]
 pub struct Utf16Reader<R> {
     inner: R,
@@ -18,7 +18,7 @@ pub struct Utf16Reader<R> {
 }
 
 impl<R: Read> Utf16Reader<R> {
-    /// A reader that stands behind the byte order mark.
+    /// Creates a reader positioned after the byte order mark.
     pub fn new(inner: R, big_endian: bool) -> Self {
         Self {
             inner,

@@ -1,4 +1,4 @@
-//! C99: a header and a source that need `math.h` alone.
+//! C99 output: a header and a source file that need only `math.h`.
 
 use crate::write::{Body, momentum, number};
 use crate::{File, Language, Subject, turn};
@@ -33,13 +33,13 @@ fn filled(text: &str, subject: &Subject<'_>) -> String {
         .replace("@robot@", &comment(&subject.robot.name))
 }
 
-/// A name in a comment, which it can't end.
+/// Returns a name for a comment, which it cannot close.
 fn comment(name: &str) -> String {
     let name = name.replace(|c: char| c.is_control(), " ");
     name.replace("*/", "* /")
 }
 
-/// A name as a string of C99: what isn't plain ASCII byte by byte in octal.
+/// Returns a name as a C99 string literal: bytes other than plain ASCII are octal.
 fn quoted(name: &str) -> String {
     let mut out = String::from("\"");
     for byte in name.bytes() {
@@ -161,7 +161,7 @@ fn source(subject: &Subject<'_>) -> String {
         .replace("@UNKNOWN@\n", &unknown)
 }
 
-/// ` - friction`, or nothing.
+/// Returns ` - friction`, or an empty text.
 fn friction(friction: Friction, i: usize) -> String {
     let mut out = String::new();
     if friction.coulomb_nm != 0.0 {
@@ -185,8 +185,8 @@ fn friction(friction: Friction, i: usize) -> String {
 
 const HEADER: &str = r#"/* @robot@: momentum pass and offset observer, written by Sinew @version@ (sinew robot generate).
  *
- * Masses, geometry, stiffness and friction are those of its robot.toml and URDF when this was written: write it anew
- * when they change. Positions are rad (m of a sliding joint), torques N m (N), time s; in @precision@ precision.
+ * Masses, geometry, stiffness and friction are those of its robot.toml and URDF when this was written: generate it
+ * again when they change. Positions are rad (m of a sliding joint), torques N m (N), time s; in @precision@ precision.
  *
  *   joint
 @LIST@
@@ -202,7 +202,7 @@ extern "C" {
 
 enum { @upper@_JOINTS = @n@ };
 
-/* What a step says. A sample that is refused changes nothing. */
+/* Status of a step. A rejected sample changes nothing. */
 enum {
     @upper@_OK = 0,
     /* An input is NaN, infinite or larger than any robot. */
@@ -222,12 +222,12 @@ typedef struct {
     double input, x, dx;
 } @name@_filter;
 
-/* What a time step of one length comes to. */
+/* Filter weights for one length of the time step. */
 typedef struct {
     double dt_s, per_step, x_e, x_f, dx_e, dx_f, a, w0, w1;
 } @name@_weights;
 
-/* The observer: read what stands first, leave the rest alone. */
+/* Observer state: read the first members, do not write any. */
 typedef struct {
     /* Offset (theta_measured - q) - tau_el / K, rad; NaN of a rigid joint. */
     double delta_e[@upper@_JOINTS];
@@ -248,8 +248,9 @@ typedef struct {
 /* Before the first step, and after a gap: the next sample is a start. */
 void @name@_reset(@name@_observer *o);
 
-/* Steps by dt_s to a sample; the first one only starts the filters and doesn't look at dt_s. theta of a rigid joint is
- * not looked at. tau_ext is the known external torque, or NULL. Observer gain @gain@ 1/s, filter @cutoff@ rad/s. */
+/* Steps by dt_s to a sample; the first one only initialises the filters and ignores dt_s. theta of a rigid joint is
+ * ignored. tau_ext is the measured or specified external torque, or NULL.
+ * Observer gain @gain@ 1/s, filter @cutoff@ rad/s. */
 int @name@_step(@name@_observer *o, double dt_s, const double q[@upper@_JOINTS], const double theta[@upper@_JOINTS],
               const double *tau_ext);
 
@@ -263,8 +264,8 @@ int @name@_is_settled(const @name@_observer *o);
 #endif
 "#;
 
-const TURN: &str = r#"/* Sine and cosine: x is so many quarter turns and a rest, whose sine and cosine are polynomials. To rounding; beyond
- * @FAR@ rad math.h computes them. */
+const TURN: &str = r#"/* Sine and cosine: x is an integer number of quarter turns plus a remainder, whose sine and cosine are polynomials.
+ * Accurate to rounding; beyond @FAR@ rad math.h computes them. */
 static inline void turn(double x, double *s, double *c)
 {
     if (fabs(x) <= @FAR@) {
@@ -411,7 +412,7 @@ mod tests {
     use super::{comment, quoted};
 
     #[test]
-    fn a_name_is_no_code() {
+    fn comment_cannot_be_closed_by_name() {
         assert_eq!(comment("a */ int x; /* b\nc"), "a * / int x; /* b c");
         assert_eq!(quoted("j\u{200b}1?\"\\"), r#""j\342\200\2131\077\042\134""#);
     }

@@ -1,8 +1,9 @@
-//! Frames and masses that leave the least to compute.
+//! Frames and masses that minimise the number of operations.
 //!
-//! A joint's frame may be turned about its axis and shifted along it, which changes nothing. So every frame is laid
-//! on the common normal with the axis of the next joint: a joint then sits on its parent by a twist about x, a step
-//! along x and a step along z, instead of by a full rotation (Denavit and Hartenberg; Khalil and Kleinfinger for
+//! Rotating the frame of a joint about its axis, or shifting it along the axis, does not change the dynamics. Every
+//! frame is therefore placed on the common normal with the axis of the next joint. The transform from the parent then
+//! consists of a rotation about x, a translation along x and a translation along z, instead of a general rotation
+//! (Denavit and Hartenberg; Khalil and Kleinfinger for
 //! trees).
 //!
 //! Of a body on a revolute joint, mass, first moment along the axis, and one inertia across it, look the same at
@@ -49,20 +50,20 @@ impl Turn {
         }
     }
 
-    /// About z.
+    /// Rotation matrix about z.
     fn about_z(self) -> Mat3 {
         let (c, s) = (self.cosine, self.sine);
         [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
     }
 
-    /// About x.
+    /// Rotation matrix about x.
     fn about_x(self) -> Mat3 {
         let (c, s) = (self.cosine, self.sine);
         [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
     }
 }
 
-/// What rounding left of 0 and ±1 is that.
+/// Rounds values that differ from 0 or ±1 by rounding error only.
 fn neat(value: f64) -> f64 {
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
     let nearest = value.round();
@@ -73,26 +74,26 @@ fn neat(value: f64) -> f64 {
     }
 }
 
-/// A length that is rounding of others.
-fn length(value: f64, beside: f64) -> f64 {
-    if value.abs() < 8.0 * f64::EPSILON * beside {
+/// Sets a length to 0 if it is rounding error of the lengths it was computed from.
+fn length(value: f64, scale: f64) -> f64 {
+    if value.abs() < 8.0 * f64::EPSILON * scale {
         0.0
     } else {
         value
     }
 }
 
-/// A joint on its parent, and what it carries.
+/// Transform of a joint relative to its parent, and the masses that it carries.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Link {
     pub(crate) kind: JointKind,
     /// `None`: the base.
     pub(crate) parent: Option<usize>,
-    /// About the parent's z, before everything else: none but for a second joint on one body.
+    /// First rotation, about the z axis of the parent; needed only for a second joint on one body.
     pub(crate) branch: Turn,
     /// Along the parent's z, m.
     pub(crate) branch_m: f64,
-    /// About x.
+    /// Angle about x.
     pub(crate) twist: Turn,
     /// Along x, m.
     pub(crate) normal_m: f64,
@@ -104,7 +105,7 @@ pub(crate) struct Link {
     pub(crate) offset_m: f64,
     /// Mass, first moment and inertia that are left to the body, about the joint's origin.
     pub(crate) body: Body,
-    /// Mass of the body and all it carries, of what is left to each, kg.
+    /// Mass of the body and of its descendants after the redistribution, kg.
     pub(crate) subtree_kg: f64,
 }
 
@@ -163,7 +164,7 @@ impl Body {
         }
     }
 
-    /// Takes out what looks the same at every position of the joint.
+    /// Removes and returns the parameters that do not depend on the joint position.
     fn take_invariant(&mut self, kind: JointKind) -> Self {
         match kind {
             JointKind::Revolute => {
@@ -215,12 +216,12 @@ struct Normal {
 }
 
 impl Normal {
-    /// Of a joint's pose on its parent.
+    /// Computes the common normal from a joint's pose on its parent.
     fn of(pose: &Pose) -> Self {
         /// Axes that differ by less, the sine of their angle, are parallel: rounding.
         const PARALLEL: f64 = 1e-15;
-        /// Below that the common normal is far away, and what is taken to it and back is lost to rounding: of an arm
-        /// whose angles were written with nine digits, everything.
+        /// Minimum sine of the angle between two axes for a common normal. Below it the common normal is far away, and
+        /// shifting parameters to it and back loses all significant digits if the angles of an arm have nine digits.
         const NEARLY: f64 = 0.05;
         let (r, t) = (&pose.rotation, pose.translation);
         let axis = [r[0][2], r[1][2], r[2][2]];
@@ -263,7 +264,7 @@ impl Normal {
     }
 }
 
-/// The links of an arm, masses handed towards the base as far as they go.
+/// Returns the links of an arm, with the masses shifted towards the base as far as possible.
 pub(crate) fn links(arm: &Arm) -> Vec<Link> {
     let n = arm.dof();
     let parameters = arm.inertial_parameters();
@@ -295,18 +296,18 @@ pub(crate) fn links(arm: &Arm) -> Vec<Link> {
                 rotation: turn.back().about_z(),
                 translation: [0.0, 0.0, -shift_m],
             };
-            let beside = normal.offset_m.abs() + shift_m.abs();
-            let beside_branch = normal.branch_m.abs() + before_m.abs();
+            let scale = normal.offset_m.abs() + shift_m.abs();
+            let branch_scale = normal.branch_m.abs() + before_m.abs();
             Link {
                 kind: arm.joint_kind(i).unwrap_or(JointKind::Revolute),
                 parent,
                 branch: before.back().then(normal.branch),
-                branch_m: length(normal.branch_m - before_m, beside_branch),
+                branch_m: length(normal.branch_m - before_m, branch_scale),
                 twist: normal.twist,
                 normal_m: normal.normal_m,
                 across_m: normal.across_m,
                 angle: normal.angle.then(turn),
-                offset_m: length(normal.offset_m + shift_m, beside),
+                offset_m: length(normal.offset_m + shift_m, scale),
                 body: body.seen_from(&moved),
                 subtree_kg: 0.0,
             }
@@ -366,7 +367,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_normal_is_the_pose_it_was_made_of() {
+    fn common_normal_reproduces_pose() {
         let poses = [
             Pose::from_xyz_rpy([0.1, -0.2, 0.3], [0.4, 0.5, -0.6]),
             Pose::from_xyz_rpy([0.0, 0.0, 0.3], [0.0, 0.0, 0.7]),

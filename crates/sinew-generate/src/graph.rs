@@ -1,4 +1,4 @@
-//! Arithmetic as a graph: every value once, constants folded, zeros gone.
+//! Arithmetic as a graph: every value once, constants folded, zeros removed.
 
 use std::collections::HashMap;
 
@@ -6,12 +6,12 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Node(u32);
 
-/// What comes in, of a joint.
+/// Input quantity of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Input {
-    /// Position.
+    /// Joint position q.
     Q(usize),
-    /// Velocity.
+    /// Joint velocity dq.
     Dq(usize),
     /// Sine of the position, plus a constant angle where there is one.
     Sine(usize),
@@ -19,39 +19,39 @@ pub(crate) enum Input {
     Cosine(usize),
 }
 
-/// How a value comes about.
+/// Operation that computes a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Operation {
     /// Bits of a number.
     Constant(u64),
-    /// It comes in.
+    /// Input of the pass.
     Input(Input),
     /// `a + b`
     Sum(Node, Node),
     /// `a − b`
     Difference(Node, Node),
-    /// `a b`
+    /// Product `a b`
     Product(Node, Node),
-    /// `−a`
+    /// Negative value `−a`
     Negative(Node),
 }
 
-/// Values and how they come about, each after those it needs.
+/// Operations in the order of evaluation: each follows its operands.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
     operations: Vec<Operation>,
-    known: HashMap<Operation, Node>,
+    node_by_operation: HashMap<Operation, Node>,
 }
 
 impl Graph {
     fn add(&mut self, operation: Operation) -> Node {
-        *self.known.entry(operation).or_insert_with(|| {
+        *self.node_by_operation.entry(operation).or_insert_with(|| {
             self.operations.push(operation);
             Node(self.operations.len() as u32 - 1)
         })
     }
 
-    /// How a value comes about.
+    /// Operation that computes a value.
     pub(crate) fn operation(&self, node: Node) -> Operation {
         self.operations[node.0 as usize]
     }
@@ -107,7 +107,7 @@ impl Graph {
     }
 
     pub(crate) fn product(&mut self, a: Node, b: Node) -> Node {
-        // A number stands first.
+        // A constant is the first operand.
         let (a, b) = match self.value(b) {
             Some(_) => (b, a),
             None => (a, b),
@@ -153,7 +153,7 @@ impl Graph {
         }
     }
 
-    /// What a value is made of directly.
+    /// Returns the direct operands of a value.
     pub(crate) fn parts(&self, node: Node) -> impl Iterator<Item = Node> + use<> {
         let (a, b) = match self.operation(node) {
             Operation::Constant(_) | Operation::Input(_) => (None, None),
@@ -165,7 +165,8 @@ impl Graph {
         [a, b].into_iter().flatten()
     }
 
-    /// The values that others need, each after those it needs; and how often each is used.
+    /// Returns the operands of other values, each after its own operands, and the number of uses of
+    /// each.
     pub(crate) fn needed(&self, wanted: &[Node]) -> (Vec<Node>, HashMap<Node, usize>) {
         let mut uses: HashMap<Node, usize> = HashMap::new();
         let mut open: Vec<Node> = wanted.to_vec();
@@ -186,7 +187,7 @@ impl Graph {
         (order, uses)
     }
 
-    /// Values at some inputs, in the order of `wanted`.
+    /// Values at some inputs, in the order of the requested results.
     #[cfg(test)]
     pub(crate) fn evaluate(&self, wanted: &[Node], input: impl Fn(Input) -> f64) -> Vec<f64> {
         let (order, _) = self.needed(wanted);
@@ -243,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_needed_is_kept() {
+    fn graph_keeps_only_used_operations() {
         let mut g = Graph::default();
         let (x, y) = (g.input(Input::Q(0)), g.input(Input::Q(1)));
         let _unused = g.product(x, y);

@@ -1,10 +1,11 @@
-//! Code for one robot: its momentum pass and offset observer, written out.
+//! Code generation for one robot: its momentum pass and offset observer without loops.
 //!
-//! The arm's structure is known when the code is written. So there is no loop, no zero is added, no one multiplied
-//! with, and what is constant is a number. The results are those of [`sinew_model::arm::Arm::momentum`] and
+//! The structure of the arm is fixed in the generated code, which therefore contains no loop, no addition of 0 and no
+//! multiplication by 1. Constant expressions are evaluated beforehand. The results are those of
+//! [`sinew_model::arm::Arm::momentum`] and
 //! [`sinew_model::offset::OffsetObserver`] (observer as the source, matched comparison) to rounding.
 //!
-//! Reading order: `frames` (which frames and masses leave least to compute), `graph` (arithmetic as values),
+//! Reading order: `frames` (frames and masses that minimise the number of operations), `graph` (arithmetic as values),
 //! `pass` (the momentum pass as a graph), `write` (a graph as text), `turn` (sines), `c`, `rust`, `precision`.
 
 mod c;
@@ -25,7 +26,7 @@ use sinew_model::transmission::Friction;
 /// The language code is written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Language {
-    /// C99 with `math.h` alone: a header and a source.
+    /// C99: a header and a source file that need only `math.h`.
     C,
     /// Rust without the standard library, with the crate `libm`.
     Rust,
@@ -44,13 +45,13 @@ pub enum Precision {
 /// A file of code.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// Its name.
+    /// Name of the file.
     pub name: String,
-    /// Its text.
+    /// Content of the file.
     pub text: String,
 }
 
-/// Arithmetic of one momentum pass, sines and cosines left out.
+/// Number of arithmetic operations of one momentum pass, without sines and cosines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Operations {
     /// Sums and differences.
@@ -61,38 +62,38 @@ pub struct Operations {
     pub turns: usize,
 }
 
-/// What was written.
+/// Generated source files and their cost.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Generated {
-    /// The files.
+    /// All generated files.
     pub files: Vec<File>,
-    /// What a momentum pass costs.
+    /// Cost of a momentum pass.
     pub operations: Operations,
 }
 
-/// Why no code was written.
+/// Reason why no code was generated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GenerateError {
-    /// Nothing moves.
+    /// The robot has no moving joint.
     #[error("robot '{0}' has no moving joint")]
     NoJoint(String),
     /// The observer's settings.
     #[error(transparent)]
     Config(#[from] OffsetConfigError),
-    /// Code is written for the observer alone.
+    /// Observer configuration that code generation does not support.
     #[error(
-        "code is written for the observer with matched comparison and filtered velocities alone"
+        "unsupported observer configuration: code generation requires matched comparison and filtered velocities"
     )]
     Source,
     /// A tendon crosses several joints, or has a drive ratio.
     #[error(
-        "tendon '{0}' crosses several joints or is driven with a ratio: code is written for joints with tendons of their own alone"
+        "tendon '{0}' crosses several joints or is driven with a ratio: code generation supports only joints with one tendon each"
     )]
     Routing(String),
 }
 
-/// A robot as code is written for it.
+/// A robot in the form that the code generator uses.
 struct Subject<'a> {
     /// Name in code: lower case, digits and underscores.
     name: String,
@@ -126,11 +127,11 @@ impl Subject<'_> {
     }
 }
 
-/// Writes the code of a robot; `config` says gain and filter of its observer, which is a text for double precision written anew
-/// for single precision where that is asked for.
+/// Generates the code of a robot. `config` gives the gain and the filter of its observer. For single precision, the
+/// text for double precision is rewritten.
 ///
 /// # Errors
-/// [`GenerateError`].
+/// Returns a [`GenerateError`] if the robot or the configuration is unsupported.
 pub fn generate(
     robot: &Robot,
     config: &OffsetConfig,
@@ -140,7 +141,7 @@ pub fn generate(
     if robot.arm.dof() == 0 {
         return Err(GenerateError::NoJoint(robot.name.clone()));
     }
-    // Refuses what can't be an observer.
+    // Returns the error of an invalid observer configuration.
     OffsetObserver::new(&robot.arm, &robot.transmissions, *config)?;
     let mut transmissions = robot.transmissions.iter().flatten();
     if let Some(routing) = transmissions.find_map(|t| t.routing.as_ref()) {

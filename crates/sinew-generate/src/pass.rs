@@ -1,4 +1,4 @@
-//! The momentum pass of one arm as a graph: [`Arm::momentum`] with its structure known.
+//! The momentum pass of one arm as a graph: [`Arm::momentum`] specialised for its structure.
 
 use crate::frames::{Link, Turn, gravity, links};
 use crate::graph::{Graph, Input, Node};
@@ -11,9 +11,9 @@ pub(crate) struct Pass {
     pub(crate) graph: Graph,
     /// `p = M(q) dq`.
     pub(crate) p: Vec<Node>,
-    /// `Cᵀ dq`.
+    /// Coriolis term `Cᵀ dq` of each joint.
     pub(crate) ct_dq: Vec<Node>,
-    /// `g`.
+    /// Gravity term `g` of each joint.
     pub(crate) g: Vec<Node>,
     /// Constant angle that is added to a joint's position before its sine is taken, rad.
     pub(crate) angles: Vec<f64>,
@@ -114,7 +114,7 @@ impl Build {
             },
             JointKind::Revolute => {
                 let (c, s) = (g.input(Input::Cosine(i)), g.input(Input::Sine(i)));
-                // Both are asked for: the cosine of 3e-9 is 1.
+                // Both are tested: the cosine of 3e-9 is 1.
                 match (cosine, sine) {
                     (1.0, 0.0) => Turned { cosine: c, sine: s },
                     (-1.0, 0.0) => Turned {
@@ -167,7 +167,7 @@ impl Build {
         let across = self.graph.constant(link.across_m);
         let branch_m = self.graph.constant(link.branch_m);
         let offset = self.offset(i, link);
-        // What the base does is known: nothing of it costs anything.
+        // The motion of the base is constant and needs no operations.
         let mut v = self.at(parent.v, parent.w, [zero, zero, branch_m]);
         let (mut w, mut gamma) = (parent.w, parent.gamma);
         for vector in [&mut w, &mut v, &mut gamma] {
@@ -186,7 +186,7 @@ impl Build {
         Motion { w, v, gamma }
     }
 
-    /// Momentum of one body alone: `H = [I ω + h × v; m v + ω × h]`.
+    /// Momentum of a single body: `H = [I ω + h × v; m v + ω × h]`.
     fn own(&mut self, link: &Link, motion: &Motion) -> Carried {
         let (w, v) = (motion.w, motion.v);
         let mass = self.graph.constant(link.body.mass);
@@ -210,7 +210,7 @@ impl Build {
         }
     }
 
-    /// `(p, Cᵀdq, g)` of a joint.
+    /// Projects the motion on a joint: `(p, Cᵀdq, g)`.
     fn project(&mut self, link: &Link, motion: &Motion, carried: &Carried) -> (Node, Node, Node) {
         let Motion { w, v, gamma } = *motion;
         let Carried {
@@ -394,7 +394,7 @@ mod tests {
         }
     }
 
-    /// Of the size that rounding of some thousand operations may have.
+    /// Relative rounding error of several thousand operations.
     const ROUNDING: f64 = 1e-12;
 
     #[test]

@@ -13,7 +13,7 @@ impl Precision {
         }
     }
 
-    /// In words.
+    /// Name in running text.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Double => "double",
@@ -30,10 +30,10 @@ impl Precision {
     }
 }
 
-/// What is called otherwise in single precision.
+/// Functions and constants with another name in single precision.
 const FUNCTIONS: [&str; 7] = ["sin", "cos", "fabs", "exp", "expm1", "fmax", "sincos"];
 
-/// Text written for double precision, in this one. Comments and strings stay as they are.
+/// Converts a text written for double precision to this precision. Comments and strings are unchanged.
 pub(crate) fn written_in(text: &str, language: Language, precision: Precision) -> String {
     if precision == Precision::Double {
         return text.to_owned();
@@ -87,7 +87,7 @@ fn string_length(text: &str) -> usize {
     text.len()
 }
 
-/// Digits, and what follows them as far as it is one number: not the dots of a range.
+/// Returns the length of a number literal; the dots of a range are not part of it.
 fn number_length(text: &str) -> usize {
     let digits = |from: usize| {
         let rest = &text[from..];

@@ -1,4 +1,4 @@
-//! Rust without the standard library: one module that needs the crate `libm` alone.
+//! Rust output without the standard library: one module that needs only the crate `libm`.
 
 use crate::write::{Body, momentum, number};
 use crate::{File, Language, Subject, turn};
@@ -104,7 +104,7 @@ fn source(subject: &Subject<'_>) -> String {
         .replace("@COMPARES@\n", &compares)
 }
 
-/// ` - friction`, or nothing.
+/// Returns ` - friction`, or an empty text.
 fn friction(friction: Friction, i: usize) -> String {
     let mut out = String::new();
     if friction.coulomb_nm != 0.0 {
@@ -123,8 +123,8 @@ fn friction(friction: Friction, i: usize) -> String {
     out
 }
 
-const TURN: &str = r#"/// Sine and cosine: `x` is so many quarter turns and a rest, whose sine and cosine are polynomials. To rounding; beyond
-/// @FAR@ rad `libm` computes them.
+const TURN: &str = r#"/// Sine and cosine: `x` is an integer number of quarter turns plus a remainder, whose sine and cosine are polynomials.
+/// Accurate to rounding; beyond @FAR@ rad `libm` computes them.
 #[inline(always)]
 #[allow(clippy::excessive_precision, clippy::approx_constant)]
 fn turn(x: f64) -> (f64, f64) {
@@ -151,16 +151,16 @@ fn turn(x: f64) -> (f64, f64) {
 
 const SOURCE: &str = r#"//! @robot@: momentum pass and offset observer, written by Sinew @version@ (`sinew robot generate`).
 //!
-//! Masses, geometry, stiffness and friction are those of its `robot.toml` and URDF when this was written: write it anew
-//! when they change. Positions are rad (m of a sliding joint), torques N·m (N), time s; in @precision@ precision. Needs
+//! Masses, geometry, stiffness and friction are those of its `robot.toml` and URDF when this was written: generate it
+//! again when they change. Positions are rad (m of a sliding joint), torques N·m (N), time s; in @precision@ precision. Needs
 //! the crate `libm`, no standard library. Nothing here allocates, locks, panics, loops or reads a clock.
 //!
 @LIST@
 
-/// Joints.
+/// Number of joints.
 pub const JOINTS: usize = @N@;
 
-/// Their names, in the order of `q`.
+/// Names of the joints, in the order of `q`.
 pub const JOINT_NAMES: [&str; JOINTS] = [@NAMES@];
 
 /// Momentum terms of the arm.
@@ -170,7 +170,7 @@ pub struct Momentum {
     pub p: [f64; JOINTS],
     /// `C(q, dq)ᵀ dq`.
     pub ct_dq: [f64; JOINTS],
-    /// `g(q)`.
+    /// Gravity torque `g(q)`.
     pub g: [f64; JOINTS],
 }
 
@@ -187,9 +187,9 @@ pub fn momentum(q: &[f64; JOINTS], dq: &[f64; JOINTS]) -> Momentum {
     }
 }
 
-/// Why a sample was refused; nothing has changed then.
+/// Reason why a sample was rejected; a rejected sample changes nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refused {
+pub enum StepError {
     /// An input is NaN, infinite or larger than any robot.
     NotFinite,
     /// The time step is not between 1e-9 s and 1e9 s.
@@ -204,7 +204,7 @@ struct Filter {
     dx: f64,
 }
 
-/// What a time step of one length comes to.
+/// Filter weights for one length of the time step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Weights {
     dt_s: f64,
@@ -311,7 +311,7 @@ impl Default for Observer {
 }
 
 impl Observer {
-    /// Before its first sample.
+    /// Creates an observer before its first sample.
     pub const fn new() -> Self {
         Self {
             delta_e: [f64::NAN; JOINTS],
@@ -329,14 +329,14 @@ impl Observer {
         }
     }
 
-    /// After a gap: the next sample is a start.
+    /// Marks a gap: the next sample re-initialises the filters.
     pub fn reset(&mut self) {
         self.started = false;
         self.since_start_s = 0.0;
     }
 
-    /// Steps by `dt_s` to a sample; the first one only starts the filters and doesn't look at `dt_s`. `theta` of a rigid
-    /// joint is not looked at. `tau_ext`: the known external torque.
+    /// Steps by `dt_s` to a sample. The first sample only initialises the filters and ignores `dt_s`. `theta` of a
+    /// rigid joint is ignored. `tau_ext`: the external torque, if it is measured or specified.
     #[rustfmt::skip]
     pub fn step(
         &mut self,
@@ -344,17 +344,17 @@ impl Observer {
         q: &[f64; JOINTS],
         theta: &[f64; JOINTS],
         tau_ext: Option<&[f64; JOINTS]>,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), StepError> {
         let started = self.started;
         let known = tau_ext.is_some();
         let external = tau_ext.unwrap_or(&[0.0; JOINTS]);
         let mut sum = 0.0;
 @CHECKED@
         if !(sum < @LARGEST@) {
-            return Err(Refused::NotFinite);
+            return Err(StepError::NotFinite);
         }
         if started && !(1e-9..=1e9).contains(&dt_s) {
-            return Err(Refused::TimeStep);
+            return Err(StepError::TimeStep);
         }
         if started {
             if dt_s != self.weights.dt_s {

@@ -1,7 +1,7 @@
-//! Sine and cosine as code: a rest of at most half a quarter turn, and the polynomials of it that the library has.
+//! Code for sine and cosine: range reduction to at most an eighth of a turn, and the polynomials of the library.
 //!
-//! A control loop's `sin` and `cos` cost more than the arithmetic of a joint. These have no table and no branch but the
-//! one for angles that no joint has.
+//! The `sin` and `cos` of a control loop take longer than the arithmetic of a joint. The generated functions have no
+//! table and only one branch, for angles beyond the range of joints.
 
 use crate::Precision;
 use crate::write::number;
@@ -10,10 +10,10 @@ use sinew_model::sines::{COSINE, SINE};
 /// Quarter turns of a radian, 2/π.
 const PER_RAD: f64 = std::f64::consts::FRAC_2_PI;
 
-/// What a precision asks for.
+/// Constants of the range reduction in one precision.
 struct Reduction {
-    /// π/2 in three parts. The first two have so many zeros at their end that their products with as many quarter turns as
-    /// `far` are exact.
+    /// π/2 in three parts. The first two end in enough zero bits that their products with up to `far` quarter turns are
+    /// exact.
     quarter: [f64; 3],
     /// Beyond this angle, rad, the library computes sine and cosine.
     far: f64,
@@ -76,7 +76,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn a_quarter_turn_is_the_sum_of_its_parts_and_its_multiples_are_exact() {
+    fn quarter_turn_parts_sum_and_multiples_are_exact() {
         let [p0, p1, p2] = reduction(Precision::Double).quarter;
         assert_eq!(p0 + (p1 + p2), FRAC_PI_2);
         let single = reduction(Precision::Single);

@@ -6,7 +6,7 @@ use crate::{Language, Operations};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
-/// A number as both languages read it back to the last bit.
+/// Formats a number so that both languages read it back bitwise identical.
 pub(crate) fn number(value: f64) -> String {
     format!("{value:?}")
 }
@@ -48,15 +48,15 @@ pub(crate) struct Body {
     pub(crate) lines: String,
     /// Whether they call `turn`.
     pub(crate) turns: bool,
-    /// What the results are called, joint by joint.
+    /// Names of the results, per joint.
     pub(crate) p: Vec<String>,
     pub(crate) ct_dq: Vec<String>,
     pub(crate) g: Vec<String>,
 }
 
-/// Writes the pass: it reads `q` and `dq`.
+/// Generates the statements of the pass from the inputs `q` and `dq`.
 pub(crate) fn momentum(pass: &Pass, language: Language) -> Body {
-    /// What is used once stands where it is used, as long as a line can be read.
+    /// Maximum line length up to which a value that is used once is written inline, characters.
     const READABLE: usize = 90;
     let wanted = pass.wanted();
     let (order, uses) = pass.graph.needed(&wanted);

@@ -1,4 +1,4 @@
-//! Compiled code beside the generic code, over one motion.
+//! Comparison of compiled code with the generic code over one motion.
 
 use crate::robots::{REFUSED, Sample, biorob_like, models, motion};
 use crate::skipped::skipped;
@@ -11,10 +11,10 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Over the largest value of its kind: rounding of some hundred operations in another order, carried through 400
-/// steps of a stable observer.
+/// Tolerance relative to the largest value of the same kind: rounding of several hundred operations in a different
+/// order, over 400 steps of a stable observer.
 const ROUNDING: f64 = 1e-12;
-/// The same in single precision: some hundred roundings of 6e-8.
+/// Tolerance in single precision: several hundred rounding errors of 6e-8.
 const SINGLE_ROUNDING: f64 = 1e-5;
 
 /// Rounding of a precision: carried along, and of a number.
@@ -36,7 +36,7 @@ fn config() -> OffsetConfig {
     }
 }
 
-/// What a sample gives: status and whether settled; offset, torque, momentum terms.
+/// Results of a sample: status, settled flag; offset, torque and momentum terms.
 struct Answer {
     taken: bool,
     settled: bool,
@@ -134,7 +134,7 @@ fn compare(
         let numbers: Vec<f64> = words.map(|w| w.parse().unwrap()).collect();
         let theirs = answer.values.iter().flatten();
         assert_eq!(numbers.len(), theirs.clone().count(), "{what}");
-        // The pass refuses nothing: what comes of a position that can't be is not compared.
+        // The pass accepts every input: its results for impossible positions are not compared.
         let far = sample.q.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
         let is_possible = answer.values[2].iter().all(|p| p.is_finite()) && far < 1e30;
         let compared = if is_possible {
@@ -174,7 +174,7 @@ fn write_all(folder: &Path, files: &[File]) {
     }
 }
 
-/// What numbers are called.
+/// Returns the type of a real number in the generated language.
 fn real(precision: Precision, language: Language) -> &'static str {
     match (precision, language) {
         (Precision::Double, Language::C) => "double",
@@ -229,7 +229,7 @@ fn c_gives_what_the_generic_code_gives() {
         found += 1;
         let robots = || std::iter::once(biorob_like()).chain(models());
         let double = robots().map(|robot| (robot, Precision::Double));
-        // Single precision is the same text: one compiler tells.
+        // The single-precision code is the same text: one compiler suffices.
         let single = robots()
             .filter(|_| found == 1)
             .map(|robot| (robot, Precision::Single));
@@ -300,7 +300,7 @@ fn @name@() {
 "#;
 
 #[test]
-fn rust_without_the_standard_library_gives_what_the_generic_code_gives() {
+fn generated_no_std_rust_matches_generic_code() {
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("src");
     std::fs::create_dir(&source).unwrap();

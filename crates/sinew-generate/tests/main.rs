@@ -1,4 +1,4 @@
-//! What is written compiles without a warning and gives what the generic code gives.
+//! Tests that generated code compiles without warnings and matches the generic code.
 
 mod compiled;
 mod robots;

@@ -1,4 +1,4 @@
-//! The robots that code is written for, and samples of a motion.
+//! Robots for which code is generated, and samples of a motion.
 
 use sinew_model::arm::urdf;
 use sinew_model::robot::{Robot, RobotFile};
@@ -54,7 +54,7 @@ pub(crate) fn models() -> impl Iterator<Item = Robot> {
     })
 }
 
-/// What code is given at once.
+/// Inputs of one step of the generated code.
 #[derive(Debug, Clone)]
 pub(crate) struct Sample {
     pub(crate) dt_s: f64,
@@ -96,8 +96,8 @@ const ANGLES: [f64; 24] = [
 /// Samples of [`motion`] that a step refuses.
 pub(crate) const REFUSED: usize = 3 + ANGLES.len();
 
-/// A motion at 1 kHz that changes to 250 Hz, with samples that can't be. It ends with angles anywhere and no time in
-/// between, which the pass alone takes.
+/// Returns a motion at 1 kHz that changes to 250 Hz, with invalid samples. It ends with arbitrary angles without a
+/// time step, which only the momentum pass evaluates.
 pub(crate) fn motion(joints: usize, known: bool) -> Vec<Sample> {
     let mut t = 0.0;
     (0..400 + ANGLES.len())

@@ -1,4 +1,4 @@
-//! What stands in the files.
+//! Content of the generated files.
 
 use crate::robots::{biorob_like, models};
 use sinew_generate::{GenerateError, Language, Precision, generate};
@@ -16,7 +16,7 @@ fn config() -> OffsetConfig {
 }
 
 #[test]
-fn there_is_no_loop_and_nothing_to_link_with() {
+fn generated_c_has_no_loop_and_no_dependency() {
     for robot in std::iter::once(biorob_like()).chain(models()) {
         for language in [Language::C, Language::Rust] {
             for file in generate(&robot, &config(), language, Precision::Double)
@@ -42,7 +42,7 @@ fn there_is_no_loop_and_nothing_to_link_with() {
 }
 
 #[test]
-fn the_same_robot_is_written_alike() {
+fn generated_code_is_deterministic() {
     for language in [Language::C, Language::Rust] {
         let write = || generate(&biorob_like(), &config(), language, Precision::Double).unwrap();
         assert_eq!(write(), write());
@@ -50,7 +50,7 @@ fn the_same_robot_is_written_alike() {
 }
 
 #[test]
-fn what_code_is_not_written_for_is_refused() {
+fn unsupported_robot_returns_error() {
     let paper = OffsetConfig {
         comparison: Comparison::Paper,
         ..config()
@@ -66,7 +66,7 @@ fn what_code_is_not_written_for_is_refused() {
 }
 
 #[test]
-fn structure_known_beforehand_saves_arithmetic() {
+fn fixed_structure_reduces_operation_count() {
     // Seven joints with orthogonal and parallel axes: as every common arm.
     let serial7 = models().nth(1).unwrap();
     let counted = generate(&serial7, &config(), Language::C, Precision::Double)

@@ -1,4 +1,4 @@
-//! Reading frames against merely reading and unpacking the same file with the `mcap` crate.
+//! Computing time of reading frames, compared with reading and decompressing the same file with the `mcap` crate.
 //!
 //! The recording: seven joints at 1 kHz, joint side (q, dq, tau_el) and motor
 //! side (theta, tau_m), encoders of 16 bits and noise, so that it compresses as
@@ -110,7 +110,7 @@ fn consume_frames(path: &Path) -> f64 {
     sum
 }
 
-/// CPU time of this thread where the system tells it, else the time of the clock.
+/// CPU time of this thread if the system provides it, otherwise wall time.
 fn now() -> Duration {
     static START: OnceLock<Instant> = OnceLock::new();
     let start = START.get_or_init(Instant::now);

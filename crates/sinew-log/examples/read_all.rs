@@ -20,12 +20,12 @@ fn main() -> Result<(), sinew_log::LogError> {
         let seconds = start.elapsed().as_secs_f64();
         let health = recording.health();
         println!(
-            "{} frames of {} joints, {:.0} MB/s, damaged: {}, suspicions: {:?}",
+            "{} frames of {} joints, {:.0} MB/s, damaged: {}, implausible_signals: {:?}",
             health.frames,
             recording.joints().len(),
             recording.progress().bytes_total as f64 * 1e-6 / seconds,
             health.is_damaged(),
-            health.suspicions
+            health.implausible_signals
         );
     }
     Ok(())

@@ -1,52 +1,52 @@
-//! The one error type of the crate: what, where, which value, and what to do.
+//! Error type of the crate: cause, location, value and remedy.
 
 use crate::sources::TopicUse;
 use serde::{Deserialize, Serialize};
 use sinew_files::names::list;
 use sinew_files::{Located, OutputError};
 
-/// Why a recording, mapping or output was refused.
+/// Error of a recording, a mapping or an output.
 ///
-/// A damaged recording is *not* an error: it is read up to the damage and
-/// described by [`Health`](crate::Health). Errors are for input that cannot be
-/// understood at all, for a wrong request, and for the operating system.
+/// A damaged recording is *not* an error: it is read up to the damage and described by
+/// [`Health`](crate::Health). Errors are for unreadable input, for an invalid request, and for the operating
+/// system.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The operating system refused to open or read a file.
+    /// The operating system failed to open or read a file.
     #[error("{file}: cannot {action}: {source}")]
     Io {
         /// File as the user named it.
         file: String,
-        /// What was tried: `open`, `read`.
+        /// Failed action: `open`, `read`.
         action: &'static str,
-        /// The system's own reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The file is not a recording Sinew can read.
+    /// File that is not a supported recording.
     #[error("{file}: not a recording: {reason}")]
     NotARecording {
         /// File as the user named it.
         file: String,
-        /// What was found, and what was expected.
+        /// Description of the content found and expected.
         reason: String,
-        /// Columns of a table in which no time or no joint was found; else none.
+        /// Columns of a table without a time or a joint; otherwise empty.
         columns: Vec<String>,
     },
-    /// Several topics could be one side, and nobody said which.
+    /// Several topics could be one side, and none is specified.
     #[error("{}: several topics could be the {}: {}; choose one as {} ({})", .0.file, .0.words().0, list(&.0.candidates), .0.words().1, .0.words().2)]
     Ambiguous(Ambiguity),
-    /// A mapping, or a cell or header of a table, with the place of what is wrong.
+    /// Invalid mapping, or invalid cell or header of a table, with its location.
     #[error(transparent)]
     File(#[from] Located),
-    /// A topic, joint, column or option asked for is not in the recording.
+    /// Requested topic, joint, column or option that is not in the recording.
     #[error("{file}: {reason}")]
     Request {
         /// File as the user named it.
         file: String,
-        /// What was asked for, what there is, and the nearest match.
+        /// Request, available names and the nearest match.
         reason: String,
     },
-    /// The operating system refused to write a file.
+    /// The operating system failed to write a file.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A writer was used wrongly (frame of the wrong length, no joints).
@@ -59,15 +59,15 @@ pub enum LogError {
     },
 }
 
-/// Topics of which one must be chosen.
+/// Ambiguous topics; the user has to select one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ambiguity {
     /// File as the user named it.
     pub file: String,
-    /// The side asked for.
+    /// Ambiguous side of the robot.
     pub side: TopicUse,
-    /// Topics that could be it.
+    /// Candidate topics of the side.
     pub candidates: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl LogError {
         }
     }
 
-    pub(crate) fn refused(file: &str, reason: impl Into<String>) -> Self {
+    pub(crate) fn not_a_recording(file: &str, reason: impl Into<String>) -> Self {
         let (file, reason) = (file.to_owned(), reason.into());
         let columns = Vec::new();
         Self::NotARecording {

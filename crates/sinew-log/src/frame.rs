@@ -1,4 +1,4 @@
-//! What was measured at one instant, and which quantities a recording holds.
+//! Measured values at one time stamp, and the quantities of a recording.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,12 +19,26 @@ pub enum Quantity {
     TauM,
     /// Known external torque, positive when applied to the robot, N·m.
     TauExt,
-    /// Temperature, °C.
+    /// Temperature of the rope, °C.
     Temperature,
+    /// Tension of a tendon, N.
+    Tension,
 }
 
 impl Quantity {
-    /// Every quantity that exists per joint, in storage order.
+    /// All quantities, in storage order.
+    pub(crate) const ALL: [Quantity; 8] = [
+        Quantity::Q,
+        Quantity::Theta,
+        Quantity::Dq,
+        Quantity::TauEl,
+        Quantity::TauM,
+        Quantity::TauExt,
+        Quantity::Temperature,
+        Quantity::Tension,
+    ];
+
+    /// All quantities of a joint and its motor, in storage order; the tension is that of a tendon.
     pub const PER_JOINT: [Quantity; 6] = [
         Quantity::Q,
         Quantity::Theta,
@@ -44,6 +58,7 @@ impl Quantity {
             Quantity::TauM => "tau_m",
             Quantity::TauExt => "tau_ext",
             Quantity::Temperature => "temperature",
+            Quantity::Tension => "tension",
         }
     }
 
@@ -54,59 +69,158 @@ impl Quantity {
             Quantity::Dq => "_rad_s",
             Quantity::TauEl | Quantity::TauM | Quantity::TauExt => "_nm",
             Quantity::Temperature => "_c",
+            Quantity::Tension => "_n",
         }
     }
 
     pub(crate) fn index(self) -> usize {
         self as usize
     }
+}
 
-    /// Whether it is measured at the motor, and recorded under the name of the motor.
-    pub(crate) fn is_of_motor(self) -> bool {
-        matches!(self, Quantity::Theta | Quantity::TauM)
+/// Names of one entry of a frame's arrays: a joint, its motor, and a tendon.
+///
+/// A robot with more tendons than joints has axes without a joint. There `q` is 0 rad in every frame and `dq`
+/// is 0 rad/s in every frame with a `dq` of any joint, so that a motor moves relative to a fixed reference;
+/// `tau_el` and `tau_ext` are absent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Axis<'a> {
+    /// Joint under whose name `q`, rad, `dq`, rad/s, `tau_el` and `tau_ext`, N·m, are recorded.
+    pub joint: Option<&'a str>,
+    /// Motor at whose shaft position, rad, and torque, N·m, are measured, and under whose name they are
+    /// recorded. `None` with a joint: those under the name of the joint, reflected to it.
+    pub motor: Option<&'a str>,
+    /// Tendon under whose name the tension, N, is recorded. `None`: the axis has no tension.
+    pub tendon: Option<&'a str>,
+}
+
+impl<'a> Axis<'a> {
+    /// A joint whose motor has its name and is reflected to it, without a tension.
+    pub fn of_joint(joint: &'a str) -> Self {
+        Self {
+            joint: Some(joint),
+            ..Self::default()
+        }
+    }
+
+    /// Display name: the joint, otherwise the motor, otherwise the tendon; empty if the axis has no name.
+    pub fn name(&self) -> &'a str {
+        let names = [self.joint, self.motor, self.tendon];
+        names.into_iter().flatten().next().unwrap_or_default()
     }
 }
 
-/// Joint of the frames, with the motor whose position and torque the frames hold for it.
+impl Axis<'_> {
+    /// Kind and name of an entry that an earlier axis has too.
+    pub(crate) fn taken(&self, before: &[Axis<'_>]) -> Option<(&'static str, &str)> {
+        fn names<'n>(axis: &Axis<'n>) -> [(&'static str, Option<&'n str>); 3] {
+            let joint = ("joint", axis.joint);
+            [joint, ("motor", axis.motor), ("tendon", axis.tendon)]
+        }
+        let own = names(self).into_iter().enumerate();
+        let mut own = own.filter_map(|(kind, (what, name))| Some((kind, what, name?)));
+        let is_taken = |kind: usize, name| before.iter().any(|b| names(b)[kind].1 == Some(name));
+        let (_, what, name) = own.find(|(kind, _, name)| is_taken(*kind, *name))?;
+        Some((what, name))
+    }
+
+    pub(crate) fn is_nameless(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// An [`Axis`] that owns its names.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct OwnedAxis {
+    /// Joint under whose name `q`, rad, `dq`, rad/s, `tau_el` and `tau_ext`, N·m, are recorded.
+    pub joint: Option<String>,
+    /// Motor at whose shaft position, rad, and torque, N·m, are measured. `None` with a joint: one of the
+    /// joint's name, reflected to it.
+    pub motor: Option<String>,
+    /// Tendon whose tension, N, is measured.
+    pub tendon: Option<String>,
+}
+
+impl OwnedAxis {
+    /// Returns the axis with borrowed names.
+    pub fn axis(&self) -> Axis<'_> {
+        Axis {
+            joint: self.joint.as_deref(),
+            motor: self.motor.as_deref(),
+            tendon: self.tendon.as_deref(),
+        }
+    }
+}
+
+impl From<Axis<'_>> for OwnedAxis {
+    fn from(axis: Axis<'_>) -> Self {
+        let owned = |name: Option<&str>| name.map(str::to_owned);
+        Self {
+            joint: owned(axis.joint),
+            motor: owned(axis.motor),
+            tendon: owned(axis.tendon),
+        }
+    }
+}
+
+/// Names of one entry of the frames, as they are recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct DrivenJoint {
-    /// Name of the joint in the recording.
-    pub(crate) joint: String,
-    /// Name of the motor in the recording.
-    pub(crate) motor: String,
-    /// Whether the position of the motor is reflected to the joint, so that both move alike; otherwise it is that at its shaft.
+pub(crate) struct AxisNames {
+    pub(crate) joint: Option<String>,
+    pub(crate) motor: Option<String>,
+    pub(crate) tendon: Option<String>,
+    /// Whether the motor position is reflected to the joint, so that both move equally; otherwise it is that
+    /// at its shaft.
     pub(crate) is_reflected: bool,
 }
 
-impl DrivenJoint {
-    /// Joints with motors of their own names, reflected to them.
+impl AxisNames {
+    /// Axes of joints whose motors have names of their own, reflected to them.
     pub(crate) fn of_joints(joints: &[String]) -> Vec<Self> {
-        joints.iter().map(|joint| Self::new(joint, None)).collect()
+        let axes = joints.iter().map(|joint| Axis::of_joint(joint));
+        axes.map(Self::new).collect()
     }
 
-    /// Joint with the motor at whose shaft is measured; `None`: a motor of the joint's name, reflected to it.
-    pub(crate) fn new(joint: &str, motor: Option<&str>) -> Self {
+    pub(crate) fn new(axis: Axis<'_>) -> Self {
+        let owned = |name: Option<&str>| name.map(str::to_owned);
         Self {
-            joint: joint.to_owned(),
-            motor: motor.unwrap_or(joint).to_owned(),
-            is_reflected: motor.is_none(),
+            joint: owned(axis.joint),
+            motor: owned(axis.motor.or(axis.joint)),
+            tendon: owned(axis.tendon),
+            is_reflected: axis.motor.is_none() && axis.joint.is_some(),
+        }
+    }
+
+    pub(crate) fn axis(&self) -> Axis<'_> {
+        let motor = self.motor.as_deref();
+        Axis {
+            joint: self.joint.as_deref(),
+            motor: motor.filter(|_| !self.is_reflected),
+            tendon: self.tendon.as_deref(),
         }
     }
 
     /// Name under which a quantity is recorded.
-    pub(crate) fn recorded(&self, quantity: Quantity) -> &str {
-        if quantity.is_of_motor() {
-            &self.motor
-        } else {
-            &self.joint
-        }
+    pub(crate) fn recorded(&self, quantity: Quantity) -> Option<&str> {
+        let name = match quantity {
+            Quantity::Theta | Quantity::TauM => &self.motor,
+            Quantity::Tension => &self.tendon,
+            _ => &self.joint,
+        };
+        name.as_deref()
     }
 }
 
-/// How many blocks of `n` values a wide row has: six per joint and temperature.
-pub(crate) const BLOCKS: usize = 7;
+/// Blocks of a wide row of these axes, each of one value per axis, in storage order: tensions only if an axis
+/// has a tendon.
+pub(crate) fn blocks(axes: &[AxisNames]) -> &'static [Quantity] {
+    match axes.iter().any(|axis| axis.tendon.is_some()) {
+        true => &Quantity::ALL,
+        false => &Quantity::ALL[..Quantity::Tension as usize],
+    }
+}
 
-/// "Not recorded", told apart from a NaN that *was* recorded by its payload.
+/// "Not recorded", distinguished from a recorded NaN by its payload.
 ///
 /// Both reach the user as NaN; only the recorded one is counted as a bad sample.
 pub const ABSENT: f64 = f64::from_bits(0x7ff8_5349_4e45_5701);
@@ -116,11 +230,12 @@ pub(crate) fn is_absent(value: f64) -> bool {
     value.to_bits() == ABSENT.to_bits()
 }
 
-/// One instant of a recording: all joints, SI units.
+/// Frame of a recording at one time stamp: all axes, SI units.
 ///
-/// Every vector has the length `n` of the joints selected (see
+/// Every vector has the length `n` of the joints or axes selected (see
 /// [`Recording::select`](crate::Recording::select)); NaN means "not recorded in
-/// this frame". Infinite values never appear: they are counted and become NaN.
+/// this frame". If an axis has no joint, `q` is 0 (see [`Axis`]). Infinite values never occur: they are
+/// counted and become NaN.
 /// For a prismatic joint read rad as m and N·m as N.
 #[derive(Debug, PartialEq, Default)]
 pub struct Frame {
@@ -140,11 +255,13 @@ pub struct Frame {
     pub tau_m: Vec<f64>,
     /// Known external torque, N·m, positive when applied to the robot.
     pub tau_ext: Vec<f64>,
-    /// Temperature, °C.
+    /// Temperature of the rope, °C.
     pub temperature_c: f64,
+    /// Tension of the tendon of each axis, N.
+    pub tension: Vec<f64>,
 }
 
-/// A copy over another frame takes its room: readers hand on millions.
+/// Copying over another frame reuses its allocation, because readers return millions of frames.
 impl Clone for Frame {
     fn clone(&self) -> Self {
         let mut copy = Frame::default();
@@ -162,11 +279,12 @@ impl Clone for Frame {
         self.tau_m.clone_from(&of.tau_m);
         self.tau_ext.clone_from(&of.tau_ext);
         self.temperature_c = of.temperature_c;
+        self.tension.clone_from(&of.tension);
     }
 }
 
 impl Frame {
-    /// A frame of `n` joints at time zero in which nothing is recorded.
+    /// A frame of `n` axes at time zero in which nothing is recorded.
     pub fn new(n: usize) -> Self {
         let nothing = vec![f64::NAN; n];
         Frame {
@@ -177,8 +295,9 @@ impl Frame {
             dq: nothing.clone(),
             tau_el: nothing.clone(),
             tau_m: nothing.clone(),
-            tau_ext: nothing,
+            tau_ext: nothing.clone(),
             temperature_c: f64::NAN,
+            tension: nothing,
         }
     }
 
@@ -192,6 +311,7 @@ impl Frame {
             Quantity::TauM => &self.tau_m,
             Quantity::TauExt => &self.tau_ext,
             Quantity::Temperature => std::slice::from_ref(&self.temperature_c),
+            Quantity::Tension => &self.tension,
         }
     }
 
@@ -205,27 +325,30 @@ impl Frame {
             Quantity::TauM => &mut self.tau_m,
             Quantity::TauExt => &mut self.tau_ext,
             Quantity::Temperature => std::slice::from_mut(&mut self.temperature_c),
+            Quantity::Tension => &mut self.tension,
         }
     }
 }
 
-/// A set of quantities.
+/// Set of recorded quantities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Quantities {
-    /// Link-side joint position.
+    /// Whether the joint position is recorded.
     pub q: bool,
-    /// Motor position reflected to the joint.
+    /// Whether the motor position, reflected to the joint, is recorded.
     pub theta: bool,
-    /// Link-side joint velocity.
+    /// Whether the joint velocity is recorded.
     pub dq: bool,
-    /// Elastic joint torque.
+    /// Whether the elastic joint torque is recorded.
     pub tau_el: bool,
-    /// Motor torque.
+    /// Whether the motor torque is recorded.
     pub tau_m: bool,
-    /// External torque.
+    /// Whether the external torque is recorded.
     pub tau_ext: bool,
-    /// Temperature of the rope.
+    /// Whether the temperature of the rope is recorded.
     pub temperature: bool,
+    /// Whether the tension of the tendon is recorded.
+    pub tension: bool,
 }
 
 impl Quantities {
@@ -247,15 +370,14 @@ impl Quantities {
             Quantity::TauM => &mut self.tau_m,
             Quantity::TauExt => &mut self.tau_ext,
             Quantity::Temperature => &mut self.temperature,
+            Quantity::Tension => &mut self.tension,
         }
     }
 
-    /// Takes what is measured at the motor from another set.
+    /// Copies the quantities measured at the motor from another set.
     pub(crate) fn take_motor(&mut self, of: Self) {
-        for quantity in Quantity::PER_JOINT {
-            if quantity.is_of_motor() {
-                *self.place(quantity) = of.has(quantity);
-            }
+        for quantity in [Quantity::Theta, Quantity::TauM] {
+            *self.place(quantity) = of.has(quantity);
         }
     }
 
@@ -271,20 +393,18 @@ impl Quantities {
 
     /// The quantities in the set, in storage order.
     pub fn iter(&self) -> impl Iterator<Item = Quantity> + '_ {
-        Quantity::PER_JOINT
-            .into_iter()
-            .chain([Quantity::Temperature])
-            .filter(|quantity| self.has(*quantity))
+        let all = Quantity::ALL.into_iter();
+        all.filter(|quantity| self.has(*quantity))
     }
 }
 
-/// Which quantities are recorded for which joint.
+/// Recorded quantities of each joint or axis.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Channels {
-    /// One entry per joint, in the order of [`Recording::joints`](crate::Recording::joints)
-    /// (after `select`: in the order selected). `temperature` is per recording, see below.
+    /// One entry per joint, in the order of [`Recording::joints`](crate::Recording::joints) (after `select`
+    /// or `select_axes`: one per axis, in the selected order). `temperature` is per recording, see below.
     pub joints: Vec<Quantities>,
-    /// Whether the recording holds a temperature at all.
+    /// Whether the recording has a temperature.
     pub temperature: bool,
 }
 
@@ -311,7 +431,7 @@ impl Channels {
             temperature: self.temperature,
             ..Quantities::default()
         };
-        for quantity in Quantity::PER_JOINT {
+        for quantity in Quantity::ALL {
             if self.any_has(quantity) {
                 all.insert(quantity);
             }
@@ -325,7 +445,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_copy_over_a_frame_is_equal_and_takes_its_room() {
+    fn clone_from_equals_source_and_reuses_allocation() {
         let mut from = Frame::new(3);
         from.time_ns = 7;
         from.segment = 2;
@@ -334,7 +454,8 @@ mod tests {
             from.get_mut(quantity).fill(k as f64);
         }
         let mut to = Frame::new(3);
-        let places = |frame: &Frame| Quantity::PER_JOINT.map(|q| frame.get(q).as_ptr());
+        from.tension.fill(40.0);
+        let places = |frame: &Frame| Quantity::ALL.map(|q| frame.get(q).as_ptr());
         let before = places(&to);
         to.clone_from(&from);
         assert_eq!(to, from);

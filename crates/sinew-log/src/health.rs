@@ -1,163 +1,165 @@
-//! What was lost, repaired or suspicious in a recording, and why.
+//! Losses, repairs and implausible signals of a recording, with their reasons.
 
 use serde::{Deserialize, Serialize};
 
 use crate::frame::Quantity;
 
-/// How many events are kept; later ones are only counted.
+/// Maximum number of events kept; later ones are only counted.
 pub const EVENT_LIMIT: usize = 256;
-/// So much of a stream that is missing is data lost (exit code 3 of the command line).
+/// Share of missing samples of a stream above which data count as lost (exit code 3 of the command line).
 pub const MUCH_LOST: f64 = 0.05;
-/// How many names of unknown joints are kept.
+/// Maximum number of names of unknown joints.
 pub(crate) const UNKNOWN_LIMIT: usize = 64;
 
-/// What kind of thing happened.
+/// Kind of an event during reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum EventKind {
-    /// A pause longer than the gap limit.
+    /// Gap longer than the gap limit.
     Gap,
-    /// The recording's clock went back for good.
-    ClockJump,
-    /// Messages came too late to be sorted in and were dropped.
+    /// Time stamps that stepped back permanently.
+    ClockStep,
+    /// Messages that were discarded, because they were later than the reorder window.
     Late,
-    /// The file is damaged here.
+    /// Damage of the file.
     Damage,
-    /// A message or row could not be decoded and was skipped.
+    /// Message or row that could not be decoded and was skipped.
     Undecodable,
-    /// Something looks wrong with the data although it could be read.
-    Suspicion,
+    /// Implausible signal that could be read.
+    ImplausibleSignal,
 }
 
-/// Something that happened while reading.
+/// Event during reading.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Event {
-    /// Time of the recording at which it happened, ns; 0 where unknown.
+    /// Time of the event in the recording, ns; 0 if unknown.
     pub time_ns: i64,
-    /// What kind of event it is.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// What happened, with numbers and units.
+    /// Description of the event, with numbers and units.
     pub text: String,
 }
 
-/// A part of the file that could not be read.
+/// Part of the file that could not be read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Damage {
-    /// Byte offset where the damage starts.
+    /// Byte offset of the start of the damage.
     pub offset: u64,
-    /// How many bytes were lost.
+    /// Number of bytes lost.
     pub bytes: u64,
-    /// Last time known good before the damage, ns.
+    /// Time stamp of the last valid sample before the damage, ns.
     pub after_ns: Option<i64>,
-    /// Why the bytes could not be used.
+    /// Reason why the bytes could not be used.
     pub reason: String,
 }
 
-/// Bad samples of one signal.
+/// Number of affected samples of one signal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SignalCount {
-    /// The quantity.
+    /// Quantity of the signal.
     pub quantity: Quantity,
-    /// The joint's name.
+    /// Name of the joint, motor or tendon.
     pub joint: String,
-    /// How many samples, or turns.
+    /// Number of samples, or of turns.
     pub count: u64,
 }
 
-/// What a stream of samples brings.
+/// Role of a stream of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum StreamRole {
     /// Both sides: rows of a table, or one topic.
     BothSides,
-    /// Joint positions.
+    /// Positions of the joints.
     JointSide,
-    /// Motor positions.
+    /// Positions of the motors.
     MotorSide,
-    /// External torques.
+    /// External torques of the joints.
     ExternalTorque,
+    /// Tensions of the tendons.
+    Tension,
 }
 
-/// When the samples of one stream came: a topic, or the rows of a table.
+/// Timing of one stream of samples: a topic, or the rows of a table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StreamTiming {
-    /// What it brings.
+    /// Role of the stream.
     pub role: StreamRole,
-    /// Samples with a stamp of their own.
+    /// Number of samples with distinct time stamps.
     pub samples: u64,
-    /// Usual step from one to the next, s; `None` with too few.
+    /// Typical interval of the samples, s; `None` with too few samples.
     pub step_s: Option<f64>,
-    /// How much shorter a step is than usual, one standard deviation, s.
+    /// Standard deviation of the shorter intervals from the typical one, s.
     pub jitter_s: Option<f64>,
-    /// Samples that the steps between the others leave out; `None` where steps are too uneven to tell.
+    /// Number of missing samples; `None` if the intervals are too irregular.
     pub missing: Option<u64>,
-    /// Samples dropped because another one with their stamp was there already, and said something else.
+    /// Number of samples that were discarded, because their time stamp was a duplicate with other values.
     pub repeated: u64,
 }
 
 impl StreamTiming {
-    /// Part of all samples that are missing or were dropped, 0 to 1.
+    /// Share of all samples that are missing or were discarded, 0 to 1.
     pub fn lost_share(&self) -> f64 {
         let lost = self.missing.unwrap_or(0) + self.repeated;
         lost as f64 / (self.samples + lost).max(1) as f64
     }
 }
 
-/// What was read, what was lost and why. Complete after the last frame.
+/// Content, losses and repairs of a recording, with their reasons. Complete after the last frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Health {
-    /// Frames handed out.
+    /// Number of frames returned.
     pub frames: u64,
-    /// Messages (MCAP, of the topics used) or rows (tables) read.
+    /// Number of messages (MCAP, of the topics used) or rows (tables) read.
     pub messages: u64,
-    /// Messages dropped because they came later than the reorder window.
+    /// Number of messages discarded, because they were later than the reorder window.
     pub late: u64,
-    /// Messages dropped because their stamp had been seen already.
+    /// Number of messages discarded, because their time stamp was a duplicate.
     pub duplicates: u64,
-    /// Messages that came out of order and were sorted in.
+    /// Number of messages reordered by time stamp.
     pub out_of_order: u64,
-    /// When the samples came, stream by stream: the joint side's or the table's rows first.
+    /// Timing of each stream: that of the joint side or of the table's rows first.
     pub streams: Vec<StreamTiming>,
-    /// Pauses longer than the gap limit.
+    /// Number of gaps longer than the gap limit.
     pub gaps: u64,
-    /// The longest such pause, s.
+    /// Duration of the longest gap, s.
     pub longest_gap_s: f64,
-    /// How often the clock went back for good.
-    pub clock_jumps: u64,
-    /// Recorded samples that were NaN or infinite, per signal; they are NaN in the frames.
+    /// Number of times that the time stamps stepped back permanently.
+    pub clock_steps: u64,
+    /// Number of NaN or infinite samples per signal; they are NaN in the frames.
     pub non_finite: Vec<SignalCount>,
-    /// Encoder wrap-arounds removed, per signal.
+    /// Number of encoder wrap-arounds that were corrected, per signal.
     pub unwrapped: Vec<SignalCount>,
-    /// Frames in which no joint has a motor position.
+    /// Number of frames in which no joint has a motor position.
     pub frames_without_motor_side: u64,
-    /// Frames in which no joint has a joint position.
+    /// Number of frames in which no joint has a joint position.
     pub frames_without_joint_side: u64,
-    /// Joints found in messages but not at the start of the recording: ignored.
+    /// Joints in messages that were not there at the start of the recording; ignored.
     pub unknown_joints: Vec<String>,
-    /// Messages that could not be decoded.
+    /// Number of messages that could not be decoded.
     pub undecodable: u64,
-    /// Messages with fewer values than names: the missing values are NaN.
+    /// Number of messages with fewer values than names; the missing values are NaN.
     pub short_messages: u64,
-    /// Rows with more or fewer cells than the header.
+    /// Number of rows with more or fewer cells than the header.
     pub ragged_rows: u64,
-    /// Rows without a time: dropped.
+    /// Number of rows without a time; discarded.
     pub rows_without_time: u64,
-    /// Bytes of the file that could not be used.
+    /// Number of bytes of the file that could not be used.
     pub bytes_lost: u64,
-    /// Where and why bytes were lost.
+    /// Damaged parts of the file, with the reasons.
     pub damage: Vec<Damage>,
-    /// Signals that look wrong: degrees, constant, gear ratio, all NaN.
-    pub suspicions: Vec<String>,
-    /// What happened, in reading order, at most [`EVENT_LIMIT`].
+    /// Implausible signals: degrees, constant, gear ratio, all NaN.
+    pub implausible_signals: Vec<String>,
+    /// Events in reading order, at most [`EVENT_LIMIT`].
     pub events: Vec<Event>,
-    /// Events beyond the limit.
+    /// Number of events beyond the limit.
     pub events_dropped: u64,
 }
 
@@ -167,7 +169,7 @@ impl Health {
         !self.damage.is_empty()
     }
 
-    /// Whether anything at all was lost: damage, or messages dropped.
+    /// Whether anything was lost: damage, or discarded messages.
     pub fn is_lossy(&self) -> bool {
         self.is_damaged()
             || self.late > 0
@@ -176,7 +178,7 @@ impl Health {
             || self.has_lost_much()
     }
 
-    /// Whether more than [`MUCH_LOST`] of a stream's samples are missing or were dropped.
+    /// Whether more than [`MUCH_LOST`] of a stream's samples are missing or were discarded.
     pub fn has_lost_much(&self) -> bool {
         self.streams.iter().any(|s| s.lost_share() > MUCH_LOST)
     }
@@ -215,18 +217,18 @@ impl Health {
     }
 
     pub(crate) fn undecodable(&mut self, time_ns: i64, text: impl FnOnce() -> String) {
-        // The first few say why; a broken publisher would fill the list otherwise.
-        const SHOWN: u64 = 16;
+        // Only the first few are described, because a broken publisher would fill the list otherwise.
+        const MAX_DESCRIBED: u64 = 16;
         self.undecodable += 1;
-        if self.undecodable <= SHOWN {
+        if self.undecodable <= MAX_DESCRIBED {
             self.event(time_ns, EventKind::Undecodable, text);
         }
     }
 
-    pub(crate) fn suspicion(&mut self, text: String) {
-        self.event(0, EventKind::Suspicion, || text.clone());
-        if self.suspicions.len() < EVENT_LIMIT {
-            self.suspicions.push(text);
+    pub(crate) fn implausible_signal(&mut self, text: String) {
+        self.event(0, EventKind::ImplausibleSignal, || text.clone());
+        if self.implausible_signals.len() < EVENT_LIMIT {
+            self.implausible_signals.push(text);
         }
     }
 }

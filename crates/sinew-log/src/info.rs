@@ -1,4 +1,4 @@
-//! What a recording holds: the answer of `sinew log info`.
+//! Content of a recording: the result of `sinew log info`.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,19 +10,19 @@ use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo, TopicUse};
 use std::path::PathBuf;
 
-/// What a recording holds, and how well it could be read.
+/// Content and condition of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingInfo {
     /// File as the user named it.
     pub file: String,
-    /// Its format.
+    /// Format of the file.
     pub format: Format,
     /// Number of frames.
     pub frames: u64,
     /// Time of the first frame, ns since the epoch of the recording's clock.
     pub start_time_ns: Option<i64>,
-    /// From the first frame to the last, s.
+    /// Duration from the first frame to the last, s.
     pub duration_s: Option<f64>,
     /// Frames per second within segments.
     pub mean_rate_hz: Option<f64>,
@@ -34,13 +34,16 @@ pub struct RecordingInfo {
     pub segments: u32,
     /// Joints in the recording's order.
     pub joints: Vec<JointInfo>,
-    /// Topics in the order of their names; none of a table.
+    /// Tendons with a recorded tension, in the order of the recording; omitted if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tendons: Vec<String>,
+    /// Topics in the order of their names; empty for a table.
     pub topics: Vec<TopicInfo>,
-    /// Where each quantity is read from.
+    /// Source of each quantity.
     pub sources: Vec<SignalSource>,
-    /// Sides that several topics could be; nothing is read of joints until one is chosen.
+    /// Sides with several candidate topics; no joint is read until one is chosen.
     pub ambiguous: Vec<Ambiguity>,
-    /// Columns of a table that nothing is read from.
+    /// Columns of a table that are not used.
     pub unused_columns: Vec<String>,
     /// Whether a temperature is recorded.
     pub temperature: bool,
@@ -48,20 +51,20 @@ pub struct RecordingInfo {
     pub robot_description: bool,
     /// Whether anything was lost.
     pub lossy: bool,
-    /// What was lost or repaired.
+    /// Losses and repairs of the recording.
     pub health: Health,
 }
 
 impl sinew_files::JsonDocument for RecordingInfo {
-    const SCHEMA: &'static str = "sinew/log-info/1";
+    const SCHEMA: &'static str = "sinew/log-info/2";
 }
 
 impl RecordingInfo {
-    /// Reads files that are one recording to their end. Where several topics could be a side, the first is
-    /// taken to look into the file, and the answer says so.
+    /// Reads files that are one recording to their end. If several topics could be a side, the first is used,
+    /// and the result reports it.
     ///
     /// # Errors
-    /// As [`open_parts`], and no frame at all.
+    /// As [`open_parts`]; also returns [`LogError`] if there is no frame.
     pub fn of_files(
         paths: &[PathBuf],
         options: &OpenOptions,
@@ -87,7 +90,7 @@ impl RecordingInfo {
         Ok(Self::of(&mut recording, &name, progress)?.undecided(open))
     }
 
-    /// Reads a recording to its end; `name` is what it is called.
+    /// Reads a recording to its end; `name` is its name.
     ///
     /// # Errors
     /// As [`Recording::next_frame`], and no frame at all.
@@ -96,24 +99,24 @@ impl RecordingInfo {
         name: &str,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, LogError> {
-        /// So often is told how far it is.
+        /// Number of frames between two reports of the progress.
         const FRAMES: u64 = 8192;
-        let mut pace = Pace::default();
+        let mut counter = FrameCounter::default();
         while let Some(frame) = recording.next_frame()? {
             let (time_ns, segment) = (frame.time_ns, frame.segment);
-            pace.frame(time_ns, segment);
-            if pace.frames().is_multiple_of(FRAMES) {
+            counter.frame(time_ns, segment);
+            if counter.frames().is_multiple_of(FRAMES) {
                 progress(recording.progress());
             }
         }
-        match pace.frames() {
+        match counter.frames() {
             0 => Err(nothing(recording)),
-            _ => Ok(pace.info(recording, name)),
+            _ => Ok(counter.info(recording, name)),
         }
     }
 
-    /// The same of a recording in which topics had to be taken at will to look into it: what was read by
-    /// them is not shown.
+    /// Creates the information of a recording with ambiguous topics, of which arbitrary ones were read; their values
+    /// are not reported.
     #[must_use]
     pub fn undecided(mut self, ambiguous: Vec<Ambiguity>) -> Self {
         if ambiguous.is_empty() {
@@ -121,10 +124,10 @@ impl RecordingInfo {
         }
         let is_open = |name: &String| ambiguous.iter().any(|a| a.candidates.contains(name));
         for topic in self.topics.iter_mut().filter(|topic| is_open(&topic.name)) {
-            topic.taken_for = None;
+            topic.role = None;
         }
-        // What is odd in signals is odd in those taken at will.
-        self.health.suspicions.clear();
+        // The checks of signals are not valid for topics chosen arbitrarily.
+        self.health.implausible_signals.clear();
         self.health.non_finite.clear();
         self.health.unwrapped.clear();
         self.joints.clear();
@@ -135,20 +138,20 @@ impl RecordingInfo {
     }
 }
 
-/// Why a recording that could be opened has no frame.
+/// Error of a recording that could be read but has no frame.
 fn nothing(recording: &Recording) -> LogError {
     let health = recording.health();
-    let why = match (health.rows_without_time, health.undecodable) {
+    let reason = match (health.rows_without_time, health.undecodable) {
         (0, 0) => "it has no row and no message".to_owned(),
         (0, messages) => format!("none of {messages} messages can be decoded"),
         (rows, _) => format!("none of {rows} rows has a time"),
     };
-    LogError::refused(recording.name(), format!("it holds no frame: {why}"))
+    LogError::not_a_recording(recording.name(), format!("it contains no frame: {reason}"))
 }
 
 /// Time stamps of a recording, counted frame by frame.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Pace {
+pub struct FrameCounter {
     frames: u64,
     first_ns: Option<i64>,
     last: Option<(i64, u32)>,
@@ -158,7 +161,7 @@ pub struct Pace {
     longest_ns: Option<i64>,
 }
 
-impl Pace {
+impl FrameCounter {
     /// Counts the next frame.
     pub fn frame(&mut self, time_ns: i64, segment: u32) {
         self.frames += 1;
@@ -175,7 +178,7 @@ impl Pace {
         self.last = Some((time_ns, segment));
     }
 
-    /// Frames counted.
+    /// Number of frames counted.
     pub fn frames(&self) -> u64 {
         self.frames
     }
@@ -186,10 +189,10 @@ impl Pace {
         Some(rate_hz).filter(|rate| rate.is_finite())
     }
 
-    /// What `recording`, read to its end, holds; `file` is its name.
+    /// Content of `recording`, which has been read to its end; `file` is its name.
     pub fn info(&self, recording: &Recording, file: &str) -> RecordingInfo {
         let channels = recording.channels();
-        let joints = recording.joints().iter().zip(&channels.joints);
+        let joints = recording.axes().zip(&channels.joints);
         let seconds = |ns: i64| 1e-9 * ns as f64;
         let ends = self.first_ns.zip(self.last);
         RecordingInfo {
@@ -203,11 +206,12 @@ impl Pace {
             longest_step_s: self.longest_ns.map(seconds),
             segments: self.last.map_or(0, |(_, segment)| segment + 1),
             joints: joints
-                .map(|(name, has)| JointInfo {
-                    name: name.clone(),
+                .map(|(axis, has)| JointInfo {
+                    name: axis.name().to_owned(),
                     channels: has.iter().collect(),
                 })
                 .collect(),
+            tendons: recording.tendons().to_vec(),
             topics: recording.topics(),
             sources: recording.sources(),
             ambiguous: Vec::new(),

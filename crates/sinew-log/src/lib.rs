@@ -1,8 +1,7 @@
 //! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet; SQLite bags with the feature `db3`.
 //!
-//! What was measured, and nothing else: no physics, no clock, no network. In storeys: [`decode`]
-//! (bytes to messages), [`assemble`] (samples to frames, time as an argument), [`live`] (messages to frames as
-//! they come), and on top the files.
+//! Measured data only: no physics, no clock, no network. Layers: [`decode`] (bytes to messages), [`assemble`]
+//! (samples to frames, time as an argument), [`live`] (messages to frames online), and the files on top.
 //!
 //! ```no_run
 //! use sinew_log::{OpenOptions, open};
@@ -24,74 +23,76 @@
 //!
 //! # From messages to frames
 //!
-//! * A frame exists for each stamp of the joint side (`sensor_msgs/msg/JointState`), or for each
-//!   row of a table. Stamps are `header.stamp`; where that is zero, the log time.
-//! * Values are found by joint *name*. A message may hold a subset of the joints, another order,
-//!   or more; two messages with one stamp and different joints make one frame.
-//! * The motor side (`control_msgs/msg/DynamicJointState`, or a second `JointState` topic) and
-//!   the external torque are taken at the same stamp, or else interpolated linearly between
-//!   their neighbours, both of which must lie within [`OpenOptions::interpolate_s`] (0.05 s);
-//!   otherwise they are NaN. Joints missing in the neighbours are looked for within that distance.
-//! * Samples are sorted within [`OpenOptions::reorder_s`] (0.25 s) or 16 384 samples (32 MiB),
-//!   whichever is less. A joint-side sample waits for a stalled motor side four times that long.
+//! * A frame exists for each time stamp of the joint side (`sensor_msgs/msg/JointState`), or for each row of
+//!   a table. The time stamp is `header.stamp`, or the log time if that is zero.
+//! * Values are found by joint *name*. A message may hold a subset of the joints, another order, or more; two
+//!   messages with one stamp and different joints make one frame.
+//! * The motor side (`control_msgs/msg/DynamicJointState`, or a second `JointState` topic) and the external
+//!   torque are taken at the same stamp, or else interpolated linearly between their neighbours, both of
+//!   which must lie within [`OpenOptions::interpolate_s`] (0.05 s); otherwise they are NaN. A joint that is missing in
+//!   these neighbours is interpolated between the nearest samples that contain it within the same interval.
+//! * Samples are sorted within [`OpenOptions::reorder_s`] (0.25 s) or 16 384 samples (32 MiB), whichever is
+//!   less. A joint-side sample waits for a stalled motor side four times that long.
+//! * Tensions of tendons (a column `tension.TENDON_n`, or a topic that the mapping names) are treated as the
+//!   motor side. An axis without a joint has a `q` of 0, see [`Axis`].
 //! * NaN means "not recorded"; a frame holds no infinities.
 //!
 //! # Wrap-around
 //!
-//! `q` and `theta` are unwrapped per joint with a period of 2π, or the mapping's `wrap_period`
-//! (a motor turn behind a gear is 2π/ratio). A change of more than half a period from one frame
-//! to the next is taken to the nearest turn. After a gap the turn count is kept the same way,
-//! and `theta` is taken to the turn at which `theta − q` changes least, so that both sides land
-//! on the same turn. A signal whose values span more than one period does not come from a
-//! wrapping encoder and is left alone; so are lengths (`_m` columns, units of length).
+//! `q` and `theta` are unwrapped per joint with a period of 2π, or the mapping's `wrap_period` (a motor turn
+//! behind a gear is 2π/ratio). A change of more than half a period from one frame to the next is moved to the
+//! nearest turn. After a gap the turn count is kept the same way, and `theta` is moved to the turn at which
+//! `theta − q` changes least, so that both sides are on the same turn. A signal whose values span more than
+//! one period does not come from a wrapping encoder and is not changed; neither are lengths (`_m` columns,
+//! units of length).
 //!
 //! # What happens with bad input
 //!
 //! | input | decision |
 //! |---|---|
-//! | folder, pattern, several files | parts of one recording, in the order of their times; of different topics: refused |
+//! | folder, pattern, several files | parts of one recording, in the order of their times; of different topics: rejected |
 //! | file packed with zstd | unpacked to a temporary file |
-//! | empty file, other format, binary, broken header | refused: [`LogError::NotARecording`], with what was found |
-//! | MCAP without joint states, or cut off before the first | refused, with the topics there are and the damage |
+//! | empty file, other format, binary, broken header | rejected: [`LogError::NotARecording`], with the content found |
+//! | MCAP without joint states, or cut off before the first | rejected, with the existing topics and the damage |
 //! | MCAP without index or summary | read; nothing depends on them |
 //! | MCAP not closed (no footer) | read to the end; damage of 0 bytes is reported |
 //! | MCAP cut off inside a record or chunk | read up to the cut: the compressed blocks that are complete are unpacked and used; the rest is damage |
 //! | chunk whose checksum, size or compression is wrong, framing intact | that chunk is skipped as a whole, the next is read, a new segment starts, damage |
 //! | framing broken (no record, length beyond the file) | reading stops there; the rest is damage |
-//! | first chunk lost | channels are known from the summary; without one: refused |
-//! | length that lies (record, chunk, string, sequence) | never allocated for: compared with the bytes that are there, [`OpenOptions::chunk_limit_bytes`], and what the compression can expand to |
+//! | first chunk lost | channels are known from the summary; without one: rejected |
+//! | wrong length field (record, chunk, string, sequence) | never allocated for: compared with the bytes that are there, [`OpenOptions::chunk_limit_bytes`], and what the compression can expand to |
 //! | message that cannot be decoded, XCDR2 | skipped and counted; the first 16 are described |
 //! | big-endian CDR | read |
 //! | fewer values than names | the missing ones are NaN; counted |
 //! | more values than names; a name twice | surplus ignored; the first counts |
 //! | joints that appear later than the first 256 messages of a topic | named in [`Health::unknown_joints`] and ignored |
-//! | joint asked for is not recorded | refused, with the names and the nearest |
-//! | several topics could be the joint side, or the motor side | refused, with the candidates |
-//! | one topic or column for both sides; an interface asked for that is not there | refused |
+//! | requested joint is not recorded | rejected, with the names and the nearest |
+//! | several topics could be the joint side, or the motor side | rejected, with the candidates |
+//! | one topic or column for both sides; a requested interface that is missing | rejected |
 //! | motor side missing, or not near in time | frames without it (NaN); counted |
-//! | out of order within the window | sorted in; counted |
-//! | later than the window | dropped; counted. Eight in a row are a clock jump |
-//! | stamp seen already | the first is kept; counted |
-//! | clock going back for good | new segment; counted |
+//! | out of order within the window | reordered; counted |
+//! | later than the window | discarded; counted. Eight in a row are a clock step |
+//! | duplicate time stamp | the first is kept; counted |
+//! | clock that steps back permanently | new segment; counted |
 //! | pause longer than [`OpenOptions::gap_s`] (0.5 s) | new segment; counted, the longest kept |
 //! | NaN or infinity recorded | NaN in the frame; counted per signal |
-//! | signal all NaN, constant (100 frames, 1 s) | suspicion |
-//! | joint position beyond 2π | suspicion "looks like degrees"; not converted |
-//! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | suspicion: degrees, gear ratio, sign |
+//! | signal all NaN, constant (100 frames, 1 s) | reported as implausible |
+//! | joint position beyond 2π | reported as "looks like degrees"; not converted |
+//! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | reported: degrees, gear ratio, sign |
 //! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
-//! | table without a time or joint column, column twice | refused |
+//! | table without a time or joint column, column twice | rejected |
 //! | CSV line that begins with `#` | a comment, or the header where numbers follow |
-//! | CSV cell that is no number | refused with line, column and value; empty, `nan`, `null`, `n/a` are none |
+//! | non-numeric CSV cell | rejected with line, column and value; empty, `nan`, `null`, `n/a` are NaN |
 //! | CSV row with too few or too many cells | padded, or cut; counted |
-//! | CSV last line without line end and with too few cells or half a number | dropped; damage. A number cut off to a shorter number cannot be told |
-//! | CSV or Parquet row without a time | dropped; counted |
-//! | table whose clock runs backwards, or most of whose rows have the time of the row before | refused |
-//! | CSV row or unclosed quote over 4 MiB | refused |
+//! | CSV last line without line end and with too few cells or half a number | discarded; damage. A number truncated to a shorter number is not detected |
+//! | CSV or Parquet row without a time | discarded; counted |
+//! | table whose clock runs backwards, or most of whose rows have the time of the row before | rejected |
+//! | CSV row or unclosed quote over 4 MiB | rejected |
 //! | Parquet with lists of numbers | each element is a column: `list.0`, or by the name that a LeRobot data set gives it |
-//! | Parquet without its footer | refused: it cannot be recovered |
+//! | Parquet without its footer | rejected: it cannot be recovered |
 //! | SQLite bag with a damaged page | read up to there; the rest is damage |
 //! | Parquet page that cannot be decoded | reading stops there; the rest is damage |
-//! | mapping with an unknown key, unit or impossible factor | refused with file and line |
+//! | mapping with an unknown key, unit or impossible factor | rejected with file and line |
 //!
 //! A damaged or lossy recording is never an error of a call: see [`Health::is_damaged`].
 
@@ -114,11 +115,11 @@ pub use files::{
     McapOptions, McapWriter, Packing, Progress, ReadSeek, RecordedNames, Recording, RowWriter,
     Table, TableWriter, Topic, TopicWriter, open, open_parts, recordings_of,
 };
-pub use frame::{Channels, Frame, Quantities, Quantity};
+pub use frame::{Axis, Channels, Frame, OwnedAxis, Quantities, Quantity};
 pub use health::{
     Damage, EVENT_LIMIT, Event, EventKind, Health, MUCH_LOST, SignalCount, StreamRole, StreamTiming,
 };
-pub use info::{Pace, RecordingInfo};
+pub use info::{FrameCounter, RecordingInfo};
 pub use live::JointInfo;
 pub use mapping::{JointEffort, Mapping};
 pub use options::OpenOptions;

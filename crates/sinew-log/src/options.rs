@@ -1,15 +1,15 @@
-//! How a recording shall be read.
+//! Options for reading a recording.
 
 use crate::error::LogError;
 use crate::mapping::{JointEffort, Mapping};
 
-/// How a recording shall be read; every field has a documented default.
+/// Options for reading a recording; every field has a documented default.
 ///
 /// A [`Mapping`] may set the topic and interface names as well; a name given
 /// here wins over the mapping's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenOptions {
-    /// Names, units, signs and gear ratios of a recording that has its own.
+    /// Names, units, signs and gear ratios of the recording.
     pub mapping: Option<Mapping>,
     /// Joint-side `sensor_msgs/msg/JointState` topic. Default: `/joint_states`,
     /// else the only `JointState` topic there is that is not the motor side.
@@ -18,23 +18,23 @@ pub struct OpenOptions {
     /// `JointState`. Default: `/dynamic_joint_states`, else the only
     /// `DynamicJointState` topic, else a `JointState` topic with `motor` in its name.
     pub motor_topic: Option<String>,
-    /// Interface of `DynamicJointState` that holds the motor position, reflected to the joint.
+    /// Interface of `DynamicJointState` with the motor position, reflected to the joint.
     pub motor_interface: String,
-    /// Interface of `DynamicJointState` that holds the motor torque, reflected to the joint.
+    /// Interface of `DynamicJointState` with the motor torque, reflected to the joint.
     pub motor_effort_interface: String,
-    /// Interface of `DynamicJointState` that holds a temperature.
+    /// Interface of `DynamicJointState` with a temperature.
     pub temperature_interface: String,
     /// `JointState` topic whose `effort` is the known external torque.
     pub external_torque_topic: String,
-    /// What the joint side's `effort` is.
+    /// Quantity of the joint side's `effort`.
     pub joint_effort: JointEffort,
-    /// A longer pause between frames starts a new segment, s.
+    /// Maximum gap between frames of one segment, s.
     pub gap_s: f64,
     /// Messages late by at most this much are sorted in, s; later ones are dropped and counted.
     pub reorder_s: f64,
     /// Motor samples farther than this from the joint stamp are not used for interpolation, s.
     pub interpolate_s: f64,
-    /// Most memory one chunk or record may take, bytes.
+    /// Maximum memory of one chunk or record, bytes.
     pub chunk_limit_bytes: usize,
 }
 
@@ -62,7 +62,7 @@ pub(crate) fn to_ns(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
 
-/// Refuses times that can't be; `name` is what is read.
+/// Rejects invalid times; `name` is that of the recording.
 pub(crate) fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
     let request = |reason: String| Err(LogError::request(name, reason));
     for (what, value) in [
@@ -71,14 +71,12 @@ pub(crate) fn check_options(options: &OpenOptions, name: &str) -> Result<(), Log
         ("interpolate_s", options.interpolate_s),
     ] {
         if value.is_nan() || value < 0.0 {
-            return request(format!(
-                "option {what} is {value} s; zero or more is needed"
-            ));
+            return request(format!("option {what} is {value} s; must be at least 0"));
         }
     }
     if options.interpolate_s > options.reorder_s && options.interpolate_s > 0.0 {
         return request(format!(
-            "option interpolate_s ({} s) is larger than reorder_s ({} s): the later neighbour would not be waited for",
+            "option interpolate_s ({} s) exceeds reorder_s ({} s); reduce it or increase reorder_s",
             options.interpolate_s, options.reorder_s
         ));
     }

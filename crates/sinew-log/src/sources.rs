@@ -1,43 +1,45 @@
-//! Where the values of a recording come from.
+//! Sources of the values of a recording.
 
 use crate::frame::Quantity;
 use serde::{Deserialize, Serialize};
 
-/// What a topic is taken for.
+/// Role of a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TopicUse {
-    /// The joint side: it sets the instants.
+    /// Joint side, which sets the time stamps.
     JointSide,
-    /// The motor side.
+    /// Motor side of the robot.
     MotorSide,
-    /// The known external torque.
+    /// Specified external torque of the joints.
     ExternalTorque,
-    /// The robot's URDF.
+    /// Robot description in URDF.
     RobotDescription,
+    /// Tensions of the tendons.
+    Tension,
 }
 
-/// A topic of a recording.
+/// Topic of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TopicInfo {
-    /// Its name.
+    /// Name of the topic.
     pub name: String,
     /// Type of its messages, such as `sensor_msgs/msg/JointState`.
     pub kind: String,
-    /// Messages read.
+    /// Number of messages read.
     pub messages: u64,
-    /// Messages per second of the recorder's clock; `None` with fewer than two.
+    /// Message rate by the recorder's clock, Hz; `None` with fewer than two messages.
     pub rate_hz: Option<f64>,
-    /// Interfaces its joints have (`control_msgs/msg/DynamicJointState`).
+    /// Interfaces of its joints (`control_msgs/msg/DynamicJointState`).
     pub interfaces: Vec<String>,
-    /// What it is taken for; `None`: not used.
-    pub taken_for: Option<TopicUse>,
+    /// Role of the topic; `None`: not used.
+    pub role: Option<TopicUse>,
 }
 
 impl TopicInfo {
-    /// Adds what was met of the same topic later.
+    /// Adds the content of a later part of the same topic.
     pub(crate) fn add(&mut self, later: &TopicInfo) {
         let length_s = |t: &TopicInfo| t.rate_hz.map_or(0.0, |hz| (t.messages - 1) as f64 / hz);
         let (length, steps) = (length_s(self) + length_s(later), |n: u64| {
@@ -54,13 +56,13 @@ impl TopicInfo {
     }
 }
 
-/// Where a quantity is read from.
+/// Source of a quantity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SignalSource {
-    /// The quantity.
+    /// Quantity that is read.
     pub quantity: Quantity,
-    /// Topic it is in; `None` in a table.
+    /// Topic of the quantity; `None` for a table.
     pub topic: Option<String>,
     /// Topic and field or interface, or the columns.
     pub source: String,

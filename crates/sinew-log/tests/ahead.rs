@@ -21,7 +21,7 @@ fn opened(bytes: &[u8]) -> Recording {
     open_bytes(bytes, "a.csv", &OpenOptions::default()).expect("recording")
 }
 
-/// What is handed out before `at` says that it's enough, and what came of it.
+/// Frames received before the closure breaks at `at`, and the result.
 fn handed(
     recording: &mut Recording,
     at: usize,
@@ -40,7 +40,7 @@ fn handed(
 }
 
 #[test]
-fn every_frame_comes_once_in_order_and_health_is_complete() {
+fn ahead_returns_frames_in_order_and_complete_health() {
     let bytes = table(|row| match row {
         700 => "nan".into(),
         _ => format!("{:.6}", 1e-3 * row as f64),
@@ -73,7 +73,7 @@ fn reading_stops_when_it_is_enough() {
 }
 
 #[test]
-fn an_error_comes_after_the_frames_before_it() {
+fn error_follows_preceding_frames() {
     const BAD: usize = 1000;
     let bytes = table(|row| if row == BAD { "0.1x" } else { "0.1" }.into());
     let mut recording = opened(&bytes);

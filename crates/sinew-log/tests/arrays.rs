@@ -1,4 +1,4 @@
-//! Arrays in memory are read as the columns of a table are.
+//! Arrays in memory give the same frames as the columns of a table.
 
 use crate::support::*;
 use sinew_log::{
@@ -17,7 +17,7 @@ struct Held {
     joints: Vec<String>,
     quantities: Quantities,
     frames: Arc<Vec<Frame>>,
-    /// Most values asked for at once.
+    /// Maximum number of values requested in one call.
     most: Arc<AtomicUsize>,
 }
 
@@ -101,7 +101,7 @@ fn csv(path: &Path, held: &Held) -> Recording {
 }
 
 #[test]
-fn arrays_give_the_frames_and_the_health_of_a_table_with_the_same_numbers() {
+fn arrays_give_frames_and_health_of_equal_table() {
     let held = held(frames());
     let folder = tempfile::tempdir().unwrap();
     let table = csv(&folder.path().join("same.csv"), &held);
@@ -117,10 +117,10 @@ fn arrays_give_the_frames_and_the_health_of_a_table_with_the_same_numbers() {
     assert!(health.unwrapped.iter().any(|s| s.joint == "a.b"));
     assert_eq!(from_arrays.len(), from_table.len());
     for (a, b) in from_arrays.iter().zip(&from_table) {
-        // NaN is told by its text.
+        // The text distinguishes NaN.
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
     }
-    // Block by block, never whole.
+    // Arrays are read in blocks, never whole.
     let most = held.most.load(Ordering::Relaxed);
     assert!(most <= 2 * 1024, "{most} values at once");
 }
@@ -135,7 +135,7 @@ fn joints_are_selected_and_ordered() {
 }
 
 #[test]
-fn what_is_wrong_with_arrays_is_said() {
+fn invalid_array_error_names_cause() {
     let error = |held: Held| match opened(held) {
         Err(error) => error.to_string(),
         Ok(mut recording) => loop {
@@ -151,16 +151,16 @@ fn what_is_wrong_with_arrays_is_said() {
     assert!(error(none).contains("no column like q.<joint>_rad"));
     let mut twice = held(frames());
     twice.joints[1] = twice.joints[0].clone();
-    assert!(error(twice).contains("'q.a.b_rad' is there twice"));
+    assert!(error(twice).contains("duplicate column 'q.a.b_rad'"));
     let mut gone = held(frames());
     gone.quantities.tau_ext = true;
     assert_eq!(error(gone), "arrays: 'tau_ext' has gone");
     let mut backwards = frames();
     backwards.reverse();
-    let why = error(held(backwards));
+    let reason = error(held(backwards));
     assert!(
-        why.contains("time_ns") && why.contains("backwards"),
-        "{why}"
+        reason.contains("time_ns") && reason.contains("backwards"),
+        "{reason}"
     );
     // No rows are no frames, and no error.
     let (frames, _) = read_all(opened(held(Vec::new())).unwrap());

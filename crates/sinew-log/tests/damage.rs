@@ -31,7 +31,7 @@ fn all_kinds() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// Reads as far as it goes; `None` when the file is refused.
+/// Reads up to the damage; `None` for an error.
 fn read_any(bytes: &[u8]) -> Option<(usize, Health)> {
     let mut recording = match open_bytes(bytes, "a.mcap", &OpenOptions::default()) {
         Ok(recording) => recording,
@@ -49,7 +49,7 @@ fn read_any(bytes: &[u8]) -> Option<(usize, Health)> {
 }
 
 #[test]
-fn every_prefix_is_read_up_to_its_end_or_refused() {
+fn prefix_of_recording_is_read_to_its_end_or_error() {
     for (name, bytes) in all_kinds() {
         let (whole, health) = read_any(&bytes).unwrap();
         assert_eq!(whole, STEPS as usize);
@@ -77,14 +77,14 @@ fn every_prefix_is_read_up_to_its_end_or_refused() {
             }
         }
         assert_eq!(best, whole, "{name}");
-        // Nothing can be said before the first message, and of a chunk that fits into one
-        // compressed block before the end of that chunk (8 KiB unpacked).
+        // No prefix is readable before the first message, and of a chunk that fits into one compressed block
+        // before the end of that chunk (8 KiB unpacked).
         assert!(refused < 8 << 10, "{name}: refused {refused}");
     }
 }
 
 #[test]
-fn a_cut_off_chunk_still_gives_its_first_messages() {
+fn truncated_chunk_gives_first_messages() {
     for (name, bytes) in all_kinds() {
         let cut = bytes.len() / 2;
         let (frames, health) = read_any(&bytes[..cut]).unwrap();
@@ -105,7 +105,7 @@ fn a_cut_off_chunk_still_gives_its_first_messages() {
 }
 
 #[test]
-fn a_chunk_with_a_wrong_checksum_is_skipped_and_the_rest_is_read() {
+fn chunk_with_wrong_checksum_is_skipped() {
     for (name, bytes) in all_kinds().into_iter().take(3) {
         let mut bytes = bytes;
         // In the middle of the data: inside a chunk's packed records.
@@ -140,7 +140,7 @@ fn any_single_wrong_byte_is_survived() {
 
 /// A record of any length claims any size: nothing may be allocated for it.
 #[test]
-fn lengths_that_lie_are_refused_or_reported() {
+fn wrong_length_fields_are_errors_or_reported() {
     let sound = bag(Some(Compression::Zstd), true);
     let magic = &sound[..8];
     let header_length = u64::from_le_bytes(sound[9..17].try_into().unwrap()) as usize;
@@ -173,7 +173,7 @@ fn lengths_that_lie_are_refused_or_reported() {
 
 /// An "endless" chunk: its length reaches beyond the file, its content does not end.
 #[test]
-fn a_chunk_longer_than_the_file_gives_what_is_there() {
+fn chunk_longer_than_file_gives_present_messages() {
     let mut bytes = bag(Some(Compression::Zstd), true);
     let header_length = u64::from_le_bytes(bytes[9..17].try_into().unwrap()) as usize;
     let chunk = 17 + header_length;
@@ -185,7 +185,7 @@ fn a_chunk_longer_than_the_file_gives_what_is_there() {
 }
 
 #[test]
-fn a_recording_that_was_not_closed_says_so() {
+fn unclosed_recording_is_reported() {
     let bytes = bag(None, false);
     let data_end = {
         // The record before the summary: find it by walking the records.
@@ -217,7 +217,7 @@ fn after_damage_a_new_segment_starts() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused_with_a_reason() {
+fn non_recording_error_names_cause() {
     let options = OpenOptions::default();
     let error = |bytes: &[u8], name: &str| error_of(bytes, name, &options);
     assert!(error(b"", "a.mcap").contains("empty"));

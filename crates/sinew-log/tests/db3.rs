@@ -1,4 +1,4 @@
-//! ROS 2 bags that are SQLite files, told by the same messages as MCAP.
+//! ROS 2 bags as SQLite files, compared with MCAP files of the same messages.
 
 use crate::support::*;
 use rusqlite::{Connection, params};
@@ -8,7 +8,7 @@ use std::path::Path;
 const STEPS: i64 = 700;
 const URDF: &str = "<robot name=\"arm\"/>";
 
-/// Every message of the recording: topic, log time, payload.
+/// Messages of the recording: topic, log time, payload.
 fn messages() -> Vec<(&'static str, i64, Vec<u8>)> {
     let mut all = vec![("/robot_description", START_NS, little(&URDF.to_owned()))];
     for step in 0..STEPS {
@@ -65,7 +65,7 @@ fn of_mcap() -> Vec<Frame> {
 }
 
 #[test]
-fn a_bag_in_sqlite_is_read_as_the_same_bag_in_mcap() {
+fn sqlite_bag_equals_mcap_bag() {
     let folder = tempfile::tempdir().unwrap();
     let expected = of_mcap();
     assert_eq!(expected.len(), STEPS as usize);
@@ -85,7 +85,7 @@ fn a_bag_in_sqlite_is_read_as_the_same_bag_in_mcap() {
             assert_eq!(recording.robot_description(), Some(URDF));
         }
         let topics = recording.topics();
-        assert_eq!(topics[1].taken_for, Some(TopicUse::JointSide));
+        assert_eq!(topics[1].role, Some(TopicUse::JointSide));
         assert_eq!(topics[1].messages, STEPS as u64);
         let progress = recording.progress();
         assert_eq!(progress.bytes_done, progress.bytes_total);
@@ -93,7 +93,7 @@ fn a_bag_in_sqlite_is_read_as_the_same_bag_in_mcap() {
 }
 
 #[test]
-fn a_packed_bag_in_its_folder_is_unpacked() {
+fn compressed_bag_in_folder_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run_0.db3");
     bag(&path, false);
@@ -114,7 +114,7 @@ fn a_packed_bag_in_its_folder_is_unpacked() {
 }
 
 #[test]
-fn what_is_no_bag_is_refused_and_a_damaged_one_read_up_to_there() {
+fn non_bag_is_error_and_damaged_bag_is_read_to_damage() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("photos.db3");
     Connection::open(&other)

@@ -1,4 +1,4 @@
-//! Messages as bytes, held against bytes written by hand.
+//! Encoded messages, compared with reference bytes.
 
 use sinew_log::encode::{
     DiagnosticArray, DiagnosticStatus, Header, KeyValue, Level, Message as _, Stamp,
@@ -13,7 +13,7 @@ fn string(text: &str) -> Vec<u8> {
 }
 
 #[test]
-fn a_diagnostic_array_is_the_bytes_that_ros_writes() {
+fn diagnostic_array_matches_ros_bytes() {
     // The second begins where the first ends, at no multiple of four: a level is one byte.
     let one = |level| DiagnosticStatus {
         level,
@@ -67,7 +67,7 @@ fn a_diagnostic_array_is_the_bytes_that_ros_writes() {
 }
 
 #[test]
-fn a_stamp_holds_1901_to_2038() {
+fn stamp_range_is_1901_to_2038() {
     assert!(Stamp::new(i64::from(i32::MAX) * 1_000_000_000).is_some());
     assert!(Stamp::new((i64::from(i32::MAX) + 1) * 1_000_000_000).is_none());
     assert!(Stamp::new(i64::MIN).is_none());

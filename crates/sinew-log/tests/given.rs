@@ -1,4 +1,4 @@
-//! Messages in memory are read as those of a file are.
+//! Messages in memory give the same frames as those of a file.
 
 use crate::support::*;
 use sinew_log::{Format, GivenMessages, OpenOptions, Recording};

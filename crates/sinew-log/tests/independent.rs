@@ -16,7 +16,7 @@ fn data(name: &str) -> PathBuf {
 /// Time and values of one row.
 type Row = (i64, Vec<Option<f64>>);
 
-/// What the generator says it wrote: header and rows.
+/// Header and rows that the generator has written.
 fn truth() -> (Vec<String>, Vec<Row>) {
     let text = std::fs::read_to_string(data("rosbags.csv")).unwrap();
     let mut lines = text.lines();
@@ -36,7 +36,7 @@ fn truth() -> (Vec<String>, Vec<Row>) {
     (header, rows)
 }
 
-/// Every frame equals the truth bit for bit; how many frames there were.
+/// Compares every frame with the truth bitwise; returns the number of frames.
 fn compare(mut recording: Recording, missing_motor: bool) -> usize {
     let (header, rows) = truth();
     let column: HashMap<&str, usize> = header
@@ -107,13 +107,13 @@ fn another_interface_name_is_another_quantity() {
         positions += frame.theta.iter().filter(|theta| theta.is_finite()).count();
     }
     assert_eq!((frames, positions), (200, 200));
-    // One that nobody recorded is refused with those there are.
+    // An interface that is not recorded is an error with the recorded ones.
     let error = open(&data("rosbags.mcap"), &with("no_such_interface")).unwrap_err();
     assert!(error.to_string().contains("'motor_position'"), "{error}");
 }
 
 #[test]
-fn selected_joints_come_in_the_order_asked_for() {
+fn selected_joints_keep_requested_order() {
     let mut recording = open(&data("rosbags.mcap"), &OpenOptions::default()).unwrap();
     recording.select(&["wrist", "shoulder"]).unwrap();
     assert_eq!(recording.joints(), ["wrist", "shoulder"]);

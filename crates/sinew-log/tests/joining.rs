@@ -1,4 +1,4 @@
-//! How messages become frames: by name, by stamp, in order, over gaps and jumps.
+//! Assembly of frames from messages: by name, by stamp, in order, across gaps and clock steps.
 
 use crate::support::*;
 use sinew_log::{EventKind, Mapping, OpenOptions, Quantity};
@@ -96,7 +96,7 @@ fn interpolation_goes_the_short_way_round() {
 }
 
 #[test]
-fn each_message_may_hold_a_subset_of_the_joints() {
+fn message_may_contain_subset_of_joints() {
     let mut bag = Bag::new();
     for step in 0..20 {
         let time = START_NS + 10 * step * MS;
@@ -157,7 +157,7 @@ fn late_messages_are_sorted_in_and_too_late_ones_dropped() {
 }
 
 #[test]
-fn a_gap_starts_a_segment() {
+fn gap_starts_segment() {
     let mut bag = Bag::new();
     plain(&mut bag, 0..10);
     plain(&mut bag, 1010..1020);
@@ -175,7 +175,7 @@ fn a_gap_starts_a_segment() {
 }
 
 #[test]
-fn a_clock_that_goes_back_starts_a_segment() {
+fn clock_step_back_starts_segment() {
     let mut bag = Bag::new();
     plain(&mut bag, 1000..1100);
     plain(&mut bag, 0..100);
@@ -184,7 +184,7 @@ fn a_clock_that_goes_back_starts_a_segment() {
     assert_eq!(frames[99].segment, 0);
     assert_eq!(frames[100].segment, 1);
     assert_eq!(times(&frames)[100], 0);
-    assert_eq!((health.clock_jumps, health.late), (1, 0));
+    assert_eq!((health.clock_steps, health.late), (1, 0));
     // The motor side jumps along.
     assert!(frames.iter().all(|frame| !frame.theta[0].is_nan()));
 }
@@ -197,12 +197,12 @@ fn one_stamp_from_the_future_does_not_end_the_recording() {
     plain(&mut bag, 100..200);
     let (frames, health) = read_bytes(&bag.bytes(), "a.mcap");
     assert_eq!(frames.len(), 201);
-    assert_eq!((health.gaps, health.clock_jumps), (1, 1));
+    assert_eq!((health.gaps, health.clock_steps), (1, 1));
     assert_eq!(frames[200].segment, 2);
 }
 
 #[test]
-fn wrap_around_is_removed_and_both_sides_land_on_the_same_turn_after_a_gap() {
+fn wrap_around_gives_same_turn_on_both_sides_after_gap() {
     let tau = std::f64::consts::TAU;
     let wrapped = |angle: f64| angle - tau * (angle / tau).round();
     let mut bag = Bag::new();
@@ -233,7 +233,11 @@ fn wrap_around_is_removed_and_both_sides_land_on_the_same_turn_after_a_gap() {
     }
     assert_eq!(health.gaps, 1);
     assert_eq!(health.unwrapped.len(), 2);
-    assert!(health.suspicions.is_empty(), "{:?}", health.suspicions);
+    assert!(
+        health.implausible_signals.is_empty(),
+        "{:?}",
+        health.implausible_signals
+    );
 }
 
 #[test]
@@ -259,7 +263,7 @@ fn both_sides_start_on_the_same_turn() {
 }
 
 #[test]
-fn a_signal_of_several_turns_is_left_alone() {
+fn signal_of_several_turns_is_unchanged() {
     let mut bag = Bag::new();
     for step in 0..100_i64 {
         // Jumps of 4 rad between samples of a signal that spans 40 rad.
@@ -276,7 +280,7 @@ fn a_signal_of_several_turns_is_left_alone() {
 }
 
 #[test]
-fn a_second_joint_state_topic_is_the_motor_side() {
+fn second_joint_state_topic_is_motor_side() {
     let mut bag = Bag::new();
     for step in 0..20 {
         let time = START_NS + 10 * step * MS;
@@ -308,7 +312,7 @@ fn without_a_stamp_the_log_time_counts() {
 }
 
 #[test]
-fn a_mapping_renames_and_converts_topics_of_other_robots() {
+fn mapping_converts_topics_of_other_robots() {
     let mut bag = Bag::new();
     for step in 0..20 {
         let time = START_NS + 10 * step * MS;

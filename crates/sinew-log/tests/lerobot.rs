@@ -115,7 +115,7 @@ fn elements_of_a_list_are_columns_by_their_number() {
 }
 
 #[test]
-fn a_data_set_names_its_elements_and_episodes_follow_each_other() {
+fn data_set_names_elements_and_joins_episodes() {
     for names in [
         r#"["a.pos", "b.pos", "a.motor", "b.motor"]"#,
         r#"{"motors": ["a.pos", "b.pos", "a.motor", "b.motor"]}"#,
@@ -130,12 +130,12 @@ fn a_data_set_names_its_elements_and_episodes_follow_each_other() {
         assert_eq!(all.format(), Format::Parquet);
         let (frames, health) = read_all(all);
         assert_eq!(frames.len(), 2 * ROWS as usize, "{health:?}");
-        // Each begins its own clock, so filters start anew.
+        // Each episode begins its own clock, so filters are re-initialised.
         assert_eq!((frames[0].segment, frames[ROWS as usize].segment), (0, 1));
         assert_eq!(frames[ROWS as usize].q[0], 100.0);
         assert!(!health.is_lossy(), "{health:?}");
     }
-    // An info that says nothing of the list leaves numbers.
+    // Without names in the metadata the elements are numbered.
     let folder = tempfile::tempdir().unwrap();
     data_set(folder.path(), "null");
     open(folder.path(), &mapped(["0", "1", "2", "3"])).unwrap();

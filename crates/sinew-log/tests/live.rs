@@ -1,19 +1,15 @@
-//! What comes live becomes the frames that reading the recording gives, bit for bit.
+//! Online assembly gives frames bitwise identical to those of a reader.
 
 use crate::support::*;
 use mcap::MessageStream;
-use sinew_log::live::{Census, Live, LiveOptions};
-use sinew_log::{Frame, Health, OpenOptions, Quantity, Recording};
+use sinew_log::live::{Live, LiveOptions, TopicDiscovery};
+use sinew_log::{Frame, Health, OpenOptions, OwnedAxis, Quantity, Recording};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Every message of an MCAP in its order, through the live way.
-fn pushed(bytes: &[u8], options: &OpenOptions, joints: &[String]) -> (Vec<Frame>, Health) {
-    let mut live = Live::new(&LiveOptions {
-        open: options.clone(),
-        ..LiveOptions::of_joints(joints)
-    })
-    .unwrap();
+/// Pushes every message of an MCAP file in order through the online assembly.
+pub(crate) fn pushed(bytes: &[u8], options: &LiveOptions) -> (Vec<Frame>, Health) {
+    let mut live = Live::new(options).unwrap();
     let messages: Vec<_> = MessageStream::new(bytes)
         .unwrap()
         .map(Result::unwrap)
@@ -50,7 +46,7 @@ fn bits(frame: &Frame) -> (i64, u32, Vec<u64>) {
     (frame.time_ns, frame.segment, values.collect())
 }
 
-/// Both ways agree in every bit of every frame, and in what they count.
+/// Compares both results: every bit of every frame, and the counts.
 #[track_caller]
 fn agree(bytes: &[u8], options: &OpenOptions) -> Vec<Frame> {
     let open = || {
@@ -59,12 +55,16 @@ fn agree(bytes: &[u8], options: &OpenOptions) -> Vec<Frame> {
     };
     let joints = open().joints().to_vec();
     let (read, health) = read_all(open());
-    let (live, mut live_health) = pushed(bytes, options, &joints);
+    let watched = LiveOptions {
+        open: options.clone(),
+        ..LiveOptions::of_joints(&joints)
+    };
+    let (live, mut live_health) = pushed(bytes, &watched);
     assert_eq!(read.len(), live.len());
     for (read, live) in read.iter().zip(&live) {
         assert_eq!(bits(read), bits(live));
     }
-    // Live, a joint is unknown that isn't watched; in a recording, one that came late.
+    // Online, a joint that is not monitored is unknown; in a recording, one that appeared late.
     live_health
         .unknown_joints
         .clone_from(&health.unknown_joints);
@@ -78,7 +78,7 @@ fn example(path: &str) -> Vec<u8> {
 }
 
 #[test]
-fn the_shipped_example_is_the_same_live() {
+fn shipped_example_is_identical_online() {
     let bytes = example("examples/01-stretched-arm/stretched-arm.mcap");
     let frames = agree(&bytes, &OpenOptions::default());
     assert!(frames.len() > 1_000, "{} frames", frames.len());
@@ -92,7 +92,7 @@ fn recordings_of_another_writer_are_the_same_live() {
     }
 }
 
-/// Joint side at 1 kHz, motor side as `motor` says; stamps by `time` of the step.
+/// Joint side at 1 kHz, motor side by `motor`; time stamps by `time` of the step.
 fn run(
     steps: std::ops::Range<i64>,
     time: impl Fn(i64) -> i64,
@@ -114,7 +114,7 @@ fn both(step: i64, at: i64, bag: &mut Bag) {
 }
 
 #[test]
-fn split_topics_late_sides_gaps_and_jumps_are_the_same_live() {
+fn split_topics_delays_gaps_and_clock_steps_match_reader() {
     let plain = |step: i64| START_NS + step * MS;
     // Each motor on its own, at other times.
     let split = run(0..2_000, plain, |step, at, bag| {
@@ -164,7 +164,7 @@ fn split_topics_late_sides_gaps_and_jumps_are_the_same_live() {
 }
 
 #[test]
-fn a_publisher_may_change_its_order_and_bytes() {
+fn publisher_may_change_order_and_bytes() {
     let mut bag = Bag::new();
     for step in 0..2_000_i64 {
         let (at, q) = (START_NS + step * MS, 0.001 * step as f64);
@@ -183,7 +183,11 @@ fn a_publisher_may_change_its_order_and_bytes() {
     let bytes = bag.bytes();
     let options = OpenOptions::default();
     let joints = ["a".to_owned(), "b".to_owned()];
-    let (frames, health) = pushed(&bytes, &options, &joints);
+    let watched = LiveOptions {
+        open: options,
+        ..LiveOptions::of_joints(&joints)
+    };
+    let (frames, health) = pushed(&bytes, &watched);
     assert_eq!(frames.len(), 2_000);
     for (step, frame) in frames.iter().enumerate() {
         let q = 0.001 * step as f64;
@@ -193,7 +197,7 @@ fn a_publisher_may_change_its_order_and_bytes() {
     let _ = options;
 }
 
-/// One message of the joint side, `namespace/joint_states`.
+/// Message of the joint side, `namespace/joint_states`.
 fn state(live: &mut Live, topic: &str, step: i64, q: f64) {
     let Some(id) = live.topic(topic, "sensor_msgs/msg/JointState") else {
         panic!("{topic} is of no use");
@@ -218,7 +222,7 @@ fn options(namespace: &str) -> LiveOptions {
 }
 
 #[test]
-fn the_choice_depends_on_the_topics_and_not_on_their_order() {
+fn choice_does_not_depend_on_topic_order() {
     let state = "sensor_msgs/msg/JointState";
     let topics = [
         "/arm7/odd_states",
@@ -255,7 +259,7 @@ fn the_choice_depends_on_the_topics_and_not_on_their_order() {
 }
 
 #[test]
-fn a_motor_side_that_appears_late_joins_in_and_is_waited_for_from_then_on() {
+fn appearing_motor_side_joins_and_is_waited_for() {
     let mut live = Live::new(&options("")).unwrap();
     let mut frames = Vec::new();
     for step in 0..2_000 {
@@ -268,7 +272,7 @@ fn a_motor_side_that_appears_late_joins_in_and_is_waited_for_from_then_on() {
         state(&mut live, JOINT, step, 0.25);
         frames.append(&mut drain(&mut live));
         if step == 999 {
-            // Nobody waits for a side that isn't there.
+            // Frames do not wait for a missing side.
             assert_eq!(frames.len(), 750);
         }
     }
@@ -299,7 +303,7 @@ fn silence_hands_out_what_is_held_and_begins_a_segment() {
 }
 
 #[test]
-fn a_robot_started_anew_goes_on_in_a_new_segment() {
+fn restarted_robot_begins_new_segment() {
     let mut live = Live::new(&options("")).unwrap();
     let mut frames = Vec::new();
     for step in (5_000..6_000).chain(0..1_000) {
@@ -310,8 +314,8 @@ fn a_robot_started_anew_goes_on_in_a_new_segment() {
     frames.append(&mut drain(&mut live));
     assert_eq!(frames.len(), 2_000);
     assert_eq!((frames[999].segment, frames[1_000].segment), (0, 1));
-    assert_eq!(live.health().clock_jumps, 1);
-    // Simulated time that stands still repeats its stamp: the first is kept.
+    assert_eq!(live.health().clock_steps, 1);
+    // Paused simulated time repeats its stamp: the first is kept.
     for _ in 0..500 {
         state(&mut live, JOINT, 999, 0.1);
     }
@@ -368,29 +372,34 @@ fn descriptions_and_temperatures_are_taken() {
 }
 
 #[test]
-fn options_that_cannot_be_are_refused() {
+fn invalid_options_are_errors() {
     let error = |options: &LiveOptions| Live::new(options).unwrap_err().to_string();
     assert!(error(&LiveOptions::default()).contains("no joint"));
     let twice = LiveOptions::of_joints(&["a".to_owned(), "a".to_owned()]);
-    assert!(error(&twice).contains("'a' is watched twice"));
+    assert!(error(&twice).contains("'a' is monitored twice"));
+    let mut nameless = LiveOptions::of_joints(&["a".to_owned()]);
+    nameless.axes.push(OwnedAxis::default());
+    assert!(error(&nameless).contains("axis 1 has no name"));
+    nameless.axes[0].joint = None;
+    assert!(error(&nameless).contains("no joint"));
     let mut late = options("");
     late.open.reorder_s = f64::NAN;
     assert!(error(&late).contains("reorder_s"));
 }
 
 #[test]
-fn topics_without_end_are_refused_and_counted() {
+fn topics_above_limit_are_rejected_and_counted() {
     let mut live = Live::new(&options("")).unwrap();
     for topic in 0..2_000 {
         live.topic(&format!("/t{topic}"), "sensor_msgs/msg/JointState");
     }
     assert_eq!(live.topics().len(), sinew_log::live::TOPICS_MOST);
-    assert_eq!(live.topics_refused(), 2_000 - 1_024);
+    assert_eq!(live.topics_rejected(), 2_000 - 1_024);
 }
 
 #[test]
-fn a_census_tells_what_looks_like_a_robot() {
-    let mut census = Census::default();
+fn discovery_reports_robot_candidates() {
+    let mut census = TopicDiscovery::default();
     let state = census.topic("/arm7/joint_states", "sensor_msgs/msg/JointState");
     let motor = census.topic(
         "/arm7/dynamic_joint_states",

@@ -1,7 +1,8 @@
-//! Every test of the reader, in one binary.
+//! All tests of the reader in one binary.
 
 mod ahead;
 mod arrays;
+mod axes;
 mod damage;
 #[cfg(feature = "db3")]
 mod db3;

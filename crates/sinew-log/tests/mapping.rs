@@ -1,4 +1,4 @@
-//! Every wrong mapping is refused with its file, line and reason.
+//! Invalid mappings are errors with file, line and reason.
 
 use sinew_log::Mapping;
 
@@ -58,7 +58,7 @@ fn units_and_factors() {
     refused(
         &joint("{ column = \"x\", unit = \"N·m\" }"),
         2,
-        &["cannot be a q", "scale"],
+        &["a unit of q", "scale"],
     );
     refused(
         &joint("{ column = \"x\", unit = \"count\" }"),
@@ -103,7 +103,7 @@ fn units_and_factors() {
     refused(
         &joint("{ column = \"x\", wrap_period = 1.0, wrap = false }"),
         2,
-        &["exclude"],
+        &["conflicts"],
     );
     refused(
         "[joints.a]\ntau_m = { column = \"x\", wrap_period = 1.0 }\n",
@@ -129,7 +129,7 @@ fn units_and_factors() {
 }
 
 #[test]
-fn a_current_needs_its_torque_constant_and_is_a_motor_torque() {
+fn current_needs_torque_constant_and_is_motor_torque() {
     let motor = |source: &str| format!("[joints.a]\ntau_m = {source}\n");
     let constant = "torque_constant_nm_per_a";
     for (source, words) in [
@@ -174,7 +174,7 @@ fn joints_keep_the_order_of_the_file() {
 }
 
 #[test]
-fn the_shipped_mappings_are_sound() {
+fn shipped_mappings_are_valid() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/mappings");
     let mut read = 0;
     for entry in std::fs::read_dir(folder).unwrap() {

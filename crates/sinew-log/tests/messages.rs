@@ -22,7 +22,7 @@ fn both_byte_orders_and_a_change_between_them() {
 }
 
 #[test]
-fn a_publisher_that_changes_order_and_length_is_followed() {
+fn publisher_change_of_order_and_length_is_handled() {
     let mut bag = Bag::new();
     for step in 0..30 {
         let time = START_NS + 10 * step * MS;
@@ -54,7 +54,7 @@ fn fewer_positions_than_names() {
 }
 
 #[test]
-fn more_positions_than_names_and_a_name_twice() {
+fn surplus_positions_and_duplicate_names_are_ignored() {
     let mut bag = Bag::new();
     let mut message = joint_state(START_NS, &[("a", 1.0), ("b", 2.0), ("a", 9.0)]);
     message.position.push(4.0);
@@ -87,12 +87,12 @@ fn lengths_inside_a_message_that_lie() {
     assert_eq!(health.messages, written);
     assert!(health.undecodable > 50, "{}", health.undecodable);
     assert!(!health.is_damaged() && health.is_lossy());
-    // Only the first few are told one by one.
+    // Only the first few are described individually.
     assert!(health.events.len() < 40);
 }
 
 #[test]
-fn the_same_for_the_motor_side() {
+fn malformed_motor_side_is_handled() {
     let sound = little(&motor_state(START_NS, &[("a", 1.0), ("b", 2.0)]));
     let mut bag = Bag::new();
     bag.joint(START_NS, &[("a", 0.0), ("b", 0.0)]);
@@ -113,7 +113,7 @@ fn the_same_for_the_motor_side() {
 }
 
 #[test]
-fn other_representations_are_refused_message_by_message() {
+fn unsupported_representation_skips_message() {
     let mut bag = Bag::new();
     let mut payload = little(&joint_state(START_NS, &[("a", 1.0)]));
     bag.raw(JOINT, &payload);
@@ -130,7 +130,7 @@ fn other_representations_are_refused_message_by_message() {
 }
 
 #[test]
-fn another_message_encoding_is_refused() {
+fn unsupported_message_encoding_is_error() {
     let mut bag = Bag::new();
     bag.channel(JOINT, "sensor_msgs/msg/JointState", "ros1");
     bag.raw(JOINT, b"whatever");
@@ -163,7 +163,7 @@ fn topics_that_could_all_be_the_joint_side() {
 }
 
 #[test]
-fn a_joint_that_is_not_there() {
+fn missing_joint_error_suggests_nearest() {
     let mut bag = Bag::new();
     bag.joint(START_NS, &[("shoulder", 1.0), ("elbow", 2.0)]);
     let mut recording = open_bytes(&bag.bytes(), "a.mcap", &OpenOptions::default()).unwrap();
@@ -182,7 +182,7 @@ fn a_joint_that_is_not_there() {
 }
 
 #[test]
-fn an_empty_joint_state_is_no_joint() {
+fn empty_joint_state_has_no_joint() {
     let mut bag = Bag::new();
     bag.joint(START_NS, &[]);
     let (frames, _) = read_bytes(&bag.bytes(), "a.mcap");

@@ -102,7 +102,7 @@ fn types_nulls_and_row_groups() {
 }
 
 #[test]
-fn a_file_that_was_cut_off_is_refused_and_wrong_bytes_are_survived() {
+fn truncated_file_is_error_and_wrong_bytes_never_panic() {
     let bytes = table();
     for length in (4..bytes.len()).step_by(97) {
         let error = error_of(&bytes[..length], "a.parquet", &OpenOptions::default());

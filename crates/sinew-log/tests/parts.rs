@@ -20,7 +20,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
 }
 
-/// `run_0.mcap` to `run_2.mcap`, whose names don't follow their times.
+/// Files `run_0.mcap` to `run_2.mcap`, whose order by name differs from that by time.
 fn three(folder: &Path) -> Vec<PathBuf> {
     (0..3)
         .map(|k| {
@@ -70,7 +70,7 @@ fn files_of_one_recording_are_read_in_the_order_of_their_times() {
 }
 
 #[test]
-fn a_rosbag2_folder_holds_what_its_metadata_names() {
+fn rosbag2_folder_contains_files_of_metadata() {
     let folder = folder();
     three(folder.path());
     std::fs::write(folder.path().join("older.mcap"), part(7)).unwrap();
@@ -114,11 +114,11 @@ fn tables_follow_each_other_too() {
     write("t9.csv", 10);
     let recording = open(&folder.path().join("t*.csv"), &OpenOptions::default()).unwrap();
     let (frames, health) = read_all(recording);
-    assert_eq!((frames.len(), health.clock_jumps), (20, 0));
+    assert_eq!((frames.len(), health.clock_steps), (20, 0));
 }
 
 #[test]
-fn what_is_no_one_recording_is_refused() {
+fn mixed_or_missing_parts_are_errors() {
     let folder = folder();
     let files = three(folder.path());
     let table = folder.path().join("a.csv");
@@ -144,7 +144,7 @@ fn what_is_no_one_recording_is_refused() {
         empty.contains("no recording") && empty.contains("mcap"),
         "{empty}"
     );
-    // Damage says in which file it is.
+    // Damage names its file.
     let bytes = std::fs::read(&files[1]).unwrap();
     std::fs::write(&files[1], &bytes[..bytes.len() / 2]).unwrap();
     let (frames, health) = read_all(open_parts(&files, &options).unwrap());

@@ -1,11 +1,11 @@
-//! What is written is read back bit for bit, in every format, compression and layout.
+//! Round trip of recordings, bitwise identical in every format, compression and layout.
 
 use std::path::Path;
 
 use proptest::prelude::*;
 use sinew_log::{
-    Compression, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities, Quantity,
-    RecordedNames, RowWriter, open,
+    Axis, Compression, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities,
+    Quantity, RecordedNames, RowWriter, open,
 };
 
 fn all_quantities() -> Quantities {
@@ -17,6 +17,7 @@ fn all_quantities() -> Quantities {
         tau_m: true,
         tau_ext: true,
         temperature: true,
+        tension: false,
     }
 }
 
@@ -77,7 +78,7 @@ fn read_back(path: &Path) -> Vec<Frame> {
     frames
 }
 
-/// Equal bit for bit, except that any NaN equals any NaN.
+/// Bitwise identical, except that any NaN equals any NaN.
 fn assert_same(a: &[Frame], b: &[Frame]) {
     assert_eq!(a.len(), b.len());
     for (a, b) in a.iter().zip(b) {
@@ -98,7 +99,7 @@ fn assert_same(a: &[Frame], b: &[Frame]) {
 }
 
 #[test]
-fn every_compression_and_layout_gives_the_same_frames_and_the_same_bytes() {
+fn compressions_and_layouts_are_deterministic() {
     let folder = tempfile::tempdir().unwrap();
     let frames = frames(4, 3000, 7);
     for compression in [Compression::None, Compression::Zstd, Compression::Lz4] {
@@ -134,7 +135,7 @@ fn every_compression_and_layout_gives_the_same_frames_and_the_same_bytes() {
 }
 
 #[test]
-fn a_writer_dropped_before_the_end_leaves_nothing() {
+fn unfinished_writer_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let options = McapOptions {
@@ -144,7 +145,7 @@ fn a_writer_dropped_before_the_end_leaves_nothing() {
     let mut writer = McapWriter::create(&path, &options).unwrap();
     writer.write(&Frame::new(1)).unwrap();
     let beside = || std::fs::read_dir(folder.path()).unwrap();
-    // While it is written it has a name that says what it is, or none.
+    // During writing its name marks it as temporary, or it has none.
     for file in beside() {
         let name = file.unwrap().file_name();
         let name = name.to_string_lossy();
@@ -160,7 +161,7 @@ fn a_writer_dropped_before_the_end_leaves_nothing() {
 }
 
 #[test]
-fn a_frame_of_the_wrong_length_is_refused() {
+fn frame_of_wrong_length_is_error() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
     let mut writer = RowWriter::create(&path, &names(2), Quantities::positions()).unwrap();
@@ -168,7 +169,7 @@ fn a_frame_of_the_wrong_length_is_refused() {
     assert!(error.contains("3 values of q for 2 joints"), "{error}");
 }
 
-/// Position and torque of a motor stand under its name, everything else under that of the joint.
+/// Position and torque of a motor are recorded under its name, everything else under that of the joint.
 #[test]
 fn motors_are_recorded_under_their_own_names() {
     let folder = tempfile::tempdir().unwrap();
@@ -197,7 +198,12 @@ fn motors_are_recorded_under_their_own_names() {
         let mut recording = open(&path, &OpenOptions::default()).unwrap();
         // The other way round than they were written.
         recording
-            .select_driven(&["joint_1", "joint_0"], &[Some("right"), Some("left")])
+            .select_axes(
+                &[("joint_1", "right"), ("joint_0", "left")].map(|(joint, motor)| Axis {
+                    motor: Some(motor),
+                    ..Axis::of_joint(joint)
+                }),
+            )
             .unwrap();
         for want in &written {
             let frame = recording.next_frame().unwrap().unwrap();
@@ -223,7 +229,7 @@ fn motors_are_recorded_under_their_own_names() {
 }
 
 #[test]
-fn motors_that_are_not_one_a_joint_are_refused() {
+fn motor_count_must_match_joint_count() {
     let folder = tempfile::tempdir().unwrap();
     let (joints, motors) = (names(2), vec!["left".to_owned()]);
     let names = RecordedNames {
@@ -245,8 +251,8 @@ fn motors_that_are_not_one_a_joint_are_refused() {
         mcap(&["left", "left"]).err(),
     ];
     let said = said.map(|error| error.unwrap().to_string());
-    assert!(said[0].contains("2 joints have 1 motors"), "{}", said[0]);
-    assert!(said[1].contains("2 joints have 1 motors"), "{}", said[1]);
+    assert!(said[0].contains("2 joints and 1 motors"), "{}", said[0]);
+    assert!(said[1].contains("2 joints and 1 motors"), "{}", said[1]);
     assert!(said[2].contains("motor name 'left'"), "{}", said[2]);
 }
 

@@ -1,4 +1,4 @@
-//! Real and independent recordings in the optional folder beside the checkout.
+//! Real and independent recordings in the optional folder next to the checkout.
 
 use crate::skipped::shared;
 use std::path::Path;
@@ -90,7 +90,11 @@ fn lwr4_has_its_seven_joints_and_the_stated_spring() {
         longest as f64 * 1e-6
     );
     assert!(health.frames > 4900 && health.gaps == 0, "{health:?}");
-    assert!(health.suspicions.is_empty(), "{:?}", health.suspicions);
+    assert!(
+        health.implausible_signals.is_empty(),
+        "{:?}",
+        health.implausible_signals
+    );
     // As decimal arithmetic on the file's own text gives them.
     assert_eq!((shortest, longest), (3_444_000, 6_535_000));
 }

@@ -1,20 +1,21 @@
-//! Where the values of a recording come from: topics, interfaces and columns are named, and none is guessed.
+//! Sources of the values of a recording: topics, interfaces and columns are reported, and ambiguous ones are
+//! errors.
 
 use crate::support::{
     Bag, DynamicJointState, InterfaceValue, JOINT, MOTOR, MS, START_NS, error_of, header,
     joint_state, little, motor_state, open_bytes, read_all,
 };
 use sinew_log::{
-    LogError, Mapping, OpenOptions, Pace, Quantity, RecordingInfo, TopicInfo, TopicUse,
+    FrameCounter, LogError, Mapping, OpenOptions, Quantity, RecordingInfo, TopicInfo, TopicUse,
 };
 
 fn info(bytes: &[u8], name: &str, options: &OpenOptions) -> RecordingInfo {
     let mut recording = open_bytes(bytes, name, options).unwrap();
-    let mut pace = Pace::default();
+    let mut counter = FrameCounter::default();
     while let Some(frame) = recording.next_frame().unwrap() {
-        pace.frame(frame.time_ns, frame.segment);
+        counter.frame(frame.time_ns, frame.segment);
     }
-    pace.info(&recording, name)
+    counter.info(&recording, name)
 }
 
 fn both_sides(joint: &str, motor: &[&str]) -> Vec<u8> {
@@ -38,11 +39,11 @@ fn both_sides(joint: &str, motor: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn every_topic_is_listed_with_what_it_is_taken_for() {
+fn topics_are_listed_with_roles() {
     let bytes = both_sides(JOINT, &[MOTOR]);
     let info = info(&bytes, "a.mcap", &OpenOptions::default());
     let listed: Vec<_> = (info.topics.iter())
-        .map(|t| (t.name.as_str(), t.kind.as_str(), t.messages, t.taken_for))
+        .map(|t| (t.name.as_str(), t.kind.as_str(), t.messages, t.role))
         .collect();
     assert_eq!(
         listed,
@@ -97,7 +98,7 @@ fn columns_are_named_and_those_left_over_too() {
 }
 
 #[test]
-fn a_motor_side_that_could_be_several_topics_is_not_guessed() {
+fn ambiguous_motor_side_is_error() {
     for motors in [
         ["/left/motor_states", "/right/motor_states"],
         ["/a/dynamic", "/b/dynamic"],
@@ -121,15 +122,19 @@ fn a_motor_side_that_could_be_several_topics_is_not_guessed() {
         let taken = taken
             .topics
             .iter()
-            .find(|t| t.taken_for == Some(TopicUse::MotorSide));
+            .find(|t| t.role == Some(TopicUse::MotorSide));
         assert_eq!(taken.unwrap().name, motors[1]);
         // Looked into without a choice: counted, but nothing read by it is shown.
         let seen = info(&bytes, "a.mcap", &chosen).undecided(vec![choice]);
         let motor = |t: &&TopicInfo| motors.contains(&t.name.as_str());
         let open: Vec<_> = seen.topics.iter().filter(motor).collect();
-        assert!(open.iter().all(|t| t.messages > 0 && t.taken_for.is_none()));
+        assert!(open.iter().all(|t| t.messages > 0 && t.role.is_none()));
         assert!(seen.joints.is_empty() && seen.sources.is_empty());
-        assert!(seen.health.suspicions.is_empty(), "{:?}", seen.health);
+        assert!(
+            seen.health.implausible_signals.is_empty(),
+            "{:?}",
+            seen.health
+        );
     }
     let error = error_of(
         &both_sides("/a/states", &["/b/states"]),
@@ -177,7 +182,7 @@ fn one_topic_is_not_both_sides() {
 }
 
 #[test]
-fn a_motor_topic_without_the_interface_says_which_there_are() {
+fn missing_interface_error_lists_interfaces() {
     let mut bag = Bag::new();
     bag.channel(MOTOR, "control_msgs/msg/DynamicJointState", "cdr");
     for step in 0..20 {
@@ -198,7 +203,7 @@ fn a_motor_topic_without_the_interface_says_which_there_are() {
     let seen = info(&bytes, "a.mcap", &OpenOptions::default());
     let motor = seen.topics.iter().find(|t| t.name == MOTOR).unwrap();
     assert_eq!(motor.interfaces, ["position", "rotor"]);
-    // An interface asked for must be there.
+    // A requested interface must exist.
     let options = OpenOptions {
         motor_interface: "rotr".to_owned(),
         ..OpenOptions::default()
@@ -211,7 +216,7 @@ fn a_motor_topic_without_the_interface_says_which_there_are() {
 }
 
 #[test]
-fn a_clock_that_runs_backwards_is_refused() {
+fn backward_clock_is_error() {
     for rows in [5, 500] {
         let mut table = String::from("time_s,q.a_rad,theta.a_rad\n");
         for row in 0..rows {
@@ -234,16 +239,20 @@ fn times_that_collide_now_and_then_are_warned_of() {
         table += &format!("{rounded},{row},{row}\n");
     }
     let seen = info(table.as_bytes(), "a.csv", &OpenOptions::default());
-    let told = seen.health.suspicions.iter().find(|s| s.contains("time_s"));
+    let told = seen
+        .health
+        .implausible_signals
+        .iter()
+        .find(|s| s.contains("time_s"));
     let told = told.unwrap_or_else(|| panic!("{:?}", seen.health));
     assert!(
-        told.contains("of 1000 rows") && told.contains("32 bits"),
+        told.contains("of 1000 rows") && told.contains("32-bit"),
         "{told}"
     );
 }
 
 #[test]
-fn times_that_were_rounded_until_they_collide_are_refused() {
+fn rounded_equal_times_are_error() {
     for rows in [6_i64, 500] {
         let mut table = String::from("time_s,q.a_rad,theta.a_rad\n");
         for row in 0..rows {
@@ -253,7 +262,7 @@ fn times_that_were_rounded_until_they_collide_are_refused() {
         }
         let error = error_of(table.as_bytes(), "a.csv", &OpenOptions::default());
         assert!(
-            error.contains("same time") && error.contains("32 bits"),
+            error.contains("same time") && error.contains("32-bit"),
             "{error}"
         );
     }

@@ -34,7 +34,7 @@ fn table(rows: usize) -> Table {
     table
 }
 
-/// What a cell reads back as.
+/// Value of a cell after reading.
 fn read_back(cell: &Cell) -> Field {
     match cell {
         Cell::Number(x) if x.is_finite() => Field::Double(*x),
@@ -69,7 +69,7 @@ fn parquet_holds_every_cell_exactly_over_several_groups() {
 }
 
 #[test]
-fn a_row_of_another_width_and_a_column_twice_are_refused() {
+fn wrong_row_width_and_duplicate_column_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a.csv", "a.parquet"] {
         let path = folder.path().join(name);
@@ -77,7 +77,7 @@ fn a_row_of_another_width_and_a_column_twice_are_refused() {
         let mut writer = TableWriter::create(&path, &columns).unwrap();
         let error = writer.row(&[1.0.into(), 2.0.into()]).unwrap_err();
         assert!(
-            error.to_string().contains("a row of 2 cells for 1"),
+            error.to_string().contains("a row has 2 cells, expected 1"),
             "{error}"
         );
         let twice = [columns[0].clone(), columns[0].clone()];
@@ -87,7 +87,7 @@ fn a_row_of_another_width_and_a_column_twice_are_refused() {
 }
 
 #[test]
-fn a_recording_as_parquet_reads_back_as_written() {
+fn parquet_recording_round_trip() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.parquet");
     let joints = ["shoulder".to_owned(), "elbow".to_owned()];

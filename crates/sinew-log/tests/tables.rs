@@ -1,7 +1,7 @@
 //! CSV as people and programs write it, and what is wrong with some of it.
 
 use crate::support::*;
-use sinew_log::{Frame, Health, Mapping, OpenOptions, Quantity};
+use sinew_log::{Axis, Frame, Health, Mapping, OpenOptions, Quantity};
 
 fn read(text: &str) -> (Vec<Frame>, Health) {
     read_bytes(text.as_bytes(), "a.csv")
@@ -78,19 +78,19 @@ fn all_nan_and_constant_signals_are_suspicious() {
         format!("{},0.25,nan", 0.01 * step as f64)
     });
     let (_, health) = read(&text);
-    let all = health.suspicions.join("\n");
+    let all = health.implausible_signals.join("\n");
     assert!(
         all.contains("theta.a is constant at 0.25 over 200 samples"),
         "{all}"
     );
     assert!(
-        all.contains("tau_el.a holds no finite value in 200 samples"),
+        all.contains("tau_el.a has no finite value in 200 samples"),
         "{all}"
     );
 }
 
 #[test]
-fn a_temperature_that_no_robot_works_at_is_unknown_and_its_unit_is_asked_about() {
+fn implausible_temperature_is_unknown_and_suggests_unit() {
     let of = |celsius: f64| {
         read(&format!(
             "time_s,q.a_rad,theta.a_rad,temperature_c\n0,0.1,0.1,{celsius}\n0.1,0.2,0.2,22\n"
@@ -98,14 +98,14 @@ fn a_temperature_that_no_robot_works_at_is_unknown_and_its_unit_is_asked_about()
     };
     let (frames, health) = of(295.15);
     assert!(frames[0].temperature_c.is_nan() && frames[1].temperature_c == 22.0);
-    let told = health.suspicions.join("\n");
+    let told = health.implausible_signals.join("\n");
     assert!(
-        told.contains("temperature reads 295.1") && told.contains("unit = \"K\""),
+        told.contains("temperature of 295.1") && told.contains("unit = \"K\""),
         "{told}"
     );
     // A sensor that is broken is no kelvin.
     let (_, health) = of(-273.0);
-    let told = health.suspicions.join("\n");
+    let told = health.implausible_signals.join("\n");
     assert!(
         told.contains("-273.0 °C") && !told.contains("kelvin"),
         "{told}"
@@ -113,7 +113,7 @@ fn a_temperature_that_no_robot_works_at_is_unknown_and_its_unit_is_asked_about()
     for works in [-40.0, 120.0] {
         let (frames, health) = of(works);
         assert_eq!(frames[0].temperature_c, works);
-        assert!(health.suspicions.is_empty(), "{health:?}");
+        assert!(health.implausible_signals.is_empty(), "{health:?}");
     }
 }
 
@@ -125,7 +125,7 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
     });
     let (_, health) = read(&text);
     assert!(
-        health.suspicions[0].contains("q.elbow looks like degrees (range 14"),
+        health.implausible_signals[0].contains("q.elbow looks like degrees (range 14"),
         "{health:?}"
     );
 
@@ -140,7 +140,7 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
             format!("{q},{}", q * factor)
         });
         let (_, health) = read(&text);
-        let all = health.suspicions.join("\n");
+        let all = health.implausible_signals.join("\n");
         assert!(all.contains(word), "{factor}: {all}");
     }
     // What is right is not suspected.
@@ -148,7 +148,7 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
         let q = 1.2 * (0.05 * step as f64).sin();
         format!("{q},{}", q + 0.05 * (0.05 * step as f64).cos())
     });
-    assert!(read(&text).1.suspicions.is_empty());
+    assert!(read(&text).1.implausible_signals.is_empty());
 }
 
 #[test]
@@ -171,14 +171,14 @@ fn encodings_of_other_systems() {
         assert_eq!(recording.joints(), ["ärm"]);
         assert_eq!(format!("{:?}", read_all(recording)), expected);
     }
-    // A last line that is cut off is told in UTF-16 too.
+    // A truncated last line is detected in UTF-16 too.
     let cut = plain.strip_suffix(";3\n").unwrap();
     let (_, health) = read_bytes(&wide(u16::to_le_bytes, cut), "a.csv");
     assert!(health.is_damaged(), "{health:?}");
 }
 
 #[test]
-fn a_cell_that_is_no_number_is_an_error_with_its_place() {
+fn non_numeric_cell_error_names_location() {
     let message = error("time_s,q.a_rad\n0,1\n1,fault\n2,3\n");
     assert_eq!(
         message,
@@ -204,23 +204,20 @@ fn headers_that_will_not_do() {
     assert!(error("q.a_rad,theta.a_rad\n0,1\n").contains("no time column"));
     assert!(error("time_s,position\n0,1\n").contains("no column like q.<joint>_rad"));
     let message = error("time_s,q.a_rad,q.a_rad\n0,1,2\n");
-    assert!(
-        message.contains("column 'q.a_rad' is there twice"),
-        "{message}"
-    );
+    assert!(message.contains("duplicate column 'q.a_rad'"), "{message}");
     assert!(error("\n\n\n").contains("no header line"));
     assert!(error("hello").contains("no time column"));
 }
 
 #[test]
-fn a_header_without_rows_has_no_frames() {
+fn header_without_rows_has_no_frames() {
     let (frames, health) = read("time_s,q.a_rad\n");
     assert!(frames.is_empty() && !health.is_damaged());
     assert!(read("time_s,q.a_rad").0.is_empty());
 }
 
 #[test]
-fn a_last_line_that_is_cut_off_is_damage() {
+fn truncated_last_line_is_damage() {
     let whole = "time_s,q.a_rad,theta.a_rad\n0,1,2\n1,1,2\n";
     for (tail, lost) in [("2,1", 3), ("2", 1), ("2,1,-", 5), ("2,1,1e", 6)] {
         let (frames, health) = read(&format!("{whole}{tail}"));
@@ -264,14 +261,14 @@ fn time_going_back_duplicates_and_gaps_in_a_table() {
     }
     let (frames, health) = read(&text);
     assert_eq!((health.duplicates, health.out_of_order), (1, 1));
-    assert_eq!((health.gaps, health.clock_jumps), (1, 1));
+    assert_eq!((health.gaps, health.clock_steps), (1, 1));
     assert_eq!(frames.len(), 5 + 20);
     let segments: Vec<u32> = frames.iter().map(|frame| frame.segment).collect();
     assert_eq!(segments[..6], [0, 0, 0, 0, 1, 2]);
 }
 
 #[test]
-fn a_missing_motor_side_is_said() {
+fn missing_motor_side_is_reported() {
     let text = table("time_s,q.a_rad,q.b_rad", 10, |_| "0,0".to_owned());
     let (frames, health) = read(&text);
     assert!(
@@ -283,7 +280,7 @@ fn a_missing_motor_side_is_said() {
 }
 
 #[test]
-fn a_quote_that_is_not_closed_does_not_take_the_file_into_memory() {
+fn unclosed_quote_does_not_load_file_into_memory() {
     let mut text = String::from("time_s,q.a_rad\n0,1\n1,\"");
     text.push_str(&"2,3\n".repeat(4 << 20));
     let message = error(&text);
@@ -339,7 +336,7 @@ fn mapped(mapping: &str, text: &str) -> Result<(Vec<Frame>, Health), String> {
 }
 
 #[test]
-fn a_mapping_converts_units_ratios_signs_counts_and_sums() {
+fn mapping_converts_units_ratios_signs_counts_sums() {
     let mapping = r#"
         [time]
         column = "t"
@@ -374,7 +371,7 @@ fn a_mapping_converts_units_ratios_signs_counts_and_sums() {
 }
 
 #[test]
-fn the_period_of_a_motor_turn_behind_the_gear_can_be_stated() {
+fn mapping_sets_period_of_geared_motor_turn() {
     // One motor turn is 0.1 turns of the joint: the encoder wraps at 0.2 pi.
     let mapping = r#"
         [joints.a]
@@ -394,7 +391,7 @@ fn the_period_of_a_motor_turn_behind_the_gear_can_be_stated() {
 }
 
 #[test]
-fn a_mapping_and_a_table_that_do_not_fit() {
+fn mapping_without_matching_column_is_error() {
     let text = "time_s,position\n0,1\n";
     let message = mapped("[joints.a]\nq = { column = \"positoin\" }\n", text).unwrap_err();
     assert!(
@@ -453,7 +450,7 @@ fn lines_that_begin_with_a_hash_are_comments_or_the_header() {
 
 /// A motor at its shaft is not taken to the turn of a joint, nor compared with it; its own turns are counted.
 #[test]
-fn a_motor_at_its_shaft_keeps_its_turn() {
+fn motor_at_shaft_keeps_turn() {
     use std::f64::consts::{PI, TAU};
     // Four times the joint's position, and 5 rad off.
     let q = |k: i64| 0.01 * k as f64;
@@ -467,7 +464,11 @@ fn a_motor_at_its_shaft_keeps_its_turn() {
         let reader = Box::new(std::io::Cursor::new(text.into_bytes()));
         let mut recording =
             sinew_log::Recording::from_reader(reader, "a.csv", &OpenOptions::default()).unwrap();
-        recording.select_driven(&["a"], &[Some("m")]).unwrap();
+        let axis = Axis {
+            motor: Some("m"),
+            ..Axis::of_joint("a")
+        };
+        recording.select_axes(&[axis]).unwrap();
         for k in 0..200 {
             let theta = recording.next_frame().unwrap().unwrap().theta[0];
             let expected = shown(0) + 4.0 * q(k);
@@ -475,7 +476,7 @@ fn a_motor_at_its_shaft_keeps_its_turn() {
         }
         assert!(recording.next_frame().unwrap().is_none());
         let health = recording.health();
-        assert_eq!(health.suspicions, [""; 0]);
+        assert_eq!(health.implausible_signals, [""; 0]);
         assert_eq!(health.unwrapped.len(), wraps, "{:?}", health.unwrapped);
         assert!(health.unwrapped.iter().all(|count| count.joint == "m"));
     }

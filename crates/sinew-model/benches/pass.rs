@@ -1,6 +1,7 @@
 //! Time of the O(n) momentum pass, and of what a simulator needs besides, at 4 to 32 joints.
 //!
-//! `cargo bench -p sinew-model --bench pass`; beside other engines: `benches/peers/run.py`.
+//! `cargo bench -p sinew-model --bench pass`; comparison with other engines:
+//! `benches/peers/run.py`.
 
 mod own_models;
 

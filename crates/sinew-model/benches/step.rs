@@ -8,7 +8,7 @@ mod routed;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use sinew_model::arm::ArmWorkspace;
-use sinew_model::feeder::{Feeder, FeederOptions, Reading};
+use sinew_model::feeder::{Feeder, FeederOptions, RobotSample};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver, Sample};
 use sinew_model::transmission::Transmission;
@@ -81,7 +81,7 @@ fn feature_step(c: &mut Criterion) {
                 b.iter(|| {
                     let (q, _) = all.next().expect("a cycle has no end");
                     time_ns += 1_000_000;
-                    feeder.take(&Reading {
+                    feeder.take(&RobotSample {
                         time_ns,
                         segment: 0,
                         q: black_box(q),
@@ -90,6 +90,7 @@ fn feature_step(c: &mut Criterion) {
                         tau_el: &[],
                         tau_m: &torque,
                         tau_ext: &[],
+                        tension: &[],
                         temperature_c: 20.0,
                     })
                 });
@@ -99,7 +100,7 @@ fn feature_step(c: &mut Criterion) {
     group.finish();
 }
 
-/// What matters to a loop is not the mean: how long single steps took, the clock's 20–50 ns included.
+/// Prints the slowest steps, which matter more to a control loop than the mean; the clock's 20–50 ns are included.
 fn print_slowest(n: usize, offset: &mut OffsetObserver, samples: &own_models::Motion) {
     let mut times: Vec<u128> = Vec::with_capacity(100_000);
     for (q, _) in samples.iter().cycle().take(times.capacity()) {

@@ -20,7 +20,7 @@ pub fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize> {
     Ok(())
 }
 
-/// Of a pivot; `None` where there is no factor.
+/// Returns the square root of a pivot; `None` if there is no factor.
 fn root(pivot: f64) -> Option<f64> {
     (pivot > 0.0 && pivot.is_finite()).then(|| libm::sqrt(pivot))
 }
@@ -28,10 +28,10 @@ fn root(pivot: f64) -> Option<f64> {
 /// Factorises a covariance that may be singular, `A = L Lᵀ`, lower triangle to `l`; both `n × n`,
 /// row-major. Sums run one term after the other.
 ///
-/// * `pivot`: root of what is left on the diagonal, or `None` where that is no covariance. Below a pivot
+/// * `pivot`: square root of the remaining diagonal entry, or `None` if the matrix is not a covariance. Below a pivot
 ///   of 0 the factor is 0.
 ///
-/// Returns the row that `pivot` refused.
+/// Returns the row of the invalid `pivot`.
 pub fn factorise_singular(
     a: &[f64],
     l: &mut [f64],
@@ -54,7 +54,7 @@ pub fn factorise_singular(
     Ok(())
 }
 
-/// A Cholesky factor by tiles: what a large matrix is worth room for.
+/// A Cholesky factor by tiles: for large matrices.
 #[derive(Debug, Clone)]
 pub struct Factor {
     n: usize,
@@ -77,7 +77,7 @@ impl Factor {
         }
     }
 
-    /// The factor of `a`, row-major, of which only the lower half is looked at.
+    /// Computes the factor of `a`, row-major, of which only the lower triangle is read.
     ///
     /// Returns the row at which `a` stops being positive definite (NaN included).
     pub fn of(a: &[f64], n: usize) -> Result<Self, usize> {
@@ -141,7 +141,7 @@ impl Factor {
 
     /// Solves `L x = b` in place; of a shorter `x` with the first rows of `L`.
     pub fn forward(&self, x: &mut [f64]) {
-        // Until the first entry that isn't zero nothing happens.
+        // Leading zeros need no computation.
         let Some(first) = x.iter().position(|x| *x != 0.0) else {
             return;
         };
@@ -241,7 +241,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Solves `L x = b` in place.
 pub fn forward(l: &[f64], n: usize, x: &mut [f64]) {
-    // Until the first entry that isn't zero nothing happens.
+    // Leading zeros need no computation.
     let from = x.iter().position(|x| *x != 0.0).unwrap_or(n);
     for i in from..n {
         let (known, rest) = x.split_at_mut(i);
@@ -285,7 +285,7 @@ pub fn inverse(a: &[f64], n: usize) -> Result<Vec<f64>, usize> {
         }
     }
     let factor = Factor::of(&scaled, n)?;
-    // Columns of L⁻¹, each from its first entry that isn't zero; A⁻¹ = L⁻ᵀ L⁻¹ is their products.
+    // Columns of L⁻¹, each from its first entry that is not zero; A⁻¹ = L⁻ᵀ L⁻¹ is their products.
     let mut columns = alloc::vec![0.0; n * n];
     for (i, column) in columns.chunks_exact_mut(n.max(1)).enumerate() {
         column[i] = 1.0;
@@ -311,7 +311,7 @@ mod tests {
     use super::*;
     use crate::offset::fixtures::random;
 
-    /// `A = B Bᵀ + 1/10` of numbers that are no pattern.
+    /// Returns `A = B Bᵀ + 1/10` with random entries of `B`.
     fn positive_definite(n: usize, seed: &mut u64) -> Vec<f64> {
         let b: Vec<f64> = (0..n * n).map(|_| random(seed)).collect();
         let mut a = alloc::vec![0.0; n * n];
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_factor_the_row_is_named() {
+    fn indefinite_matrix_error_names_row() {
         let mut seed = 2;
         for (n, bad) in [(3, 1), (9, 8), (9, 0), (12, 6)] {
             for pivot in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -1,10 +1,10 @@
-//! What a step can refuse.
+//! Errors of a step.
 
-/// Why a step was refused. Cheap to copy; the state is unchanged whenever one is returned.
+/// Reason why a step was rejected. Cheap to copy; the state is unchanged whenever one is returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// A slice doesn't have one entry per joint, or the workspace belongs to another arm.
+    /// A slice does not have one entry per joint, or the workspace belongs to another arm.
     #[error("an input does not have one entry per joint of this arm")]
     Length,
     /// An input (or what follows from it) is NaN or infinite.
@@ -21,8 +21,8 @@ pub enum StepError {
         /// Index of the joint.
         joint: usize,
     },
-    /// A softening spring that can't carry the torque asked of it.
-    #[error("the softening spring of joint {joint} can't carry the torque asked of it")]
+    /// The torque exceeds the maximum of a softening spring.
+    #[error("the torque exceeds the maximum of the softening spring of joint {joint}")]
     Spring {
         /// Index of the joint.
         joint: usize,

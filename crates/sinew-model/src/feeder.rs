@@ -1,19 +1,18 @@
-//! From samples as they come to an observer: which ones are used, and with which time step.
+//! Feeding of samples to an observer: selection of the samples and of the time step.
 //!
-//! Whoever steps an observer with a robot's samples does it through a [`Feeder`], on a microcontroller as in a replay, so
-//! that a sample means the same to each.
+//! All callers pass a robot's samples to an observer through a [`Feeder`], on a microcontroller as in a replay, so that
+//! samples are treated identically.
 //!
-//! | in the samples | what happens |
+//! | sample | effect |
 //! |---|---|
-//! | the first one, a new segment, a pause longer than the gap | the observer starts anew |
-//! | a joint position missing or not finite | the sample is refused; the observer's filters step over it |
-//! | a velocity or torque that the observer needs, likewise | likewise |
-//! | an elastic joint's motor position, likewise | as [`MissingMotor`] says |
-//! | a rigid joint's motor position | doesn't matter: the joint's own stands in |
-//! | a time that does not rise, a value too large to be one | the sample is refused |
+//! | the first one, a new segment, a pause longer than the gap limit | the observer is re-initialised |
+//! | a joint position missing or not finite | the sample is rejected; the observer's filters step over it |
+//! | a velocity or torque that the observer needs missing or not finite | the sample is rejected; the observer's filters step over it |
+//! | an elastic joint's motor position missing or not finite | as specified by [`MissingMotor`] |
+//! | a rigid joint's motor position missing or not finite | none: the joint position is used instead |
+//! | a time stamp that does not increase, an implausibly large value | the sample is rejected |
 //!
-//! The time step is the time since the last sample that the observer **accepted**: what is refused
-//! leaves no trace.
+//! The time step is the time since the last sample that the observer **accepted**: rejected samples have no effect.
 
 use crate::StepError;
 use crate::offset::{FeatureObserver, OffsetObserver, Sample, TorqueSource, VelocityFilter};
@@ -21,16 +20,16 @@ use crate::routings::Routings;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
-/// A longer pause between samples starts an observer anew, where nothing else is stated, s.
+/// Default gap limit: a longer pause between samples re-initialises the observer, s.
 pub const GAP_S: f64 = 0.5;
 
-/// What a robot measured at a time. Slices have one entry per joint, NaN where nothing is recorded; those that the observer
-/// doesn't need may be empty. A [`FeatureObserver`] needs motor torques, though all may be NaN.
+/// Measured values of a robot at one time. Slices have one entry per axis, NaN for missing values; slices that the
+/// observer does not need may be empty. A [`FeatureObserver`] needs motor torques, though all may be NaN.
 #[derive(Debug, Clone, Copy)]
-pub struct Reading<'a> {
+pub struct RobotSample<'a> {
     /// Time by any clock that only rises, ns.
     pub time_ns: i64,
-    /// Another one than before: what was is not gone on with.
+    /// Number of the segment; a new number re-initialises the observer.
     pub segment: u32,
     /// Joint position, rad.
     pub q: &'a [f64],
@@ -45,16 +44,18 @@ pub struct Reading<'a> {
     pub tau_m: &'a [f64],
     /// Known external torque, N·m.
     pub tau_ext: &'a [f64],
-    /// Temperature, °C.
+    /// Tension of the tendon by its sensor, N; empty where there is none.
+    pub tension: &'a [f64],
+    /// Temperature of the robot, °C.
     pub temperature_c: f64,
 }
 
-/// What a feeder steps.
+/// Observer that a feeder steps.
 pub trait FrameObserver {
-    /// What a step gives.
+    /// Result of one step.
     type Output;
 
-    /// What it needs beside positions.
+    /// Returns the inputs that the observer needs in addition to positions.
     fn needs(&self) -> Needs;
 
     /// The next step is a start.
@@ -63,27 +64,29 @@ pub trait FrameObserver {
     /// Steps by `dt_s` to a sample.
     ///
     /// # Errors
-    /// [`StepError`]; the state is then unchanged.
+    /// Returns a [`StepError`]; the state is then unchanged.
     fn step(&mut self, dt_s: f64, input: &Input<'_>) -> Result<Self::Output, StepError>;
 }
 
-/// What an observer needs of a sample beside positions.
+/// Inputs that an observer needs in addition to positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Needs {
     /// Recorded joint velocities.
     pub velocity: bool,
-    /// Where the elastic torque comes from: [`TorqueSource::Observer`] needs none.
+    /// Source of the elastic torque; [`TorqueSource::Observer`] needs no measured torque.
     pub torque: TorqueSource,
 }
 
 /// A sample as an observer takes it.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
-    /// Positions, and what the observer needs.
+    /// Positions and further inputs of the observer.
     pub sample: Sample<'a>,
-    /// Motor torque, `n`, N·m; NaN where it isn't recorded.
+    /// Motor torque, `n`, N·m; NaN if it is not recorded.
     pub motor_torque: &'a [f64],
-    /// Temperature, °C; NaN where it isn't recorded.
+    /// Tension, `n` or empty, N; NaN if it is not recorded.
+    pub tension: &'a [f64],
+    /// Temperature, °C; NaN if it is not recorded.
     pub temperature_c: f64,
 }
 
@@ -125,24 +128,23 @@ impl FrameObserver for FeatureObserver {
         let Sample {
             q, theta_measured, ..
         } = input.sample;
-        self.step(
+        self.step_with_tension(
             dt_s,
-            q,
-            theta_measured,
-            input.motor_torque,
+            [q, theta_measured],
+            [input.motor_torque, input.tension],
             input.temperature_c,
         )
     }
 }
 
-/// What happens to a sample without an elastic joint's motor position. The two differ because a
-/// block of features joins all joints in one equation, the paper's estimate takes each for itself.
+/// Treatment of a sample without an elastic joint's motor position. The two modes differ because a block of features
+/// couples all joints in one equation, whereas the paper's estimate treats each joint independently.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MissingMotor {
-    /// It is refused, for all joints.
-    Refuse,
-    /// It is refused for up to 0.1 s. Then the joint is given up: its last position is held, the
-    /// others go on, and once it is back it settles for `settling_s`.
+    /// The sample is rejected for all joints.
+    Reject,
+    /// The sample is rejected for up to 0.1 s. Then the joint is excluded: its last position is held and the other
+    /// joints continue. When the motor position returns, the joint settles for `settling_s`.
     Bridge {
         /// Time the observer needs to settle, s.
         settling_s: f64,
@@ -152,11 +154,11 @@ pub enum MissingMotor {
 /// How samples are fed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeederOptions {
-    /// A pause longer than this starts the observer anew, s.
+    /// Gap limit: a longer pause re-initialises the observer, s.
     pub gap_s: f64,
-    /// Whether the recorded external torque is taken as known.
+    /// Whether the recorded external torque is used as a measurement.
     pub tau_ext: bool,
-    /// What a missing motor position does.
+    /// Treatment of a missing motor position.
     pub missing_motor: MissingMotor,
 }
 
@@ -166,35 +168,35 @@ impl Default for FeederOptions {
         Self {
             gap_s: GAP_S,
             tau_ext: false,
-            missing_motor: MissingMotor::Refuse,
+            missing_motor: MissingMotor::Reject,
         }
     }
 }
 
-/// What became of a sample.
+/// Outcome of passing a sample to the observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fed<T> {
-    /// The observer took it.
-    Taken(T),
-    /// The observer took it as its first: at the start, after a gap, in a new segment.
+pub enum FeedOutcome<T> {
+    /// The observer used the sample.
+    Accepted(T),
+    /// The observer used the sample as its first one: at the start, after a gap, in a new segment.
     Restarted(T),
-    /// It was not taken; observer and clock are as before.
-    Refused(Refusal),
+    /// The sample was rejected; observer and clock are unchanged.
+    Rejected(RejectionReason),
 }
 
-impl<T> Fed<T> {
-    /// What the step gave, if the sample was taken.
+impl<T> FeedOutcome<T> {
+    /// Returns the output of the step, if the sample was accepted.
     pub fn output(self) -> Option<T> {
         match self {
-            Self::Taken(output) | Self::Restarted(output) => Some(output),
-            Self::Refused(_) => None,
+            Self::Accepted(output) | Self::Restarted(output) => Some(output),
+            Self::Rejected(_) => None,
         }
     }
 }
 
-/// Why a sample was not taken.
+/// Reason for the rejection of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refusal {
+pub enum RejectionReason {
     /// A joint position is missing or not finite.
     JointPosition,
     /// A joint velocity is missing or not finite.
@@ -205,15 +207,15 @@ pub enum Refusal {
     Torque,
     /// An external torque is missing or not finite.
     ExternalTorque,
-    /// Its time is not after that of the last sample taken, or too far.
+    /// The time stamp is not after that of the last accepted sample, or too far ahead.
     TimeStep,
-    /// A value is too large to be one, or the number of joints is another.
+    /// A value is implausibly large, or the number of joints differs.
     Range,
 }
 
-/// The motor position may be missing for this long before the joint is given up until it comes
-/// back: samples without it are left out and the filters step over them, which is exact for a
-/// motion that is straight over the gap.
+/// Maximum time without motor position that is bridged before the joint is excluded until the position returns, ns.
+/// Samples without it are skipped and the filters step over them, which is exact for a motion that is linear in time
+/// over the gap.
 const BRIDGE_NS: i64 = 100_000_000;
 
 /// One joint's motor side.
@@ -222,7 +224,7 @@ struct Motor {
     elastic: bool,
     /// Last time it was there.
     seen_ns: Option<i64>,
-    /// It has been missing for too long to bridge: the last position is held.
+    /// The position has been missing for too long to bridge: the last position is held.
     held: bool,
     settled_at_ns: i64,
 }
@@ -234,11 +236,11 @@ pub struct Feeder<O> {
     options: FeederOptions,
     gap_ns: i64,
     motors: Vec<Motor>,
-    /// Motor positions as the observer gets them, rad.
+    /// Motor positions as passed to the observer, rad.
     theta: Vec<f64>,
     /// Routings of tendons that cross several joints.
     routes: Option<Routings>,
-    /// Motor torques as the observer gets them, N·m; unused without routings.
+    /// Motor torques as passed to the observer, N·m; unused without routings.
     tau_m: Vec<f64>,
     /// Offsets to add: joint, from this time since the start on, ns, and rad.
     injections: Vec<(usize, i64, f64)>,
@@ -292,8 +294,8 @@ impl<O: FrameObserver> Feeder<O> {
     /// Takes the next sample.
     ///
     /// # Realtime
-    /// No allocation, lock, panic or clock of its own; the observer's step besides.
-    pub fn take(&mut self, reading: &Reading<'_>) -> Fed<O::Output> {
+    /// No allocation, lock, panic or clock, apart from the observer's step.
+    pub fn take(&mut self, reading: &RobotSample<'_>) -> FeedOutcome<O::Output> {
         let start_ns = *self.start_ns.get_or_insert(reading.time_ns);
         let since_start_ns = reading.time_ns.saturating_sub(start_ns);
         if self.segment != Some(reading.segment) {
@@ -303,7 +305,7 @@ impl<O: FrameObserver> Feeder<O> {
         }
         match self.feed(reading, since_start_ns) {
             Ok(fed) => fed,
-            Err(refusal) => Fed::Refused(refusal),
+            Err(reason) => FeedOutcome::Rejected(reason),
         }
     }
 
@@ -323,9 +325,9 @@ impl<O: FrameObserver> Feeder<O> {
 
     fn feed(
         &mut self,
-        reading: &Reading<'_>,
+        reading: &RobotSample<'_>,
         since_start_ns: i64,
-    ) -> Result<Fed<O::Output>, Refusal> {
+    ) -> Result<FeedOutcome<O::Output>, RejectionReason> {
         let needs = self.observer.needs();
         self.check(reading, needs)?;
         self.read_motors(reading, since_start_ns)?;
@@ -356,40 +358,41 @@ impl<O: FrameObserver> Feeder<O> {
                 tau_ext: self.options.tau_ext.then_some(reading.tau_ext),
             },
             motor_torque: tau_m,
+            tension: reading.tension,
             temperature_c: reading.temperature_c,
         };
         let output = self
             .observer
             .step(dt_s, &input)
             .map_err(|error| match error {
-                StepError::TimeStep => Refusal::TimeStep,
+                StepError::TimeStep => RejectionReason::TimeStep,
                 StepError::Length
                 | StepError::NotFinite
                 | StepError::NotPositiveDefinite { .. }
                 | StepError::Spring { .. }
-                | StepError::UnknownLink => Refusal::Range,
+                | StepError::UnknownLink => RejectionReason::Range,
             })?;
         Ok(match self.accepted_ns.replace(reading.time_ns) {
-            Some(_) => Fed::Taken(output),
-            None => Fed::Restarted(output),
+            Some(_) => FeedOutcome::Accepted(output),
+            None => FeedOutcome::Restarted(output),
         })
     }
 
-    /// Refuses a sample that lacks something other than a motor position.
-    fn check(&self, reading: &Reading<'_>, needs: Needs) -> Result<(), Refusal> {
+    /// Checks that a sample has all inputs except motor positions.
+    fn check(&self, reading: &RobotSample<'_>, needs: Needs) -> Result<(), RejectionReason> {
         let lacks = |x: &[f64]| x.iter().any(|v| !v.is_finite());
         let n = self.motors.len();
         if reading.q.len() != n || reading.theta.len() != n {
-            return Err(Refusal::Range);
+            return Err(RejectionReason::Range);
         }
         if lacks(reading.q) {
-            return Err(Refusal::JointPosition);
+            return Err(RejectionReason::JointPosition);
         }
         if needs.velocity && lacks(reading.dq) {
-            return Err(Refusal::JointVelocity);
+            return Err(RejectionReason::JointVelocity);
         }
         if self.options.tau_ext && lacks(reading.tau_ext) {
-            return Err(Refusal::ExternalTorque);
+            return Err(RejectionReason::ExternalTorque);
         }
         let torque = match needs.torque {
             TorqueSource::Observer => return Ok(()),
@@ -398,32 +401,41 @@ impl<O: FrameObserver> Feeder<O> {
         };
         let mut motors = self.motors.iter().zip(torque);
         match motors.any(|(motor, torque)| motor.elastic && !torque.is_finite()) {
-            true => Err(Refusal::Torque),
+            true => Err(RejectionReason::Torque),
             false => Ok(()),
         }
     }
 
-    /// Fills `theta` with what the observer gets.
-    fn read_motors(&mut self, reading: &Reading<'_>, since_start_ns: i64) -> Result<(), Refusal> {
+    /// Writes the motor positions for the observer to `theta`.
+    fn read_motors(
+        &mut self,
+        reading: &RobotSample<'_>,
+        since_start_ns: i64,
+    ) -> Result<(), RejectionReason> {
         let now_ns = reading.time_ns;
-        let refuses = |motor: &Motor| match self.options.missing_motor {
-            MissingMotor::Refuse => true,
+        let rejects = |motor: &Motor| match self.options.missing_motor {
+            MissingMotor::Reject => true,
             MissingMotor::Bridge { .. } => motor
                 .seen_ns
                 .is_some_and(|t| now_ns.saturating_sub(t) <= BRIDGE_NS),
         };
-        let mut motors = self.motors.iter().zip(reading.theta);
-        if motors.any(|(motor, theta)| motor.elastic && !theta.is_finite() && refuses(motor)) {
-            return Err(Refusal::MotorPosition);
+        // Tendons may share a motor.
+        let routes = self.routes.as_ref();
+        let measured = |i: usize| {
+            let axis = routes.map_or(i, |routes| routes.motor_axis(i));
+            reading.theta.get(axis).copied().unwrap_or(f64::NAN)
+        };
+        let mut motors = self.motors.iter().enumerate();
+        if motors.any(|(i, motor)| motor.elastic && !measured(i).is_finite() && rejects(motor)) {
+            return Err(RejectionReason::MotorPosition);
         }
         let settling_ns = match self.options.missing_motor {
-            MissingMotor::Refuse => 0,
+            MissingMotor::Reject => 0,
             MissingMotor::Bridge { settling_s } => (settling_s * 1e9) as i64,
         };
-        let positions = reading.theta.iter().zip(reading.q);
         let motors = self.motors.iter_mut().zip(&mut self.theta);
-        for (i, ((motor, fed), (theta, q))) in motors.zip(positions).enumerate() {
-            let theta = if motor.elastic { theta } else { q };
+        for (i, ((motor, fed), q)) in motors.zip(reading.q).enumerate() {
+            let theta = if motor.elastic { measured(i) } else { *q };
             if !theta.is_finite() {
                 motor.held = true;
                 continue;
@@ -433,12 +445,12 @@ impl<O: FrameObserver> Feeder<O> {
                 motor.settled_at_ns = now_ns.saturating_add(settling_ns);
             }
             motor.seen_ns = Some(now_ns);
-            *fed = match &self.routes {
+            *fed = match routes {
                 Some(routes) if motor.elastic => {
                     let others = routes.moved_by_others(i, reading.q.iter().copied());
                     routes.drive_ratio(i) * theta - others
                 }
-                _ => *theta,
+                _ => theta,
             };
             for (_, _, offset_rad) in self
                 .injections
@@ -456,8 +468,8 @@ impl<O: FrameObserver> Feeder<O> {
         &self.observer
     }
 
-    /// Motor positions as the observer got them last, injected offsets included, `n`, rad; of a tendon that crosses other joints
-    /// without what these move.
+    /// Latest motor positions passed to the observer, including injected offsets, `n`, rad; for a tendon that crosses
+    /// other joints, without the part that these joints cause.
     pub fn theta(&self) -> &[f64] {
         &self.theta
     }
@@ -477,7 +489,7 @@ impl<O: FrameObserver> Feeder<O> {
         self.motors.get(joint).is_some_and(|motor| motor.held)
     }
 
-    /// Whether a joint has settled since its motor position came back.
+    /// Whether a joint has settled since its motor position returned.
     pub fn is_joint_settled(&self, joint: usize) -> bool {
         let motor = self.motors.get(joint);
         motor.is_some_and(|motor| self.accepted_ns >= Some(motor.settled_at_ns))
@@ -512,7 +524,7 @@ mod tests {
         }
     }
 
-    /// Of two joints, the second one elastic.
+    /// Returns a feeder with two joints, the second of them elastic.
     fn feeder(velocity: bool, torque: TorqueSource, tau_ext: bool) -> Feeder<Steps> {
         let observer = Steps {
             needs: Needs { velocity, torque },
@@ -526,9 +538,9 @@ mod tests {
     }
 
     /// A sample every millisecond, all there.
-    fn whole(ms: i64) -> Reading<'static> {
+    fn whole(ms: i64) -> RobotSample<'static> {
         const ALL: &[f64] = &[0.1, 0.2];
-        Reading {
+        RobotSample {
             time_ns: ms * 1_000_000,
             segment: 1,
             q: ALL,
@@ -537,63 +549,82 @@ mod tests {
             tau_el: ALL,
             tau_m: ALL,
             tau_ext: ALL,
+            tension: &[],
             temperature_c: 23.0,
         }
     }
 
-    type Lacks = fn(Reading<'static>, &'static [f64]) -> Reading<'static>;
+    type Lacks = fn(RobotSample<'static>, &'static [f64]) -> RobotSample<'static>;
 
-    const LACKS: [(Refusal, Lacks); 5] = [
-        (Refusal::JointPosition, |r, q| Reading { q, ..r }),
-        (Refusal::JointVelocity, |r, dq| Reading { dq, ..r }),
-        (Refusal::MotorPosition, |r, theta| Reading { theta, ..r }),
-        (Refusal::Torque, |r, tau_el| Reading { tau_el, ..r }),
-        (Refusal::ExternalTorque, |r, tau_ext| Reading {
+    const LACKS: [(RejectionReason, Lacks); 5] = [
+        (RejectionReason::JointPosition, |r, q| RobotSample {
+            q,
+            ..r
+        }),
+        (RejectionReason::JointVelocity, |r, dq| RobotSample {
+            dq,
+            ..r
+        }),
+        (RejectionReason::MotorPosition, |r, theta| RobotSample {
+            theta,
+            ..r
+        }),
+        (RejectionReason::Torque, |r, tau_el| RobotSample {
+            tau_el,
+            ..r
+        }),
+        (RejectionReason::ExternalTorque, |r, tau_ext| RobotSample {
             tau_ext,
             ..r
         }),
     ];
 
     #[test]
-    fn what_lacks_is_named_and_the_next_step_goes_over_it() {
+    fn missing_input_named_and_stepped_over() {
         const BAD: [&[f64]; 2] = [&[0.1, f64::NAN], &[0.1, f64::INFINITY]];
-        for (refusal, lacks) in LACKS {
+        for (reason, lacks) in LACKS {
             for bad in BAD {
                 let mut feeder = feeder(true, TorqueSource::TorqueSensor, true);
-                assert_eq!(feeder.take(&whole(0)), Fed::Restarted(()));
-                assert_eq!(feeder.take(&lacks(whole(1), bad)), Fed::Refused(refusal));
-                assert_eq!(feeder.take(&whole(2)), Fed::Taken(()));
-                assert_eq!(feeder.observer().dt_s, [0.0, 2e-3], "{refusal:?}");
+                assert_eq!(feeder.take(&whole(0)), FeedOutcome::Restarted(()));
+                assert_eq!(
+                    feeder.take(&lacks(whole(1), bad)),
+                    FeedOutcome::Rejected(reason)
+                );
+                assert_eq!(feeder.take(&whole(2)), FeedOutcome::Accepted(()));
+                assert_eq!(feeder.observer().dt_s, [0.0, 2e-3], "{reason:?}");
             }
         }
     }
 
     #[test]
-    fn what_the_observer_does_not_need_may_be_missing() {
-        let needed = [Refusal::JointPosition, Refusal::MotorPosition];
-        for (refusal, lacks) in LACKS {
+    fn unneeded_inputs_may_be_missing() {
+        let needed = [
+            RejectionReason::JointPosition,
+            RejectionReason::MotorPosition,
+        ];
+        for (reason, lacks) in LACKS {
             let mut feeder = feeder(false, TorqueSource::Observer, false);
             let fed = feeder.take(&lacks(whole(0), &[0.1, f64::NAN]));
-            match needed.contains(&refusal) {
-                true => assert_eq!(fed, Fed::Refused(refusal)),
-                false => assert_eq!(fed, Fed::Restarted(()), "{refusal:?}"),
+            match needed.contains(&reason) {
+                true => assert_eq!(fed, FeedOutcome::Rejected(reason)),
+                false => assert_eq!(fed, FeedOutcome::Restarted(()), "{reason:?}"),
             }
         }
         // Nor does a rigid joint need a motor's position and torque.
         let mut feeder = feeder(true, TorqueSource::TorqueSensor, true);
         let none = &[f64::NAN, 0.2];
-        let reading = Reading {
+        let reading = RobotSample {
             theta: none,
             tau_el: none,
             ..whole(0)
         };
-        assert_eq!(feeder.take(&reading), Fed::Restarted(()));
+        assert_eq!(feeder.take(&reading), FeedOutcome::Restarted(()));
         assert_eq!(feeder.theta(), [0.1, 0.2]);
     }
 
-    /// 0.5 s after its motor position is back, and not before.
+    /// The joint settles 0.5 s after its motor position returns.
     #[test]
-    fn a_joint_settles_for_as_long_as_is_said() {
+    fn joint_settles_for_specified_time() {
         let observer = Steps {
             needs: Needs {
                 velocity: false,
@@ -611,8 +642,8 @@ mod tests {
         for ms in 0..2_000 {
             let lacks = (300..600).contains(&ms);
             let theta: &[f64] = if lacks { &[0.1, f64::NAN] } else { &[0.1, 0.2] };
-            let reading = Reading { theta, ..whole(ms) };
-            let _refused_at_first = feeder.take(&reading);
+            let reading = RobotSample { theta, ..whole(ms) };
+            let _rejected_at_first = feeder.take(&reading);
             if ms >= 600 && feeder.is_joint_settled(1) {
                 settled_ms.push(ms);
             }

@@ -1,35 +1,36 @@
 //! An estimated quantity and its uncertainty, in SI.
 
 /// Standard deviations on either side of the mean that hold 95 % of a normal distribution, as
-/// intervals are stated: 1.96, what everybody multiplies by.
+/// intervals are stated: 1.96, the usual rounded value.
 pub const Z95: f64 = 1.96;
-/// The same to the last digit: the 97.5 % quantile. A catalogue's 95 % bounds become a deviation by
-/// it, so that a draw at the quantile is the bound itself.
+/// The 97.5 % quantile to full precision. It converts the 95 % bounds of a catalogue to a standard
+/// deviation, so that a draw at the quantile equals the bound.
 pub const QUANTILE_975: f64 = 1.959_963_984_540_054;
 
-/// A normally distributed quantity, in the unit that the name of its field or function says.
+/// A normally distributed quantity, in the unit that the name of its field or function states.
 ///
-/// `deviation` is one standard deviation. Only where a number is shown to a person does it become a
-/// half width of 95 %.
+/// `std` is one standard deviation. It is converted to the half-width of a 95 % interval only for
+/// display.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gaussian {
-    /// Mean.
+    /// Mean of the quantity.
     pub mean: f64,
     /// Standard deviation, not negative.
-    pub deviation: f64,
+    #[cfg_attr(feature = "serde", serde(alias = "deviation"))]
+    pub std: f64,
 }
 
 impl Gaussian {
     /// From mean and standard deviation.
-    pub const fn new(mean: f64, deviation: f64) -> Self {
-        Self { mean, deviation }
+    pub const fn new(mean: f64, std: f64) -> Self {
+        Self { mean, std }
     }
 
     /// Half the width of the 95 % interval.
     pub fn half_width_95(self) -> f64 {
-        Z95 * self.deviation
+        Z95 * self.std
     }
 
     /// The 95 % interval.
@@ -43,21 +44,21 @@ impl Gaussian {
 
     /// Whether both numbers are finite.
     pub fn is_finite(self) -> bool {
-        self.mean.is_finite() && self.deviation.is_finite()
+        self.mean.is_finite() && self.std.is_finite()
     }
 
-    /// The same quantity in another unit: `factor` of the new one make one of the old.
+    /// Converts the quantity to another unit: `factor` new units equal one old unit.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self {
             mean: factor * self.mean,
-            deviation: factor.abs() * self.deviation,
+            std: factor.abs() * self.std,
         }
     }
 
-    /// Probability of more than `x`: `½ erfc((x − mean)/(√2 deviation))`; NaN where that is none.
+    /// Probability of more than `x`: `½ erfc((x − mean)/(√2 std))`; NaN where that is none.
     pub fn probability_above(self, x: f64) -> f64 {
-        0.5 * libm::erfc((x - self.mean) / (core::f64::consts::SQRT_2 * self.deviation))
+        0.5 * libm::erfc((x - self.mean) / (core::f64::consts::SQRT_2 * self.std))
     }
 
     /// Sum with an independent quantity.
@@ -65,7 +66,7 @@ impl Gaussian {
     pub fn plus(self, other: Self) -> Self {
         Self {
             mean: self.mean + other.mean,
-            deviation: libm::hypot(self.deviation, other.deviation),
+            std: libm::hypot(self.std, other.std),
         }
     }
 
@@ -75,14 +76,14 @@ impl Gaussian {
     }
 }
 
-/// Bounds that hold a quantity with 95 % probability, in the unit that its field's name says.
+/// Bounds of a 95 % interval of a quantity, in the unit that its field's name states.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Interval95 {
-    /// Lower bound.
+    /// Lower bound of the interval.
     pub low: f64,
-    /// Upper bound.
+    /// Upper bound of the interval.
     pub high: f64,
 }
 
@@ -98,18 +99,18 @@ impl Interval95 {
     }
 }
 
-/// A value with bounds that need not be even about it, in the unit that its field's name says.
+/// A value with possibly asymmetric bounds, in the unit that its field's name states.
 ///
-/// Who makes it says at which level; 95 % where nothing else is said.
+/// The level of the bounds is 95 % unless the field states another.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounded {
-    /// Value.
+    /// Central value of the quantity.
     pub value: f64,
-    /// Lower bound.
+    /// Lower bound of the interval.
     pub low: f64,
-    /// Upper bound.
+    /// Upper bound of the interval.
     pub high: f64,
 }
 
@@ -123,7 +124,7 @@ impl Bounded {
         }
     }
 
-    /// The same quantity in another unit: `factor`, above 0, of the new one make one of the old.
+    /// Converts the quantity to another unit: `factor` new units, above 0, equal one old unit.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self {
@@ -139,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_interval_is_its_mean_and_a_multiple_of_its_deviation() {
+    fn interval_is_mean_and_multiple_of_std() {
         let offset_rad = Gaussian::new(0.012, 0.5e-3);
         let interval = offset_rad.interval_95();
         assert!(
@@ -157,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn the_probability_of_more_is_the_table_s() {
+    fn exceedance_probability_matches_table() {
         let x = Gaussian::new(1.0, 2.0);
         assert!((x.probability_above(1.0) - 0.5).abs() < 1e-15);
         assert!((x.probability_above(1.0 - 1.959_963_984_540_054 * 2.0) - 0.975).abs() < 1e-12);
@@ -166,13 +167,13 @@ mod tests {
     }
 
     #[test]
-    fn independent_deviations_add_in_squares() {
+    fn independent_stds_add_in_squares() {
         let sum = Gaussian::new(1.0, 3.0).plus(Gaussian::new(-3.0, 4.0));
         assert_eq!(sum, Gaussian::new(-2.0, 5.0));
     }
 
     #[test]
-    fn a_deviation_stays_positive_in_another_unit() {
+    fn std_stays_positive_after_unit_change() {
         assert_eq!(
             Gaussian::new(2.0, 0.5).scaled(-1e3),
             Gaussian::new(-2e3, 500.0)

@@ -1,16 +1,17 @@
-//! Arm, transmission, momentum observer and tendon offset: what is true of a tendon-driven
-//! series-elastic robot, without files, clocks or threads.
+//! Arm, transmission, momentum observer and tendon offset: the physics of a tendon-driven series-elastic robot,
+//! without files, clocks or threads.
 //!
 //! ```text
 //! M(q) ddq + C(q,dq) dq + g(q) + tau_friction_joint = tau_el + tau_ext
 //! tau_el = K (theta − q),     theta_measured = theta + delta_e
 //! ```
 //!
-//! A stretched tendon shows as `delta_e`; [`offset`] recovers it from encoders alone through the
+//! An elongated tendon causes an offset `delta_e`; [`offset`] estimates it from encoders alone through the
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
-//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`feeder`] (samples as they come),
-//! [`correction`] (what a controller does about it), [`tendons`] (several joints, motors and tendons coupled), [`robot`],
+//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`feeder`] (samples in the order
+//! of arrival), [`correction`] (compensation in a controller), [`tendons`] (several joints, motors and tendons
+//! coupled), [`robot`],
 //! [`transmission_map`] (couplings that other software describes).
 //!
 //! ```
@@ -23,7 +24,7 @@
 //! let robot = RobotFile::parse(toml, "robot.toml")?.build(urdf)?;
 //! let mut observer = OffsetObserver::new(&robot.arm, &robot.transmissions, OffsetConfig::default())?;
 //!
-//! // The arm hangs still; the elbow's rope is 10 mrad longer than the encoders know.
+//! // The arm hangs still; the elbow's rope has an offset of 10 mrad.
 //! let (q, theta) = ([0.0; 4], [0.0, 0.0, 0.010, 0.0]);
 //! for _ in 0..1000 {
 //!     let sample = Sample { q: &q, theta_measured: &theta, ..Default::default() };
@@ -38,7 +39,7 @@
 //! ```
 //!
 //! # Features
-//! * `std`: nothing but `std::error::Error` being where std users look for it.
+//! * `std`: links the standard library for `std::error::Error`; no other function depends on it.
 //! * `urdf` (default, implies `std`): arms from URDF text, robots from `robot.toml` text.
 //! * `wire`: blocks and robots as bytes, for a microcontroller and its host.
 //! * `serde`: results as data; `schema`: their JSON Schema.
@@ -57,7 +58,10 @@ extern crate alloc;
 pub mod arm;
 pub mod cholesky;
 pub mod correction;
+mod eigen;
 pub mod feeder;
+mod friction;
+mod moment_arm;
 pub mod observer;
 pub mod offset;
 #[cfg(feature = "urdf")]

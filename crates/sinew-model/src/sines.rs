@@ -1,10 +1,10 @@
 //! Sines and cosines of several angles, side by side.
 
-/// Up to here, rad, quarter turns are taken off without error: 160,000 turns.
+/// Maximum angle for an exact range reduction by quarter turns, rad: 160,000 turns.
 const LARGEST: f64 = 1e6;
 /// Adding it leaves the nearest integer in the low bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
-/// π/2 in two parts: the first has so many zeros at its end that its multiples are exact.
+/// First of two parts of π/2; its trailing bits are zero, so that its multiples are exact.
 const QUARTER_HIGH: f64 = 1.570_796_326_734_125_6;
 const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
 /// sin r = r + r³ P(r²), the polynomial of least error on |r| ≤ π/4 (Remez's algorithm, 60 digits): 4e-18.
@@ -28,14 +28,15 @@ pub const COSINE: [f64; 6] = [
 
 /// Sine and cosine of every angle, rad, to 2.3e-16; slices are of one length.
 ///
-/// No branch where angles are within 10⁶ rad together, so that the compiler computes them in vector registers. Beyond that,
-/// and of what is no number, `libm`'s: it waits for one to ask for the next, and a pass over an arm waits with it.
+/// No branch if all angles are within 10⁶ rad, so that the compiler computes them in vector registers. Larger and
+/// non-finite angles use `libm`, whose calls are sequential and slow down the pass over an arm.
 ///
 /// # Realtime
 /// No allocation, lock, panic or clock.
 ///
 /// # Source
-/// Quarter turns are taken off in parts, after W. J. Cody and W. Waite, *Software Manual for the Elementary Functions*, 1980.
+/// Range reduction by quarter turns in parts, after W. J. Cody and W. Waite, *Software Manual for the Elementary
+/// Functions*, 1980.
 pub(crate) fn sin_cos(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
     let all = angles.iter().zip(sines.iter_mut()).zip(cosines.iter_mut());
     if angles.iter().map(|x| x.abs()).sum::<f64>() <= LARGEST {
@@ -49,7 +50,7 @@ pub(crate) fn sin_cos(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
     }
 }
 
-/// Of one angle within ±[`LARGEST`].
+/// Computes sine and cosine of one angle within ±[`LARGEST`].
 #[inline(always)]
 fn within_range(x: f64) -> (f64, f64) {
     let shifted = x * core::f64::consts::FRAC_2_PI + ROUNDER;
@@ -74,7 +75,7 @@ fn within_range(x: f64) -> (f64, f64) {
     let near = 1.0 - half;
     let c = near + (((1.0 - near) - half) + (z * tail - y * rest));
 
-    // Swapped in every second quadrant, and negative where their bit says so.
+    // Sine and cosine are swapped in every second quadrant, and negative according to their sign bit.
     let swapped = (quadrant & 1).wrapping_neg();
     let (s, c) = (s.to_bits(), c.to_bits());
     let differ = (s ^ c) & swapped;
@@ -97,7 +98,7 @@ mod tests {
         sines.into_iter().zip(cosines).collect()
     }
 
-    /// Largest difference from `libm`, of each angle beside others.
+    /// Returns the largest difference from `libm`, for each angle as one of several.
     fn worst(angles: impl Iterator<Item = f64>) -> f64 {
         let mut worst = 0.0_f64;
         for x in angles {
@@ -130,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_is_left_to_libm() {
+    fn angles_beyond_limit_use_libm() {
         let angles = [1e22, 0.5, -1e7, LARGEST];
         assert_eq!(of(&angles), angles.map(libm::sincos));
         let [(sin, cos), (one, _)] = of(&[f64::NAN, 1.0])[..] else {

@@ -1,6 +1,6 @@
 //! Order statistics.
 
-/// Standard deviation of a normal distribution over the median absolute deviation of a sample of it, `1/Φ⁻¹(3/4)`.
+/// Ratio of the standard deviation of a normal distribution to its median absolute deviation, `1/Φ⁻¹(3/4)`.
 pub const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
 /// Quantile of sorted numbers by linear interpolation; `share` of them lie below it. NaN of none.
@@ -20,8 +20,8 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[k] + (next - sorted[k]) * rest
 }
 
-/// The middle value, the upper of two: always one of the values, so that it is finite where more than
-/// half of them are. Changes their order; `None` of none.
+/// Returns the upper median, which is one of the values and therefore finite if more than half of them are. Reorders
+/// the values; `None` without values.
 pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
@@ -40,7 +40,7 @@ mod tests {
     }
 
     #[test]
-    fn the_upper_median_is_one_of_the_values() {
+    fn upper_median_is_one_of_values() {
         assert_eq!(upper_median(&mut [3.0, 1.0, f64::INFINITY, 2.0]), Some(3.0));
         assert_eq!(upper_median(&mut []), None);
     }

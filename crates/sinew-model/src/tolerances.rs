@@ -1,13 +1,13 @@
-//! How far a robot may be from its description: tolerances of a data sheet.
+//! Tolerances of a robot's description, as on a data sheet.
 
 use crate::Gaussian;
 
 /// Tolerances, as standard deviations unless stated. `robot.toml` sets them under `[tolerances]`.
 ///
-/// The defaults are starting guesses for light rope-driven arms, not measurements.
+/// The defaults are assumed values for light rope-driven arms, not measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
-    /// Stiffness, relative.
+    /// Relative standard deviation of the stiffness.
     pub stiffness: f64,
     /// Link mass, relative.
     pub mass: f64,
@@ -15,7 +15,7 @@ pub struct Tolerances {
     pub first_moment: f64,
     /// First mass moment across, relative to its size.
     pub first_moment_across: f64,
-    /// Inertia, relative.
+    /// Relative standard deviation of the inertia.
     pub inertia: f64,
     /// Friction of joints and drives, relative to its nominal value.
     pub friction: f64,
@@ -25,15 +25,16 @@ pub struct Tolerances {
     pub drive_load_friction: Gaussian,
     /// Cubic stiffening `η`, 1/rad².
     pub stiffening_per_rad2: Gaussian,
-    /// Encoder error, once and twice per turn, rad per component.
+    /// Encoder error in the first and second harmonic of the joint position, rad per component.
     pub encoder_rad: f64,
-    /// Drift of the zero with temperature beside what rope and frame do, rad/K; `None`: not stated.
+    /// Drift of the encoder zero offset with temperature in addition to rope and frame, rad/K;
+    /// `None`: unspecified.
     pub drift_rad_per_k: Option<f64>,
     /// Compliance change with temperature, 1/K.
     pub stiffness_per_k: Gaussian,
     /// Payload mass, kg.
     pub payload_kg: Gaussian,
-    /// How far the payload's centre may be from where it is expected, m.
+    /// Distance of the payload's centre of mass from its expected point, m.
     pub payload_reach_m: f64,
     /// Scale of the motor torque, relative.
     pub motor_torque: f64,
@@ -45,13 +46,21 @@ pub struct Tolerances {
     pub gear: f64,
     /// Moment arm of a tendon at a joint other than its own, relative.
     pub moment_arm: f64,
-    /// What `theta − q` may show of an unloaded spring right after tensioning, rad; 0 where the
-    /// encoders are zeroed then.
+    /// Encoder zero offset directly after tensioning, rad: `theta − q` of an unloaded spring; 0 if
+    /// the encoders are zeroed then.
     pub zero_rad: f64,
-    /// Temperature of a recording that holds none, K: how far it may be from the usual.
+    /// Temperature of a recording without temperature data, relative to the usual temperature, K.
     pub temperature_k: f64,
-    /// A constant force from outside at the tool, along each axis, N; 0: none acts.
+    /// Constant external force at the tool, along each axis, N; 0: none acts.
     pub external_force_n: f64,
+    /// Pretension of a strand that only pulls, relative.
+    pub pretension: f64,
+    /// Stiffness of a joint's passive spring, relative.
+    pub spring: f64,
+    /// Rest position of a joint's passive spring, rad.
+    pub spring_rest_rad: f64,
+    /// Gain of a tension sensor, and its zero relative to the pretension.
+    pub tension_sensor: f64,
 }
 
 impl Default for Tolerances {
@@ -79,6 +88,10 @@ impl Default for Tolerances {
             zero_rad: 0.0,
             temperature_k: 5.0,
             external_force_n: 2.0,
+            pretension: 0.2,
+            spring: 0.1,
+            spring_rest_rad: 0.05,
+            tension_sensor: 0.02,
         }
     }
 }
@@ -87,14 +100,15 @@ impl Tolerances {
     /// Drift of the zero with temperature where none is stated, rad/K.
     pub const DRIFT_RAD_PER_K: f64 = 0.1e-3;
 
-    /// Drift of the zero with temperature beside what rope and frame do, rad/K.
+    /// Returns the drift of the encoder zero offset with temperature in addition to rope and frame,
+    /// rad/K.
     #[must_use]
     pub fn drift_rad_per_k(&self) -> f64 {
         self.drift_rad_per_k.unwrap_or(Self::DRIFT_RAD_PER_K)
     }
 
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 25] = [
+    pub const KEYS: [&'static str; 29] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -120,9 +134,13 @@ impl Tolerances {
         "zero_mrad",
         "temperature_k",
         "external_force_n",
+        "pretension_percent",
+        "spring_percent",
+        "spring_rest_mrad",
+        "tension_sensor_percent",
     ];
 
-    /// Where a key's value goes, and its unit.
+    /// Returns the field of a key, and the factor of its unit.
     #[cfg(feature = "urdf")]
     pub(crate) fn slot(&mut self, key: &str) -> Option<(&mut f64, f64)> {
         const PERCENT: f64 = 0.01;
@@ -135,15 +153,15 @@ impl Tolerances {
             "inertia_percent" => (&mut self.inertia, PERCENT),
             "friction_percent" => (&mut self.friction, PERCENT),
             "load_friction_mean_percent" => (&mut self.load_friction.mean, PERCENT),
-            "load_friction_percent" => (&mut self.load_friction.deviation, PERCENT),
+            "load_friction_percent" => (&mut self.load_friction.std, PERCENT),
             "drive_load_friction_mean_percent" => (&mut self.drive_load_friction.mean, PERCENT),
-            "drive_load_friction_percent" => (&mut self.drive_load_friction.deviation, PERCENT),
+            "drive_load_friction_percent" => (&mut self.drive_load_friction.std, PERCENT),
             "stiffening_mean_per_rad2" => (&mut self.stiffening_per_rad2.mean, 1.0),
-            "stiffening_per_rad2" => (&mut self.stiffening_per_rad2.deviation, 1.0),
+            "stiffening_per_rad2" => (&mut self.stiffening_per_rad2.std, 1.0),
             "encoder_mrad" => (&mut self.encoder_rad, MILLI),
             "drift_mrad_per_k" => (self.drift_rad_per_k.get_or_insert_default(), MILLI),
             "payload_mean_kg" => (&mut self.payload_kg.mean, 1.0),
-            "payload_kg" => (&mut self.payload_kg.deviation, 1.0),
+            "payload_kg" => (&mut self.payload_kg.std, 1.0),
             "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),
             "viscoelastic_percent" => (&mut self.viscoelastic, PERCENT),
             "gear_percent" => (&mut self.gear, PERCENT),
@@ -151,6 +169,10 @@ impl Tolerances {
             "zero_mrad" => (&mut self.zero_rad, MILLI),
             "temperature_k" => (&mut self.temperature_k, 1.0),
             "external_force_n" => (&mut self.external_force_n, 1.0),
+            "pretension_percent" => (&mut self.pretension, PERCENT),
+            "spring_percent" => (&mut self.spring, PERCENT),
+            "spring_rest_mrad" => (&mut self.spring_rest_rad, MILLI),
+            "tension_sensor_percent" => (&mut self.tension_sensor, PERCENT),
             "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
             "motor_current_percent" => (&mut self.motor_current, PERCENT),
             _ => return None,
@@ -163,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_key_has_a_place_of_its_own() {
+    fn toml_key_sets_separate_field() {
         let mut tolerances = Tolerances::default();
         for (value, key) in (1_u8..).zip(Tolerances::KEYS) {
             let (slot, _) = tolerances.slot(key).unwrap();

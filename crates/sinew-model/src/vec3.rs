@@ -1,9 +1,9 @@
 //! Three-vectors and 3×3 rotations on plain arrays.
 //!
-//! The realtime pass stays on plain arrays: no panic path, no generic dispatch, and the
-//! optimiser sees every index. Matrices are row-major, `R[row][column]`.
+//! The realtime pass uses plain arrays, which have no panic path and no generic dispatch, and whose indices are
+//! visible to the optimiser. Matrices are row-major, `R[row][column]`.
 
-/// A three-vector.
+/// Vector of three components.
 pub type Vec3 = [f64; 3];
 /// A 3×3 matrix, row-major.
 pub type Mat3 = [[f64; 3]; 3];
@@ -23,7 +23,7 @@ pub(crate) fn sub(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// `k a`.
+/// Returns the product `k a`.
 #[inline(always)]
 pub(crate) fn scale(a: Vec3, k: f64) -> Vec3 {
     [a[0] * k, a[1] * k, a[2] * k]
@@ -45,13 +45,13 @@ pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
     ]
 }
 
-/// `R a`.
+/// Returns the rotated vector `R a`.
 #[inline(always)]
 pub(crate) fn rotate(r: &Mat3, a: Vec3) -> Vec3 {
     [dot(r[0], a), dot(r[1], a), dot(r[2], a)]
 }
 
-/// `Rᵀ a`.
+/// Returns the inversely rotated vector `Rᵀ a`.
 #[inline(always)]
 pub(crate) fn rotate_back(r: &Mat3, a: Vec3) -> Vec3 {
     [
@@ -61,7 +61,7 @@ pub(crate) fn rotate_back(r: &Mat3, a: Vec3) -> Vec3 {
     ]
 }
 
-/// `A B`.
+/// Returns the matrix product `A B`.
 pub(crate) fn mul(a: &Mat3, b: &Mat3) -> Mat3 {
     let mut out = [[0.0; 3]; 3];
     for (out_row, a_row) in out.iter_mut().zip(a) {
@@ -72,7 +72,7 @@ pub(crate) fn mul(a: &Mat3, b: &Mat3) -> Mat3 {
     out
 }
 
-/// `Aᵀ`.
+/// Returns the transpose `Aᵀ`.
 pub(crate) fn transpose(a: &Mat3) -> Mat3 {
     [
         [a[0][0], a[1][0], a[2][0]],

@@ -3,7 +3,7 @@
 //! A binary of its own: the counting allocator would be that of every other test too, and counts by
 //! thread, so that nothing else may run in the thread of a test.
 
-// A global allocator is an unsafe trait; this one only counts and hands on to the system's.
+// A global allocator is an unsafe trait; this one only counts and forwards to the system's.
 #![allow(unsafe_code)]
 
 use sinew_model::Gaussian;
@@ -34,7 +34,7 @@ thread_local! {
 }
 
 fn count_one() {
-    // Threads that are going away have no counter any more; nobody asks for theirs.
+    // Threads that are terminating have no counter any more; theirs is not needed.
     let _ = COUNT.try_with(|c| c.set(c.get() + 1));
 }
 
@@ -42,7 +42,7 @@ fn count_one() {
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count_one();
-        // SAFETY: the caller's promise, handed on.
+        // SAFETY: the caller's promise is passed to the system allocator.
         unsafe { System.alloc(layout) }
     }
 
@@ -93,7 +93,7 @@ fn motion(k: usize, q: &mut [f64], dq: &mut [f64]) {
 }
 
 #[test]
-fn the_counter_counts() {
+fn allocation_counter_counts() {
     assert!(allocations(|| drop(std::hint::black_box(vec![1.0; 100]))) >= 2);
 }
 
@@ -142,7 +142,7 @@ fn observer_allocates_nothing() {
             for (alpha, (c, g)) in alpha.iter_mut().zip(terms.ct_dq.iter().zip(terms.g)) {
                 *alpha = c - g;
             }
-            // Every third step is longer: weights of the pole are computed anew.
+            // Every third step is longer: the weights of the pole are recomputed.
             let dt = if k % 3 == 0 { 2e-3 } else { 1e-3 };
             observer.step(dt, terms.p, &alpha, Some(&tau_ext)).unwrap();
             if k == STEPS / 2 {
@@ -225,21 +225,25 @@ fn features_allocate_nothing() {
     for transmissions in transmissions(arm().dof()) {
         features_allocate_nothing_with(&transmissions);
     }
+    features_allocate_nothing_with(&routed::antagonists(arm().dof()));
 }
 
 fn features_allocate_nothing_with(transmissions: &[Option<Transmission>]) {
     let arm = arm();
-    let n = arm.dof();
+    let (n, dof) = (transmissions.len(), arm.dof());
     let mut features =
         FeatureObserver::new(&arm, FeatureConfig::default()).with_transmissions(transmissions);
     let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
     let (theta, torque, broken) = (vec![0.05; n], vec![0.4; n], vec![f64::NAN; n]);
+    let tension = vec![20.0; n];
     let mut block = features.block().clone();
     let mut blocks = 0;
     let count = allocations(|| {
         for k in 0..40 * STEPS {
-            motion(k, &mut q, &mut dq);
-            if features.step(1e-3, &q, &theta, &torque, 20.0) == Ok(true) {
+            motion(k, &mut q[..dof], &mut dq);
+            let positions = [&q[..], &theta];
+            let torques = [&torque[..], &tension];
+            if features.step_with_tension(1e-3, positions, torques, 20.0) == Ok(true) {
                 block.copy_from(features.block());
                 blocks += 1;
             }
@@ -322,7 +326,7 @@ fn tendons_allocate_nothing() {
 
 #[cfg(feature = "wire")]
 #[test]
-fn what_a_microcontroller_does_with_a_sample_allocates_nothing() {
+fn microcontroller_step_does_not_allocate() {
     for transmissions in transmissions(arm().dof()) {
         a_microcontroller_allocates_nothing_with(&transmissions);
     }
@@ -330,7 +334,7 @@ fn what_a_microcontroller_does_with_a_sample_allocates_nothing() {
 
 #[cfg(feature = "wire")]
 fn a_microcontroller_allocates_nothing_with(transmissions: &[Option<Transmission>]) {
-    use sinew_model::feeder::{Feeder, FeederOptions, Reading};
+    use sinew_model::feeder::{Feeder, FeederOptions, RobotSample};
     use sinew_model::wire::BlockSender;
 
     let arm = arm();
@@ -351,7 +355,7 @@ fn a_microcontroller_allocates_nothing_with(transmissions: &[Option<Transmission
             if k % 7 == 0 {
                 q[0] = f64::NAN;
             }
-            let reading = Reading {
+            let reading = RobotSample {
                 time_ns: 1_000_000 * k as i64,
                 segment: 0,
                 q: &q,
@@ -360,6 +364,7 @@ fn a_microcontroller_allocates_nothing_with(transmissions: &[Option<Transmission
                 tau_el: &[],
                 tau_m: &torque,
                 tau_ext: &[],
+                tension: &[],
                 temperature_c: 20.0,
             };
             refused += usize::from(offset.take(&reading).output().is_none());
@@ -370,7 +375,7 @@ fn a_microcontroller_allocates_nothing_with(transmissions: &[Option<Transmission
             }
         }
     });
-    assert!(blocks > 10 && sender.left_out() > 0, "{blocks}");
+    assert!(blocks > 10 && sender.skipped() > 0, "{blocks}");
     assert_eq!(refused, (40 * STEPS).div_ceil(7));
     assert_eq!(count, 0, "{count} allocator calls");
 }

@@ -1,27 +1,27 @@
-//! Tables for other programs, column by column.
+//! Builder of machine-readable tables.
 
 use sinew_log::{Cell, CellKind, Table};
 use sinew_model::Bounded;
 
-/// A table that is filled column by column, with a row for each of some things.
+/// Table that is built column by column, with one row per item.
 pub(crate) struct Data<T> {
-    things: Vec<T>,
+    items: Vec<T>,
     table: Table,
 }
 
 impl<T> Data<T> {
-    /// A table without columns.
-    pub(crate) fn of(things: impl IntoIterator<Item = T>) -> Self {
-        let things: Vec<T> = things.into_iter().collect();
+    /// Makes a table without columns.
+    pub(crate) fn of(items: impl IntoIterator<Item = T>) -> Self {
+        let items: Vec<T> = items.into_iter().collect();
         let mut table = Table::new(&[]);
-        table.rows.resize(things.len(), Vec::new());
-        Self { things, table }
+        table.rows.resize(items.len(), Vec::new());
+        Self { items, table }
     }
 
     fn column<C: Into<Cell>>(mut self, name: &str, kind: CellKind, cell: impl Fn(&T) -> C) -> Self {
         self.table.columns.push((name.to_owned(), kind));
-        for (row, thing) in self.table.rows.iter_mut().zip(&self.things) {
-            row.push(cell(thing).into());
+        for (row, item) in self.table.rows.iter_mut().zip(&self.items) {
+            row.push(cell(item).into());
         }
         self
     }
@@ -42,7 +42,7 @@ impl<T> Data<T> {
         self.column(name, CellKind::Flag, cell)
     }
 
-    /// A value and its bounds, a column each.
+    /// Adds a value and its bounds, one column each.
     pub(crate) fn bounded(self, names: [&str; 3], of: impl Fn(&T) -> Option<Bounded>) -> Self {
         let [value, low, high] = names;
         self.number(value, |x| of(x).map(|x| x.value))
@@ -50,7 +50,7 @@ impl<T> Data<T> {
             .number(high, |x| of(x).map(|x| x.high))
     }
 
-    /// The table.
+    /// Returns the table.
     pub(crate) fn table(self) -> Table {
         self.table
     }

@@ -1,11 +1,12 @@
-//! Many recordings, a row per recording and joint.
+//! Estimates of several recordings, one row per recording and joint.
 
 use crate::data::Data;
-use crate::session::{change_kind, passed_mm, verdict};
-use crate::text::Told;
+use crate::format::{CI_HEAD, CI_LEGEND, plus_minus_cells};
+use crate::session::{at_least, change_kind, passed_mm, verdict};
+use crate::text::TerminalText;
+use crate::uncorrected::{joint_error, nothing_estimated};
 use crate::units::{TURNS, name_in_table, of_joint};
 use crate::warnings::document_warnings;
-use crate::words::{joint_refusal, nothing_estimated, plus_minus_cells};
 use sinew_estimate::replay::JointEstimate;
 use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EachDocument, EstimateDocument, Method, RecordingOutcome};
@@ -14,17 +15,17 @@ use sinew_log::Table;
 use sinew_model::Gaussian;
 use std::path::Path;
 
-/// A joint of a recording, or why there is none.
+/// Result of a joint of a recording, or the reason for its absence.
 #[derive(Default)]
 struct Row<'a> {
     recording: &'a str,
     document: Option<&'a EstimateDocument>,
-    /// Of a recording the first row.
+    /// Whether it is the first row of its recording.
     first: bool,
     joint: Option<&'a str>,
-    /// As the table has it, with its units where they aren't those of the heads.
+    /// Name in the table, with units if they differ from those of the headings.
     name: String,
-    /// A reading has no deviation: it is NaN.
+    /// Offset; the standard deviation of an uncorrected estimate is NaN.
     offset_rad: Option<Gaussian>,
     elongation_m: Option<Gaussian>,
     strain_ratio: Option<f64>,
@@ -34,7 +35,7 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    fn of_tendon(joint: &'a TendonEstimate) -> Self {
+    fn of_tendon(session: &SessionEstimate, joint: &'a TendonEstimate) -> Self {
         Self {
             joint: Some(&joint.name),
             name: name_in_table(&joint.name, joint.slides, TURNS),
@@ -42,12 +43,12 @@ impl<'a> Row<'a> {
             elongation_m: joint.elongation_m,
             strain_ratio: joint.strain_ratio.map(|strain| strain.mean),
             verdict: Some(joint.verdict),
-            reason: reason(joint),
+            reason: reason(session, joint),
             ..Self::default()
         }
     }
 
-    fn of_reading(joint: &'a JointEstimate) -> Self {
+    fn of_uncorrected(joint: &'a JointEstimate) -> Self {
         let without_interval = |mean| Gaussian::new(mean, f64::NAN);
         Self {
             joint: Some(&joint.name),
@@ -55,17 +56,19 @@ impl<'a> Row<'a> {
             offset_rad: joint.offset_rad.map(without_interval),
             elongation_m: joint.elongation_m.map(without_interval),
             strain_ratio: joint.strain_ratio,
-            reason: joint.refused.map_or(String::new(), joint_refusal),
+            reason: joint.reason.map_or(String::new(), joint_error),
             ..Self::default()
         }
     }
 
-    /// A recording that was estimated, a row a joint.
+    /// Makes one row per joint of an estimated recording.
     fn of_document(recording: &'a str, document: &'a EstimateDocument) -> Vec<Self> {
         let mut rows: Vec<Self> = match &document.session {
-            Some(session) => session.joints.iter().map(Self::of_tendon).collect(),
+            Some(session) => (session.joints.iter())
+                .map(|joint| Self::of_tendon(session, joint))
+                .collect(),
             None => (document.reading.joints.iter())
-                .map(Self::of_reading)
+                .map(Self::of_uncorrected)
                 .collect(),
         };
         for (k, row) in rows.iter_mut().enumerate() {
@@ -97,27 +100,38 @@ impl<'a> Row<'a> {
     }
 }
 
-/// What else there is to a verdict, in a few words; empty: nothing.
-fn reason(joint: &TendonEstimate) -> String {
+/// Qualifies a verdict in a few words: reason for an inconclusive one, exceeded limit, changes; may be empty.
+fn reason(session: &SessionEstimate, joint: &TendonEstimate) -> String {
     let mut out = Vec::new();
-    if joint.verdict == Verdict::CannotTell {
+    if joint.verdict == Verdict::Inconclusive {
         let unit = of_joint(joint.slides).offset;
         let mrad = |rad: f64| rounded(1e3 * rad, 2);
         let half = mrad(joint.offset_rad.half_width_95());
-        out.push(match joint.misfit_rad > 0.0 {
-            true => format!("{} {unit} fit nothing", mrad(joint.misfit_rad)),
-            false => format!("± {half} {unit} is too wide"),
+        let mut unobservable = session.unobservable.iter().flat_map(|u| &u.tendons);
+        out.push(if let Some(least) = at_least(joint) {
+            format!("slack, elongation at least {least}")
+        } else if joint.slack_share.is_some() {
+            "partly slack".into()
+        } else if unobservable.any(|tendon| tendon.name == joint.name) {
+            "not separable".into()
+        } else if joint.excess_residual_rad > 0.0 {
+            format!(
+                "residual {} {unit} unexplained",
+                mrad(joint.excess_residual_rad)
+            )
+        } else {
+            format!("interval ± {half} {unit} too wide")
         });
     }
-    out.extend(passed_mm(joint).map(|mm| format!("past {mm} mm")));
+    out.extend(passed_mm(joint).map(|mm| format!("exceeds limit {mm} mm")));
     let changes = joint.changes.iter();
     out.extend(changes.map(|c| format!("{} at {:.0} s", change_kind(c.kind), c.time_s)));
     out.join("; ")
 }
 
-/// Why a recording has no estimate, without its name.
+/// Returns the reason for which a recording has no estimate, without the name of the recording.
 fn failure(outcome: &RecordingOutcome) -> Option<String> {
-    let why = match (&outcome.error, &outcome.estimate) {
+    let reason = match (&outcome.error, &outcome.estimate) {
         (Some(error), _) => error.clone(),
         (None, Some(document)) if !outcome.is_estimated() => {
             nothing_estimated(&document.reading).unwrap_or_default()
@@ -125,17 +139,17 @@ fn failure(outcome: &RecordingOutcome) -> Option<String> {
         _ => return None,
     };
     let prefix = format!("{}: ", outcome.recording);
-    Some(why.strip_prefix(&prefix).unwrap_or(&why).to_owned())
+    Some(reason.strip_prefix(&prefix).unwrap_or(&reason).to_owned())
 }
 
-/// A row per recording and joint, in SI; a recording that couldn't be estimated is one row with its `error`.
+/// Tabulates estimates in SI units, one row per recording and joint; a failed recording is one row with its `error`.
 ///
-/// Intervals are half a 95 % interval; the paper's reading has none, and no verdict.
+/// Intervals are half-widths of 95 % intervals. The uncorrected estimate has neither interval nor verdict.
 pub fn each_table(each: &EachDocument) -> Table {
     table_of(Row::all(each))
 }
 
-/// A row per joint of one recording, as in [`each_table`].
+/// Tabulates the estimate of one recording as [`each_table`] does.
 pub fn estimate_rows(document: &EstimateDocument) -> Table {
     table_of(Row::of_document(&document.reading.recording.path, document))
 }
@@ -159,7 +173,7 @@ fn table_of(rows: Vec<Row<'_>>) -> Table {
         .number("elongation_m", |r| mean(r.elongation_m))
         .number("elongation_interval_95_m", |r| half(r.elongation_m))
         .number("strain_ratio", |r| r.strain_ratio)
-        .text("verdict", |r| r.verdict.map(verdict))
+        .text("verdict", |r| r.verdict.map(Verdict::name))
         .text("reason", reason)
         .text("error", |r| r.error.clone())
         .table()
@@ -173,7 +187,7 @@ fn folder(each: &EachDocument) -> Option<&Path> {
     folders.all(|other| other == Some(first)).then_some(first)
 }
 
-/// The same for a terminal, and why recordings couldn't be estimated.
+/// Renders the estimates for a terminal, and the reasons for failed recordings.
 pub fn each_summary(each: &EachDocument) -> String {
     let folder = folder(each);
     let short = |name: &str| {
@@ -181,48 +195,54 @@ pub fn each_summary(each: &EachDocument) -> String {
         within.map_or(name.into(), |within| within.display().to_string())
     };
     let (offset, last) = match each.method {
-        Method::Absolute => ("offset\nmrad", "verdict"),
-        Method::Paper => ("reading\nmrad", "why not"),
+        Method::Absolute => ("offset\n(mrad)", "result"),
+        Method::Paper => ("uncorrected offset\n(mrad)", "no estimate because"),
     };
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     if let Some(folder) = folder.filter(|folder| !folder.as_os_str().is_empty()) {
-        out.say(format!("in {}", folder.display()));
+        out.paragraph(format!("folder {}", folder.display()));
     }
     let rows = Row::all(each);
+    let mut robots = rows.iter().filter_map(|r| Some(&r.document?.reading.robot));
+    let head = match robots.any(|robot| !robot.joints.is_empty()) {
+        true => "tendon",
+        false => "joint",
+    };
     out.table(
         Columns::of(&rows)
-            // The name once: its rows stand below it.
+            // The name is shown in the first of its rows only.
             .words("recording", |r| match r.first {
                 true => short(r.recording),
                 false => String::new(),
             })
-            .words("joint", |r| &r.name)
-            .columns([offset, "± (95 %)\nmrad"], |r| {
-                plus_minus_cells(r.offset_rad, 1e3)
-            })
-            .column("stretch\nmm", |r| {
+            .words(head, |r| &r.name)
+            .columns([offset, CI_HEAD], |r| plus_minus_cells(r.offset_rad, 1e3))
+            .column("elongation\n(mm)", |r| {
                 let [elongation, _] = plus_minus_cells(r.elongation_m, 1e3);
                 elongation
             })
             .column(last, |r| match r.verdict {
                 _ if r.error.is_some() => "failed".into(),
-                Some(v) if r.reason.is_empty() => verdict(v).to_owned(),
+                Some(v) if r.reason.is_empty() => verdict(v),
                 Some(v) => format!("{}: {}", verdict(v), r.reason),
                 None => r.reason.clone(),
             })
             .table(),
     );
+    if each.method == Method::Absolute {
+        out.paragraph(CI_LEGEND);
+    }
     out.add("\n");
-    for (recording, why) in rows
+    for (recording, reason) in rows
         .iter()
         .filter_map(|r| Some((r.recording, r.error.as_ref()?)))
     {
-        out.say(format!("{}: {why}", short(recording)));
+        out.paragraph(format!("{}: {reason}", short(recording)));
     }
     let all = each.recordings.len();
     let estimated = all - each.failed();
-    out.say(format!(
-        "{estimated} of {all} recordings estimated, each on its own"
+    out.paragraph(format!(
+        "{estimated} of {all} recordings estimated independently"
     ));
     let documents = rows.iter().filter(|r| r.first).filter_map(|r| r.document);
     let about: Vec<usize> = documents.map(|d| document_warnings(d).len()).collect();
@@ -231,8 +251,8 @@ pub fn each_summary(each: &EachDocument) -> String {
         about.iter().filter(|n| **n > 0).count(),
     );
     if warnings > 0 {
-        out.say(format!(
-            "{warnings} warnings about {warned} of them; sinew estimate of one recording shows them, --json has all"
+        out.paragraph(format!(
+            "{warnings} warnings in {warned} recordings; list them with sinew estimate LOG or --json"
         ));
     }
     out.0

@@ -1,4 +1,4 @@
-//! The estimate over time as a table, for plots elsewhere.
+//! Estimate over time as a table.
 
 use crate::data::Data;
 use sinew_estimate::EstimateDocument;
@@ -7,33 +7,35 @@ use sinew_estimate::session::TendonEstimate;
 use sinew_log::Table;
 use sinew_model::Gaussian;
 
-/// Clocks before the year 2000 don't tell the date.
-const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
+/// Earliest time stamp that is accepted as a date: the year 2000, ns since 1970.
+const MIN_DATE_NS: i64 = 946_684_800_000_000_000;
 
-/// Names of the methods.
+/// Name of the absolute method in tables.
 pub(crate) const ABSOLUTE: &str = "absolute";
+/// Name of the uncorrected (paper) method in tables.
 pub(crate) const PAPER: &str = "paper";
 
-/// Time of the recording, ns since 1970 UTC, where its clock tells the date.
+/// Time in the clock of the recording, ns.
 pub(crate) fn time_ns(reading: &Estimate, time_s: f64) -> i64 {
     reading.recording.start_time_ns + (1e9 * time_s).round() as i64
 }
 
-/// [`time_ns`] where the recording's clock tells the date.
+/// Time since 1970 UTC, ns; `None` if the clock of the recording has no date.
 fn time_utc_ns(reading: &Estimate, time_s: f64) -> Option<i64> {
-    Some(time_ns(reading, time_s)).filter(|ns| *ns > YEAR_2000_NS)
+    Some(time_ns(reading, time_s)).filter(|ns| *ns > MIN_DATE_NS)
 }
 
-/// What an offset of 1 rad comes to in another quantity of the same tendon.
+/// Value of another quantity of the same tendon per rad of offset.
 pub(crate) fn per_rad(of: Option<Gaussian>, offset_rad: Gaussian) -> Option<f64> {
-    of.map(|of| of.deviation / offset_rad.deviation)
+    of.map(|of| of.std / offset_rad.std)
 }
 
-/// The estimate of a recording over time: a row per joint and time, of the absolute method every 0.2 s and of the
-/// paper's in at most [`Series::POINTS`](sinew_estimate::replay::Series::POINTS) intervals, told apart by `method`. With `--live` the rows
-/// of the online estimate are `live`; while it is provisional its interval is wide.
+/// Tabulates the estimate over time, one row per method, joint and time.
 ///
-/// `time_s` counts from the start of the recording. Intervals are half a 95 % interval; the paper's reading has none.
+/// `method` is `absolute` (every 0.2 s), `online` (online estimate, with `--online`), or `paper` (uncorrected, at most
+/// [`Series::POINTS`](sinew_estimate::replay::Series::POINTS) intervals). `time_s` counts from the start of the recording.
+/// Intervals are half-widths of 95 % intervals; the uncorrected estimate has none, that of a provisional online estimate
+/// is wide.
 pub fn estimate_series(document: &EstimateDocument) -> Table {
     let reading = &document.reading;
     Data::of(rows(document))
@@ -59,7 +61,7 @@ pub fn estimate_series(document: &EstimateDocument) -> Table {
         .table()
 }
 
-/// What every method knows of every joint over time.
+/// Iterates over the estimates of all methods, joints and times.
 pub(crate) fn rows(document: &EstimateDocument) -> impl Iterator<Item = Row<'_>> {
     let reading = &document.reading;
     let session = document.session.as_ref();
@@ -68,7 +70,7 @@ pub(crate) fn rows(document: &EstimateDocument) -> impl Iterator<Item = Row<'_>>
         joints.flat_map(move |(at, joint)| {
             session.blocks.iter().map(move |block| Row {
                 block_rad: Some(block.block_rad[at]),
-                ..Row::known(
+                ..Row::with_interval(
                     ABSOLUTE,
                     joint,
                     block.time_s,
@@ -78,13 +80,13 @@ pub(crate) fn rows(document: &EstimateDocument) -> impl Iterator<Item = Row<'_>>
             })
         })
     });
-    let live = session.into_iter().flat_map(|session| {
+    let online = session.into_iter().flat_map(|session| {
         let joints = session.joints.iter().enumerate();
         joints.flat_map(move |(at, joint)| {
-            let blocks = session.live.iter().flat_map(|course| &course.blocks);
+            let blocks = session.online.iter().flat_map(|online| &online.blocks);
             blocks.map(move |block| {
-                Row::known(
-                    "live",
+                Row::with_interval(
+                    "online",
                     joint,
                     block.time_s,
                     block.offset_rad[at],
@@ -97,27 +99,27 @@ pub(crate) fn rows(document: &EstimateDocument) -> impl Iterator<Item = Row<'_>>
         let times = 0..joint.series.time_s.len();
         times.map(move |k| Row::paper(joint, k))
     });
-    absolute.chain(live).chain(paper)
+    absolute.chain(online).chain(paper)
 }
 
-/// What is known of a joint at one time.
+/// Estimate of a joint at one time by one method.
 pub(crate) struct Row<'a> {
     pub(crate) method: &'static str,
     pub(crate) joint: &'a str,
     pub(crate) time_s: f64,
-    /// The paper's reading has no deviation.
+    /// Offset; the standard deviation of an uncorrected estimate is NaN.
     pub(crate) offset_rad: Gaussian,
     pub(crate) m_per_rad: Option<f64>,
     pub(crate) strain_per_rad: Option<f64>,
     block_rad: Option<f64>,
     weight: Option<f64>,
-    /// The paper's series and the place in it.
+    /// Series of the uncorrected estimate and the index in it.
     series: Option<(&'a Series, usize)>,
 }
 
 impl<'a> Row<'a> {
-    /// Of a method that knows a tendon's interval then.
-    fn known(
+    /// Makes a row with an interval.
+    fn with_interval(
         method: &'static str,
         joint: &'a TendonEstimate,
         time_s: f64,
@@ -153,7 +155,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Half a 95 % interval of the offset, in another quantity by a factor.
+    /// Half-width of the 95 % interval of the offset, scaled by `factor`.
     fn half_width(&self, factor: Option<f64>) -> Option<f64> {
         let scaled = self.offset_rad.scaled(factor?);
         self.series.is_none().then(|| scaled.half_width_95())

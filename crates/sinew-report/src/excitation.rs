@@ -1,55 +1,53 @@
-//! A proposal as text.
+//! Proposed exciting motion as text.
 
-use crate::text::{Told, or_dash, plain};
+use crate::text::{TerminalText, or_dash, plain};
 use sinew_estimate::excitation::{BaselineSource, Proposal};
 use sinew_figure::{Columns, rounded};
 use sinew_model::Z95;
 
-/// The proposal as text of at most 80 columns.
+/// Renders a proposal as text of at most 80 columns.
 pub fn render(proposal: &Proposal) -> String {
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     let (robot, poses, lists) = (&proposal.robot, proposal.poses.len(), proposal.lists_tried);
     let length = proposal.duration_s;
-    out.say(format!(
-        "{robot}: {poses} poses, {length:.0} s; {lists} lists tried"
+    out.paragraph(format!(
+        "{robot}: {poses} poses, {length:.0} s; {lists} pose lists evaluated"
     ));
-    // As many joints side by side as a terminal holds.
-    const SIDE_BY_SIDE: usize = 4;
+    /// Maximum number of joints side by side, so that a table fits 80 columns.
+    const MAX_JOINTS: usize = 4;
     let joints: Vec<(usize, &String)> = proposal.joints.iter().enumerate().collect();
-    for part in joints.chunks(SIDE_BY_SIDE) {
+    for part in joints.chunks(MAX_JOINTS) {
         let mut table = Columns::of(proposal.poses.iter().zip(1..))
             .words("pose", |(_, number): &(_, usize)| *number)
-            .column("move, s", |(pose, _)| format!("{:.2}", pose.move_s));
+            .column("motion\n(s)", |(pose, _)| format!("{:.2}", pose.move_s));
         for (joint, name) in part {
-            table = table.column(format!("{}\nrad", plain(name)), |(pose, _)| {
+            table = table.column(format!("{}\n(rad)", plain(name)), |(pose, _)| {
                 format!("{:.3}", pose.pose_rad[*joint]).replace('-', "−")
             });
         }
         out.table(table.table());
         out.add("\n");
     }
-    let wide = |deviation: f64| rounded(1e3 * Z95 * deviation, 2);
+    let wide = |std: f64| rounded(1e3 * Z95 * std, 2);
     out.table(
         Columns::of(&proposal.expected)
-            .words("expected", |e| &e.name)
-            .column("± (95 %)\nmrad", |e| wide(e.offset_deviation_rad))
-            .column("± (95 %)\nmm", |e| or_dash(e.elongation_deviation_m, wide))
-            .column("random poses\nmrad", |e| {
-                wide(e.random_offset_deviation_rad)
-            })
+            .words("expected 95 % CI", |e| &e.name)
+            .column("offset\n(± mrad)", |e| wide(e.offset_std_rad))
+            .column("elongation\n(± mm)", |e| or_dash(e.elongation_std_m, wide))
+            .column("random poses\n(± mrad)", |e| wide(e.random_offset_std_rad))
             .table(),
     );
     out.add("\n");
     let held = match proposal.payload {
-        true => "something unknown",
-        false => "nothing",
+        true => "unknown payload",
+        false => "empty gripper",
     };
     let (bits, source) = (proposal.joint_bits, source(&proposal.baseline));
-    out.say(format!(
-        "with {held} in the gripper and joint encoders of {bits} bits; rests on {source}"
+    out.paragraph(format!(
+        "assumes {held}, joint encoders of {bits} bits, and {source}"
     ));
     for note in proposal.notes() {
-        out.say(note);
+        out.paragraph(note);
     }
     out.0
 }
@@ -60,7 +58,7 @@ fn source(baseline: &BaselineSource) -> String {
             format!("the baseline {file}, recorded as {}", recordings.join(", "))
         }
         BaselineSource::Assumed { poses, duration_s } => format!(
-            "a baseline of {poses} random poses right after tensioning, {duration_s:.0} s, not recorded yet"
+            "a future baseline of {poses} random poses directly after tensioning, {duration_s:.0} s"
         ),
     }
 }

@@ -1,20 +1,21 @@
-//! The figure of one joint: offset with its band, torque, motion.
+//! Figure of one joint of the uncorrected estimate: offset, torque, motion.
 
-use super::reading::headline;
+use super::format::or_nan;
+use super::session::stacked;
+use super::uncorrected::headline;
 use super::units::{in_units, of_joint};
-use super::words::or_nan;
 use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{duration, given, rounded};
 use sinew_model::offset::TorqueSource;
 
-/// Most unused stretches that are shaded; there are only so many px.
-const MOST_SPANS: usize = 60;
+/// Maximum number of shaded unused intervals.
+const MAX_SPANS: usize = 60;
 
-/// Intervals a figure shows: two px each, so that mean and band are two things to the eye.
-const INTERVALS: usize = 350;
+/// Maximum number of intervals of a figure, about two pixels each.
+const MAX_INTERVALS: usize = 350;
 
-/// The figure and, for its caption, what of the data lies outside its axes.
+/// Plots a joint; returns the figure and its caption.
 pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, String) {
     let series = &coarse(&joint.series);
     let (unit, seconds) = time_unit(estimate.recording.duration_s);
@@ -31,7 +32,7 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
     let unit = units.offset;
     let lows = mrad(&series.offset_min_rad);
     let spread = Band::new(
-        "smallest to largest",
+        "minimum to maximum",
         time.clone(),
         lows,
         mrad(&series.offset_max_rad),
@@ -59,8 +60,8 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
         offset = offset.reference(mean_mrad, mean);
     }
     if let Some(d) = &joint.difference {
-        let then = format!("reference {} {unit}", rounded(1e3 * d.reference_rad, 3));
-        offset = offset.reference(1e3 * d.reference_rad, then);
+        let reference = format!("reference {} {unit}", rounded(1e3 * d.reference_rad, 3));
+        offset = offset.reference(1e3 * d.reference_rad, reference);
     }
     let per_mrad = or_nan(joint.elongation_m) / or_nan(joint.offset_rad);
     if per_mrad.is_finite() {
@@ -69,14 +70,14 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
 
     let source = match estimate.settings.source {
         TorqueSource::TorqueSensor => "measured τ_{el}",
-        TorqueSource::Motor => "τ_{el} from the motor",
+        TorqueSource::Motor => "τ_{el} from motor torque",
         TorqueSource::Observer => "observed τ_{el}",
     };
-    let held = Line::new(source, time.clone(), series.tau_el_nm.clone());
+    let torques = Line::new(source, time.clone(), series.tau_el_nm.clone());
     let encoders = "encoders: K(θ_{measured} − q)";
     let spring = Line::new(encoders, time.clone(), series.tau_spring_nm.clone());
     let torque = framed(Panel::new("Torque", "", in_units("torque (N·m)", units)))
-        .line(held)
+        .line(torques)
         .line(spring.colour(Colour::Orange).dash(Dash::Dashed));
     let q = Line::new("", time, series.q_rad.clone()).colour(Colour::Black);
     let position = format!("q ({})", units.position);
@@ -95,10 +96,32 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
         _ => estimate.recording.duration_s,
     };
     let caption = format!(
-        "Averages over {}. Where the two torques differ by more than their lag, the offset is not zero.{outside}",
+        "Averages over {}. A difference of the two torques beyond their lag indicates an offset.{outside}",
         duration(interval)
     );
     (figure, caption)
+}
+
+/// Plots the uncorrected offsets of all estimated joints.
+pub(super) fn offsets(estimate: &Estimate) -> Figure {
+    let joints = || estimate.joints.iter().filter(|j| j.reason.is_none());
+    let texts: Vec<String> = joints().map(|j| headline(estimate, j)).collect();
+    let figure = Figure::new("Uncorrected offsets").seen(texts.join(". "));
+    let panels = joints().filter_map(|j| {
+        let mut panels = self::joint(estimate, j).0.panels.into_iter();
+        let mut offset = panels.next()?;
+        offset.title.clone_from(&j.name);
+        Some((offset, panels.next_back()?.x_label))
+    });
+    let mut panels: Vec<(Panel, String)> = panels.collect();
+    if let Some((last, label)) = panels.last_mut() {
+        last.x_label.clone_from(label);
+    }
+    stacked(
+        panels
+            .into_iter()
+            .fold(figure, |figure, (panel, _)| figure.panel(panel)),
+    )
 }
 
 fn mrad(rad: &[f64]) -> Vec<f64> {
@@ -113,9 +136,9 @@ fn time_unit(duration_s: f64) -> (&'static str, f64) {
     }
 }
 
-/// An axis for the means and nearly all of the band, and a word on what it cuts off.
+/// Returns the range of the offset axis, and a sentence for the caption about values outside it.
 ///
-/// A single spike must not flatten the curve that the figure is about.
+/// The range contains all means and 98 % of the band, so that single spikes do not flatten the curve.
 fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, String) {
     let finite = |v: &[f64]| -> Vec<f64> {
         let mut v: Vec<f64> = mrad(v).into_iter().filter(|x| x.is_finite()).collect();
@@ -142,15 +165,15 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
     }
     let margin = 0.08 * (high - low);
     let (low, high) = (low - margin, high + margin);
-    let least = lows.first().copied().unwrap_or(low);
-    let most = highs.last().copied().unwrap_or(high);
-    // Only what a reader would miss: a fifth of the axis' height or more.
-    let far = 0.2 * (high - low);
-    let outside = if least < low - far || most > high + far {
-        let [least, most] = [least, most].map(|x| rounded(x, 3));
+    let min = lows.first().copied().unwrap_or(low);
+    let max = highs.last().copied().unwrap_or(high);
+    // Report only values outside by at least a fifth of the axis.
+    let margin = 0.2 * (high - low);
+    let outside = if min < low - margin || max > high + margin {
+        let [min, max] = [min, max].map(|x| rounded(x, 3));
         let unit = of_joint(joint.slides).offset;
         format!(
-            " Single estimates reach from {least} to {most} {unit}; the axis leaves the rarest 1 % out."
+            " Single estimates range from {min} to {max} {unit}; the axis omits the outermost 1 %."
         )
     } else {
         String::new()
@@ -158,38 +181,38 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
     ((low < high).then_some((low, high)), outside)
 }
 
-/// Stretches of time without a usable frame, the longest first when there are too many.
+/// Returns intervals without a usable frame; if there are too many, the longest.
 fn unused(series: &Series, time: &[f64]) -> Vec<(f64, f64)> {
     let half = match time {
         [first, second, ..] => 0.5 * (second - first),
         _ => return Vec::new(),
     };
     let mut spans: Vec<(f64, f64)> = Vec::new();
-    let mut open: Option<(f64, f64)> = None;
+    let mut pending: Option<(f64, f64)> = None;
     for (&t, &share) in time.iter().zip(&series.usable_share) {
         if share > 0.0 {
-            spans.extend(open.take());
+            spans.extend(pending.take());
         } else {
-            open = Some((open.map_or(t - half, |o| o.0), t + half));
+            pending = Some((pending.map_or(t - half, |p| p.0), t + half));
         }
     }
-    spans.extend(open);
-    if spans.len() > MOST_SPANS {
+    spans.extend(pending);
+    if spans.len() > MAX_SPANS {
         spans.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
-        spans.truncate(MOST_SPANS);
+        spans.truncate(MAX_SPANS);
     }
     spans
 }
 
-/// The series in at most [`INTERVALS`] intervals: means of means, smallest and largest of all.
+/// Averages the series over at most [`MAX_INTERVALS`] intervals: minimum and maximum are those of all values.
 fn coarse(series: &Series) -> Series {
-    let group = series.time_s.len().div_ceil(INTERVALS).max(1);
+    let group = series.time_s.len().div_ceil(MAX_INTERVALS).max(1);
     let mean = |chunk: &[f64]| {
         let finite = || chunk.iter().filter(|v| v.is_finite());
         finite().sum::<f64>() / finite().count() as f64
     };
     let mean_of = |values: &[f64]| values.chunks(group).map(mean).collect();
-    // `min` and `max` pass over NaN; a chunk of nothing but NaN stays NaN.
+    // `min` and `max` ignore NaN; a chunk of NaN only stays NaN.
     let extreme = |values: &[f64], of: fn(f64, f64) -> f64| -> Vec<f64> {
         let fold = |chunk: &[f64]| chunk.iter().copied().fold(f64::NAN, of);
         values.chunks(group).map(fold).collect()

@@ -1,11 +1,11 @@
-//! A first robot.toml and mapping, and what is still missing in them.
+//! Templates of robot.toml and mapping.toml, and their missing values.
 
-use crate::text::{Told, plain};
+use crate::text::{TerminalText, plain};
 use sinew_estimate::init::{Init, InitChoice, InitGap, InitPlan};
 use sinew_estimate::robot_toml::quoted;
 use std::fmt::Write as _;
 
-/// The text of a mapping file for a choice that only a person can make.
+/// Returns the text of a mapping file template for a choice between topics or columns.
 pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
     let mut out = format!("# Made by `sinew init` from {}.\n", plain(source));
     match choice {
@@ -13,15 +13,15 @@ pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
             let (side, key, option) = open.words();
             let _ = write!(
                 out,
-                "# Several topics could be the {side}. Take the # away before one ({option} does the same).\n[mcap]\n"
+                "# Several topics match the {side}. Uncomment one of them (equivalent to {option}).\n[mcap]\n"
             );
             for topic in &open.candidates {
                 let _ = writeln!(out, "# {key} = {}", quoted(topic));
             }
         }
         InitChoice::Columns(columns) => {
-            out += "# None of its columns has a name Sinew knows. Say which is what, one [joints.NAME] a joint, and take\n\
-                    # the # away. Units: rad, deg, turn, count; rad/s, deg/s, rpm; N·m, N·mm, A; s, ms, us, ns.\n#\n\
+            out += "# No column has a known name. Assign the columns, one [joints.NAME] per joint, and uncomment\n\
+                    # the lines. Units: rad, deg, turn, count; rad/s, deg/s, rpm; N·m, N·mm, A; s, ms, us, ns.\n#\n\
                     # Columns:\n";
             for column in columns {
                 let _ = writeln!(out, "#   {}", plain(column));
@@ -30,28 +30,30 @@ pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
             let _ = write!(
                 out,
                 "#\n# [time]\n# column = {first}\n# unit = \"s\"\n#\n\
-                 # [joints.NAME]                     # the name in the URDF\n\
+                 # [joints.NAME]                     # name in the URDF\n\
                  # q = {{ column = \"\", unit = \"rad\" }}                          # joint side\n\
-                 # theta = {{ column = \"\", unit = \"rad\", gear_ratio = 1.0 }}      # motor side; turns of the motor per turn of the joint\n\
-                 # tau_m = {{ column = \"\", unit = \"N·m\", gear_ratio = 1.0 }}      # optional; A needs torque_constant_nm_per_a\n"
+                 # theta = {{ column = \"\", unit = \"rad\", gear_ratio = 1.0 }}      # motor side; motor turns per joint turn\n\
+                 # tau_m = {{ column = \"\", unit = \"N·m\", gear_ratio = 1.0 }}      # optional; unit A requires torque_constant_nm_per_a\n"
             );
         }
     }
     out
 }
 
-/// What was written, what is missing, and what to run next. `folder` holds robot.toml.
+/// Renders the written files, the missing values, and the next commands.
+///
+/// * `folder`: folder of robot.toml.
 pub fn render(init: &Init, folder: &str) -> String {
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     for file in &init.written {
         let word = match init.replaced.contains(file) {
             true => "replaced",
             false => "wrote",
         };
-        out.say(format!("{word} {file}"));
+        out.paragraph(format!("{word} {file}"));
     }
     for source in init.recording.iter().flat_map(|r| &r.sources) {
-        out.say(format!(
+        out.paragraph(format!(
             "{} from {}",
             source.quantity.symbol(),
             source.source
@@ -60,9 +62,11 @@ pub fn render(init: &Init, folder: &str) -> String {
     for joint in &init.joints {
         let name = &joint.name;
         match joint.plan {
-            InitPlan::Rigid => out.say(format!("{name}: no motor position recorded, so rigid")),
-            InitPlan::LeftOut => {
-                out.say(format!("{name}: recorded, but not in the URDF; left out"));
+            InitPlan::Rigid => out.paragraph(format!(
+                "{name}: motor position not recorded; configured as rigid"
+            )),
+            InitPlan::Excluded => {
+                out.paragraph(format!("{name}: recorded, but not in the URDF; ignored"));
             }
             InitPlan::Elastic | InitPlan::Coupled | InitPlan::Locked => {}
         }
@@ -70,13 +74,13 @@ pub fn render(init: &Init, folder: &str) -> String {
     for tendon in &init.tendons {
         let (motors, joints) = (tendon.motors.join(", "), tendon.joints.join(", "));
         let motors = match motors.is_empty() {
-            true => "no motor named".to_owned(),
+            true => "motor not specified".to_owned(),
             false => motors,
         };
-        out.say(format!("tendon {}: {motors} to {joints}", tendon.name));
+        out.paragraph(format!("tendon {}: {motors} to {joints}", tendon.name));
     }
     if !init.missing.is_empty() {
-        out.add("\nstill missing:\n");
+        out.add("\nmissing:\n");
         for line in gaps(init) {
             out.item(line);
         }
@@ -89,11 +93,11 @@ pub fn render(init: &Init, folder: &str) -> String {
     let options: String = init.options.iter().map(|o| format!(" {o}")).collect();
     let lines = match &init.choice {
         Some(_) => vec![
-            "choose in the mapping file, then".to_owned(),
+            "select an alternative in the mapping file, then".to_owned(),
             format!("sinew init {} --mapping {folder}/mapping.toml", init.source),
         ],
         None => vec![
-            format!("fill in {folder}/robot.toml, then"),
+            format!("complete {folder}/robot.toml, then"),
             format!("sinew robot check {folder}"),
             format!("sinew estimate {log} --robot {folder}{options}"),
         ],
@@ -104,19 +108,19 @@ pub fn render(init: &Init, folder: &str) -> String {
     out.0
 }
 
-/// Gaps, those of a kind in one line.
+/// Lists the missing values, one line per kind.
 fn gaps(init: &Init) -> Vec<String> {
     let (mut out, mut stiffness, mut locked) = (Vec::new(), Vec::new(), Vec::new());
     let (mut drums, mut of_tendons) = (Vec::new(), Vec::new());
     for gap in &init.missing {
         match gap {
             InitGap::Urdf => out.push(
-                "a URDF with the masses: the recording holds none; name it with --urdf FILE".into(),
+                "URDF with masses: not in the recording; specify --urdf FILE".into(),
             ),
             InitGap::MotorSide => out.push(
-                "motor positions: the recording holds none, and without them nothing can be estimated; name the topic with --motor-topic, the interface with --motor-interface, or columns in a mapping".into(),
+                "motor positions: not found in the recording, required for every estimate; specify --motor-topic, --motor-interface, or columns in a mapping file".into(),
             ),
-            InitGap::Choice => out.push("a choice in the mapping file".into()),
+            InitGap::Choice => out.push("selection in the mapping file".into()),
             InitGap::Stiffness(joint) => stiffness.push(joint.as_str()),
             InitGap::LockedAt(joint) => locked.push(joint.as_str()),
             InitGap::Drums(tendon) => drums.push(tendon.as_str()),
@@ -135,7 +139,7 @@ fn gaps(init: &Init) -> Vec<String> {
         out.push(format!("stiffness of the tendons {of_tendons}"));
     }
     if !locked.is_empty() {
-        out.push(format!("locked_at_rad of {locked}, which are not recorded"));
+        out.push(format!("locked_at_rad of {locked} (not recorded)"));
     }
     out
 }
@@ -146,7 +150,7 @@ mod tests {
     use sinew_log::{Ambiguity, Mapping, TopicUse};
 
     #[test]
-    fn a_mapping_to_fill_in_is_one_and_each_choice_makes_it_complete() {
+    fn mapping_template_is_valid_with_and_without_choice() {
         let open = InitChoice::Topic(Ambiguity {
             file: "a.mcap".into(),
             side: TopicUse::MotorSide,

@@ -1,9 +1,11 @@
-//! Reports: one HTML file each, that opens offline, prints, and can be read on a telephone.
+//! Messages, terminal tables and HTML reports of all results.
 //!
-//! [`html`] tells an [`EstimateDocument`](sinew_estimate::EstimateDocument); [`Page`](sinew_figure::Page) is what it and the paper's
-//! figures are built with. A page holds its style and its figures; it loads nothing and runs no
-//! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
-//! date, no path that wasn't given.
+//! A report is one HTML file with its style and figures, which loads nothing from the network. [`html`] renders an
+//! [`EstimateDocument`](sinew_estimate::EstimateDocument) as a [`Page`](sinew_figure::Page). Text from files is escaped.
+//! The output is deterministic: it contains neither dates nor paths other than those of the inputs.
+//!
+//! The sentences of a result are in its `messages` module, warnings of estimates in `warnings`. The file
+//! `tests/golden/messages.txt` lists all of them with example values.
 
 #[cfg(feature = "camera")]
 pub mod camera;
@@ -15,10 +17,10 @@ mod estimate;
 mod estimate_table;
 pub mod excitation;
 mod figures;
-mod findings;
+mod format;
 pub mod init;
 pub mod log;
-mod reading;
+mod message;
 pub mod robot;
 pub mod rope;
 mod session;
@@ -28,14 +30,14 @@ mod tests;
 pub mod text;
 pub mod topics;
 pub mod trend;
+mod uncorrected;
 mod units;
 mod warnings;
-mod words;
 
 pub use each::{each_summary, each_table, estimate_rows};
-pub use estimate::{html, page};
+pub use estimate::{figure, html, page};
 pub use estimate_table::estimate_series;
-pub use reading::headline;
+pub use message::Message;
 pub use session::session_sentences;
+pub use uncorrected::{headline, joint_error, loss_reason, nothing_estimated};
 pub use warnings::{document_warnings, recording_warning, session_warning, session_warnings};
-pub use words::{joint_refusal, loss_reason, nothing_estimated};

@@ -1,13 +1,13 @@
-//! What a recording holds, as text.
+//! Content of a recording as text.
 
-use crate::text::{Told, plain, yes_no};
+use crate::text::{TerminalText, plain, yes_no};
 use crate::warnings::stream_name;
 use sinew_figure::{Columns, rounded};
 use sinew_log::{
     Ambiguity, Format, Health, Quantity, RecordingInfo, StreamTiming, TopicInfo, TopicUse,
 };
 
-/// A format as people call it.
+/// Name of a file format.
 pub(crate) fn format_name(format: Format) -> &'static str {
     match format {
         Format::Mcap => "MCAP",
@@ -19,8 +19,8 @@ pub(crate) fn format_name(format: Format) -> &'static str {
     }
 }
 
-/// Every topic with its type, count, rate, and what it is taken for.
-fn topics(out: &mut Told, info: &RecordingInfo) {
+/// Tabulates all topics with type, number of messages, rate and role.
+fn topics(out: &mut TerminalText, info: &RecordingInfo) {
     let topics = &info.topics;
     if topics.is_empty() {
         return;
@@ -33,26 +33,27 @@ fn topics(out: &mut Told, info: &RecordingInfo) {
             })
             .left()
             .column("messages", |t| t.messages)
-            .column("Hz", |t| rounded(t.rate_hz.unwrap_or(f64::NAN), 4))
-            .lines("taken for", |t| taken_for(info, t))
+            .column("rate\n(Hz)", |t| rounded(t.rate_hz.unwrap_or(f64::NAN), 4))
+            .lines("role", |t| role(info, t))
             .table(),
     );
     for topic in topics.iter().filter(|topic| !topic.interfaces.is_empty()) {
         let interfaces = topic.interfaces.join(", ");
-        out.say(format!("interfaces of {}: {interfaces}", topic.name));
+        out.paragraph(format!("interfaces of {}: {interfaces}", topic.name));
     }
 }
 
-/// What a topic is taken for and which quantities it gives, or what it could be.
-fn taken_for(info: &RecordingInfo, topic: &TopicInfo) -> String {
-    let side = match topic.taken_for {
+/// Formats the role and the quantities of a topic, or its possible roles.
+fn role(info: &RecordingInfo, topic: &TopicInfo) -> String {
+    let side = match topic.role {
         Some(TopicUse::JointSide) => "joint side",
         Some(TopicUse::MotorSide) => "motor side",
         Some(TopicUse::ExternalTorque) => "external torque",
+        Some(TopicUse::Tension) => "tensions",
         Some(TopicUse::RobotDescription) => return "URDF".into(),
         None => {
-            let open = info.ambiguous.iter();
-            let sides = open.filter(|a| a.candidates.contains(&topic.name));
+            let ambiguous = info.ambiguous.iter();
+            let sides = ambiguous.filter(|a| a.candidates.contains(&topic.name));
             let sides: Vec<&str> = sides.map(|a| a.words().0).collect();
             return match sides[..] {
                 [] => "not used".into(),
@@ -66,7 +67,7 @@ fn taken_for(info: &RecordingInfo, topic: &TopicInfo) -> String {
     format!("{side}\n{}", own.join(", "))
 }
 
-/// What must be chosen, and how.
+/// Lists ambiguous topics with the options that select one.
 fn choices(info: &RecordingInfo) -> Vec<String> {
     let choice = |open: &Ambiguity| {
         let (side, key, option) = open.words();
@@ -74,12 +75,12 @@ fn choices(info: &RecordingInfo) -> Vec<String> {
             .map(|topic| format!("{option} {topic}"))
             .collect();
         let options = options.join(" or ");
-        format!("several topics could be the {side}: say {options}, or {key} in a mapping file")
+        format!("several topics match the {side}: specify {options}, or {key} in a mapping file")
     };
     info.ambiguous.iter().map(choice).collect()
 }
 
-/// Rate, channels and what was lost, at most 80 columns wide.
+/// Renders rate, channels, topics and data losses as text of at most 80 columns.
 pub fn render(info: &RecordingInfo) -> String {
     let ms = |step_s: Option<f64>| rounded(1e3 * step_s.unwrap_or(f64::NAN), 3);
     let number = |value: Option<f64>, digits| rounded(value.unwrap_or(f64::NAN), digits);
@@ -90,9 +91,9 @@ pub fn render(info: &RecordingInfo) -> String {
         1 => "1 segment".to_string(),
         n => format!("{n} segments"),
     };
-    let mut out = Told::default();
-    out.say(format!(
-        "{file}: {format}, {frames} frames, {length} s at {rate} Hz (steps of {shortest} to {longest} ms), in {segments}"
+    let mut out = TerminalText::default();
+    out.paragraph(format!(
+        "{file}: {format}, {frames} frames, {length} s at {rate} Hz (sample period {shortest} to {longest} ms), {segments}"
     ));
     let mut channels = Columns::of(&info.joints).words("joint", |joint| &joint.name);
     for q in Quantity::PER_JOINT {
@@ -102,25 +103,29 @@ pub fn render(info: &RecordingInfo) -> String {
     if !info.joints.is_empty() {
         out.table(channels.table());
     }
+    if !info.tendons.is_empty() {
+        let tendons = info.tendons.join(", ");
+        out.paragraph(format!("tension recorded: {tendons}"));
+    }
     topics(&mut out, info);
     for choice in choices(info) {
-        out.say(choice);
+        out.paragraph(choice);
     }
     for source in &info.sources {
-        out.say(format!(
+        out.paragraph(format!(
             "{} from {}",
             source.quantity.symbol(),
             source.source
         ));
     }
     if !info.unused_columns.is_empty() {
-        out.say(format!(
-            "columns not used: {}",
+        out.paragraph(format!(
+            "unused columns: {}",
             info.unused_columns.join(", ")
         ));
     }
     let description = yes_no(info.robot_description);
-    out.say(match info.ambiguous.is_empty() {
+    out.paragraph(match info.ambiguous.is_empty() {
         true => {
             let temperature = yes_no(info.temperature);
             format!("temperature: {temperature}; robot_description: {description}")
@@ -128,34 +133,37 @@ pub fn render(info: &RecordingInfo) -> String {
         false => format!("robot_description: {description}"),
     });
     for stream in &info.health.streams {
-        out.say(timing(stream));
+        out.paragraph(timing(stream));
     }
-    for text in troubles(&info.health) {
-        out.say(text);
+    for text in health_messages(&info.health) {
+        out.paragraph(text);
     }
     out.0
 }
 
-/// When a stream's samples came.
+/// Formats the sample period of a stream, its jitter and its missing samples.
 fn timing(stream: &StreamTiming) -> String {
     let name = stream_name(stream.role);
     let (Some(step_s), Some(jitter_s)) = (stream.step_s, stream.jitter_s) else {
-        return format!("{name}: {} samples, too few for a rate", stream.samples);
+        return format!(
+            "{name}: {} samples, too few to estimate a rate",
+            stream.samples
+        );
     };
     let missing = match stream.missing {
-        None => "too uneven to tell whether any is missing".into(),
+        None => "period too irregular to count missing samples".into(),
         Some(0) => "none missing".into(),
         Some(n) => format!("{n} missing"),
     };
     format!(
-        "{name}: a sample every {} ms ± {} (one standard deviation), {missing}",
+        "{name}: sample period {} ms, jitter {} ms (standard deviation), {missing}",
         rounded(1e3 * step_s, 3),
         rounded(1e3 * jitter_s, 2)
     )
 }
 
-/// What was lost, repaired or suspicious, one sentence each.
-fn troubles(health: &Health) -> Vec<String> {
+/// Lists lost, repaired and implausible data, one sentence each.
+fn health_messages(health: &Health) -> Vec<String> {
     let damage = health.damage.iter();
     let mut all: Vec<String> = damage
         .map(|d| {
@@ -166,15 +174,15 @@ fn troubles(health: &Health) -> Vec<String> {
         })
         .collect();
     let counts = [
-        (health.late, "messages dropped: too late to be sorted in"),
+        (health.late, "messages discarded: too late to be reordered"),
         (
             health.duplicates,
-            "messages dropped: time stamp seen before",
+            "messages discarded: duplicate time stamp",
         ),
-        (health.undecodable, "messages dropped: not decodable"),
-        (health.rows_without_time, "rows dropped: without a time"),
-        (health.out_of_order, "messages out of order, sorted in"),
-        (health.clock_jumps, "times the clock went back"),
+        (health.undecodable, "messages discarded: not decodable"),
+        (health.rows_without_time, "rows discarded: no time stamp"),
+        (health.out_of_order, "messages reordered by time stamp"),
+        (health.clock_steps, "backward steps of the clock"),
         (
             health.short_messages,
             "messages with fewer values than names",
@@ -200,7 +208,7 @@ fn troubles(health: &Health) -> Vec<String> {
     }
     if health.gaps > 0 {
         let (gaps, longest) = (health.gaps, rounded(health.longest_gap_s, 3));
-        all.push(format!("{gaps} gaps, the longest {longest} s"));
+        all.push(format!("{gaps} gaps, longest {longest} s"));
     }
     for s in &health.non_finite {
         let (count, symbol, joint) = (s.count, s.quantity.symbol(), &s.joint);
@@ -210,11 +218,18 @@ fn troubles(health: &Health) -> Vec<String> {
     }
     for s in &health.unwrapped {
         let (count, symbol, joint) = (s.count, s.quantity.symbol(), &s.joint);
-        all.push(format!("{count} turns of {symbol} of '{joint}' unwrapped"));
+        all.push(format!(
+            "{count} encoder wrap-arounds of {symbol} of '{joint}' corrected"
+        ));
     }
-    all.extend(health.suspicions.iter().map(|s| format!("warning: {s}")));
+    all.extend(
+        health
+            .implausible_signals
+            .iter()
+            .map(|s| format!("warning: {s}")),
+    );
     if all.is_empty() {
-        all.push("nothing lost, nothing odd".into());
+        all.push("no data lost, no implausible signals".into());
     }
     all
 }

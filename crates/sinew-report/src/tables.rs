@@ -1,10 +1,10 @@
-//! What a terminal of 80 columns shows of an estimate: tables and paragraphs.
+//! Estimates and baselines as tables and paragraphs for a terminal.
 
-use super::reading::{differences, headline, losses, readings};
-pub use super::session::{doubts, verdict};
-use super::session::{estimated_along, told};
-use super::text::Told;
-use super::words::{or_nan, plus_minus_cells};
+use super::format::{CI_HEAD, CI_LEGEND, name_head, or_nan, plus_minus_cells};
+use super::session::{nuisance_columns, render};
+pub use super::session::{provisional_intervals, verdict};
+use super::text::TerminalText;
+use super::uncorrected::{differences, headline, losses, offsets};
 use sinew_estimate::EstimateDocument;
 use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate};
@@ -12,36 +12,37 @@ use sinew_estimate::session::SessionEstimate;
 use sinew_figure::{Columns, rounded};
 use sinew_log::SignalSource;
 
-/// One answer: the session's, with everything estimated along where `nuisance` asks for it, or the
-/// paper's reading.
+/// Renders an estimate: of the session if there is one, else uncorrected.
+///
+/// * `nuisance`: whether to list the nuisance parameters.
 pub fn document(document: &EstimateDocument, nuisance: bool) -> String {
     let e = &document.reading;
     let (name, path, frames) = (&e.robot.name, &e.recording.path, e.recording.frames);
     let [length, rate] =
         [Some(e.recording.duration_s), e.recording.rate_hz].map(|x| rounded(or_nan(x), 4));
-    let mut out = Told::default();
-    out.say(format!(
+    let mut out = TerminalText::default();
+    out.paragraph(format!(
         "{name}: {path}, {length} s, {frames} frames at {rate} Hz"
     ));
     match &document.session {
-        Some(answer) => told(&mut out, answer, nuisance),
-        None => reading(&mut out, e),
+        Some(session) => render(&mut out, session, nuisance, name_head(&e.robot)),
+        None => uncorrected(&mut out, e),
     }
     out.0
 }
 
-/// Where everything was taken from, a line each.
-pub fn taken(e: &Estimate) -> Vec<String> {
-    let robot = format!("robot from {}, URDF from {}", e.robot.file, e.robot.urdf);
+/// Lists the files of the robot description and the source of each quantity.
+pub fn sources(e: &Estimate) -> Vec<String> {
+    let robot = format!("robot description {}, URDF {}", e.robot.file, e.robot.urdf);
     let sources = e.recording.sources.iter();
     let source = |s: &SignalSource| format!("{} from {}", s.quantity.symbol(), s.source);
     [vec![robot], sources.map(source).collect()].concat()
 }
 
-/// The paper's reading.
-fn reading(out: &mut Told, e: &Estimate) {
-    let stretch = |j: &JointEstimate| rounded(1e3 * or_nan(j.elongation_m), 3);
-    out.table(readings(e, ("stretch\nmm", stretch)));
+/// Renders the uncorrected estimate.
+fn uncorrected(out: &mut TerminalText, e: &Estimate) {
+    let elongation = |j: &JointEstimate| rounded(1e3 * or_nan(j.elongation_m), 3);
+    out.table(offsets(e, ("elongation\n(mm)", elongation)));
     out.add("\n");
     let changes = differences(e);
     let changed = !changes.rows.is_empty();
@@ -50,46 +51,51 @@ fn reading(out: &mut Told, e: &Estimate) {
         out.add("\n");
     }
     for joint in &e.joints {
-        out.say(headline(e, joint));
+        out.paragraph(headline(e, joint));
     }
     out.add("\n");
     for loss in losses(e) {
-        out.say(loss);
+        out.paragraph(loss);
     }
     out.flat(match changed {
-        true => "The change is right as far as robot, payload and motion were alike.",
-        false => "A reading takes stiffness, masses, payload and contact as known: it is no verdict. --method absolute gives one, --reference LOG2 shows what changed.",
+        true => "The change is valid if robot, payload and motion of both recordings were comparable.",
+        false => "Uncorrected estimate: errors of stiffness, masses, payload and contact bias it. Use --method absolute for a verdict, --reference LOG2 for the change between two recordings.",
     });
 }
 
-/// What a recording right after tensioning taught.
-pub fn baseline(learned: &SessionEstimate) -> String {
-    let mut out = Told::default();
+/// Renders the summary of a recorded baseline.
+///
+/// * `joints`: names of the joints of the robot.
+pub fn baseline(learned: &SessionEstimate, joints: &[String]) -> String {
+    let mut out = TerminalText::default();
     let (recording, poses) = (&learned.recording, learned.poses);
     let (length, percent) = (
         rounded(learned.duration_s, 4),
-        100.0 * learned.left_out_share,
+        100.0 * learned.rejected_share,
     );
-    out.say(format!(
-        "{recording}: {length} s, {poses} poses, {percent:.0} % left out as disturbed"
+    out.paragraph(format!(
+        "{recording}: {length} s, {poses} poses, {percent:.0} % rejected as disturbance"
     ));
-    let heads = ["stiffness against robot.toml\n%", "± (95 %)\n%"];
+    let are_joints = learned.joints.iter().all(|j| joints.contains(&j.name));
+    let head = if are_joints { "joint" } else { "tendon" };
+    let heads = ["stiffness vs. robot.toml\n(%)", CI_HEAD];
     let change = Columns::of(&learned.joints)
-        .words("joint", |j| &j.name)
+        .words(head, |j| &j.name)
         .columns(heads, |j| {
             plus_minus_cells(Some(j.stiffness_change_ratio), 100.0)
         });
     out.table(change.table());
+    out.paragraph(CI_LEGEND);
     out.add("\n");
     out.0
 }
 
-/// What several baselines taught together.
+/// Renders the summary of merged baselines.
 pub fn merged(summary: &MergeSummary, files: usize) -> String {
     let moved = || summary.nuisance.iter().filter(|m| m.moved);
-    let mut out = Told::default();
-    out.say(format!(
-        "{}: {files} files, {} recordings; {} of {} parameters are surer by a fifth or have moved",
+    let mut out = TerminalText::default();
+    out.paragraph(format!(
+        "{}: {files} files, {} recordings; {} of {} parameters updated (interval narrower by at least 20 %, or value changed)",
         summary.robot,
         summary.recordings.len(),
         moved().count(),
@@ -98,10 +104,10 @@ pub fn merged(summary: &MergeSummary, files: usize) -> String {
     let heads = [
         "joint or link",
         "parameter",
-        "at the start\n± 95 %",
-        "now\n± 95 %",
+        "prior\n± 95 %",
+        "posterior\n± 95 %",
     ];
-    out.table(estimated_along(moved(), heads).table());
+    out.table(nuisance_columns(moved(), heads).table());
     out.add("\n");
     out.0
 }

@@ -1,11 +1,14 @@
+mod messages;
+
 use super::*;
 use sinew_estimate::feeder::Injection;
 use sinew_estimate::replay::*;
 use sinew_estimate::{EstimateDocument, Method, RecordingWarning};
 use sinew_figure::{Block, Page, Sentence};
+use sinew_model::Gaussian;
 use sinew_model::offset::{Comparison, TorqueSource};
 
-/// An estimate of two joints and a refused one, made up.
+/// Uncorrected estimate of two joints, and one without estimate.
 pub(super) fn made_up() -> Estimate {
     let n = 400;
     let time_s: Vec<f64> = (0..n).map(|i| 0.1 * (f64::from(i) + 0.5)).collect();
@@ -29,7 +32,7 @@ pub(super) fn made_up() -> Estimate {
         JointEstimate {
             slides: false,
             name: name.into(),
-            refused: None,
+            reason: None,
             offset_rad: Some(1e-3 * offset),
             scatter_rad: Some(0.41e-3),
             standard_error_rad: Some(0.052e-3),
@@ -71,7 +74,7 @@ pub(super) fn made_up() -> Estimate {
         joint("wrist", 0.0, 8.0),
     ];
     let wrist = &mut joints[2];
-    wrist.refused = Some(JointRefusal::NoMotorPosition);
+    wrist.reason = Some(JointError::NoMotorPosition);
     wrist.series = Series::default();
     (wrist.offset_rad, wrist.scatter_rad) = (None, None);
     (
@@ -101,6 +104,7 @@ pub(super) fn made_up() -> Estimate {
             name: "biorob_like".into(),
             file: "robots/biorob-like/robot.toml".into(),
             urdf: "robots/biorob-like/biorob-like.urdf".into(),
+            joints: Vec::new(),
         },
         settings: Settings {
             source: TorqueSource::Observer,
@@ -128,7 +132,7 @@ pub(super) fn made_up() -> Estimate {
         }],
         basis: vec![Basis {
             quantity: Quantity::Transmission,
-            rests_on: Origin::Stated,
+            based_on: Origin::Stated,
         }],
     }
 }
@@ -145,62 +149,67 @@ fn with_difference(mut estimate: Estimate, difference_mrad: f64) -> Estimate {
     estimate
 }
 
-/// The page of a paper's estimate.
-fn page(reading: Estimate) -> String {
-    html(&EstimateDocument {
+/// Document of an uncorrected estimate.
+fn paper_document(reading: Estimate) -> EstimateDocument {
+    EstimateDocument {
         method: Method::Paper,
         session: None,
         reading,
-    })
+    }
+}
+
+/// Page of an uncorrected estimate.
+fn page(reading: Estimate) -> String {
+    html(&paper_document(reading))
 }
 
 #[test]
-fn each_joint_has_a_sentence_that_says_no_more_than_the_numbers() {
+fn headline_uncorrected_states_no_verdict() {
     let estimate = made_up();
-    let say = |e: &Estimate, i: usize| headline(e, &e.joints[i]);
+    let sentence = |e: &Estimate, i: usize| headline(e, &e.joints[i]);
     assert_eq!(
-        say(&estimate, 1),
-        "elbow: the equation reads 10.40 ± 0.10 mrad (95 %, scatter alone); what a tendon 0.26 mm longer would show"
+        sentence(&estimate, 1),
+        "elbow: uncorrected offset 10.40 ± 0.10 mrad (95 %, scatter only); equivalent to an elongation of 0.26 mm"
     );
-    // A reading is no verdict.
-    for verdict in ["no stretch seen", "longer than", "shorter than"] {
+    // An uncorrected estimate is no verdict.
+    for verdict in ["no change detected", "elongated", "shortened"] {
         assert!(
-            !say(&estimate, 0).contains(verdict),
+            !sentence(&estimate, 0).contains(verdict),
             "{}",
-            say(&estimate, 0)
+            sentence(&estimate, 0)
         );
     }
     assert_eq!(
-        say(&estimate, 2),
-        "wrist: no estimate; its motor position is not recorded"
+        sentence(&estimate, 2),
+        "wrist: no estimate; motor position not recorded"
     );
     let shrunk = with_difference(made_up(), -4.0);
     assert_eq!(
-        say(&shrunk, 1),
-        "elbow: the tendon is 0.10 mm shorter than in sunday.mcap (change −4.00 ± 0.14 mrad, 95 %)"
+        sentence(&shrunk, 1),
+        "elbow: shortened by 0.10 mm relative to sunday.mcap (change −4.00 ± 0.14 mrad, 95 %)"
     );
     let mut bare = made_up();
     bare.joints[1].elongation_m = None;
     bare.joints[1].standard_error_rad = None;
-    let sentence = say(&bare, 1);
+    let text = sentence(&bare, 1);
     assert!(
-        sentence.contains("10.4 mrad") && sentence.contains("too short"),
-        "{sentence}"
+        text.contains("10.4 mrad") && text.contains("too short"),
+        "{text}"
     );
 }
 
 #[test]
-fn the_page_stands_alone() {
+fn page_has_no_external_resources() {
     let page = page(with_difference(made_up(), 4.0));
     for needed in [
-        "elbow: the tendon is 0.10 mm longer than in sunday.mcap",
-        "right in differences",
-        "rests on the stiffness",
-        "settling after the start, a gap or missing samples",
+        "elbow: elongated by 0.10 mm relative to sunday.mcap",
+        "accurate for differences",
+        "depends on the stiffness",
+        "filter settling after the start, a gap or missing samples",
         "2024-02-29 12:34:56 UTC",
-        "as stated in robots/biorob-like/robot.toml",
-        "Made by Sinew 0.1.0",
-        "was damaged",
+        "as specified in robots/biorob-like/robot.toml",
+        "Sinew 0.1.0",
+        "is partly damaged",
         "10 mrad at elbow from 12 s on",
         "10 mrad injected",
     ] {
@@ -214,13 +223,13 @@ fn the_page_stands_alone() {
     assert_eq!(page.matches("<script").count(), 1, "the page's own");
     assert_eq!(
         page.matches("<svg xmlns").count(),
-        2,
-        "one figure per estimated joint"
+        4,
+        "one figure per estimated joint, each with a narrow layout"
     );
 }
 
 #[test]
-fn the_page_is_well_formed() {
+fn page_tags_are_balanced() {
     // usvg is no HTML parser; balanced tags are what our own writer can get wrong.
     let page = page(made_up());
     for tag in [
@@ -233,7 +242,7 @@ fn the_page_is_well_formed() {
 }
 
 #[test]
-fn words_from_files_are_never_markup() {
+fn text_from_files_is_escaped() {
     let evil = "</td></svg><script>alert(1)</script><img src=x onerror=\"a\">\u{0}'&";
     let mut e = with_difference(made_up(), 4.0);
     e.recording.path = evil.into();
@@ -253,7 +262,7 @@ fn words_from_files_are_never_markup() {
 }
 
 #[test]
-fn an_estimate_of_nothing_is_still_a_page() {
+fn page_without_estimate_contains_no_nan() {
     let mut e = made_up();
     e.joints.truncate(2);
     e.recording.duration_s = 0.0;
@@ -269,7 +278,7 @@ fn an_estimate_of_nothing_is_still_a_page() {
 }
 
 #[test]
-fn sentences_show_their_verdict_and_criterion() {
+fn sentence_shows_verdict_and_criterion() {
     let sentence = |holds| Sentence {
         text: "the difference is 0.005 rad".into(),
         criterion: "mean within 0.1 mrad of 5 mrad".into(),
@@ -289,13 +298,13 @@ fn sentences_show_their_verdict_and_criterion() {
         .html();
     assert!(page.contains("<span class=\"verdict\">holds</span>"));
     assert!(page.contains("<span class=\"verdict\">does not hold</span>"));
-    assert!(page.contains("<span class=\"verdict\">open</span>"));
+    assert!(page.contains("<span class=\"verdict\">inconclusive</span>"));
     assert!(page.contains("Criterion: mean within 0.1 mrad of 5 mrad. Found: 4.99 mrad"));
 }
 
 #[test]
-fn the_page_is_left_for_a_look() {
-    // Beside the test binary, in target: open it in a browser after a change of style.
+fn page_is_written_for_inspection() {
+    // Written to the target folder, for inspection in a browser after a change of style.
     let exe = std::env::current_exe().expect("the test has a path");
     let dir = exe
         .parent()
@@ -305,4 +314,132 @@ fn the_page_is_left_for_a_look() {
     let page = page(with_difference(made_up(), 4.0));
     std::fs::write(dir.join("report.html"), &page).expect("target is writable");
     assert!(page.len() < 400_000, "{} bytes", page.len());
+}
+
+/// Session of two antagonistic strands: their common tension is not observable, and the first was slack.
+fn of_strands() -> EstimateDocument {
+    use sinew_estimate::session::*;
+    let tendon = |name: &str, lower_bound_m| TendonEstimate {
+        slides: false,
+        slack_share: Option::map(lower_bound_m, |_: f64| 0.934),
+        lower_bound_rad: Option::map(lower_bound_m, |m: f64| m / 0.02),
+        lower_bound_m,
+        anchored: None,
+        name: name.into(),
+        offset_rad: Gaussian::new(4e-3, 20e-3),
+        systematic_error: None,
+        elongation_m: Some(Gaussian::new(0.08e-3, 0.4e-3)),
+        strain_ratio: Some(Gaussian::new(0.2e-3, 1e-3)),
+        verdict: Verdict::Inconclusive,
+        retension: None,
+        changes: Vec::new(),
+        stiffness_change_ratio: Gaussian::new(0.0, 0.1),
+        stiffness_change: None,
+        creep: None,
+        slack_rad: None,
+        torque_nm: TorqueRange { min: 0.0, max: 2.0 },
+        noise_rad: 1e-4,
+        excess_residual_rad: 0.0,
+    };
+    let weights = [("flexor", 0.912), ("extensor", 1.0)];
+    let session = SessionEstimate {
+        robot: "elbow".into(),
+        recording: "a.parquet".into(),
+        baseline: Some("b.parquet".into()),
+        baseline_time_utc_s: None,
+        zero_std_rad: None,
+        start_time_utc_s: None,
+        duration_s: 60.0,
+        temperature_c: Some(20.0),
+        temperature_source: TemperatureSource::Stated,
+        reference_temperature_c: None,
+        joints: vec![tendon("flexor", Some(0.553e-3)), tendon("extensor", None)],
+        joint_offsets: vec![JointOffset {
+            name: "elbow".into(),
+            offset_rad: Gaussian::new(4.99e-3, 0.39e-3),
+        }],
+        unobservable: vec![UnobservableCombination {
+            tendons: Vec::from(weights.map(|(name, weight)| TendonWeight {
+                name: name.into(),
+                weight,
+            })),
+            std_rad: 21e-3,
+            std_m: Some(0.4245e-3),
+            remedies: vec![Remedy::MotorTorque, Remedy::TensionSensors],
+            changes: vec![UnattributedChange {
+                time_s: 30.0,
+                interval_s: None,
+                probability: Some(0.97),
+            }],
+        }],
+        segments: Vec::new(),
+        blocks: Vec::new(),
+        payload_kg: Gaussian::default(),
+        payload_changes: Vec::new(),
+        external_force: None,
+        motor_torque: MotorTorque::Unused,
+        tension_used: false,
+        rejected_share: 0.0,
+        rejected_intervals: Vec::new(),
+        poses: 9,
+        online: None,
+        nuisance: Vec::new(),
+        damaged: false,
+        warnings: Vec::new(),
+    };
+    let mut reading = made_up();
+    reading.robot.joints = vec!["elbow".into()];
+    EstimateDocument {
+        method: Method::Absolute,
+        session: Some(session),
+        reading,
+    }
+}
+
+#[test]
+fn strands_report_joint_offsets_combinations_and_bounds() {
+    let mut document = of_strands();
+    let unwrapped = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = tables::document(&document, false);
+    let words = unwrapped(&text);
+    for needed in [
+        "tendon offset 95 % CI elongation",
+        "joint joint offset 95 % CI",
+        "elbow 4.99 0.76",
+        "not determined: the common tension of flexor and extensor (0.91 : 1), ± 0.83 mm; record the torque of every motor or their tensions to determine it",
+        "flexor: strand slack for 93 % of the recording; elongation at least 0.55 mm",
+        "change of one of flexor, extensor at 30.0 s",
+        "tendon not identifiable from this recording",
+    ] {
+        assert!(words.contains(needed), "'{needed}' is missing:\n{text}");
+    }
+    assert!(!words.contains("extensor: strand slack"), "{text}");
+    let page = html(&document);
+    for needed in [
+        ">tendon</th>",
+        "Tendon flexor: offset over time",
+        "joint offset",
+        "the common tension of flexor and extensor (0.91 : 1)",
+        "strand slack, elongation at least 0.55 mm",
+        "The offsets of all tendons are estimated jointly",
+    ] {
+        assert!(page.contains(needed), "'{needed}' is missing");
+    }
+    let session = document.session.as_mut().unwrap();
+    // Opposite signs are no common tension; a pair of one motor requires tension sensors.
+    session.unobservable[0].tendons[1].weight = -0.5;
+    session.unobservable[0].std_m = None;
+    session.unobservable[0].remedies = vec![sinew_estimate::session::Remedy::TensionSensors];
+    session.joints[0].lower_bound_m = Some(-0.1e-3);
+    session.joint_offsets.clear();
+    document.reading.robot.joints.clear();
+    let words = unwrapped(&tables::document(&document, false));
+    for needed in [
+        "joint offset 95 % CI elongation",
+        "not determined: a combination of flexor and extensor (1 : −0.55), ± 41 mrad; record their tensions to determine it",
+        "flexor: strand slack for 93 % of the recording; elongation not determinable",
+    ] {
+        assert!(words.contains(needed), "'{needed}' is missing:\n{words}");
+    }
+    assert!(!words.contains("joint joint offset"), "{words}");
 }

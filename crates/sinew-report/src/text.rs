@@ -1,4 +1,4 @@
-//! Tables and paragraphs for a terminal: as wide as it is, in colour where it shows colour.
+//! Layout of tables and paragraphs for a terminal of a given width, with optional colour.
 
 use comfy_table::{
     CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, TableStyle, Width,
@@ -8,29 +8,28 @@ use sinew_files::number::three_digits;
 pub use sinew_files::plain;
 use std::sync::OnceLock;
 
-/// Columns of a terminal that everybody has.
+/// Default width of a terminal, columns.
 pub const WIDTH: usize = 80;
-/// Fewest columns that a table is laid out for.
-const NARROWEST: usize = 40;
-/// Longest line of a paragraph: longer ones are hard to read.
-const LONGEST_LINE: usize = 100;
+/// Minimum width for which a table is laid out, columns.
+const MIN_WIDTH: usize = 40;
+/// Maximum line length of a paragraph, columns; longer lines are hard to read.
+const MAX_LINE_LENGTH: usize = 100;
 
-/// What the terminal is like.
+/// Properties of the terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
-    /// Columns of a line.
+    /// Width of a line, columns.
     pub columns: usize,
-    /// Whether it shows colour.
+    /// Whether colour is used.
     pub colour: bool,
 }
 
 static LOOK: OnceLock<Look> = OnceLock::new();
 
-/// Says what the terminal is like, once, before anything is laid out. Without it, text is for 80
-/// columns and has no colour.
+/// Sets the properties of the terminal once, before any layout. The default is 80 columns without colour.
 pub fn set_look(look: Look) {
-    let columns = look.columns.max(NARROWEST);
-    // A second call changes nothing: half a text in another width would help nobody.
+    let columns = look.columns.max(MIN_WIDTH);
+    // A second call has no effect, so that all text has the same width.
     let _ = LOOK.set(Look { columns, ..look });
 }
 
@@ -41,23 +40,23 @@ fn look() -> Look {
     })
 }
 
-/// Columns that a text is laid out for.
+/// Width for which text is laid out, columns.
 pub(crate) fn columns() -> usize {
     look().columns
 }
 
-/// How a text is meant; words always say it too.
+/// Style of a text; its words never depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
-    /// Head of a table.
+    /// Heading of a table.
     Head,
-    /// A limit is passed, or nothing could be done.
+    /// Error, or exceeded limit.
     Alarm,
-    /// Worth a look.
+    /// Style of warnings.
     Caution,
 }
 
-/// The text in its tone, line by line, where the terminal shows colour.
+/// Colours a text line by line if the terminal uses colour.
 pub fn toned(tone: Tone, text: &str) -> String {
     match look().colour {
         true => painted(tone, text),
@@ -65,7 +64,7 @@ pub fn toned(tone: Tone, text: &str) -> String {
     }
 }
 
-/// The text in the terminal's colours; what follows is as before.
+/// Colours a text line by line with escape sequences.
 pub fn painted(tone: Tone, text: &str) -> String {
     let code = match tone {
         Tone::Head => "1",
@@ -79,13 +78,15 @@ pub fn painted(tone: Tone, text: &str) -> String {
     text.split_inclusive('\n').map(paint).collect()
 }
 
-/// A line under the head and nothing else.
+/// Table style: a rule below the heading only.
 const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
-/// A table: names to the left, numbers to the right; wrapped to the terminal.
+/// Lays out a table in the width of the terminal; the first `left` columns are aligned left, the others right.
 pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
-    let (gap, least) = least_widths(head, &rows, left);
+    let Some((gap, least)) = least_widths(head, &rows, left) else {
+        return records(head, &rows);
+    };
     let mut table = comfy_table::Table::new();
     table
         .load_style(STYLE)
@@ -95,7 +96,7 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
         .add_rows(rows);
     let last = head.len().saturating_sub(1);
     for (i, column) in table.column_iter_mut().enumerate() {
-        // Between columns there is one more.
+        // The table adds one column between cells.
         let padding = if i == last { 0 } else { gap - 1 };
         column.set_padding((0, padding));
         if let Some(least) = least.get(i) {
@@ -113,20 +114,82 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     }
 }
 
-/// A table of the document as a terminal shows it: its leading columns of words to the left.
+/// Lays out a table of a document; its leading text columns are aligned left.
 pub(crate) fn shown(table: Table) -> String {
     let head: Vec<&str> = table.head.iter().map(String::as_str).collect();
     let left = (0..head.len()).take_while(|i| table.worded.contains(i));
     self::table(&head, table.rows, left.count())
 }
 
-/// Columns between columns, and widths at which nothing is broken that should be whole: numbers and words, with two columns
-/// between where three are too many; of numbers only the words, where that doesn't fit; then numbers only; else anything.
-fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> (u16, Vec<usize>) {
+/// Lays out rows as records, for a terminal that is too narrow for a table with unbroken words: the first cell as a
+/// heading, then one line per column.
+fn records(head: &[&str], rows: &[Vec<String>]) -> String {
+    const INDENT: usize = 2;
+    let labels = head
+        .iter()
+        .map(|label| label.split_whitespace().collect::<Vec<_>>().join(" "));
+    let labels: Vec<String> = labels.collect();
+    let columns = look().columns.max(4 * INDENT);
+    let longest = labels
+        .iter()
+        .skip(1)
+        .map(|label| label.chars().count())
+        .max();
+    let label_width = longest.unwrap_or(0).min(columns / 2);
+    let value_width = columns.saturating_sub(2 * INDENT + label_width).max(1);
+    let mut out = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        if i > 0 {
+            out.push('\n');
+        }
+        for line in row.first().iter().flat_map(|cell| wrapped(cell, columns)) {
+            out += &toned(Tone::Head, &line);
+            out.push('\n');
+        }
+        for (label, cell) in labels.iter().zip(row).skip(1) {
+            let (labels, values) = (wrapped(label, label_width), wrapped(cell, value_width));
+            for k in 0..labels.len().max(values.len()) {
+                let [label, value] =
+                    [&labels, &values].map(|of| of.get(k).map_or("", String::as_str));
+                let line = format!("{:INDENT$}{label:label_width$}{:INDENT$}{value}", "", "");
+                out += line.trim_end();
+                out.push('\n');
+            }
+        }
+    }
+    out
+}
+
+/// Breaks a text into lines of at most `width` characters, between words where possible.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let letters: Vec<char> = word.chars().collect();
+        for part in letters.chunks(width) {
+            let part: String = part.iter().collect();
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + part.chars().count() <= width => {
+                    line.push(' ');
+                    *line += &part;
+                }
+                _ => lines.push(part),
+            }
+        }
+    }
+    lines
+}
+
+/// Returns the gap between columns and their minimum widths, or `None` if the terminal is too narrow.
+///
+/// Tries in this order what fits the terminal, each with a gap of three and of two: all lines unbroken; names broken
+/// between words; headings broken as well. The last resort breaks numbers between words.
+fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> Option<(u16, Vec<usize>)> {
     let count = |text: &str| text.chars().count();
     let length = |text: &str| text.lines().map(count).max().unwrap_or(0);
     let word = |text: &str| text.split_whitespace().map(count).max().unwrap_or(0);
-    let widths = |names: &dyn Fn(&str) -> usize, numbers: &dyn Fn(&str) -> usize| -> Vec<usize> {
+    type Width<'a> = &'a dyn Fn(&str) -> usize;
+    let widths = |heads: Width<'_>, names: Width<'_>, numbers: Width<'_>| -> Vec<usize> {
         (head.iter().enumerate())
             .map(|(i, head)| {
                 let cells = rows.iter().filter_map(|row| row.get(i));
@@ -134,7 +197,7 @@ fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> (u16, Vec<u
                     true => numbers(cell),
                     false => names(cell),
                 });
-                least.fold(word(head), usize::max)
+                least.fold(heads(head), usize::max)
             })
             .collect()
     };
@@ -142,26 +205,31 @@ fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> (u16, Vec<u
         let gaps = usize::from(*gap) * head.len().saturating_sub(1);
         widths.iter().sum::<usize>() + gaps <= look().columns
     };
-    let all = widths(&word, &length);
+    let whole = widths(&length, &length, &length);
+    let lines = widths(&length, &word, &length);
+    let all = widths(&word, &word, &length);
+    let words = widths(&word, &word, &word);
     [
+        (3, whole.clone()),
+        (2, whole),
+        (3, lines.clone()),
+        (2, lines),
         (3, all.clone()),
         (2, all),
-        (2, widths(&word, &word)),
-        (3, widths(&|_| 0, &length)),
+        (2, words),
     ]
     .into_iter()
     .find(fits)
-    .unwrap_or((3, Vec::new()))
 }
 
-/// A paragraph, wrapped; following lines are indented by `indent`.
+/// Wraps a paragraph; lines after the first are indented by `indent`.
 pub fn paragraph(text: &str, indent: usize) -> String {
     indented(text, 0, indent)
 }
 
-/// A paragraph whose first line begins at column `first`, and the others at `rest`.
+/// Wraps a paragraph; the first line is indented by `first`, the others by `rest`.
 pub fn indented(text: &str, first: usize, rest: usize) -> String {
-    let width = look().columns.min(LONGEST_LINE);
+    let width = look().columns.min(MAX_LINE_LENGTH);
     let mut out = " ".repeat(first);
     let mut column = first;
     let mut fresh = true;
@@ -183,60 +251,60 @@ pub fn indented(text: &str, first: usize, rest: usize) -> String {
     out
 }
 
-/// Text for a terminal, part after part. What comes from a file is made [`plain`].
+/// Text for a terminal, built part by part; control characters are removed by [`plain`].
 #[derive(Debug, Default)]
-pub(crate) struct Told(pub(crate) String);
+pub(crate) struct TerminalText(pub(crate) String);
 
-impl Told {
-    /// A paragraph.
-    pub(crate) fn say(&mut self, text: impl AsRef<str>) {
+impl TerminalText {
+    /// Adds a paragraph.
+    pub(crate) fn paragraph(&mut self, text: impl AsRef<str>) {
         self.0 += &paragraph(&plain(text.as_ref()), 2);
     }
 
-    /// A paragraph, indented.
+    /// Adds an indented paragraph.
     pub(crate) fn item(&mut self, text: impl AsRef<str>) {
         self.0 += &indented(&plain(text.as_ref()), 2, 4);
     }
 
-    /// A paragraph whose lines all begin at the left.
+    /// Adds a paragraph without indentation.
     pub(crate) fn flat(&mut self, text: impl AsRef<str>) {
         self.0 += &paragraph(&plain(text.as_ref()), 0);
     }
 
-    /// A table.
+    /// Adds a table.
     pub(crate) fn table(&mut self, table: Table) {
         self.0 += &shown(table);
     }
 
-    /// Lines as they are.
+    /// Adds lines unchanged.
     pub(crate) fn add(&mut self, text: impl AsRef<str>) {
         self.0 += text.as_ref();
     }
 }
 
-/// With a capital, to begin a sentence.
+/// Capitalises the first letter of a text.
 pub(crate) fn capitalised(text: &str) -> String {
     let mut rest = text.chars();
     let first = rest.next().map(|c| c.to_ascii_uppercase());
     first.into_iter().chain(rest).collect()
 }
 
-/// With a capital and a full stop.
+/// Capitalises a text and adds a full stop.
 pub(crate) fn sentence(text: &str) -> String {
     capitalised(text) + "."
 }
 
-/// What isn't there is a dash in a table.
+/// Formats an optional value; a dash if it is missing.
 pub(crate) fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or("–".to_owned(), text)
 }
 
-/// Yes or no.
+/// Formats a boolean as `yes` or `no`.
 pub(crate) fn yes_no(yes: bool) -> &'static str {
     if yes { "yes" } else { "no" }
 }
 
-/// A number to three digits.
+/// Formats a number with three significant digits; a dash if it is not finite.
 pub(crate) fn short(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -244,7 +312,7 @@ pub(crate) fn short(value: f64) -> String {
     three_digits(value)
 }
 
-/// [`plain`], line by line: several messages stay several lines.
+/// Applies [`plain`] line by line.
 pub fn plain_lines(text: &str) -> String {
     let lines: Vec<String> = text.lines().map(plain).collect();
     lines.join("\n")
@@ -271,9 +339,9 @@ mod tests {
     }
 
     #[test]
-    fn numbers_and_names_stay_whole_where_sentences_give_way() {
-        let head = ["robot", "joint", "to do", "limit mm", "now mm", "days"];
-        let sentence = "tension it again, or have a look at its pulleys first";
+    fn table_breaks_sentences_before_numbers_and_names() {
+        let head = ["robot", "joint", "action", "limit mm", "now mm", "days"];
+        let sentence = "re-tension, or inspect the pulleys of this joint first";
         let row = [
             "arm-0077",
             "shoulder_pitch",
@@ -288,11 +356,11 @@ mod tests {
         }
         let widest = text.lines().map(|l| l.chars().count()).max();
         assert!(widest <= Some(WIDTH), "{text}");
-        // A cell may have lines of its own.
+        // A cell may contain several lines.
         let head = [
             "tendon",
             "offset",
-            "stretch",
+            "elongation",
             "creep",
             "re-tension in days; on",
         ];
@@ -306,7 +374,7 @@ mod tests {
         let text = table(&head, vec![row.map(str::to_owned).into()], 1);
         assert!(text.contains("shoulder_pitch"), "{text}");
         assert!(text.contains("103 (2 to …)\n"), "{text}");
-        // 79 columns where two are between.
+        // 79 columns with a gap of two.
         let head = ["robot", "joint", "rope", "µm/m", "times usual", "by chance"];
         let row = [
             "arm-0015",
@@ -325,7 +393,56 @@ mod tests {
     }
 
     #[test]
-    fn a_tone_colours_every_line_and_ends_with_it() {
+    fn table_of_estimate_has_headings_of_two_lines() {
+        let head = [
+            "joint",
+            "offset\n(mrad)",
+            "95 % CI\n(±)",
+            "elongation\n(mm)",
+            "95 % CI\n(±)",
+            "strain\n(%)",
+            "result",
+        ];
+        let row = [
+            "shoulder_pitch",
+            "−0.11",
+            "0.61",
+            "−0.002",
+            "0.011",
+            "−0.0002",
+            "offset detected",
+        ];
+        let text = table(&head, vec![row.map(str::to_owned).into()], 1);
+        let rule = text.lines().position(|line| line.starts_with('─'));
+        assert_eq!(rule, Some(2), "{text}");
+        assert_eq!(text.matches("95 % CI").count(), 2, "{text}");
+        let widest = text.lines().map(|l| l.chars().count()).max();
+        assert!(widest <= Some(WIDTH), "{text}");
+    }
+
+    #[test]
+    fn table_too_wide_for_terminal_becomes_records() {
+        let head = ["joint", "offset\n(mrad)", "result"];
+        let long = "w".repeat(WIDTH - 20);
+        let row = [
+            "shoulder_pitch".to_owned(),
+            "12.7".into(),
+            format!("{long} {long}"),
+        ];
+        let text = table(&head, vec![row.to_vec(), row.to_vec()], 1);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            lines[..2],
+            ["shoulder_pitch", "  offset (mrad)  12.7"],
+            "{text}"
+        );
+        assert_eq!(text.matches(&long).count(), 4, "{text}");
+        assert!(lines.iter().all(|l| l.chars().count() <= WIDTH), "{text}");
+        assert!(lines.contains(&""), "{text}");
+    }
+
+    #[test]
+    fn style_colours_every_line_separately() {
         let text = painted(Tone::Alarm, "one\n\ntwo");
         assert_eq!(text, "\u{1b}[1;31mone\u{1b}[0m\n\n\u{1b}[1;31mtwo\u{1b}[0m");
         assert_eq!(
@@ -336,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn escape_sequences_from_files_are_not_obeyed() {
+    fn escape_sequences_from_files_are_replaced() {
         assert_eq!(plain("\u{1b}[2Jelbow"), "\u{fffd}[2Jelbow");
         assert_eq!(
             plain_lines("a: no time\nb: \u{7}"),

@@ -1,8 +1,9 @@
-//! An estimate as topics of ROS 2, for viewers of recordings.
+//! Estimate over time as ROS 2 topics in an MCAP file.
 
-use crate::diagnostics::{of_reading, of_tendon};
+use crate::diagnostics::{of_tendon, of_uncorrected};
 use crate::estimate_table::{ABSOLUTE, PAPER, rows, time_ns};
 use sinew_estimate::EstimateDocument;
+use sinew_estimate::session::SessionEstimate;
 use sinew_log::encode::{
     DiagnosticArray, DiagnosticStatus, DynamicJointState, Header, InterfaceValue,
 };
@@ -10,36 +11,37 @@ use sinew_log::{LogError, Packing, Topic, TopicWriter};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The answer over time.
+/// Topic of the estimate over time.
 pub const TENDONS: &str = "/sinew/tendons";
-/// The paper's reading over time, where another method answers.
+/// Topic of the uncorrected estimate over time, if there is also an absolute one.
 pub const READING: &str = "/sinew/reading";
-/// One status per tendon.
+/// Topic with one status per tendon.
 pub const DIAGNOSTICS: &str = "/diagnostics";
 
-/// Interfaces of a tendon: rad, rad, m, m/m.
+/// Interfaces of a tendon, in rad, rad, m and m/m.
 pub const INTERFACES: [&str; 4] = ["offset", "offset_interval_95", "elongation", "strain"];
-/// One of [`DIAGNOSTICS`] every so often, ns.
+/// Period of [`DIAGNOSTICS`], ns.
 const DIAGNOSTICS_EVERY_NS: i64 = 1_000_000_000;
 
-/// Tendons at one time: joints and a value per interface.
+/// Names of tendons, and their values per interface, at one time.
 type Tendons = (Vec<String>, Vec<[f64; INTERFACES.len()]>);
 
-/// What is sent at one time.
+/// Content of a message.
 enum Event {
     Tendons(Topic, Tendons),
     Diagnostics(Vec<DiagnosticStatus>),
 }
 
-/// Writes an estimate as an MCAP with the recording's own times, to be opened beside it.
+/// Writes an estimate as an MCAP file with the time stamps of the recording.
 ///
-/// * [`TENDONS`], `control_msgs/msg/DynamicJointState` with [`INTERFACES`]: the answer, every 0.2 s by the absolute
-///   method, in up to 2000 intervals by the paper's, whose `offset_interval_95` is NaN: a reading has none;
-/// * [`READING`], the same of the paper's reading, where the absolute method answers;
+/// * [`TENDONS`], `control_msgs/msg/DynamicJointState` with [`INTERFACES`]: the absolute estimate every 0.2 s, or the
+///   uncorrected one in at most 2000 intervals, with `offset_interval_95` NaN;
+/// * [`READING`], the same with the uncorrected estimate, if there is an absolute one;
 /// * [`DIAGNOSTICS`], `diagnostic_msgs/msg/DiagnosticArray`, one status per tendon, every second and at the end.
 ///
 /// # Errors
-/// [`LogError`]; no file is left.
+///
+/// Returns [`LogError`] if the file cannot be written; no partial file remains.
 pub fn write_topics(document: &EstimateDocument, path: &Path) -> Result<(), LogError> {
     let mut out = TopicWriter::create(path, Packing::default())?;
     let tendons = out.topic::<DynamicJointState<'_>>(TENDONS)?;
@@ -58,7 +60,7 @@ pub fn write_topics(document: &EstimateDocument, path: &Path) -> Result<(), LogE
     }
     let diagnostics = out.topic::<DiagnosticArray<'_>>(DIAGNOSTICS)?;
     events.extend(statuses(document).map(|(at, status)| (at, Event::Diagnostics(status))));
-    // In the order of times, as a recorder would have written them.
+    // Messages are written in the order of their times.
     events.sort_by_key(|(at, _)| *at);
     for (sequence, (at, event)) in (0_u32..).zip(&events) {
         let header = Header {
@@ -89,7 +91,7 @@ pub fn write_topics(document: &EstimateDocument, path: &Path) -> Result<(), LogE
     out.finish()
 }
 
-/// What a method knows over time; a message holds the joints that it knows then.
+/// Collects the estimates of a method by time; a message contains the joints with a finite offset.
 fn over_time(document: &EstimateDocument, method: &str) -> BTreeMap<i64, Tendons> {
     let mut out: BTreeMap<i64, Tendons> = BTreeMap::new();
     let of_method = rows(document).filter(|r| r.method == method);
@@ -105,7 +107,7 @@ fn over_time(document: &EstimateDocument, method: &str) -> BTreeMap<i64, Tendons
     out
 }
 
-/// What is said of every tendon, every second and at the end.
+/// Makes the diagnostics of all tendons, every second and at the end.
 fn statuses(
     document: &EstimateDocument,
 ) -> impl Iterator<Item = (i64, Vec<DiagnosticStatus>)> + '_ {
@@ -113,6 +115,7 @@ fn statuses(
     let end_ns = time_ns(reading, reading.recording.duration_s);
     let mut next_ns = i64::MIN;
     let session = document.session.as_ref();
+    let is_elongation = session.is_some_and(SessionEstimate::is_elongation);
     let blocks = session.into_iter().flat_map(|s| &s.blocks);
     let often = blocks.filter_map(move |block| {
         let at = time_ns(reading, block.time_s);
@@ -123,17 +126,17 @@ fn statuses(
         let joints = document.session.iter().flat_map(|s| &s.joints);
         let pairs = joints.zip(&block.offset_rad);
         let robot = reading.robot.name.as_str();
-        let all = pairs.map(|(joint, offset)| of_tendon(robot, joint, *offset));
+        let all = pairs.map(|(joint, offset)| of_tendon(robot, joint, *offset, is_elongation));
         Some((at, all.collect()))
     });
     often.chain(std::iter::once_with(move || {
         let robot = reading.robot.name.as_str();
         let all = match session {
             Some(session) => (session.joints.iter())
-                .map(|joint| of_tendon(robot, joint, joint.offset_rad))
+                .map(|joint| of_tendon(robot, joint, joint.offset_rad, is_elongation))
                 .collect(),
             None => (reading.joints.iter())
-                .map(|j| of_reading(reading, j))
+                .map(|j| of_uncorrected(reading, j))
                 .collect(),
         };
         (end_ns, all)

@@ -1,28 +1,28 @@
-//! Units of a joint: one that slides has mm and N where one that turns has mrad and N·m.
+//! Display units of revolute joints (mrad, N·m) and prismatic joints (mm, N).
 
 use sinew_figure::Table;
 
-/// Units in which a joint's quantities are shown.
+/// Display units of the quantities of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Units {
-    /// Of an offset, thousandths of the SI unit.
+    /// Unit of an offset, a thousandth of the SI unit.
     pub(crate) offset: &'static str,
-    /// Of a position.
+    /// Unit of a position.
     pub(crate) position: &'static str,
-    /// Of a torque.
+    /// Unit of a torque or force.
     pub(crate) torque: &'static str,
-    /// Of a stiffness.
+    /// Unit of a stiffness.
     pub(crate) stiffness: &'static str,
 }
 
-/// A joint that turns.
+/// Units of a revolute joint.
 pub(crate) const TURNS: Units = Units {
     offset: "mrad",
     position: "rad",
     torque: "N·m",
     stiffness: "N·m/rad",
 };
-/// A joint that slides.
+/// Units of a prismatic joint.
 pub(crate) const SLIDES: Units = Units {
     offset: "mm",
     position: "m",
@@ -30,24 +30,29 @@ pub(crate) const SLIDES: Units = Units {
     stiffness: "N/m",
 };
 
-/// Units of a joint by how it moves.
+/// Returns the units of a prismatic (`slides`) or revolute joint.
 pub(crate) fn of_joint(slides: bool) -> Units {
     if slides { SLIDES } else { TURNS }
 }
 
-/// Units of a table's heads: of the joints that turn, where there is one.
+/// Returns the units of table headings: those of prismatic joints only if all joints are prismatic.
 pub(crate) fn of_heads(slides: impl Iterator<Item = bool>) -> Units {
     let mut slides = slides.peekable();
     of_joint(slides.peek().is_some() && slides.all(|slides| slides))
 }
 
-/// A head or a cell in the units of a table's heads, where it names those of a joint that turns.
+/// Replaces the units of a revolute joint in a text by `units`; the key `zero_mrad` of robot.toml stays.
 pub(crate) fn in_units(text: &str, units: Units) -> String {
-    text.replace("mrad", units.offset)
-        .replace("N·m", units.torque)
+    const KEY: &str = "zero_mrad";
+    let parts = text.split(KEY);
+    let parts = parts.map(|part| {
+        part.replace("mrad", units.offset)
+            .replace("N·m", units.torque)
+    });
+    parts.collect::<Vec<_>>().join(KEY)
 }
 
-/// A table whose heads name the units of joints that turn, in those that the joints have.
+/// Replaces the units of revolute joints in the headings of a table by `units`.
 pub(crate) fn in_units_of(mut table: Table, units: Units) -> Table {
     for head in &mut table.head {
         *head = in_units(head, units);
@@ -55,7 +60,7 @@ pub(crate) fn in_units_of(mut table: Table, units: Units) -> Table {
     table
 }
 
-/// A joint's name in a table: one that slides says its units where the heads have others.
+/// Formats the name of a joint in a table, with its units if they differ from those of the headings.
 pub(crate) fn name_in_table(name: &str, slides: bool, heads: Units) -> String {
     let own = of_joint(slides);
     match own == heads {

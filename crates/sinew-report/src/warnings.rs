@@ -1,136 +1,149 @@
-//! Warnings in words.
+//! Warnings of an estimate: what was found, how it affects the result, and what to do.
 
+use crate::format::{counted, newtons, plus_minus};
+use crate::message::Message;
 use crate::units::{in_units, of_joint};
-use crate::words::{newtons, plus_minus};
-use sinew_estimate::session::{SessionEstimate, Warning, WitnessFault};
+use sinew_estimate::session::{MotorTorqueError, SessionEstimate, Warning};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
-use sinew_figure::{rounded, with_interval};
+use sinew_figure::{probability as format_probability, rounded, with_interval};
 use sinew_log::StreamRole;
 use sinew_model::Z95;
-use sinew_model::offset::misfit::misfit_rad;
+use sinew_model::offset::excess_residual::excess_residual_rad;
 
-/// What the reader of an estimate should know, a sentence each.
-pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
+/// Returns the warnings of an estimate: of the recording, then of the session.
+pub fn document_warnings(document: &EstimateDocument) -> Vec<Message> {
     let of_session = document.session.iter().flat_map(session_warnings);
-    reading_warnings(document)
+    recording_warnings(document)
         .into_iter()
         .chain(of_session)
         .collect()
 }
 
-/// Those of [`of_reading`] in words.
-pub(crate) fn reading_warnings(document: &EstimateDocument) -> Vec<String> {
+/// Returns the warnings of [`of_recording`] with the units of their joints.
+pub(crate) fn recording_warnings(document: &EstimateDocument) -> Vec<Message> {
     let joints = &document.reading.joints;
     let slides = |joint: &str| joints.iter().any(|j| j.name == joint && j.slides);
-    of_reading(document)
+    of_recording(document)
         .map(|w| {
-            in_units(
-                &recording_warning(w),
-                of_joint(recording_joint(w).is_some_and(slides)),
-            )
+            let units = of_joint(recording_joint(w).is_some_and(slides));
+            // A warning of the reference recording keeps its own code.
+            let coded = match w {
+                RecordingWarning::Reference { warning } => warning,
+                own => own,
+            };
+            Message::of(coded, in_units(&recording_warning(w), units))
         })
         .collect()
 }
 
-/// What the reader of a session should know, a sentence each.
-pub fn session_warnings(session: &SessionEstimate) -> Vec<String> {
+/// Returns the warnings of a session.
+pub fn session_warnings(session: &SessionEstimate) -> Vec<Message> {
     let joints = &session.joints;
     let slides = |joint: &str| joints.iter().any(|j| j.name == joint && j.slides);
     let warnings = session.warnings.iter();
     warnings
         .map(|w| {
-            in_units(
-                &session_warning(w),
-                of_joint(session_joint(w).is_some_and(slides)),
-            )
+            let units = of_joint(session_joint(w).is_some_and(slides));
+            Message::of(w, in_units(&session_warning(w), units))
         })
         .collect()
 }
 
-/// The joint that a warning with a size is about.
+/// Joint of a warning whose text contains a value in the units of the joint.
 fn recording_joint(warning: &RecordingWarning) -> Option<&str> {
     match warning {
         RecordingWarning::ImplausibleOffset { joint, .. }
-        | RecordingWarning::TorqueHardlyChanges { joint, .. } => Some(joint),
+        | RecordingWarning::TorqueRangeSmall { joint, .. } => Some(joint),
         _ => None,
     }
 }
 
-/// The joint that a warning with a size is about.
+/// Joint of a warning whose text contains a value in the units of the joint.
 fn session_joint(warning: &Warning) -> Option<&str> {
     match warning {
-        Warning::TorqueHardlyChanged { joint, .. }
-        | Warning::StandsAtEnd { joint, .. }
-        | Warning::StandReadsOff { joint, .. }
-        | Warning::RopeCreeps { joint, .. }
-        | Warning::TendonCreeps { joint, .. }
-        | Warning::Unexplained { joint, .. }
+        Warning::TorqueRangeSmall { joint, .. }
+        | Warning::AtRestAtEnd { joint, .. }
+        | Warning::RestPhaseInconsistent { joint, .. }
+        | Warning::RopeMemory { joint, .. }
+        | Warning::TendonCreep { joint, .. }
+        | Warning::UnexplainedResidual { joint, .. }
         | Warning::BeyondPretension { joint, .. }
-        | Warning::Stuck { joint, .. }
+        | Warning::JointSeized { joint, .. }
         | Warning::TemperatureUnknown { joint, .. }
-        | Warning::DriftUnknown { joint, .. }
-        | Warning::AnchorDisagrees { joint, .. } => Some(joint),
+        | Warning::ThermalEffect { joint, .. }
+        | Warning::ReferenceInconsistent { joint, .. } => Some(joint),
         _ => None,
     }
 }
 
-/// Warnings of the recording; what only the paper's reading rests on is left out where the absolute method answers.
-pub(crate) fn of_reading(document: &EstimateDocument) -> impl Iterator<Item = &RecordingWarning> {
+/// Returns the warnings of the recording, without those that affect only the uncorrected estimate if there is an absolute one.
+pub(crate) fn of_recording(document: &EstimateDocument) -> impl Iterator<Item = &RecordingWarning> {
     document.reading.warnings.iter().filter(|warning| {
-        document.session.is_none()
-            || !matches!(warning, RecordingWarning::TorqueHardlyChanges { .. })
+        document.session.is_none() || !matches!(warning, RecordingWarning::TorqueRangeSmall { .. })
     })
 }
 
-/// A stream of samples in words.
+/// Name of a stream of samples.
 pub(crate) fn stream_name(role: StreamRole) -> &'static str {
     match role {
-        StreamRole::BothSides => "the recording",
-        StreamRole::JointSide => "the joint side",
-        StreamRole::MotorSide => "the motor side",
-        StreamRole::ExternalTorque => "the external torque",
+        StreamRole::BothSides => "recording",
+        StreamRole::JointSide => "joint side",
+        StreamRole::MotorSide => "motor side",
+        StreamRole::ExternalTorque => "external torque",
+        StreamRole::Tension => "tensions",
     }
 }
 
-/// What the reader of a recording's estimate should know, in a sentence.
+/// Formats a warning of a recording.
 pub fn recording_warning(warning: &RecordingWarning) -> String {
     match warning {
-        RecordingWarning::Robot { text } | RecordingWarning::Suspicion { text } => text.clone(),
-        RecordingWarning::UnknownJoints { joints } => format!(
-            "joint {} of the recording is not in the robot and was left out",
-            quoted(joints)
+        RecordingWarning::Robot { text } | RecordingWarning::ImplausibleSignal { text } => {
+            text.clone()
+        }
+        RecordingWarning::UnknownJoints { joints } => {
+            let (noun, verb) = match joints.len() {
+                1 => ("joint", "is"),
+                _ => ("joints", "are"),
+            };
+            format!(
+                "{noun} {} of the recording {verb} not in the robot description; ignored",
+                quoted(joints)
+            )
+        }
+        RecordingWarning::UnusedTensions { tendons } => format!(
+            "tension of {} recorded but not used: robot.toml has no coupled tendon of that name; rename it with [tendons.NAME] in the mapping file (--mapping)",
+            quoted(tendons)
         ),
         RecordingWarning::ImplausibleOffset { joint, offset_rad } => format!(
-            "joint '{joint}': an offset of {} mrad is no stretch of a rope; check units (degrees?), gear ratio, sign and zero of its positions",
+            "'{joint}': offset of {} mrad is implausible for a rope; check unit (degrees?), gear ratio, sign and zero of its positions",
             rounded(1e3 * offset_rad, 3)
         ),
-        RecordingWarning::TorqueHardlyChanges {
+        RecordingWarning::TorqueRangeSmall {
             joint,
             min_nm,
             max_nm,
         } => format!(
-            "joint '{joint}': its torque hardly changes ({min_nm:.2} to {max_nm:.2} N·m); a wrong stiffness or mass can't be told from stretch in this recording"
+            "'{joint}': torque range {} to {} N·m is too small to separate offset from stiffness or mass error; record a motion that varies the gravity load",
+            signed(*min_nm),
+            signed(*max_nm)
         ),
         RecordingWarning::Damaged {
             offset,
             reason,
             bytes,
         } => format!(
-            "the file is damaged at byte {offset}: {reason}; {bytes} bytes lost, everything before was used"
+            "file damaged at byte {offset} ({reason}); {bytes} bytes lost, earlier data used; check disk and recorder"
         ),
         RecordingWarning::Gaps { count, longest_s } => format!(
-            "{} in the recording, the longest {longest_s:.1} s; the observer started anew after each",
+            "{}, longest {longest_s:.1} s; filters re-initialised after each; check queue and disk of the recorder",
             counted(*count, "gap")
         ),
         RecordingWarning::ClockJumps { count } => format!(
-            "the clock went back {}; the observer started anew after each",
+            "non-monotonic time stamps: clock stepped back {}; filters re-initialised after each; use one clock, synchronised before recording",
             counted(*count, "time")
         ),
         RecordingWarning::OutOfOrder { count } => {
-            format!(
-                "{} came out of order, sorted in",
-                counted(*count, "message")
-            )
+            format!("{} reordered by time stamp", counted(*count, "message"))
         }
         RecordingWarning::SamplesLost {
             stream,
@@ -141,13 +154,13 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
             let of = stream_name(*stream);
             let lost = [
                 (*missing, "missing"),
-                (*repeated, "dropped, their stamp was there already"),
+                (*repeated, "with duplicate time stamps excluded"),
             ];
             let lost = lost.iter().filter(|(count, _)| *count > 0);
             let lost = lost.map(|(count, what)| format!("{} {what}", counted(*count, "sample")));
             let lost = Vec::from_iter(lost).join(", ");
             format!(
-                "{of}: {lost} ({:.1} %); look at the network, the recorder's queue, and who stamps",
+                "{of}: {lost} ({:.1} %); check the network, the recorder queue and the source of the time stamps",
                 100.0 * share
             )
         }
@@ -156,242 +169,260 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
             joint,
             count,
         } => format!(
-            "{quantity} of '{joint}' is NaN or infinite in {}, left out",
-            counted(*count, "sample")
+            "{quantity} of '{joint}': {count} NaN or infinite {} excluded; check the driver",
+            if *count == 1 { "sample" } else { "samples" }
         ),
         RecordingWarning::Unwrapped {
             quantity,
             joint,
             count,
         } => format!(
-            "{quantity} of '{joint}' wrapped around {} and was unwrapped",
-            counted(*count, "time")
+            "{quantity} of '{joint}': {} corrected",
+            counted(*count, "encoder wrap-around")
         ),
         RecordingWarning::Reference { warning } => {
-            format!("reference: {}", recording_warning(warning))
+            format!("reference recording: {}", recording_warning(warning))
         }
     }
 }
 
-/// What the reader of a session's estimate should know, in a sentence.
+/// Formats a warning of a session.
 pub fn session_warning(warning: &Warning) -> String {
     match warning {
         Warning::FewPoses { poses } => format!(
-            "only {poses} distinct pose(s): a payload or a wrong mass can't be told from stretch; three or four poses that change every joint's torque would help"
+            "{}: payload, mass error and offset are not separable; record at least 4 poses that change the torque of every joint",
+            counted(*poses as u64, "distinct pose")
         ),
         Warning::FewPosesOfBaseline { poses } => format!(
-            "only {poses} distinct poses: a baseline of few poses spoils what is compared with it; move every joint through its range in a dozen poses"
+            "baseline has {}: every later session inherits its uncertainty; record the baseline again with 12 poses over the range of every joint",
+            counted(*poses as u64, "distinct pose")
         ),
-        Warning::TorqueHardlyChanged { joint, torque_nm } => format!(
-            "{joint}: its torque hardly changed ({:.2} to {:.2} N·m), so stretch can't be told from a wrong stiffness or payload; poses that load it differently would help",
-            torque_nm.min, torque_nm.max
+        Warning::TorqueRangeSmall { joint, torque_nm } => format!(
+            "{joint}: torque range {} to {} N·m is too small to separate offset from stiffness or payload; record poses that change the load of this joint",
+            signed(torque_nm.min),
+            signed(torque_nm.max)
         ),
-        Warning::ChangeMayEnd {
+        Warning::ChangeNearEnd {
             joint,
             time_s,
             before_end_s,
         } => format!(
-            "{joint}: the change at {time_s:.0} s came {before_end_s:.0} s before the end; a contact that lasts looks the same, so the interval holds both"
+            "{joint}: change at {time_s:.0} s is only {before_end_s:.0} s before the end; slip and ongoing contact are indistinguishable, the interval covers both; record at least 8 s more"
         ),
-        Warning::StandsAtEnd {
+        Warning::AtRestAtEnd {
             joint,
             from_s,
-            hidden_rad,
+            stiction_bound_rad,
         } => format!(
-            "the arm stands from {from_s:.0} s to the end: friction may hide a slip there, at {joint} one of up to {:.1} mrad; the next motion shows it",
-            1e3 * hidden_rad
+            "arm at rest from {from_s:.0} s to the end: stiction can hide a slip of up to {:.1} mrad at {joint}; end the recording with motion",
+            1e3 * stiction_bound_rad
         ),
-        Warning::StandReadsOff {
+        Warning::RestPhaseInconsistent {
             joint,
             from_s,
-            off_rad,
-            hidden_rad,
+            inconsistency_rad,
+            stiction_bound_rad,
         } => format!(
-            "{joint}: it reads {:.1} mrad off where the arm stands, from {from_s:.0} s to the end; friction holds {:.1} mrad at most. A slip or a contact that lasts: the interval holds both, and the next motion shows which",
-            1e3 * off_rad,
-            1e3 * hidden_rad
+            "{joint}: offset differs by {:.1} mrad in the final rest phase (from {from_s:.0} s); stiction explains at most {:.1} mrad; slip or ongoing contact, the interval covers both; continue the motion and record again",
+            1e3 * inconsistency_rad,
+            1e3 * stiction_bound_rad
         ),
-        Warning::RopeCreeps {
+        Warning::RopeMemory {
             joint,
             half_width_95_rad,
         } => format!(
-            "{joint}: its rope follows its load for half a minute; what it carried before the recordings isn't known, which is {:.2} mrad of the interval",
+            "{joint}: rope has a relaxation time of 30 s; unknown load history contributes ± {:.2} mrad; hold the arm still for 1 min before recording",
             1e3 * half_width_95_rad
         ),
-        Warning::TendonCreeps {
+        Warning::TendonCreep {
             joint,
             probability,
-            moved_rad,
+            drift_rad,
             duration_s,
         } => format!(
-            "{joint}: its offset moved by {} mrad in {duration_s:.0} s ({:.0} % likely): a rope that creeps, as after tensioning, or that warms. The offset is that at the end; record again later to see whether it settles",
-            plus_minus(*moved_rad, 1e3),
-            100.0 * probability
+            "{joint}: offset drifted by {} mrad in {duration_s:.0} s (probability {}): creep after tensioning, or temperature; the value at the end is reported; record again after settling",
+            plus_minus(*drift_rad, 1e3),
+            format_probability(*probability)
         ),
         Warning::ExternalForce {
             probability,
             force_n,
         } => format!(
-            "a constant force from outside acts on the arm ({:.0} % likely): at the tool {} N along x, y and z of the base. It is estimated along; a cable that drags, a hose or a spring balancer does that. Take it off, or state it with --external-force-n",
-            100.0 * probability,
-            newtons(*force_n)
+            "constant external force of {} N at the tool along x, y and z of the base (probability {}); estimated as a nuisance parameter; remove the cable, hose or balancer, or specify --external-force-n",
+            newtons(*force_n),
+            format_probability(*probability)
         ),
-        Warning::Unexplained { joint, noise_rad } => format!(
-            "{joint}: {:.1} mrad of the reading fits nothing{}: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
+        Warning::UnexplainedResidual { joint, noise_rad } => format!(
+            "{joint}: residual of {:.1} mrad not explained by the model{}; check gear ratio, axis, encoder zero (zero_mrad), clocks and rope viscosity",
             1e3 * noise_rad,
-            if misfit_rad(*noise_rad) > 0.0 { ", and the interval is wider by that" } else { "" }
+            if excess_residual_rad(*noise_rad) > 0.0 { "; interval widened accordingly" } else { "" }
         ),
-        Warning::NotZeroed { joint, zero_rad } => format!(
-            "{joint}: its encoders were not zeroed on the unloaded rope, as zero_mrad in robot.toml says they were: they read {} mrad there. The zero was estimated instead; state zero_mrad",
+        Warning::EncoderZeroOffset { joint, zero_rad } => format!(
+            "{joint}: encoder zero offset of {} mrad is inconsistent with zero_mrad in robot.toml; estimate used; set zero_mrad, or zero the encoders on the slack rope and record the baseline again",
             plus_minus(*zero_rad, 1e3)
         ),
         Warning::NoJointEncoder { joint } => format!(
-            "{joint}: its position is not recorded, so the elongation of its tendon cannot be estimated. The position of its motor stands in for the estimate of the other joints"
+            "{joint}: joint position not recorded: elongation of its tendon not estimated, motor position used for the other joints; record the joint position"
         ),
         Warning::BeyondPretension {
             joint,
             torque_nm,
             limit_nm,
         } => format!(
-            "{joint}: the loop carried up to {} N·m. Beyond {} N·m, 2 r f0, one of its strands is slack and the loop half as stiff, which the estimate does not model. Increase the pretension, or record a motion with lower torque",
+            "{joint}: loop torque of up to {} N·m exceeds {} N·m (2 r f0): one strand slack, stiffness halved, not modelled; increase the pretension, or record a motion with lower torque",
             rounded(*torque_nm, 3),
             rounded(*limit_nm, 3)
         ),
-        Warning::Stuck {
+        Warning::JointSeized {
             joint,
             joint_travel_rad,
             motor_travel_rad,
         } => format!(
-            "{joint}: the joint moved {:.1} mrad while its motor turned {:.0}: stuck, or its encoder is",
+            "{joint}: joint moved {:.1} mrad while its motor moved {:.0} mrad: joint or joint encoder seized; inspect the joint",
             1e3 * joint_travel_rad,
             1e3 * motor_travel_rad
         ),
         Warning::NegativePayload { payload_kg } => format!(
-            "payload {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
+            "payload estimate {} kg is negative: tool lighter than described, or wrong unit or sign of the positions; check gripper mass, units and signs (sinew log info) before using the offsets",
             plus_minus(*payload_kg, 1.0)
         ),
-        Warning::ExternalForceContradicted { force_n } => format!(
-            "the recording contradicts the force that was stated with --external-force-n: {}; what it shows was used. Look at its direction (base axes) and at what pulls",
+        Warning::ExternalForceInconsistent { force_n } => format!(
+            "external force specified with --external-force-n is inconsistent with the data: {}; estimate used; check its direction (base frame)",
             match force_n {
-                Some(force_n) => format!("it shows {} N", newtons(*force_n)),
-                None => "it shows none".into(),
+                Some(force_n) => format!("estimated {} N", newtons(*force_n)),
+                None => "no force detected".into(),
             }
         ),
-        Warning::PayloadContradicted { payload_kg } => format!(
-            "the recording contradicts the payload that was stated: it shows {} kg, and that was used; look at the gripper",
+        Warning::PayloadInconsistent {
+            payload_kg,
+            probability,
+        } => format!(
+            "specified payload is inconsistent with the data (probability {}): estimated {} kg; estimate used; check the gripper",
+            format_probability(*probability),
             plus_minus(*payload_kg, 1.0)
         ),
-        Warning::NothingFits { from_s, to_s } => format!(
-            "from {from_s:.0} to {to_s:.0} s nothing fits: a contact that lasts, or a change this method doesn't know; nothing was learned there"
+        Warning::UnmodelledInterval { from_s, to_s } => format!(
+            "{from_s:.0} to {to_s:.0} s is inconsistent with the model (ongoing contact or unmodelled effect); excluded; check what happened in this interval"
         ),
-        Warning::MuchLeftOut { share } => format!(
-            "{:.0} % of the time was left out as disturbed: the robot may differ from its description in a way no tolerance covers",
+        Warning::MuchRejected { share } => format!(
+            "{:.0} % of the time rejected as disturbance: the robot probably differs from its description by more than the tolerances; check the masses, or record a new baseline",
             100.0 * share
         ),
         Warning::NoBaseline => {
-            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances; a baseline right after tensioning (sinew baseline) makes the interval up to four times narrower"
+            "no baseline: offsets refer to the encoder zero and the interval relies on data-sheet tolerances; record a baseline directly after tensioning (sinew baseline LOG --out FILE) for an interval up to 4 times narrower"
                 .into()
         }
         Warning::TemperatureUnknown {
-            deviation_k,
+            std_k,
             joint,
             half_width_95_rad,
         } => format!(
-            "the temperature is not known here, in the baseline or in both: its change is taken as 0 ± {:.0} K (95 %), which is {} mrad of the interval at {joint}; record it, or state it with --temperature-c",
-            Z95 * deviation_k,
+            "temperature of recording or baseline unknown: change assumed 0 ± {:.0} K (95 %), contributes ± {} mrad at {joint}; record it, or specify --temperature-c",
+            Z95 * std_k,
             rounded(1e3 * half_width_95_rad, 2)
         ),
-        Warning::DriftUnknown {
+        Warning::ThermalEffect {
             joint,
-            warmer_k,
+            temperature_difference_k,
             half_width_95_rad,
-            frame_is_stated,
+            frame_is_specified,
         } => format!(
-            "{} K {} than the baseline: what that does to rope and frame is {} mrad of the interval at {joint}; {}",
-            rounded(warmer_k.abs(), 1),
-            if *warmer_k > 0.0 { "warmer" } else { "colder" },
+            "{} K {} the baseline: thermal effect contributes ± {} mrad at {joint}; {}",
+            rounded(temperature_difference_k.abs(), 1),
+            if *temperature_difference_k > 0.0 { "above" } else { "below" },
             rounded(1e3 * half_width_95_rad, 2),
-            if *frame_is_stated {
-                "compare at like temperatures, or learn a baseline at this one"
+            if *frame_is_specified {
+                "record at a comparable temperature, or record a baseline at this one"
             } else {
-                "state frame_expansion_per_k in robot.toml, or compare at like temperatures"
+                "set frame_expansion_per_k in robot.toml, or record at a comparable temperature"
             }
         ),
-        Warning::AnchorDisagrees {
+        Warning::ReferenceInconsistent {
             joint,
             by_push_rad,
             by_motion_rad,
         } => format!(
-            "{joint}: pushed against its stop its tendon shows {} mrad, by its motion {} mrad: the stop has moved or gives, something else was in the way, or masses or payload are wrong; the interval holds both",
+            "{joint}: offset by stop contact ({} mrad) and by motion ({} mrad) disagree: stop moved, obstacle, wrong mass or payload; the interval covers both; inspect the stop and check the payload",
             plus_minus(*by_push_rad, 1e3),
             plus_minus(*by_motion_rad, 1e3)
         ),
-        Warning::SidesOutOfStep { motor_late_s } => format!(
-            "the motor side looks {} ms {} against the joint side, or friction is that far from robot.toml: the interval holds it; stamp both sides where they are read",
-            with_interval(1e3 * motor_late_s.mean.abs(), 1e3 * motor_late_s.deviation),
-            if motor_late_s.mean > 0.0 { "late" } else { "early" }
+        Warning::EncoderDelay { motor_delay_s } => format!(
+            "motor encoder {} by {} ms relative to the joint encoder, or friction differs from robot.toml; the interval covers it; stamp both encoders at the sensor",
+            if motor_delay_s.mean > 0.0 { "delayed" } else { "early" },
+            with_interval(1e3 * motor_delay_s.mean.abs(), 1e3 * motor_delay_s.std)
         ),
-        Warning::MotorTorqueLeftOut { joint, fault } => match fault {
-            WitnessFault::Constant => {
-                format!("{joint}: its motor torque never changes: it measures nothing and was left out")
+        Warning::MotorTorqueRejected { joint, fault } => match fault {
+            MotorTorqueError::Constant => {
+                format!("{joint}: motor torque is constant; not used; check the channel")
             }
-            WitnessFault::Contradicts { slope } => format!(
-                "{joint}: its motor torque is {} times what the spring carries, where 1 is right: it was left out; check its sign, unit, torque constant and gear ratio",
-                rounded(*slope, 2)
+            MotorTorqueError::Contradicts { slope } => format!(
+                "{joint}: motor torque is {} % of the spring torque (expected 100 %); not used; check sign, unit, torque constant and gear ratio",
+                rounded(100.0 * slope, 2)
             ),
-            WitnessFault::Untested => format!(
-                "{joint}: its motor torque was left out too: another joint's contradicts its spring, and this one's can't be tested"
+            MotorTorqueError::Untested => format!(
+                "{joint}: motor torque cannot be verified, and that of another joint is inconsistent with its spring; not used"
+            ),
+        },
+        Warning::TensionRejected { joint, fault } => match fault {
+            MotorTorqueError::Constant => {
+                format!("{joint}: tension is constant; not used; check the sensor")
+            }
+            MotorTorqueError::Contradicts { slope } => format!(
+                "{joint}: tension is {} % of the tension expected from the extension (expected 100 %); not used; check unit (N), sign and tendon of the sensor",
+                rounded(100.0 * slope, 2)
+            ),
+            MotorTorqueError::Untested => format!(
+                "{joint}: tension cannot be verified, and that of another tendon is inconsistent with its extension; not used"
             ),
         },
         Warning::FarFromPrior {
             joint,
             name,
             is_motor_torque_scale,
-            deviations,
+            stds,
         } => format!(
-            "{} {name}: {deviations:.2} standard deviations from what was believed; {}",
-            joint.as_deref().unwrap_or(""),
+            "{}{name}: {stds:.1} σ from its prior; {}",
+            joint.as_ref().map_or(String::new(), |joint| format!("{joint}: ")),
             match is_motor_torque_scale {
                 true => {
-                    "check the recorded torque's or current's unit, constant and gear ratio, or the tolerance in robot.toml"
+                    "check unit, torque constant and gear ratio of the recorded torque or current, or the tolerance in robot.toml"
                 }
-                false => "check robot.toml or its tolerance",
+                false => "check the value in robot.toml, or its tolerance",
             }
         ),
-        Warning::FramesMissing { frames } => {
-            format!("{frames} frames without every position were left out")
-        }
-        Warning::StiffnessChangedBefore {
+        Warning::FramesIncomplete { frames } => format!(
+            "{} excluded: a position is missing; check the channels with sinew log info",
+            counted(*frames, "frame")
+        ),
+        Warning::StiffnessChanged {
             joint,
             probability,
             change_ratio,
         } => {
-            /// From here on it is said to have changed.
-            const SURELY: f64 = 0.95;
             let lower = change_ratio.mean < 0.0;
             format!(
-                "{joint}: stiffness {} {:.1} ± {:.1} % {} than what was known before this recording (probability {probability:.2}){}",
-                if *probability > SURELY { "is" } else { "may be" },
+                "{joint}: stiffness {:.1} ± {:.1} % {} the prior before this recording (probability {}){}",
                 100.0 * change_ratio.mean.abs(),
                 100.0 * change_ratio.half_width_95(),
-                if lower { "lower" } else { "higher" },
-                if lower { "; strands may have failed" } else { "" },
+                if lower { "below" } else { "above" },
+                format_probability(*probability),
+                if lower { ": strands may have failed; inspect the rope" } else { "" },
             )
         }
     }
 }
 
-/// "1 gap", "3 gaps".
-fn counted(number: u64, noun: &str) -> String {
-    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+/// Formats a torque with two decimals and a typographic minus.
+fn signed(value: f64) -> String {
+    format!("{value:.2}").replace('-', "−")
 }
 
-/// Names in quotes, the first dozen of them.
+/// Formats at most a dozen names in quotes and the number of the others.
 fn quoted(names: &[String]) -> String {
-    const SHOWN: usize = 12;
-    let shown = names.iter().take(SHOWN).map(|n| format!("'{n}'"));
+    const MAX_NAMES: usize = 12;
+    let shown = names.iter().take(MAX_NAMES).map(|n| format!("'{n}'"));
     let text = shown.collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(SHOWN) {
+    match names.len().saturating_sub(MAX_NAMES) {
         0 => text,
         more => format!("{text} and {more} more"),
     }

@@ -1,4 +1,5 @@
-//! Time of the rope law: a year of one-minute steps under loads that vary and under one that stays, one step, one ramp.
+//! Computing time of the rope law: a year of one-minute steps under varying and under constant load, one step, one
+//! ramp.
 //!
 //! `cargo bench -p sinew-rope --bench rope`
 
@@ -46,7 +47,7 @@ fn year(c: &mut Criterion) {
             state
         });
     });
-    // Bedding-in goes on at every step.
+    // Bedding-in continues at every step.
     for tension_n in [60.0, 200.0] {
         group.bench_function(format!("the same at {tension_n} N and 23 °C"), |b| {
             b.iter(|| {

@@ -10,7 +10,7 @@ impl Duty {
     /// Opens a block table, TOML or CSV by the end of its name.
     ///
     /// # Errors
-    /// With file, line, key and value.
+    /// Returns [`Located`] with file, line, key and value.
     pub fn open(path: &Path) -> Result<Self, Located> {
         let file = path.display().to_string();
         let read = match path.extension().and_then(|e| e.to_str()) {
@@ -47,8 +47,8 @@ impl Duty {
         Self::checked(stretches, repeat, file)
     }
 
-    /// Reads a block table in CSV with a header line: the columns of [`Duty::from_toml`], empty
-    /// cells where a key would be left out. It repeats.
+    /// Reads a block table in CSV with a header line: the columns of [`Duty::from_toml`], with empty cells
+    /// for omitted keys. The duty repeats.
     ///
     /// # Errors
     /// As [`Duty::open`].
@@ -79,7 +79,7 @@ const DURATIONS: [(&str, f64); 4] = [
 ];
 /// A hundred years.
 const DURATION_S_MAX: f64 = 3.2e9;
-/// What a rope may pull with, N.
+/// Permitted tension of a block, N.
 const TENSION: Bound = Bound::Within(0.0, 1e9);
 const TEMPERATURE: Bound = Bound::Within(-100.0, 200.0);
 
@@ -95,11 +95,11 @@ fn stretch(block: &impl Fields) -> Result<Stretch, Located> {
     let c0 = block.number_or("temperature_c", TEMPERATURE, 23.0)?;
     let c1 = block.number_or("temperature_to_c", TEMPERATURE, c0)?;
     let [(key, duration_s)] = given[..] else {
-        let why = "give one of duration_s, duration_min, duration_h, duration_d";
-        return Err(block.missing("duration", why));
+        let reason = "give one of duration_s, duration_min, duration_h, duration_d";
+        return Err(block.missing("duration", reason));
     };
     if duration_s > DURATION_S_MAX {
-        return Err(block.refuse(key, "at most 100 years"));
+        return Err(block.invalid(key, "at most 100 years"));
     }
     Ok(Stretch {
         from: RopeLoad::celsius(t0, c0),
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn toml_and_csv_say_the_same() {
+    fn duty_toml_and_csv_give_same_blocks() {
         let toml = "[[block]]\nduration_h = 8\ntension_n = 60\ntension_to_n = 90.5\n\
                     temperature_c = 40\n[[block]]\nduration_min = 960\ntension_n = 30\n";
         let csv = "duration_h,duration_min,tension_n,tension_to_n,temperature_c\n\
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_place() {
+    fn invalid_block_error_names_location() {
         for (text, words) in [
             ("", "0 blocks"),
             ("[[block]]\ntension_n = 1\n", "duration"),

@@ -1,7 +1,7 @@
-//! Ropes to choose from: those that ship with the program and those in the user's own folders.
+//! Rope catalogue: ropes that ship with the program, and those of user folders.
 
 use crate::law::entry::CatalogueEntry;
-use crate::law::holds::Holds;
+use crate::law::tested_range::TestedRange;
 use sinew_files::{Fault, Located, limits, read_text};
 use std::path::{Path, PathBuf};
 
@@ -28,8 +28,8 @@ const PAPER: [(&str, &str); 9] = shipped![
     "tu-chemnitz-vectran",
 ];
 
-/// Thin lines for hands, and cables of metal to compare with.
-const BESIDE: [(&str, &str); 6] = shipped![
+/// Further ropes that ship with the program: thin lines for hands, and metal cables for comparison.
+const SHIPPED_EXTRA: [(&str, &str); 6] = shipped![
     "tasline-pe5",
     "tasline-pe8",
     "dyneema-braid-0-9",
@@ -41,19 +41,19 @@ const BESIDE: [(&str, &str); 6] = shipped![
 /// A rope and the file it came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CatalogueRope {
-    /// The rope.
+    /// Entry of the rope: published values and creep law.
     pub entry: CatalogueEntry,
-    /// Its file; `None` for one that ships with the program.
+    /// File of the entry; `None` for a rope that ships with the program.
     pub file: Option<PathBuf>,
 }
 
 impl CatalogueRope {
-    /// Data behind the values; [`Holds::NOT_STATED`] where the entry doesn't say.
-    pub fn holds(&self) -> Holds {
-        self.entry.holds.unwrap_or(Holds::NOT_STATED)
+    /// Tested range of the rope; [`TestedRange::UNSPECIFIED`] if the entry specifies none.
+    pub fn tested_range(&self) -> TestedRange {
+        self.entry.tested_range.unwrap_or(TestedRange::UNSPECIFIED)
     }
 
-    /// Diameter, m, where it is published.
+    /// Published diameter of the rope, m.
     pub fn diameter_m(&self) -> Option<f64> {
         self.entry.diameter_mm.as_ref().map(|d| 1e-3 * d.value)
     }
@@ -66,48 +66,48 @@ pub struct Catalogue {
     namesakes: Vec<Namesake>,
 }
 
-/// A file of one's own that names its rope as a rope before it.
+/// User file that gives its rope the name of an earlier rope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Namesake {
-    /// The name.
+    /// Name that both ropes have.
     pub name: String,
-    /// The file.
+    /// File of the later rope.
     pub file: PathBuf,
-    /// Whether it is another rope: it then replaces the one before.
+    /// Whether the ropes differ; the later one then replaces the earlier one.
     pub replaces: bool,
 }
 
-/// What is wrong with a catalogue.
+/// Error of a rope catalogue.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CatalogueError {
-    /// A folder that can't be read, or an entry with the place of what is wrong.
+    /// Folder that cannot be read, or invalid entry with its location.
     #[error(transparent)]
     File(#[from] Located),
     /// Two files of one folder name the same rope.
     #[error("{first} and {second} both name their rope '{name}'; rename one", first = first.display(), second = second.display())]
     Twice {
-        /// Rope.
+        /// Name of the rope.
         name: String,
-        /// File read first.
+        /// File that was read first.
         first: PathBuf,
-        /// File read then.
+        /// File that was read second.
         second: PathBuf,
     },
-    /// No such rope.
-    #[error("no rope '{name}' in the catalogue; it has {known}")]
+    /// Rope that is not in the catalogue.
+    #[error("no rope '{name}' in the catalogue; it has {available}")]
     Unknown {
-        /// Name asked for.
+        /// Requested name of a rope.
         name: String,
-        /// Names there are.
-        known: String,
+        /// Names in the catalogue.
+        available: String,
     },
-    /// The rope has no complete law.
+    /// Rope whose creep law is incomplete.
     #[error("rope '{name}' has no complete law; missing in its [law]: {missing}")]
     NoLaw {
-        /// Rope.
+        /// Name of the rope.
         name: String,
-        /// Parameters that are missing.
+        /// Missing parameters of its `[law]`.
         missing: String,
     },
 }
@@ -116,12 +116,12 @@ impl Catalogue {
     /// The ropes that ship with the program.
     ///
     /// # Errors
-    /// [`CatalogueError::File`]; a test keeps that from happening.
+    /// Returns [`CatalogueError::File`] if a shipped file is invalid, which a test excludes.
     pub fn shipped() -> Result<Self, CatalogueError> {
-        Self::of(PAPER.iter().chain(&BESIDE))
+        Self::of(PAPER.iter().chain(&SHIPPED_EXTRA))
     }
 
-    /// Those of the paper's Table I, in its order.
+    /// Ropes of Table I of the paper, in its order.
     ///
     /// # Errors
     /// As [`Catalogue::shipped`].
@@ -157,7 +157,7 @@ impl Catalogue {
 
     fn add_folder(&mut self, folder: &Path) -> Result<(), CatalogueError> {
         let read_error = |error: std::io::Error| {
-            let problem = format!("can't read: {error}");
+            let problem = format!("cannot be read: {error}");
             Located::new(&folder.display().to_string(), Fault::Unreadable, problem)
         };
         let mut files = Vec::new();
@@ -216,7 +216,7 @@ impl Catalogue {
         &self.namesakes
     }
 
-    /// All ropes.
+    /// Ropes of the catalogue in reading order.
     pub fn ropes(&self) -> &[CatalogueRope] {
         &self.ropes
     }
@@ -229,14 +229,14 @@ impl Catalogue {
     /// A rope by name.
     ///
     /// # Errors
-    /// [`CatalogueError::Unknown`] with the names there are.
+    /// Returns [`CatalogueError::Unknown`] with the names in the catalogue.
     pub fn find(&self, name: &str) -> Result<&CatalogueRope, CatalogueError> {
         self.ropes
             .iter()
             .find(|r| r.entry.name == name)
             .ok_or_else(|| CatalogueError::Unknown {
                 name: name.to_string(),
-                known: self.names().join(", "),
+                available: self.names().join(", "),
             })
     }
 }
@@ -246,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_copy_that_keeps_its_name_is_told() {
+    fn namesake_copy_reports_replacement() {
         let folder = tempfile::tempdir().expect("a folder");
         let shipped = Catalogue::shipped().expect("shipped");
         let rope = shipped.find("liros-dc000-0301").expect("there");
@@ -372,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn a_users_rope_joins_and_replaces() {
+    fn user_rope_extends_and_replaces_catalogue() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut own = Catalogue::shipped().expect("shipped").ropes()[0]
             .entry

@@ -1,95 +1,96 @@
-//! What to be careful about in a prediction.
+//! Warnings about the validity of a prediction.
 
-use crate::law::holds::Holds;
-use crate::law::validity::Outside;
+use crate::law::tested_range::TestedRange;
+use crate::law::validity::LimitViolation;
 use serde::{Deserialize, Serialize};
 
-/// Something to be careful about.
+/// Warning about the validity of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Caution {
-    /// Tension below the range the law was made for.
+    /// Tension below the range of the creep law.
     LowLoad,
-    /// Tension above it.
+    /// Tension above the range of the creep law.
     HighLoad,
-    /// HMPE hotter than its flow was measured.
+    /// HMPE above the temperature range in which its flow was measured.
     Hot,
-    /// The breaking load is not published.
-    BreakingLoadGuessed {
-        /// Starting guess taken, N.
+    /// Breaking load that is not published.
+    BreakingLoadAssumed {
+        /// Assumed breaking load, N.
         breaking_load_n: f64,
     },
-    /// Starting guesses, held against short tests, asked for more than a day.
+    /// Extrapolation of assumed parameters beyond a day.
     Extrapolated {
-        /// Length of the longest of those tests, s.
+        /// Duration of the longest test, s.
         tests_s: f64,
     },
-    /// The rope creeps until it breaks; there is no reading from then on.
+    /// Creep rupture; there are no elongations after it.
     CreepsApart {
-        /// When, at the catalogue's values, s.
+        /// Time of the break at the catalogue values, s.
         time_s: f64,
     },
-    /// Bending wears the rope out; there is no reading from then on.
+    /// Bending fatigue up to a break; there are no elongations after it.
     WornOut {
-        /// When, at the catalogue's values, s.
+        /// Time of the break at the catalogue values, s.
         time_s: f64,
     },
-    /// The rope stretches beyond the strain at which its maker says to replace it.
+    /// Strain above the manufacturer's discard strain.
     Replace {
-        /// That strain since it was new, m/m.
+        /// Discard strain since new, m/m.
         strain_ratio: f64,
-        /// The first time asked for at which the middle lies beyond it, s; `None`: only draws do.
+        /// First requested time at which the central estimate exceeds the discard strain, s; `None`: only
+        /// draws do.
         time_s: Option<f64>,
-        /// Share of the draws that lie beyond it, or are broken, at the last time asked for, 0 to 1.
+        /// Share of the draws that exceed it, or are broken, at the last requested time, 0 to 1.
         share: f64,
     },
-    /// A pulley bends the rope closer than makers advise.
+    /// Pulley diameter below the manufacturers' advice.
     TightBend {
-        /// Diameter that the rope is bent to, over its own.
+        /// Ratio of bend diameter to rope diameter.
         bend_ratio: f64,
-        /// Advised at least.
-        least_ratio: f64,
+        /// Smallest advised ratio.
+        min_ratio: f64,
     },
-    /// More load than makers advise.
+    /// Load above the manufacturers' advice.
     LoadShare {
-        /// Largest tension over the breaking load.
+        /// Ratio of largest tension to breaking load, 0 to 1.
         load_share: f64,
-        /// Advised at most.
-        most_share: f64,
+        /// Largest advised ratio, 0 to 1.
+        max_share: f64,
     },
-    /// The ends are taken to be as strong as the rope.
-    EndsNotStated {
-        /// Share of the strength that a splice keeps.
+    /// Termination not specified; assumed as strong as the rope.
+    TerminationNotSpecified {
+        /// Share of the strength that a splice retains, 0 to 1.
         splice_share: f64,
-        /// Share of the strength that a knot keeps.
+        /// Share of the strength that a knot retains, 0 to 1.
         knot_share: f64,
     },
-    /// The duty goes beyond the data behind the rope's values; intervals are widened.
+    /// Duty outside the tested range of the rope; intervals are widened.
     BeyondData {
-        /// The data.
-        holds: Holds,
+        /// Tested range of the rope.
+        tested_range: TestedRange,
         /// Mean and largest tension of the duty over the breaking load.
         load_share: [f64; 2],
-        /// Lowest and highest temperature, °C.
+        /// Lowest and highest temperature of the duty, °C.
         temperature_c: [f64; 2],
-        /// Longest time asked for, s.
+        /// Longest requested time, s.
         duration_s: f64,
-        /// Factor up and down that 95 % of the widening reaches at that time.
+        /// Factor of the widening at that time, up and down (95 %).
         factor: f64,
     },
-    /// Parameters are starting guesses.
-    StartingGuesses {
-        /// How many.
-        guesses: usize,
-        /// Of all.
+    /// Parameters that are assumed, not measured.
+    AssumedParameters {
+        /// Number of assumed parameters.
+        assumed: usize,
+        /// Number of creep law parameters.
         parameters: usize,
     },
 }
 
 impl Caution {
-    /// Limits of the law's validity that a load lies outside of.
-    pub(super) fn outside(outside: Outside) -> Vec<Caution> {
+    /// Warnings for the validity limits that a load violates.
+    pub(super) fn outside(outside: LimitViolation) -> Vec<Caution> {
         [
             (outside.low_load, Caution::LowLoad),
             (outside.high_load, Caution::HighLoad),

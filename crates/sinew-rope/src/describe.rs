@@ -1,8 +1,8 @@
-//! Ropes of the catalogue as results: what is published, what is known of the law.
+//! Catalogue ropes as results: published values and parameters of the creep law.
 
 use super::{Catalogue, CatalogueRope};
 use crate::law::entry::{Origin, Uncertainty, Value};
-use crate::law::holds::Holds;
+use crate::law::tested_range::TestedRange;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use std::collections::BTreeMap;
@@ -13,23 +13,23 @@ use std::collections::BTreeMap;
 pub struct CatalogueValue {
     /// Value, in the unit of its key.
     pub value: f64,
-    /// With 95 % probability between value/factor and value·factor, where stated so.
+    /// Factor of the 95 % interval, from value/factor to value·factor, where specified.
     pub factor: Option<f64>,
-    /// With 95 % probability within so much of the value, where stated so.
+    /// Half-width of the 95 % interval, in the unit of the value, where specified.
     pub plus_minus: Option<f64>,
-    /// Where it comes from.
+    /// Origin of the value.
     pub origin: Origin,
-    /// Key of the rope's sources.
+    /// Key of the value's source in the rope's sources.
     pub source: String,
-    /// Day of a fit.
+    /// Date of the fit, for fitted values.
     pub date: Option<String>,
 }
 
 impl CatalogueValue {
-    /// A value in another unit: `unit` of the new one make one of the catalogue's.
+    /// Converts a value to another unit: `unit` of the new one make one of the catalogue's.
     fn scaled(v: &Value, unit: f64) -> Self {
         let (factor, plus_minus) = match v.uncertainty {
-            Uncertainty::NotStated => (None, None),
+            Uncertainty::NotSpecified => (None, None),
             Uncertainty::Factor(f) => (Some(f), None),
             Uncertainty::PlusMinus(d) => (None, Some(unit * d)),
         };
@@ -44,31 +44,31 @@ impl CatalogueValue {
     }
 }
 
-/// A rope in short.
+/// Summary of a catalogue rope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RopeSummary {
-    /// Name.
+    /// Name of the rope.
     pub name: String,
-    /// Who makes it.
+    /// Manufacturer of the rope.
     pub manufacturer: String,
-    /// What they call it.
+    /// Product name of the manufacturer.
     pub product: String,
-    /// Load-bearing fibre.
+    /// Name of the load-bearing fibre.
     pub fibre: String,
-    /// What the fibre is made of.
+    /// Material of the fibre.
     pub material: String,
-    /// How it is plaited.
+    /// Construction of the braid.
     pub plait: Option<String>,
-    /// Diameter, m, where it is published.
+    /// Published diameter, m.
     pub diameter_m: Option<f64>,
-    /// Breaking load, N, where it is published.
+    /// Published breaking load, N.
     pub breaking_load_n: Option<f64>,
-    /// Weight, kg/m, where it is published.
+    /// Published weight per length, kg/m.
     pub weight_kg_per_m: Option<f64>,
-    /// Parameters of the law that are starting guesses.
-    pub starting_guesses: usize,
-    /// Parameters of the law.
+    /// Number of creep law parameters that are assumed, not measured.
+    pub assumed_parameters: usize,
+    /// Number of parameters of the creep law.
     pub parameters: usize,
     /// File it came from; `None`: ships with the program.
     pub file: Option<String>,
@@ -83,7 +83,7 @@ pub struct RopeList {
 }
 
 impl JsonDocument for RopeList {
-    const SCHEMA: &'static str = "sinew/rope-list/1";
+    const SCHEMA: &'static str = "sinew/rope-list/2";
 }
 
 /// Everything known about a rope.
@@ -93,15 +93,15 @@ pub struct RopeDescription {
     /// The rope in short.
     #[serde(flatten)]
     pub summary: RopeSummary,
-    /// Remarks.
+    /// Remarks of the catalogue entry.
     pub note: Option<String>,
-    /// What is published.
+    /// Published values of the rope.
     pub published: Published,
-    /// Data behind the values of the law; beyond it predictions widen.
-    pub holds: Holds,
+    /// Tested range of the rope; intervals are wider outside this range.
+    pub tested_range: TestedRange,
     /// Parameters of the law by their names in the catalogue, which end in their units.
     pub law: BTreeMap<String, CatalogueValue>,
-    /// What breaks the rope, its own values or its fibre's, by their names, which end in their units.
+    /// Endurance values of the rope or its fibre class by name; the names end in their units.
     pub endurance: BTreeMap<String, CatalogueValue>,
     /// Sources of the endurance by their keys.
     pub endurance_sources: BTreeMap<String, String>,
@@ -110,18 +110,18 @@ pub struct RopeDescription {
 }
 
 impl JsonDocument for RopeDescription {
-    const SCHEMA: &'static str = "sinew/rope-show/1";
+    const SCHEMA: &'static str = "sinew/rope-show/2";
 }
 
-/// What a maker publishes, with origin and uncertainty.
+/// Published values of a rope, with origin and uncertainty.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Published {
-    /// Diameter, m.
+    /// Diameter of the rope, m.
     pub diameter_m: Option<CatalogueValue>,
     /// Breaking load, N.
     pub breaking_load_n: Option<CatalogueValue>,
-    /// Weight, kg/m.
+    /// Weight per length, kg/m.
     pub weight_kg_per_m: Option<CatalogueValue>,
 }
 
@@ -149,7 +149,7 @@ impl CatalogueRope {
             diameter_m: value(&e.diameter_mm, 1e-3),
             breaking_load_n: value(&e.breaking_load_n, 1.0),
             weight_kg_per_m: value(&e.weight_g_per_m, 1e-3),
-            starting_guesses: e.guesses(),
+            assumed_parameters: e.assumed(),
             parameters: e.law.len(),
             file: self.file.as_ref().map(|f| f.display().to_string()),
         }
@@ -172,7 +172,7 @@ impl CatalogueRope {
                 breaking_load_n: value(&e.breaking_load_n, 1.0),
                 weight_kg_per_m: value(&e.weight_g_per_m, 1e-3),
             },
-            holds: self.holds(),
+            tested_range: self.tested_range(),
             law: e
                 .law
                 .iter()

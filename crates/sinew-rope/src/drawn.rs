@@ -1,4 +1,4 @@
-//! A strand of a rope as it might be: with the catalogue's values, and in every draw.
+//! Simulation of a strand at the catalogue values and in every draw.
 
 use super::CatalogueRope;
 use super::caution::Caution;
@@ -6,60 +6,59 @@ use super::draws::{Draws, bounded};
 use super::duty::DutySummary;
 use super::endurance::Endurances;
 use super::life::{
-    BreakCause, LIFE_MOST_S, Life, MAY_BREAK_SHARE, bent_share, cause, life_s, spots, wear,
+    BreakCause, LIFE_MOST_S, MAY_BREAK_SHARE, RopeLifetime, bent_share, cause, life_s, spots, wear,
 };
 use super::limits;
-use super::prediction::{Prediction, PulleyPlace, Reading, cautions};
-use super::refusal::PredictError;
+use super::predict_error::PredictError;
+use super::prediction::{PredictedElongation, Prediction, PulleyPlace, cautions};
 use super::route::Request;
 use super::strand::{Mean, StrandError, strand};
 use super::times::TENSIONED_AFTER_S;
 use crate::law::endurance::Endurance;
-use crate::law::holds::Beyond;
 use crate::law::routing::{self, Pulley};
+use crate::law::tested_range::Extrapolation;
 use crate::law::{Law, RopeLoad, State, damage};
 use rayon::prelude::*;
 use sinew_model::Bounded;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// One rope's strand at the catalogue's values and in every draw.
+/// Simulated strand of one rope at the catalogue values and in every draw.
 pub(crate) struct Drawn {
     pub(crate) draws: Draws,
     read_at: RopeLoad,
     /// A minute after tensioning, then at the times of the request.
     nominal: Vec<Mean>,
-    /// The same in each draw, up to where the rope breaks.
+    /// Results in each draw, up to the break of the rope.
     drawn: Vec<Vec<Mean>>,
-    /// When the rope breaks, within the times asked for.
+    /// Time at which the rope breaks, s, within the requested times.
     pub(crate) breaks_after_s: Option<f64>,
-    /// How long it lasts.
-    pub(crate) life: Life,
+    /// Predicted lifetime of the rope.
+    pub(crate) lifetime: RopeLifetime,
     endurance: Endurance,
-    /// How far the duty lies beyond the rope's data.
-    beyond: Beyond,
+    /// Extrapolation distance of the duty from the tested range of the rope.
+    extrapolation: Extrapolation,
 }
 
-/// How far a duty's loads and temperatures lie beyond a rope's data. Low loads count by their mean:
-/// a moment without tension is no extrapolation.
-fn beyond(rope: &CatalogueRope, law: &Law, duty: &DutySummary) -> Beyond {
+/// Extrapolation distance of a duty from the tested range of a rope. The low end of the loads is the mean
+/// tension: a short time without tension is no extrapolation.
+fn extrapolation(rope: &CatalogueRope, law: &Law, duty: &DutySummary) -> Extrapolation {
     let share = [duty.tension_mean_n, duty.tension_max_n].map(|n| law.load_ratio(n));
     let celsius = [duty.temperature_min_c, duty.temperature_max_c];
-    rope.holds().beyond(share, celsius)
+    rope.tested_range().extrapolation(share, celsius)
 }
 
-/// Strains of one draw with what the law may miss beyond its data: `doubt` is a standard normal
-/// number. The strain at once and what is added later are multiplied by `exp(doubt s)`, with `s` of
-/// [`Beyond`].
+/// Strains of one draw, including the model error outside the tested range: `error_z` is a standard normal number. The
+/// immediate strain and the later strain are multiplied by `exp(error_z s)`, with `s` of [`Extrapolation`].
 fn widened(
     means: &[Mean],
     decades: impl Iterator<Item = f64>,
-    beyond: Beyond,
-    doubt: f64,
+    extrapolation: Extrapolation,
+    error_z: f64,
 ) -> Vec<Mean> {
     let start = means.first().copied().unwrap_or_default();
-    let at_once = (doubt * beyond.deviation()).exp();
+    let at_once = (error_z * extrapolation.std()).exp();
     let later = |(mean, decades): (&Mean, f64)| {
-        let factor = (doubt * beyond.deviation_after(decades)).exp();
+        let factor = (error_z * extrapolation.std_after(decades)).exp();
         Mean {
             strain: at_once * start.strain + factor * (mean.strain - start.strain),
             irreversible: factor * mean.irreversible,
@@ -83,12 +82,12 @@ pub(crate) fn drawn(
         summary.tension_mean_n,
         summary.temperature_mean_c,
     ));
-    let refuse = |error| PredictError::Load {
+    let to_error = |error| PredictError::Load {
         rope: rope.entry.name.clone(),
         error,
     };
     let hardest = RopeLoad::celsius(summary.tension_max_n, summary.temperature_max_c);
-    draws.nominal.rates(hardest).map_err(refuse)?;
+    draws.nominal.rates(hardest).map_err(to_error)?;
     let rope_m = rope.diameter_m();
     let wears = wear(&draws.nominal, &endurances.nominal, request, rope_m)?;
     let life = life_s(&wears);
@@ -97,7 +96,7 @@ pub(crate) fn drawn(
         let e = &endurances.nominal;
         let pulleys: Vec<&Pulley> = request.route.pulleys.iter().collect();
         let bent_share = bent_share(e, &pulleys, rope_m);
-        let weakest = request.route.ends.share(e).min(bent_share);
+        let weakest = request.route.termination.share(e).min(bent_share);
         let strength = weakest * e.strength_share(hardest.temperature_k);
         let strength_n = strength * draws.nominal.parameters().breaking_load_n;
         // Friction on the guides pulls a rope that moves harder than its drive does.
@@ -113,7 +112,7 @@ pub(crate) fn drawn(
                 tension_n,
                 strength_n,
                 temperature_c: summary.temperature_max_c,
-                ends: request.route.ends,
+                termination: request.route.termination,
                 is_bent: bent_share <= weakest && bent_share < 1.0,
             }
         } else {
@@ -135,23 +134,27 @@ pub(crate) fn drawn(
     };
     let nominal = strand(&draws.nominal, request, read_at, rope_m, within(life));
     let nominal = nominal.map_err(|e| match e {
-        StrandError::Load(error) => refuse(error),
+        StrandError::Load(error) => to_error(error),
         StrandError::Routing(error) => error.into(),
     })?;
-    let beyond = beyond(rope, &draws.nominal, &summary);
-    let holds = rope.holds();
-    let doubts = draws.doubts(rope, request.seed);
+    let extrapolation = extrapolation(rope, &draws.nominal, &summary);
+    let tested_range = rope.tested_range();
+    let extrapolation_errors = draws.extrapolation_errors(rope, request.seed);
     let finished = AtomicUsize::new(0);
-    let each = draws.laws.par_iter().zip(&endurances.drawn).zip(&doubts);
-    let each = each.map(|((law, endurance), doubt)| {
+    let each = draws
+        .laws
+        .par_iter()
+        .zip(&endurances.drawn)
+        .zip(&extrapolation_errors);
+    let each = each.map(|((law, endurance), error_z)| {
         let life_s = wear(law, endurance, request, rope_m).map_or(0.0, |w| life_s(&w));
         // Where the law stretches a rope more than it should, it breaks it sooner.
-        let decades = holds.decades_beyond(life_s.max(1.0));
-        let life_s = life_s * (-doubt * beyond.deviation_after(decades)).exp();
+        let decades = tested_range.decades_beyond(life_s.max(1.0));
+        let life_s = life_s * (-error_z * extrapolation.std_after(decades)).exp();
         let means = strand(law, request, read_at, rope_m, within(life_s)).unwrap_or_default();
         done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        let decades = times.iter().map(|t| holds.decades_beyond(*t));
-        let mut means = widened(&means, decades, beyond, *doubt);
+        let decades = times.iter().map(|t| tested_range.decades_beyond(*t));
+        let mut means = widened(&means, decades, extrapolation, *error_z);
         // What the widening stretches beyond a break is broken too.
         let parted = |m: &Mean| m.irreversible > endurance.rupture_percent;
         let mut life_s = life_s.min(LIFE_MOST_S);
@@ -165,12 +168,12 @@ pub(crate) fn drawn(
     let last_s = request.times_s.last().copied().unwrap_or(0.0);
     let early = lives_s.iter().filter(|l| **l <= last_s).count();
     Ok(Drawn {
-        life: Life {
+        lifetime: RopeLifetime {
             breaks_after_s: (life < LIFE_MOST_S).then(|| bounded(life, &lives_s)),
             cause: cause(&wears),
             broken_share: early as f64 / lives_s.len().max(1) as f64,
-            ends: request.route.ends,
-            end_share: request.route.ends.share(&endurances.nominal),
+            termination: request.route.termination,
+            termination_share: request.route.termination.share(&endurances.nominal),
             abrasion_factor: request.route.abrasion_factor,
             spots: spots(&wears, life.min(last_s)),
         },
@@ -180,18 +183,18 @@ pub(crate) fn drawn(
         nominal,
         drawn,
         breaks_after_s: (life <= last_s).then_some(life),
-        beyond,
+        extrapolation,
     })
 }
 
 impl Drawn {
-    /// What the rope endures, at the catalogue's values.
+    /// Endurance of the rope at the catalogue values.
     pub(crate) fn endurance(&self) -> &Endurance {
         &self.endurance
     }
 
-    /// Strength of the most bent portion at the last time asked for; `None` where nothing bends it
-    /// or it is broken by then.
+    /// Strength of the most bent section at the last requested time; `None` without bending or if the rope is
+    /// broken by then.
     fn strength_left(&self, rope: &CatalogueRope, request: &Request) -> Option<Bounded> {
         let rope_m = rope.diameter_m()?;
         let last_s = *request.times_s.last()?;
@@ -218,8 +221,7 @@ impl Drawn {
         Some(bounded(nominal, &drawn))
     }
 
-    /// Elongation since tensioned at the last time asked for, m, in each draw; NaN where the rope
-    /// breaks.
+    /// Elongation after pretensioning at the last requested time, m, per draw; NaN where the rope breaks.
     pub(crate) fn growth_m(&self, request: &Request) -> Vec<f64> {
         let of = |m: &Vec<Mean>| match (m.first(), m.get(self.nominal.len() - 1)) {
             (Some(first), Some(last)) => {
@@ -230,8 +232,8 @@ impl Drawn {
         self.drawn.iter().map(of).collect()
     }
 
-    /// Whether it stretches beyond the strain at which its maker says to replace it, at the catalogue's values
-    /// or in more than [`MAY_BREAK_SHARE`] of the draws.
+    /// Warning that the strain exceeds the manufacturer's discard strain at the catalogue values or in more
+    /// than [`MAY_BREAK_SHARE`] of the draws.
     fn replaced(&self, rope: &CatalogueRope, request: &Request) -> Option<Caution> {
         let strain_ratio = rope.entry.discard_strain()?;
         let is_beyond = |m: &Mean| 0.01 * m.strain > strain_ratio;
@@ -248,7 +250,7 @@ impl Drawn {
         })
     }
 
-    /// What the draws say.
+    /// Summarises the draws as a prediction.
     pub(crate) fn prediction(&self, rope: &CatalogueRope, request: &Request) -> Prediction {
         let share = |broken: usize| broken as f64 / self.drawn.len().max(1) as f64;
         let broken = self.drawn.iter().filter(|m| m.is_empty()).count();
@@ -262,7 +264,7 @@ impl Drawn {
                 bounded(f(&self.nominal), &all)
             };
             let strain_percent = interval(&|m| m[at].strain);
-            Reading {
+            PredictedElongation {
                 time_s,
                 strain_ratio: strain_percent.scaled(0.01),
                 elongation_m: strain_percent.scaled(m_per_percent),
@@ -273,9 +275,9 @@ impl Drawn {
         };
         let times = request.times_s.iter().take(self.nominal.len() - 1);
         let law = &self.draws.nominal;
-        let mut cautions = cautions(rope, law, &self.endurance, request, self.beyond);
+        let mut cautions = cautions(rope, law, &self.endurance, request, self.extrapolation);
         if let Some(time_s) = self.breaks_after_s {
-            let caution = match self.life.cause {
+            let caution = match self.lifetime.cause {
                 BreakCause::CreepRupture => Caution::CreepsApart { time_s },
                 BreakCause::BendingFatigue => Caution::WornOut { time_s },
             };
@@ -298,15 +300,15 @@ impl Drawn {
             read_at_c: self.read_at.temperature_k - crate::law::CELSIUS_ZERO_K,
             readings: times.enumerate().map(reading).collect(),
             strength_left_share: self.strength_left(rope, request),
-            life: self.life.clone(),
+            lifetime: self.lifetime.clone(),
             broken_share: share(broken),
-            starting_guesses: entry.guesses(),
+            assumed_parameters: entry.assumed(),
             parameters: entry.law.len(),
             draws: request.draws,
             seed: request.seed,
             breaks_after_s: self.breaks_after_s,
-            holds: rope.holds(),
-            beyond: self.beyond,
+            tested_range: rope.tested_range(),
+            extrapolation: self.extrapolation,
             cautions,
         }
     }

@@ -1,4 +1,4 @@
-//! Ropes as they might be: seeded draws of the parameters within their stated intervals.
+//! Seeded draws of a rope's parameters from their specified intervals.
 
 use super::{CatalogueError, CatalogueRope};
 use crate::law::entry::CatalogueEntry;
@@ -9,16 +9,16 @@ use rand_distr::{Distribution, StandardNormal};
 use sinew_model::Bounded;
 use sinew_model::statistics::quantile;
 
-/// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.
+/// Default number of draws: ten of 400 lie below the 2.5 % quantile.
 pub const DRAWS_DEFAULT: usize = 400;
 
-/// Share of a heat retraction that comes back when a rope cools: between nothing and all, which is all
-/// that is known, and is drawn so.
+/// Nominal share of a heat retraction that is recovered on cooling. No value is published, so each posterior draw
+/// takes a share from the uniform distribution on [0, 1].
 const RETRACTION_RETURN: f64 = 0.5;
-/// Stream of numbers for it.
+/// Random stream of the recovered share.
 const RETURN_STREAM: u64 = 3;
 
-/// `value` with the 95 % interval of `draws` around it; draws that are no numbers are left out.
+/// `value` with the 95 % interval of `draws` around it; NaN draws are ignored.
 pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
     let mut sorted: Vec<f64> = draws.iter().copied().filter(|v| !v.is_nan()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -33,21 +33,21 @@ pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
     }
 }
 
-/// The law of a rope, as the catalogue has it and as it might be.
+/// Creep law of a rope: nominal and drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
-    /// With every parameter at its catalogue value.
+    /// Law with every parameter at its catalogue value.
     pub nominal: Law,
-    /// With parameters drawn from their intervals.
+    /// Laws with parameters drawn from their intervals.
     pub laws: Vec<Law>,
 }
 
 impl Draws {
-    /// Draws `count` laws of a rope. Parameters are independent but for the entry's own
-    /// correlations. The same seed gives the same draws, each rope its own.
+    /// Draws `count` laws of a rope. Parameters are independent except for the correlations of the entry. The
+    /// same seed gives the same draws; the streams of different ropes differ.
     ///
     /// # Errors
-    /// [`CatalogueError::NoLaw`] naming what is missing.
+    /// Returns [`CatalogueError::NoLaw`] with the missing parameters.
     pub fn new(rope: &CatalogueRope, count: usize, seed: u64) -> Result<Self, CatalogueError> {
         let entry = &rope.entry;
         let law = |z: &dyn Fn(Parameter) -> f64| {
@@ -77,9 +77,9 @@ impl Draws {
         Ok(Self { nominal, laws })
     }
 
-    /// A standard normal number per draw: how far the law itself is off beyond its data. Another
-    /// stream than the parameters', so that these stay the same draws.
-    pub(crate) fn doubts(&self, rope: &CatalogueRope, seed: u64) -> Vec<f64> {
+    /// One standard normal value per draw: model error of the law outside its tested range. It uses another
+    /// stream than the parameters, so that their draws are unchanged.
+    pub(crate) fn extrapolation_errors(&self, rope: &CatalogueRope, seed: u64) -> Vec<f64> {
         const STREAM: u64 = 1;
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ name_hash(&rope.entry.name));
         rng.set_stream(STREAM);
@@ -87,13 +87,13 @@ impl Draws {
         laws.map(|_| StandardNormal.sample(&mut rng)).collect()
     }
 
-    /// Something of every law: nominal first, then each draw.
+    /// Applies a function to every law: nominal first, then each draw.
     pub fn map<T>(&self, f: impl Fn(&Law) -> T) -> (T, Vec<T>) {
         (f(&self.nominal), self.laws.iter().map(f).collect())
     }
 }
 
-/// One standard normal number per parameter, correlated where the entry says so.
+/// One standard normal value per parameter, with the correlations of the entry.
 fn standard_errors(entry: &CatalogueEntry, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let all = Parameter::ALL;
     let mut z: Vec<f64> = all.iter().map(|_| StandardNormal.sample(rng)).collect();

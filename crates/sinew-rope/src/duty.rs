@@ -1,26 +1,26 @@
-//! What a rope has to do: tension and temperature over time, usually over and over. As text it is
-//! a table of blocks ([`Duty::from_toml`], [`Duty::from_csv`]).
+//! Duty of a rope: tension and temperature over time, usually periodic. As text it is a table of blocks
+//! ([`Duty::from_toml`], [`Duty::from_csv`]).
 
 use crate::law::RopeLoad;
 use serde::{Deserialize, Serialize};
 use sinew_files::{Fault, Located};
 
-/// Stretches a duty may have: a week of seconds.
+/// Maximum number of segments of a duty: one week of seconds.
 const STRETCHES_MAX: usize = 604_800;
 
-/// A stretch of a duty: linear from one load to another.
+/// Segment of a duty with linear change between two loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// At its start.
+    /// Load at the start of the segment.
     pub from: RopeLoad,
-    /// At its end.
+    /// Load at the end of the segment.
     pub to: RopeLoad,
-    /// s, above 0.
+    /// Duration of the segment, s, above 0.
     pub duration_s: f64,
 }
 
 impl Stretch {
-    /// Constant tension and temperature.
+    /// Segment of constant tension and temperature.
     pub fn hold(load: RopeLoad, duration_s: f64) -> Self {
         Self {
             from: load,
@@ -30,41 +30,41 @@ impl Stretch {
     }
 }
 
-/// A duty.
+/// Tension and temperature of a rope over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Duty {
-    /// What it is, in words.
+    /// Description of the duty in words.
     pub about: String,
-    /// Its stretches in order, at least one.
+    /// Segments in order, at least one.
     pub stretches: Vec<Stretch>,
-    /// Whether it begins again when it has ended; otherwise its last load stays.
+    /// Whether the duty repeats; otherwise its last load persists.
     pub repeat: bool,
 }
 
-/// Sums over a duty.
+/// Extremes and means of a duty over one cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DutySummary {
-    /// Length of one cycle, s.
+    /// Duration of one cycle, s.
     pub duration_s: f64,
-    /// Mean over time, N.
+    /// Mean tension over time, N.
     pub tension_mean_n: f64,
-    /// Smallest, N.
+    /// Smallest tension, N.
     pub tension_min_n: f64,
-    /// Largest, N.
+    /// Largest tension, N.
     pub tension_max_n: f64,
-    /// Mean over time, °C.
+    /// Mean temperature over time, °C.
     pub temperature_mean_c: f64,
-    /// Smallest, °C.
+    /// Lowest temperature, °C.
     pub temperature_min_c: f64,
-    /// Largest, °C.
+    /// Highest temperature, °C.
     pub temperature_max_c: f64,
 }
 
 impl Duty {
-    /// Constant tension and temperature for ever.
+    /// Constant tension and temperature without end.
     pub fn constant(tension_n: f64, temperature_c: f64) -> Self {
-        /// Where friction splits it, a stroke of a robot.
+        /// Period for splitting by friction, s: one stroke of a robot.
         const CYCLE_S: f64 = 10.0;
         Self {
             about: format!("{tension_n} N at {temperature_c} °C"),
@@ -84,10 +84,10 @@ impl Duty {
             .all(|s| s.from == first && s.to == first)
     }
 
-    /// A duty of stretches, unless there are none or too many; `file` is what it is called.
+    /// Duty of 1 to `STRETCHES_MAX` segments; `file` is its name.
     ///
     /// # Errors
-    /// With what it is called.
+    /// Returns [`Located`] with `file` for a duty without segments or with too many.
     pub fn checked(stretches: Vec<Stretch>, repeat: bool, file: &str) -> Result<Self, Located> {
         if stretches.is_empty() || stretches.len() > STRETCHES_MAX {
             let blocks = stretches.len();
@@ -130,8 +130,8 @@ impl Duty {
         out
     }
 
-    /// The same duty where friction along the routing multiplies the tension: half of each
-    /// stretch with the rope running one way, half the other.
+    /// Duty whose tension is multiplied by friction along the routing: half of each segment with the rope
+    /// running one way, half with the other.
     #[must_use]
     pub fn with_friction(&self, mu_phi: f64) -> Self {
         if mu_phi == 0.0 {

@@ -1,4 +1,4 @@
-//! What a rope endures: its own values, else those of its class of fibres.
+//! Endurance of a catalogue rope: its own values, otherwise those of its fibre class.
 
 use super::draws::name_hash;
 use super::{CatalogueError, CatalogueRope};
@@ -10,36 +10,36 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-/// How a rope's ends are held.
+/// Termination of a rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum Ends {
-    /// Not stated: taken to be as strong as the rope.
+pub enum RopeTermination {
+    /// Termination not specified; assumed as strong as the rope.
     #[default]
-    NotStated,
-    /// Spliced.
+    NotSpecified,
+    /// Spliced rope end.
     Spliced,
-    /// Knotted.
+    /// Knotted rope end.
     Knotted,
 }
 
-impl Ends {
-    /// Share of the rope's strength that an end keeps.
+impl RopeTermination {
+    /// Share of the rope's strength that a termination retains.
     pub(crate) fn share(self, e: &Endurance) -> f64 {
         match self {
-            Ends::NotStated => 1.0,
-            Ends::Spliced => e.splice_share,
-            Ends::Knotted => e.knot_share,
+            RopeTermination::NotSpecified => 1.0,
+            RopeTermination::Spliced => e.splice_share,
+            RopeTermination::Knotted => e.knot_share,
         }
     }
 }
 
 impl CatalogueRope {
-    /// What this rope endures, with the sources of each value: its own, else its fibre's.
+    /// Endurance values of this rope with their sources: its own, otherwise those of its fibre class.
     ///
     /// # Errors
-    /// [`CatalogueError::File`]; a test keeps that from happening.
+    /// Returns [`CatalogueError::File`] if a shipped file is invalid, which a test excludes.
     pub fn endurance(&self) -> Result<FibreClass, CatalogueError> {
         let (file, text) = match self.entry.material {
             Polymer::Hmpe => ("hmpe.toml", include_str!("../fibres/hmpe.toml")),
@@ -64,14 +64,15 @@ impl CatalogueRope {
     }
 }
 
-/// With every value as it stands, and in each draw.
+/// Endurance at the nominal values and in each draw.
 pub(crate) struct Endurances {
     pub(crate) nominal: Endurance,
     pub(crate) drawn: Vec<Endurance>,
 }
 
 impl Endurances {
-    /// Another stream of numbers than the law's, so that its draws stay the same.
+    /// Draws the endurance values from a random stream other than that of the creep law, whose draws are therefore
+    /// unchanged.
     pub(crate) fn new(
         rope: &CatalogueRope,
         count: usize,
@@ -103,7 +104,7 @@ mod tests {
     use crate::Catalogue;
 
     #[test]
-    fn every_shipped_rope_has_every_value_with_a_source() {
+    fn shipped_ropes_endurance_values_have_sources() {
         for rope in Catalogue::shipped().expect("shipped").ropes() {
             let class = rope.endurance().expect("readable");
             for key in EnduranceKey::ALL {
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ropes_own_value_comes_before_its_fibres() {
+    fn rope_endurance_value_overrides_fibre_class() {
         let mut rope = Catalogue::shipped().expect("shipped").ropes()[0].clone();
         let text = rope.entry.to_toml()
             + "\n[endurance]\nknot_share = { value = 0.6, origin = \"measured\", source = \"table1\" }\n";

@@ -1,4 +1,4 @@
-//! A rope through a duty that comes over and over, for years, without stepping through each one.
+//! A rope under a periodic duty for years, without stepping through each cycle.
 //!
 //! Over a repeated cycle delayed elasticity and retraction are affine maps (`v ↦ a v + c`), so
 //! any number of cycles is one closed form; flow adds the same each time. Bedding-in alone is
@@ -9,22 +9,22 @@ use super::Duty;
 use super::duty::Stretch;
 use crate::law::{Law, LoadError, Rates, State, ramp};
 
-/// Stretches run one by one before the slow equation takes over.
+/// Number of segments that are run one by one before the slow equation is used.
 const EXACT_STRETCHES: f64 = 1_000.0;
-/// At least this many cycles are run one by one.
+/// Minimum number of cycles that are run one by one.
 const EXACT_CYCLES: f64 = 30.0;
 /// Relative error of one step of the slow equation.
 const TOLERANCE: f64 = 1e-6;
 
-/// A rope on its way through a duty.
+/// Progress of a rope through a duty.
 #[derive(Debug, Clone)]
 pub struct History<'a> {
     law: &'a Law,
     duty: &'a Duty,
     cycle_s: f64,
-    /// Of the stretches under one load; made when years are leaped over.
+    /// Rates of the segments of constant load; computed before cycles are skipped.
     rates: Vec<Option<Rates>>,
-    /// Where it is.
+    /// State of the rope at the start of the current cycle.
     state: State,
     time_s: f64,
     whole_cycles: f64,
@@ -107,7 +107,7 @@ impl<'a> History<'a> {
         Ok(())
     }
 
-    /// Many cycles at once.
+    /// Advances the state by many cycles in one step.
     fn leap(&mut self, cycles: f64) -> Result<(), LoadError> {
         let start = self.state;
         if self.rates.is_empty() {
@@ -161,11 +161,12 @@ impl<'a> History<'a> {
         Ok(())
     }
 
-    /// Heat retraction that stays, after many cycles, %.
+    /// Permanent heat retraction after many cycles, %.
     ///
-    /// What a cycle adds falls with what is there: stretches that are no longer hot enough drop out. As long
-    /// as none does, it shrinks by the same share each time, and many cycles are one sum. That holds over a jump
-    /// of `n` cycles to `1e-9` % where a cycle at its end adds no more than `1e-9/n` above what the sum expects.
+    /// The increment of a cycle decreases with the retraction reached, because cooler parts of the cycle no longer
+    /// contribute. While the contributing parts remain the same, the increments are a geometric series with a closed
+    /// sum. The sum over `n` cycles is accurate to `1e-9` % if the increment of the last cycle exceeds that of the
+    /// series by at most `1e-9/n`.
     fn keep(&self, start: f64, cycles: f64) -> Result<f64, LoadError> {
         const TOLERANCE_PERCENT: f64 = 1e-9;
         if self.law.retraction_return() >= 1.0 {
@@ -200,7 +201,7 @@ impl<'a> History<'a> {
         Ok(kept)
     }
 
-    /// `db/dn` at bedding-in `b`: what a cycle adds, less what a difference overstates against a
+    /// `db/dn` at bedding-in `b`: the increment of a cycle with the second-order correction of a difference to a
     /// derivative, `D (1 − D'/2)`.
     fn slow_rate(&self, b: f64) -> Result<f64, LoadError> {
         // Bedding-in minds nothing of the rest of the state.
@@ -238,7 +239,7 @@ impl<'a> History<'a> {
         let mut k1 = self.slow_rate(b)?;
         while left > 0.0 {
             h = h.min(left);
-            // What can still come doesn't show in any figure.
+            // The remaining change is below the resolution of the results.
             if k1 * left <= 1e-9 * full {
                 return Ok(b + k1 * left);
             }
@@ -260,7 +261,7 @@ impl<'a> History<'a> {
     }
 }
 
-/// Runs the first `duration_s` of a stretch.
+/// Runs the first `duration_s` of a segment.
 pub(crate) fn run_stretch(
     law: &Law,
     state: &mut State,
@@ -333,9 +334,9 @@ mod tests {
         close(a.flow_percent, b.flow_percent, "flow");
     }
 
-    /// A minute of sun an hour: what stays of the retraction, leaped over and one by one.
+    /// One minute of sun per hour: permanent retraction, with skipped cycles and one by one.
     #[test]
-    fn what_heat_leaves_is_leaped_over_too() {
+    fn skipped_cycles_keep_permanent_retraction() {
         let law = law().giving_back(0.4);
         let load = |celsius: f64| RopeLoad::celsius(60.0, celsius);
         let duty = Duty {
@@ -363,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn when_it_is_asked_does_not_matter() {
+    fn history_does_not_depend_on_query_times() {
         let (law, duty) = (law(), minute());
         let mut once = History::new(&law, &duty, State::default());
         let mut often = once.clone();
@@ -380,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn a_duty_that_does_not_repeat_keeps_its_last_load() {
+    fn non_repeating_duty_keeps_last_load() {
         let law = law();
         let duty = Duty {
             repeat: false,

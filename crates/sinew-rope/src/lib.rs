@@ -1,11 +1,12 @@
-//! Choosing a rope: the catalogue, what a duty does to a rope, which rope to take, how to bed it
-//! in.
+//! Selection of a rope: the catalogue, the response of a rope to a duty, the choice of a rope, its
+//! preconditioning.
 //!
-//! Every answer comes with a 95 % interval from seeded draws of the rope's parameters
-//! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
+//! Every result has a 95 % interval from seeded draws of the rope's parameters ([`draws`]); where those are
+//! assumed, the interval is wide, and the result reports it.
 //!
-//! Reading order: [`law`] (strain of a rope under tension), [`catalogue`], [`draws`], [`duty`], [`history`], [`predict`],
-//! [`endurance`], [`life`], [`select`], [`pretension`], [`warmth`], [`survival`] (ages at which ropes broke); [`task`] puts requests together from what is stated.
+//! Reading order: [`law`] (strain of a rope under tension), [`catalogue`], [`draws`], [`duty`], [`history`],
+//! [`predict`], [`endurance`], [`life`], [`select`], [`pretension`], [`thermal`], [`survival`] (ages at which
+//! ropes broke); [`task`] builds requests from the specified values.
 
 pub mod bench;
 mod blocks;
@@ -21,10 +22,10 @@ pub mod law;
 pub mod life;
 mod limits;
 pub mod predict;
+mod predict_error;
 mod prediction;
 pub mod pretension;
 mod procedure;
-mod refusal;
 mod route;
 mod schedule;
 pub mod select;
@@ -32,8 +33,8 @@ pub mod stored;
 mod strand;
 pub mod survival;
 pub mod task;
+pub mod thermal;
 mod times;
-pub mod warmth;
 pub mod work;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake};
@@ -41,5 +42,5 @@ pub use caution::Caution;
 pub use describe::{CatalogueValue, Published, RopeDescription, RopeList, RopeSummary};
 pub use draws::Draws;
 pub use duty::{Duty, Stretch};
-pub use endurance::Ends;
-pub use life::{BreakCause, Life, Place, Spot};
+pub use endurance::RopeTermination;
+pub use life::{BreakCause, DamageSite, Place, RopeLifetime};

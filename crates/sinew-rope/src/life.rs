@@ -1,104 +1,105 @@
-//! How long a rope lasts under a duty, and which portion of it wears out first.
+//! Lifetime of a rope under a duty, and the section that fails first.
 //!
-//! Palmgren–Miner along the rope: `D = ∫ Ḋ_creep dt + Σ passes/passes survived`, portion by portion
-//! and at the ends; the rope is broken where `D` is 1 first.
+//! Palmgren–Miner rule along the rope: `D = ∫ Ḋ_creep dt + Σ passes/passes survived`, per section and at the
+//! terminations; the rope breaks where `D` reaches 1 first.
 
 use super::duty::{Duty, Stretch};
-use super::endurance::Ends;
+use super::endurance::RopeTermination;
 use super::route::Request;
 use crate::law::endurance::Endurance;
-use crate::law::routing::{self, Portion, Pulley, RoutingError};
+use crate::law::routing::{self, Pulley, RopeSection, RoutingError};
 use crate::law::{Law, RopeLoad, damage};
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 
-/// A life beyond this is none that can be told, s: 300 years.
+/// Longest lifetime that is reported, s: 300 years.
 pub(crate) const LIFE_MOST_S: f64 = 1e10;
-/// A rope that breaks in more of the draws than this is ranked behind those that last.
+/// Share of draws above which a rope that breaks is ranked behind those that last.
 pub const MAY_BREAK_SHARE: f64 = 0.025;
 
-/// What breaks a rope.
+/// Cause of a break.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum BreakCause {
-    /// Constant load: flow until it parts, or static fatigue.
+    /// Constant load: creep rupture or static fatigue.
     CreepRupture,
-    /// Bending over pulleys.
+    /// Bending fatigue over pulleys.
     BendingFatigue,
 }
 
-/// Where on the rope.
+/// Location on the rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
-    /// Along the rope.
+    /// Free length of the rope.
     Rope,
-    /// Where it is held.
-    Ends,
+    /// Terminations of the rope.
+    Termination,
 }
 
-/// A portion of the rope and what it has lost of its life; 1 is all of it.
+/// Section of the rope with its damage; it breaks at a damage of 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Spot {
-    /// Rope or ends.
+pub struct DamageSite {
+    /// Location of the section: rope or terminations.
     pub place: Place,
-    /// From here, m from the drive with the drive at rest.
+    /// Start of the section, m from the drive with the drive at rest.
     pub from_m: f64,
-    /// To here, m.
+    /// End of the section, m from the drive.
     pub to_m: f64,
-    /// Guiding pulleys that pass over it.
+    /// Number of guiding pulleys that pass over the section.
     pub guides: usize,
-    /// Lost to constant load.
+    /// Damage by constant load, 0 to 1.
     pub creep_damage: f64,
-    /// Lost to bending.
+    /// Damage by bending, 0 to 1.
     pub bending_damage: f64,
 }
 
-impl Spot {
-    /// Both together.
+impl DamageSite {
+    /// Total damage by load and bending.
     #[must_use]
     pub fn damage(&self) -> f64 {
         self.creep_damage + self.bending_damage
     }
 }
 
-/// How long a rope lasts.
+/// Predicted lifetime of a rope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Life {
-    /// When it breaks, s since it was first loaded; `None` beyond 300 years. The interval ends there.
+pub struct RopeLifetime {
+    /// Time of the break since first loading, s; `None` beyond 300 years. The interval is limited to 300
+    /// years.
     pub breaks_after_s: Option<Bounded>,
-    /// What takes most of its life.
+    /// Cause of the larger part of the damage.
     pub cause: BreakCause,
-    /// Share of the draws in which it breaks within the longest time asked for, 0 to 1.
+    /// Share of the draws in which the rope breaks within the longest requested time, 0 to 1.
     pub broken_share: f64,
-    /// How its ends are held.
-    pub ends: Ends,
-    /// Share of the rope's strength that they keep.
-    pub end_share: f64,
-    /// Factor by which abrasion speeds up the wear of bending, as stated.
+    /// Termination of the rope.
+    pub termination: RopeTermination,
+    /// Share of the rope's strength that the termination retains, 0 to 1.
+    pub termination_share: f64,
+    /// Specified factor by which abrasion accelerates bending fatigue.
     pub abrasion_factor: f64,
-    /// Portions in order from the drive, then the ends, at the longest time asked for or when it
-    /// breaks, at the catalogue's values.
-    pub spots: Vec<Spot>,
+    /// Sections in order from the drive, then the terminations, at the longest requested time or at the
+    /// break, at the catalogue values.
+    pub spots: Vec<DamageSite>,
 }
 
-/// How a spot wears.
+/// Damage rates of one section.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wear {
-    spot: Spot,
-    /// Creep and bending damage of one run through the duty.
+    spot: DamageSite,
+    /// Creep and bending damage of one cycle of the duty.
     cycle: [f64; 2],
     cycle_s: f64,
-    /// Per second afterwards; a duty that repeats goes on as before.
+    /// Damage rates after the first cycle, 1/s; the same as in the cycle if the duty repeats.
     after_per_s: [f64; 2],
 }
 
 impl Wear {
-    /// When its damage is 1, s.
+    /// Time at which the damage reaches 1, s.
     fn life_s(&self) -> f64 {
         let cycle: f64 = self.cycle.iter().sum();
         if cycle >= 1.0 {
@@ -108,13 +109,13 @@ impl Wear {
         (self.cycle_s + (1.0 - cycle) / after).min(LIFE_MOST_S)
     }
 
-    /// The spot at a time.
-    fn at(&self, time_s: f64) -> Spot {
+    /// Damage of the section at a time.
+    fn at(&self, time_s: f64) -> DamageSite {
         let of = |i: usize| {
             let share = (time_s / self.cycle_s).min(1.0);
             share * self.cycle[i] + (time_s - self.cycle_s).max(0.0) * self.after_per_s[i]
         };
-        Spot {
+        DamageSite {
             creep_damage: of(0),
             bending_damage: of(1),
             ..self.spot
@@ -122,9 +123,9 @@ impl Wear {
     }
 }
 
-/// The duty as a portion feels it: a rope that moves is pulled both ways by friction, one at rest
-/// keeps whatever friction has left it.
-pub(crate) fn felt_by(portion: &Portion, law: &Law, request: &Request) -> Duty {
+/// Duty of one section: friction acts in both directions on a moving rope; a rope at rest keeps the tension
+/// that friction leaves.
+pub(crate) fn felt_by(portion: &RopeSection, law: &Law, request: &Request) -> Duty {
     let route = &request.route;
     if route.stroke_m == 0.0 {
         return request.duty.clone();
@@ -135,7 +136,7 @@ pub(crate) fn felt_by(portion: &Portion, law: &Law, request: &Request) -> Duty {
     request.duty.with_friction(share.ln())
 }
 
-/// How every portion and the ends wear.
+/// Damage rates of every section and of the terminations.
 pub(crate) fn wear(
     law: &Law,
     endurance: &Endurance,
@@ -171,7 +172,7 @@ pub(crate) fn wear(
                 .damage_per_s(law, load, 1.0)
                 .unwrap_or(f64::INFINITY)
         };
-        let spot = Spot {
+        let spot = DamageSite {
             place: Place::Rope,
             from_m: portion.middle_m - 0.5 * portion.length_m,
             to_m: portion.middle_m + 0.5 * portion.length_m,
@@ -181,10 +182,10 @@ pub(crate) fn wear(
         };
         out.push(worn(spot, &duty, creeps_per_s, bends_per_s));
     }
-    let end_share = route.ends.share(endurance);
-    if end_share < 1.0 {
-        let spot = Spot {
-            place: Place::Ends,
+    let termination_share = route.termination.share(endurance);
+    if termination_share < 1.0 {
+        let spot = DamageSite {
+            place: Place::Termination,
             from_m: 0.0,
             to_m: route.length_m,
             guides: 0,
@@ -193,7 +194,7 @@ pub(crate) fn wear(
         };
         let rate = |load| {
             endurance
-                .damage_per_s(law, load, end_share)
+                .damage_per_s(law, load, termination_share)
                 .unwrap_or(f64::INFINITY)
         };
         out.push(worn(spot, &request.duty, rate, |_| 0.0));
@@ -210,7 +211,7 @@ pub(crate) fn bent_share(endurance: &Endurance, over: &[&Pulley], rope_m: Option
 }
 
 fn worn(
-    spot: Spot,
+    spot: DamageSite,
     duty: &Duty,
     creeps_per_s: impl Fn(RopeLoad) -> f64,
     bends_per_s: impl Fn(RopeLoad) -> f64,
@@ -233,9 +234,9 @@ fn worn(
     }
 }
 
-/// Mean of a rate over a stretch; Simpson's rule where the load changes.
+/// Mean of a rate over a segment; Simpson's rule if the load changes.
 fn mean(s: &Stretch, rate: &dyn Fn(RopeLoad) -> f64) -> f64 {
-    /// Rates go with the exponential of the load, over some ten e-foldings at most.
+    /// Number of parts of a ramp; rates are exponential in the load and change by at most about ten e-foldings.
     const PARTS: u32 = 16;
     if s.from == s.to {
         return rate(s.from);
@@ -252,17 +253,17 @@ fn mean(s: &Stretch, rate: &dyn Fn(RopeLoad) -> f64) -> f64 {
     (at(0) + inner.sum::<f64>() + at(PARTS)) / (3.0 * f64::from(PARTS))
 }
 
-/// When the first spot breaks, s, at most [`LIFE_MOST_S`].
+/// Time at which the first section breaks, s, at most [`LIFE_MOST_S`].
 pub(crate) fn life_s(wear: &[Wear]) -> f64 {
     wear.iter().map(Wear::life_s).fold(LIFE_MOST_S, f64::min)
 }
 
-/// Every spot at a time.
-pub(crate) fn spots(wear: &[Wear], time_s: f64) -> Vec<Spot> {
+/// Damage of every section at a time.
+pub(crate) fn spots(wear: &[Wear], time_s: f64) -> Vec<DamageSite> {
     wear.iter().map(|w| w.at(time_s)).collect()
 }
 
-/// What takes most of the life of the spot that breaks first.
+/// Cause of the larger part of the damage of the section that breaks first.
 pub(crate) fn cause(wear: &[Wear]) -> BreakCause {
     let first = wear.iter().min_by(|a, b| a.life_s().total_cmp(&b.life_s()));
     let [creep, bending] = first.map_or([0.0; 2], |w| w.cycle);

@@ -1,16 +1,16 @@
-//! Where no rope is left to predict: melted, crept apart, or pulled out of its route.
+//! Limits of a prediction: a melted fibre, creep rupture, or a rope pulled out of its route.
 
 use super::CatalogueRope;
-use super::refusal::PredictError;
+use super::predict_error::PredictError;
 use super::route::Request;
 use crate::law::Polymer;
 
-/// HMPE melts from here on, °C: the lower end of what is reported for its fibres, 144 to 152 °C.
+/// Lowest melting temperature of HMPE fibres, °C; 144 to 152 °C are reported.
 pub(crate) const HMPE_MELTS_C: f64 = 144.0;
-/// Refuses a temperature at which the rope's fibre melts.
+/// Rejects a temperature at which the rope's fibre melts.
 ///
 /// # Errors
-/// [`PredictError::Melts`].
+/// Returns [`PredictError::Melts`] at or above the melting temperature of HMPE.
 pub(crate) fn check_temperature(rope: &CatalogueRope, hottest_c: f64) -> Result<(), PredictError> {
     if rope.entry.material == Polymer::Hmpe && hottest_c >= HMPE_MELTS_C {
         return Err(PredictError::Melts {
@@ -22,10 +22,11 @@ pub(crate) fn check_temperature(rope: &CatalogueRope, hottest_c: f64) -> Result<
     Ok(())
 }
 
-/// Refuses what no rope of this kind can do, whatever its parameters.
+/// Rejects a request that no rope of this material can fulfil, independent of its parameters.
 ///
 /// # Errors
-/// [`PredictError::Melts`], [`PredictError::Stroke`].
+/// Returns [`PredictError::Melts`] for a molten fibre and [`PredictError::Stroke`] for a stroke as long as
+/// the strand.
 pub(super) fn check(rope: &CatalogueRope, request: &Request) -> Result<(), PredictError> {
     let route = &request.route;
     if route.stroke_m >= route.length_m {

@@ -1,20 +1,20 @@
-//! How far a rope will have stretched after an hour, a day, a month, a year of a duty.
+//! Prediction of the elongation of a rope after an hour, a day, a month and a year of a duty.
 
 use super::CatalogueRope;
 use super::drawn::drawn;
-pub use super::prediction::{Prediction, PulleyPlace, Reading};
-pub use super::refusal::PredictError;
+pub use super::predict_error::PredictError;
+pub use super::prediction::{PredictedElongation, Prediction, PulleyPlace};
 pub use super::route::{Guide, Request, Route};
 pub use super::times::{DAY_S, HOUR_S, MONTH_S, TENSIONED_AFTER_S, TIMES_DEFAULT_S, YEAR_S};
 
 /// Predicts the elongation of a strand of one rope.
 ///
-/// The strand is cut into portions by its guiding pulleys; each goes through the duty with its own
-/// number of passes and its own share of tension. A rope that breaks in some draws is counted
-/// there and left out of the intervals.
+/// The strand is divided into sections by its guiding pulleys; each is subject to the duty with its own number of
+/// passes and its own tension ratio. Draws in which the rope breaks are counted and excluded from the
+/// intervals.
 ///
 /// # Errors
-/// [`PredictError`].
+/// Returns [`PredictError`] if the rope has no complete law, or cannot carry the duty.
 pub fn predict(rope: &CatalogueRope, request: &Request) -> Result<Prediction, PredictError> {
     predict_with_progress(rope, request, &|_| {})
 }
@@ -36,8 +36,8 @@ mod tests {
     use super::*;
     use crate::caution::Caution;
     use crate::draws::Draws;
-    use crate::law::holds::Beyond;
     use crate::law::routing::Pulley;
+    use crate::law::tested_range::Extrapolation;
     use crate::law::{RopeLoad, State};
     use crate::{Catalogue, Duty};
 
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_duty_is_the_law_itself() {
+    fn constant_duty_matches_creep_law() {
         let catalogue = Catalogue::shipped().expect("shipped");
         let rope = catalogue.find("liros-dc000-0301").expect("there");
         let asked = request(Duty::constant(60.0, 23.0), Route::straight(0.7));
@@ -75,31 +75,31 @@ mod tests {
     }
 
     #[test]
-    fn where_no_rope_is_left_there_is_no_prediction() {
+    fn prediction_of_broken_or_melted_rope_is_error() {
         let catalogue = Catalogue::shipped().expect("shipped");
         let rope = catalogue.find("liros-dc000-0301").expect("there");
-        let refused = |n: f64, celsius: f64, stroke_m: f64| {
+        let error = |n: f64, celsius: f64, stroke_m: f64| {
             let mut asked = request(Duty::constant(n, celsius), Route::straight(0.7));
             asked.route.stroke_m = stroke_m;
             predict(rope, &asked)
                 .expect_err("no rope is left")
                 .to_string()
         };
-        let broken = refused(4449.0, 23.0, 0.0);
+        let broken = error(4449.0, 23.0, 0.0);
         assert!(
             broken.contains("4449 N") && broken.contains("breaks"),
             "{broken}"
         );
-        assert!(refused(60.0, 200.0, 0.0).contains("melts at 144 °C"));
-        let out = refused(60.0, 23.0, 0.7);
+        assert!(error(60.0, 200.0, 0.0).contains("melts at 144 °C"));
+        let out = error(60.0, 23.0, 0.7);
         assert!(
-            out.contains("700 mm is no shorter than the strand"),
+            out.contains("700 mm is not shorter than the strand"),
             "{out}"
         );
         let aramid = catalogue.find("tu-chemnitz-technora-black").expect("there");
         let hot = request(Duty::constant(60.0, 160.0), Route::straight(0.7));
         let hot = predict(aramid, &hot).expect("aramid does not melt there");
-        // Its flow is a guess that would take it beyond 10 % within a year.
+        // The assumed flow takes it beyond 10 % within a year.
         let apart = |c: &Caution| matches!(c, Caution::CreepsApart { time_s } if (MONTH_S..YEAR_S).contains(time_s));
         assert_eq!(
             (hot.readings.len(), hot.cautions.iter().any(apart)),
@@ -121,7 +121,7 @@ mod tests {
             growth.high / growth.low
         };
         let tested = found(60.0, 23.0);
-        assert_eq!(tested.beyond, Beyond::default());
+        assert_eq!(tested.extrapolation, Extrapolation::default());
         // An hour lies within the 85 min of the data; a month and a year are 2.7 and 3.8 decades more.
         let [hour, month, year] = [0, 2, 3].map(|i| width(&tested, i));
         assert!(
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_that_breaks_the_rope_is_refused_and_one_that_may_is_counted() {
+    fn overload_is_error_and_possible_break_is_counted() {
         let catalogue = Catalogue::shipped().expect("shipped");
         let technora = catalogue.find("tu-chemnitz-technora-black").expect("there");
         let ask = |n: f64| {
@@ -185,14 +185,17 @@ mod tests {
         let error = ask(5000.0)
             .expect_err("above the breaking load")
             .to_string();
-        assert!(error.contains("breaks a rope of 4500 N"), "{error}");
+        assert!(
+            error.contains("exceeds the breaking load of 4500 N"),
+            "{error}"
+        );
         let close = ask(4300.0).expect("below");
         assert!(
             close.broken_share > 0.05 && close.broken_share < 0.6,
             "{}",
             close.broken_share
         );
-        let guessed = |c: &Caution| matches!(c, Caution::BreakingLoadGuessed { .. });
-        assert!(close.cautions.iter().any(guessed));
+        let assumed = |c: &Caution| matches!(c, Caution::BreakingLoadAssumed { .. });
+        assert!(close.cautions.iter().any(assumed));
     }
 }

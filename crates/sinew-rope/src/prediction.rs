@@ -1,55 +1,55 @@
-//! What a rope does under a duty, as a result.
+//! Result of a prediction of one rope under a duty.
 
 use super::CatalogueRope;
 use super::caution::Caution;
 use super::duty::DutySummary;
-use super::endurance::Ends;
-use super::life::Life;
+use super::endurance::RopeTermination;
+use super::life::RopeLifetime;
 use super::route::Request;
 use super::times::DAY_S;
 use crate::law::endurance::Endurance;
-use crate::law::holds::{Beyond, Holds};
 use crate::law::routing::Pulley;
-use crate::law::validity::Outside;
+use crate::law::tested_range::{Extrapolation, TestedRange};
+use crate::law::validity::LimitViolation;
 use crate::law::{Law, damage};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::{Bounded, Z95};
 
-/// Elongation at one time.
+/// Predicted elongation at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Reading {
+pub struct PredictedElongation {
     /// Time under the duty, s.
     pub time_s: f64,
-    /// Strain of the strand from new and slack, m/m.
+    /// Total strain of the strand since new and slack, m/m.
     pub strain_ratio: Bounded,
-    /// Elongation of the strand from new and slack, m.
+    /// Total elongation of the strand since new and slack, m.
     pub elongation_m: Bounded,
-    /// Elongation since a minute after tensioning, m.
+    /// Elongation after pretensioning, counted from one minute after it, m.
     pub since_tensioned_m: Bounded,
-    /// Part of it that unloading would not bring back, m.
+    /// Permanent (irreversible) part of the total elongation, m.
     pub irreversible_m: Bounded,
-    /// Share of the draws in which the rope is broken by then, 0 to 1: they are left out.
+    /// Share of the draws in which the rope is broken by then, 0 to 1; these are excluded.
     pub broken_share: f64,
 }
 
-/// A guiding pulley along a strand, and how it bends the rope.
+/// Guiding pulley along a strand, and the bend of the rope over it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PulleyPlace {
-    /// Where the rope first touches it with the drive at rest, m from the drive.
+    /// Point of first contact with the drive at rest, m from the drive.
     pub at_m: f64,
     /// Radius of the rope's path, m.
     pub radius_m: f64,
     /// Wrap angle, rad.
     pub wrap_rad: f64,
-    /// Diameter that the rope is bent to, over its own; `None` where that isn't published.
+    /// Ratio of bend diameter to rope diameter; `None` if the rope diameter is not published.
     pub bend_ratio: Option<f64>,
 }
 
 impl PulleyPlace {
-    /// A pulley under a rope of a diameter, m.
+    /// Bend of a rope of diameter `rope_m`, m, over a pulley.
     pub(super) fn new(pulley: &Pulley, rope_m: Option<f64>) -> Self {
         Self {
             at_m: pulley.at_m,
@@ -60,55 +60,55 @@ impl PulleyPlace {
     }
 }
 
-/// The prediction for one rope.
+/// Prediction for one rope under a duty.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Prediction {
-    /// Rope.
+    /// Name of the rope in the catalogue.
     pub rope: String,
-    /// The duty in words.
+    /// Description of the duty in words.
     pub duty: String,
-    /// Its sums.
+    /// Means and extremes of the duty.
     pub summary: DutySummary,
-    /// Strand length, m.
+    /// Length of the strand, m.
     pub length_m: f64,
-    /// Tension the readings refer to, N.
+    /// Tension that the elongations refer to, N.
     pub read_at_n: f64,
-    /// Temperature the readings refer to, °C.
+    /// Temperature that the elongations refer to, °C.
     pub read_at_c: f64,
-    /// Readings, up to the time at which the rope breaks.
-    pub readings: Vec<Reading>,
-    /// Strength left at the last reading, share of new; `None` where bending was not asked for or
-    /// the rope's diameter is unknown.
+    /// Elongations at the requested times, up to the break of the rope.
+    pub readings: Vec<PredictedElongation>,
+    /// Remaining strength at the last elongation, as a share of the new rope; `None` without strokes or if
+    /// the rope diameter is unknown.
     pub strength_left_share: Option<Bounded>,
-    /// Share of draws in which the tension broke the rope, 0 to 1.
+    /// Share of the draws in which the tension broke the rope, 0 to 1.
     pub broken_share: f64,
-    /// Parameters of the law that are starting guesses.
-    pub starting_guesses: usize,
-    /// All parameters of the law.
+    /// Number of creep law parameters that are assumed, not measured.
+    pub assumed_parameters: usize,
+    /// Number of creep law parameters.
     pub parameters: usize,
-    /// Draws made.
+    /// Number of draws.
     pub draws: usize,
-    /// Their seed.
+    /// Seed of the draws.
     pub seed: u64,
-    /// When the rope breaks, s, at the catalogue's values, where that is within the times asked for;
-    /// there is no reading from then on.
+    /// Time at which the rope breaks at the catalogue values, s, if within the requested times; there are no
+    /// elongations after it.
     pub breaks_after_s: Option<f64>,
-    /// How long it lasts, and which portion wears out first.
-    pub life: Life,
+    /// Predicted lifetime, with the section that fails first.
+    pub lifetime: RopeLifetime,
     /// The guiding pulleys along the rope, in order from the drive.
     pub pulleys: Vec<PulleyPlace>,
-    /// Data behind the rope's values.
-    pub holds: Holds,
-    /// How far the duty lies beyond it in load and temperature; intervals are widened for that, and
-    /// for times beyond [`Holds::duration_s`].
-    pub beyond: Beyond,
-    /// Where the duty leaves what the law was made for, and other cautions.
+    /// Tested range of the rope.
+    pub tested_range: TestedRange,
+    /// Extrapolation distance of the duty from the tested range, in load and temperature; intervals are
+    /// widened for it, and for times beyond [`TestedRange::duration_s`].
+    pub extrapolation: Extrapolation,
+    /// Warnings, such as an extrapolation beyond the validity of the law.
     pub cautions: Vec<Caution>,
 }
 
 impl Prediction {
-    /// Whether within the times asked for it breaks or is to be replaced, at the catalogue's values.
+    /// Whether the rope breaks or is to be replaced within the requested times, at the catalogue values.
     #[must_use]
     pub fn ends(&self) -> bool {
         let replaced = |c: &Caution| {
@@ -125,7 +125,7 @@ impl Prediction {
 }
 
 impl JsonDocument for Prediction {
-    const SCHEMA: &'static str = "sinew/rope-predict/1";
+    const SCHEMA: &'static str = "sinew/rope-predict/2";
 }
 
 pub(super) fn cautions(
@@ -133,13 +133,13 @@ pub(super) fn cautions(
     law: &Law,
     endurance: &Endurance,
     request: &Request,
-    beyond: Beyond,
+    extrapolation: Extrapolation,
 ) -> Vec<Caution> {
-    let mut outside = Outside::default();
+    let mut outside = LimitViolation::default();
     for s in &request.duty.stretches {
         outside = outside
-            .or(Outside::of(law, s.from))
-            .or(Outside::of(law, s.to));
+            .or(LimitViolation::of(law, s.from))
+            .or(LimitViolation::of(law, s.to));
     }
     let mut out = Caution::outside(outside);
     let entry = &rope.entry;
@@ -147,7 +147,7 @@ pub(super) fn cautions(
     if load_share > endurance.load_share_most {
         out.push(Caution::LoadShare {
             load_share,
-            most_share: endurance.load_share_most,
+            max_share: endurance.load_share_most,
         });
     }
     let rope_m = rope.diameter_m();
@@ -157,34 +157,34 @@ pub(super) fn cautions(
     if bend_ratio < endurance.bend_ratio_least {
         out.push(Caution::TightBend {
             bend_ratio,
-            least_ratio: endurance.bend_ratio_least,
+            min_ratio: endurance.bend_ratio_least,
         });
     }
-    if request.route.ends == Ends::NotStated {
-        out.push(Caution::EndsNotStated {
+    if request.route.termination == RopeTermination::NotSpecified {
+        out.push(Caution::TerminationNotSpecified {
             splice_share: endurance.splice_share,
             knot_share: endurance.knot_share,
         });
     }
     if entry.breaking_load_n.is_none() {
-        out.push(Caution::BreakingLoadGuessed {
+        out.push(Caution::BreakingLoadAssumed {
             breaking_load_n: law.parameters().breaking_load_n,
         });
     }
     let longest = request.times_s.last().copied().unwrap_or(0.0);
-    if entry.guesses() > 0 && longest > DAY_S {
-        let tests_s = rope.holds().duration_s;
+    if entry.assumed() > 0 && longest > DAY_S {
+        let tests_s = rope.tested_range().duration_s;
         out.push(Caution::Extrapolated { tests_s });
     }
-    let decades = rope.holds().decades_beyond(longest);
-    if beyond != Beyond::default() || decades > 0.0 {
+    let decades = rope.tested_range().decades_beyond(longest);
+    if extrapolation != Extrapolation::default() || decades > 0.0 {
         let summary = request.duty.summary();
         out.push(Caution::BeyondData {
-            holds: rope.holds(),
+            tested_range: rope.tested_range(),
             load_share: [summary.tension_mean_n, summary.tension_max_n].map(|n| law.load_ratio(n)),
             temperature_c: [summary.temperature_min_c, summary.temperature_max_c],
             duration_s: longest,
-            factor: (Z95 * beyond.deviation_after(decades)).exp(),
+            factor: (Z95 * extrapolation.std_after(decades)).exp(),
         });
     }
     out

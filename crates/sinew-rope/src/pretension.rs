@@ -1,9 +1,8 @@
-//! How to bed a rope in, how much pretension to give it, and when to tension it again.
+//! Preconditioning of a rope, its pretension, and the schedule of re-tensioning.
 //!
-//! Two pictures of the same rope. *At constant tension* (a weight hangs on it) it grows; the
-//! procedure that takes most of that growth away beforehand is sought. *At constant length*
-//! (strung in a machine and left alone) its tension falls; the schedule says when it has fallen
-//! too far.
+//! The same rope is modelled in two ways. *At constant tension* (loaded by a weight) it elongates; the
+//! procedure that removes most of that elongation beforehand is sought. *At constant length* (strung in a
+//! machine) its tension falls; the schedule gives the times at which it reaches the lowest permitted tension.
 
 use super::CatalogueRope;
 use super::caution::Caution;
@@ -11,10 +10,10 @@ use super::draws::{Draws, bounded};
 use super::endurance::Endurances;
 use super::limits::check_temperature;
 use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
-pub use super::procedure::{HeldJoint, Mount, Procedure, Request, give_beside_rope};
+pub use super::procedure::{HeldJoint, Mount, Procedure, Request, series_compliance_m_per_n};
 use super::schedule::schedule;
-pub use super::schedule::{LeftAlone, Schedule};
-use crate::law::validity::{LOAD_RATIO_HIGH, Outside};
+pub use super::schedule::{Schedule, Unattended};
+use crate::law::validity::{LOAD_RATIO_HIGH, LimitViolation};
 use crate::law::{Law, LoadError, RopeLoad, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -27,49 +26,49 @@ const TENSIONS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0];
 const DURATIONS_S: [f64; 4] = [600.0, HOUR_S, 4.0 * HOUR_S, 24.0 * HOUR_S];
 /// Times, spread evenly over the logarithm, at which later elongation is looked at.
 const LOOKS: usize = 24;
-/// The plan.
+/// Plan for preconditioning and tensioning a rope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
-    /// Rope.
+    /// Name of the rope in the catalogue.
     pub rope: String,
     /// Working tension, N.
     pub tension_n: f64,
     /// Lowest tension allowed, N.
     pub lowest_n: f64,
-    /// Temperature, °C.
+    /// Temperature of the plan, °C.
     pub temperature_c: f64,
     /// Strand length, m.
     pub length_m: f64,
-    /// What gives in series with each strand, m/N.
-    pub give_m_per_n: f64,
-    /// The joint, where a second rope pulls it the other way and tension is the mean of both.
+    /// Series compliance of each strand (frame, spring, mounts), m/N.
+    pub series_compliance_m_per_n: f64,
+    /// Joint with a second rope in the opposite direction, where the tension is the mean of both.
     pub joint: Option<HeldJoint>,
-    /// How long it must hold, s.
+    /// Horizon of the plan, s.
     pub horizon_s: f64,
-    /// Share of the later elongation that the procedure is to take away.
+    /// Share of the later elongation that the procedure must remove, 0 to 1.
     pub remove_share: f64,
     /// Largest later elongation without any procedure, m.
     pub without_m: Bounded,
     /// All procedures tried, by tension, then duration.
     pub procedures: Vec<Procedure>,
-    /// Index of the gentlest one that takes away what is asked, at catalogue values: least
-    /// tension first, then least time.
+    /// Index of the mildest sufficient procedure at catalogue values: lowest tension first, then shortest
+    /// time.
     pub chosen: Option<usize>,
-    /// Schedule of a rope strung as it comes.
-    pub schedule_new: Schedule,
+    /// Schedule of a rope that is strung as delivered.
+    pub schedule_as_delivered: Schedule,
     /// Schedule after the chosen procedure (or the most effective one).
-    pub schedule_bedded: Schedule,
-    /// Parameters of the law that are starting guesses.
-    pub starting_guesses: usize,
-    /// All parameters of the law.
+    pub schedule_preconditioned: Schedule,
+    /// Number of creep law parameters that are assumed, not measured.
+    pub assumed_parameters: usize,
+    /// Number of creep law parameters.
     pub parameters: usize,
-    /// Cautions.
+    /// Warnings about the plan.
     pub cautions: Vec<Caution>,
 }
 
 impl JsonDocument for Plan {
-    const SCHEMA: &'static str = "sinew/rope-pretension/1";
+    const SCHEMA: &'static str = "sinew/rope-pretension/2";
 }
 
 /// Makes a plan for one rope.
@@ -80,13 +79,13 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
     check_temperature(rope, request.temperature_c)?;
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let work = RopeLoad::celsius(request.tension_n, request.temperature_c);
-    let refuse = |error| PredictError::Load {
+    let to_error = |error| PredictError::Load {
         rope: rope.entry.name.clone(),
         error,
     };
     let endurance = Endurances::new(rope, 0, request.seed)?.nominal;
     let rate = endurance.damage_per_s(&draws.nominal, work, 1.0);
-    let life_s = 1.0 / rate.map_err(refuse)?;
+    let life_s = 1.0 / rate.map_err(to_error)?;
     if life_s <= request.horizon_s {
         return Err(PredictError::BreaksBefore {
             rope: rope.entry.name.clone(),
@@ -130,7 +129,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
             .collect::<Vec<_>>();
         Ok((one(&draws.nominal)?, drawn))
     };
-    let (without, without_drawn) = later(None).map_err(refuse)?;
+    let (without, without_drawn) = later(None).map_err(to_error)?;
     let mut procedures = Vec::new();
     let limit_n = LOAD_RATIO_HIGH * draws.nominal.parameters().breaking_load_n;
     for times in TENSIONS {
@@ -139,7 +138,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
             break;
         }
         for duration_s in DURATIONS_S {
-            let (value, drawn) = later(Some((tension_n, duration_s))).map_err(refuse)?;
+            let (value, drawn) = later(Some((tension_n, duration_s))).map_err(to_error)?;
             let removed: Vec<f64> = drawn
                 .iter()
                 .zip(&without_drawn)
@@ -148,7 +147,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
             procedures.push(Procedure {
                 tension_n,
                 duration_s,
-                still_to_come_m: bounded(value, &drawn),
+                remaining_m: bounded(value, &drawn),
                 removed_share: bounded(1.0 - value / without, &removed),
             });
         }
@@ -161,14 +160,14 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         .max_by(|a, b| a.removed_share.value.total_cmp(&b.removed_share.value))
         .copied();
     let bedded = chosen.map(|i| procedures[i]).or(best);
-    let schedule_new = schedule(&draws, request, rope_m, None, refuse)?;
-    let schedule_bedded = schedule(&draws, request, rope_m, bedded, refuse)?;
+    let schedule_as_delivered = schedule(&draws, request, rope_m, None, to_error)?;
+    let schedule_preconditioned = schedule(&draws, request, rope_m, bedded, to_error)?;
     let entry = &rope.entry;
-    let outside = Outside::of(&draws.nominal, work);
+    let outside = LimitViolation::of(&draws.nominal, work);
     let mut cautions = Caution::outside(outside);
-    if entry.guesses() > 0 {
-        cautions.push(Caution::StartingGuesses {
-            guesses: entry.guesses(),
+    if entry.assumed() > 0 {
+        cautions.push(Caution::AssumedParameters {
+            assumed: entry.assumed(),
             parameters: entry.law.len(),
         });
     }
@@ -178,16 +177,16 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         lowest_n: request.lowest_n,
         temperature_c: request.temperature_c,
         length_m: request.length_m,
-        give_m_per_n: request.mount.give_m_per_n,
+        series_compliance_m_per_n: request.mount.series_compliance_m_per_n,
         joint: request.mount.joint,
         horizon_s: request.horizon_s,
         remove_share: request.remove,
         without_m: bounded(without, &without_drawn),
         procedures,
         chosen,
-        schedule_new,
-        schedule_bedded,
-        starting_guesses: entry.guesses(),
+        schedule_as_delivered,
+        schedule_preconditioned,
+        assumed_parameters: entry.assumed(),
         parameters: entry.law.len(),
         cautions,
     })
@@ -242,17 +241,17 @@ mod tests {
     }
 
     #[test]
-    fn more_tension_and_more_time_leave_less_to_come() {
+    fn preconditioning_more_reduces_remaining_elongation() {
         let p = planned("liros-dc000-0301", &request());
         assert_eq!(p.procedures.len(), 24);
         for pair in p.procedures.windows(2) {
             if pair[0].tension_n == pair[1].tension_n {
-                let (short, long) = (pair[0].still_to_come_m, pair[1].still_to_come_m);
+                let (short, long) = (pair[0].remaining_m, pair[1].remaining_m);
                 assert!(long.value <= short.value + 1e-15, "{pair:?}");
             }
         }
         let chosen = p.procedures[p.chosen.expect("one does it")];
         assert!(chosen.removed_share.value >= 0.7 && chosen.tension_n >= 60.0);
-        assert!(chosen.still_to_come_m.value <= 0.3 * p.without_m.value + 1e-15);
+        assert!(chosen.remaining_m.value <= 0.3 * p.without_m.value + 1e-15);
     }
 }

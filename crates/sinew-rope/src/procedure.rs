@@ -1,4 +1,4 @@
-//! What is asked of a plan, and a way to bed a rope in.
+//! Request of a tensioning plan, and procedures to precondition a rope.
 
 use crate::law::routing::{self, Pulley, RoutingError};
 use crate::law::strung::{Piece, Strand};
@@ -6,36 +6,37 @@ use crate::law::{Law, LoadError, RopeLoad, State, damage};
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 
-/// How a rope is mounted, besides its length.
+/// Mounting of a rope, apart from its length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mount {
-    /// What gives in series with each strand (frame, spring, mounts), m/N.
-    pub give_m_per_n: f64,
-    /// Guiding pulleys it lies on, at rest.
+    /// Series compliance of each strand (frame, spring, mounts), m/N.
+    pub series_compliance_m_per_n: f64,
+    /// Guiding pulleys that the rope lies on, at rest.
     pub pulleys: Vec<Pulley>,
-    /// The joint that a second, equal rope pulls the other way; `None`: one rope between two ends.
+    /// Joint with a second, equal rope in the opposite direction; `None`: one rope between two terminations.
     pub joint: Option<HeldJoint>,
 }
 
-/// A joint whose motor is held while its two ropes relax.
+/// Joint with its motor held while its two ropes relax.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldJoint {
-    /// Radius of the pulley at the joint, m.
+    /// Radius of the joint pulley, m.
     pub radius_m: f64,
-    /// Torque that the joint holds, N·m, at least 0.
+    /// Torque of the joint meanwhile, N·m, at least 0.
     pub torque_nm: f64,
-    /// Whether it slides: its torque is a force then, N, and its pulley's radius the rope's travel per metre.
+    /// Whether the joint is prismatic: its torque is then a force, N, and the pulley radius the rope travel
+    /// per metre.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slides: bool,
 }
 
-/// What gives beside the rope where a joint of stiffness `K` hangs on `strands` taut strands:
+/// Series compliance apart from the rope, for a joint of stiffness `K` with `strands` taut strands:
 /// `c = n r²/K − (dℓ/dT of the rope)`, m/N, at least 0.
 ///
 /// # Errors
-/// [`LoadError`].
-pub fn give_beside_rope(
+/// Returns [`LoadError`] if the load is invalid.
+pub fn series_compliance_m_per_n(
     law: &Law,
     load: RopeLoad,
     length_m: f64,
@@ -49,12 +50,12 @@ pub fn give_beside_rope(
 }
 
 impl Mount {
-    /// What the strand that holds the load pulls beyond the other, N.
+    /// Additional tension of the loaded strand relative to the other, N.
     pub(super) fn extra_n(&self) -> f64 {
         self.joint.map_or(0.0, |j| j.torque_nm / j.radius_m)
     }
 
-    /// A strand of a new rope of diameter `rope_m`, piece by piece.
+    /// Pieces of a strand of a new rope of diameter `rope_m`, m.
     pub(super) fn pieces(
         &self,
         law: &Law,
@@ -62,7 +63,7 @@ impl Mount {
         rope_m: Option<f64>,
     ) -> Result<Vec<Piece>, RoutingError> {
         let portions = routing::portions(length_m, 0.0, &self.pulleys)?;
-        let piece = |p: routing::Portion| Piece {
+        let piece = |p: routing::RopeSection| Piece {
             law: law.passed_by(damage::passes(&p, &self.pulleys, 0.0, rope_m)),
             length_m: p.length_m,
             state: State::default(),
@@ -70,11 +71,11 @@ impl Mount {
         Ok(portions.into_iter().map(piece).collect())
     }
 
-    /// The strands of equal ropes, the one that holds the load first.
+    /// Strands of equal ropes, with the loaded one first.
     pub(super) fn strands(&self, pieces: Vec<Piece>) -> Vec<Strand> {
         let first = Strand {
             pieces,
-            give_m_per_n: self.give_m_per_n,
+            series_compliance_m_per_n: self.series_compliance_m_per_n,
             extra_n: self.extra_n(),
         };
         let partner = self.joint.map(|_| Strand {
@@ -85,40 +86,40 @@ impl Mount {
     }
 }
 
-/// What is asked.
+/// Request of a tensioning plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Working tension, N; with a partner, the mean of both.
     pub tension_n: f64,
-    /// Temperature, °C.
+    /// Temperature of the rope, °C.
     pub temperature_c: f64,
-    /// Strand length, m.
+    /// Length of the strand, m.
     pub length_m: f64,
-    /// How it is mounted.
+    /// Mounting of the rope.
     pub mount: Mount,
-    /// How long it must hold, s.
+    /// Horizon of the plan, s.
     pub horizon_s: f64,
-    /// Tension below which the rope is tensioned again, N.
+    /// Tension below which the rope is re-tensioned, N.
     pub lowest_n: f64,
-    /// Share of the later elongation that the procedure must take away, 0 to 1.
+    /// Share of the later elongation that the procedure must remove, 0 to 1.
     pub remove: f64,
-    /// Draws for the intervals.
+    /// Number of draws for the intervals.
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
 }
 
-/// A bedding-in procedure and what it does.
+/// Preconditioning procedure and its effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Procedure {
-    /// Held at this tension, N.
+    /// Tension of the procedure, N.
     pub tension_n: f64,
-    /// For this long, s.
+    /// Duration of the procedure, s.
     pub duration_s: f64,
-    /// Largest elongation at working tension that is still to come, m, counted from a minute
-    /// after the rope is back at working tension.
-    pub still_to_come_m: Bounded,
-    /// Share of the elongation without procedure that it takes away.
+    /// Largest remaining elongation at working tension, m, counted from one minute after the return to
+    /// working tension.
+    pub remaining_m: Bounded,
+    /// Share of the elongation without procedure that it removes.
     pub removed_share: Bounded,
 }

@@ -1,25 +1,25 @@
-//! How a rope lies in the machine, and what is asked of a prediction.
+//! Routing of a rope in the machine, and the request of a prediction.
 
 use super::duty::Duty;
-use super::endurance::Ends;
+use super::endurance::RopeTermination;
 use crate::law::RopeLoad;
 use crate::law::routing::Pulley;
 use sinew_model::transmission::Guide as TendonGuide;
 
-/// How a rope lies in the machine.
+/// Routing of a rope in the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Route {
     /// Length of the strand, m.
     pub length_m: f64,
-    /// How far the drive moves the rope back and forth, m.
+    /// Stroke of the drive, m.
     pub stroke_m: f64,
-    /// Guiding pulleys.
+    /// Guiding pulleys in order from the drive.
     pub pulleys: Vec<Pulley>,
-    /// Strokes per hour, back and forth counting as one; 0 where bending is not asked for.
+    /// Strokes per hour, back and forth counted as one; 0 if bending is not considered.
     pub strokes_per_hour: f64,
-    /// How the rope's ends are held.
-    pub ends: Ends,
-    /// Factor by which abrasion speeds up the wear of bending; 1: none beyond the tests behind it.
+    /// Termination of the rope.
+    pub termination: RopeTermination,
+    /// Factor by which abrasion accelerates bending fatigue; 1: none beyond that in the bending tests.
     pub abrasion_factor: f64,
 }
 
@@ -31,12 +31,12 @@ impl Route {
             stroke_m: 0.0,
             pulleys: Vec::new(),
             strokes_per_hour: 0.0,
-            ends: Ends::NotStated,
+            termination: RopeTermination::NotSpecified,
             abrasion_factor: 1.0,
         }
     }
 
-    /// Puts guiding pulleys along the strand; one that doesn't say where stands evenly among all.
+    /// Places guiding pulleys along the strand; those without a position are spaced evenly.
     #[must_use]
     pub fn guided(mut self, guides: &[Guide]) -> Self {
         let place = |(i, guide): (usize, &Guide)| Pulley {
@@ -52,21 +52,21 @@ impl Route {
     }
 }
 
-/// A guiding pulley that may not say where it stands.
+/// Guiding pulley with an optional position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
-    /// Angle that the rope lies on it, rad.
+    /// Wrap angle of the rope, rad.
     pub wrap_rad: f64,
-    /// Radius, m.
+    /// Radius of the pulley, m.
     pub radius_m: f64,
-    /// Coefficient of friction; `None`: the rope's.
+    /// Coefficient of friction; `None`: that of the rope.
     pub friction: Option<f64>,
-    /// Where the rope meets it, from the drive, m.
+    /// Point of first contact, m from the drive.
     pub at_m: Option<f64>,
 }
 
 impl From<&TendonGuide> for Guide {
-    /// A robot's guide; friction 0 is not stated.
+    /// Converts a guide of a robot; a friction of 0 is unspecified.
     fn from(guide: &TendonGuide) -> Self {
         Self {
             wrap_rad: guide.wrap_rad,
@@ -77,18 +77,18 @@ impl From<&TendonGuide> for Guide {
     }
 }
 
-/// What is asked.
+/// Request of a prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// The duty.
+    /// Tension and temperature over time.
     pub duty: Duty,
-    /// The route.
+    /// Routing of the rope.
     pub route: Route,
-    /// Times to read at, s, rising.
+    /// Times of the predicted elongations, s, ascending.
     pub times_s: Vec<f64>,
-    /// Load the readings refer to; `None` takes the duty's means.
+    /// Load that the elongations refer to; `None`: the means of the duty.
     pub read_at: Option<RopeLoad>,
-    /// Draws for the intervals.
+    /// Number of draws for the intervals.
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,

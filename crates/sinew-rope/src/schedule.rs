@@ -1,46 +1,46 @@
-//! A rope at constant length: how its tension falls, and when to tension it again.
+//! A rope at constant length: decay of its tension, and times of re-tensioning.
 
 use super::draws::{Draws, bounded};
 use super::predict::{PredictError, TENSIONED_AFTER_S};
 use super::procedure::{Mount, Procedure, Request};
-use crate::law::strung::{RELAXATION_TOLERANCE, Strand, Strung};
+use crate::law::strung::{RELAXATION_TOLERANCE, Strand, StrandAssembly};
 use crate::law::validity::LOAD_RATIO_HIGH;
 use crate::law::{CELSIUS_ZERO_K, Law, LoadError, RopeLoad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 
-/// More re-tensionings than this are no schedule.
+/// Maximum number of re-tensionings in a schedule.
 const EVENTS_MAX: usize = 100;
 
-/// When to tension again at constant length.
+/// Schedule of re-tensioning at constant length.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Schedule {
-    /// Times since stringing, s, with the catalogue's own values.
+    /// Times of re-tensioning since stringing, s, at the catalogue values.
     pub times_s: Vec<f64>,
-    /// First of them; NaN (null) where a draw has none.
+    /// Time of the first re-tensioning, s; NaN (null) if a draw has none.
     #[cfg_attr(feature = "schema", schemars(with = "PerhapsNever"))]
     pub first_s: Bounded,
-    /// Share of draws that need no re-tensioning at all.
+    /// Share of the draws without any re-tensioning, 0 to 1.
     pub never_share: f64,
-    /// How many within the horizon.
+    /// Number of re-tensionings within the horizon.
     pub count: Bounded,
-    /// Tension at the horizon's end without any re-tensioning, N.
+    /// Tension at the end of the horizon without re-tensioning, N.
     pub tension_at_end_n: Bounded,
-    /// Tension to string the rope with so that it never falls below the lowest within the
-    /// horizon, N; `None` where even 40 % of the breaking load does not do.
+    /// Initial tension with which the lowest tension is never reached within the horizon, N; `None` if even
+    /// 40 % of the breaking load is insufficient.
     pub start_n: Option<Bounded>,
-    /// Its tension when it is left alone.
-    pub left_alone: LeftAlone,
+    /// Tension over time without re-tensioning.
+    pub unattended: Unattended,
 }
 
-/// A time and its bounds as JSON has them: null where it never comes.
+/// Time and its bounds as in JSON: null where it does not occur within the horizon.
 #[cfg(feature = "schema")]
 #[derive(schemars::JsonSchema)]
 #[expect(dead_code, reason = "the schema is made from its fields")]
 struct PerhapsNever {
-    /// With the catalogue's own values, s.
+    /// Time at the catalogue values, s.
     value: Option<f64>,
     /// Lower bound, s.
     low: Option<f64>,
@@ -48,52 +48,52 @@ struct PerhapsNever {
     high: Option<f64>,
 }
 
-/// Tension of a rope that is strung once and left alone, at the catalogue's own values.
+/// Tension of a rope that is strung once and never re-tensioned, at the catalogue values.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LeftAlone {
+pub struct Unattended {
     /// Time since stringing, s.
     pub time_s: Vec<f64>,
-    /// Tension, N; with a partner, the mean of both strands.
+    /// Tension, N; with a second rope, the mean of both strands.
     pub tension_n: Vec<f64>,
-    /// How far the joint has sagged under its torque, rad; empty without a joint.
+    /// Rotation of the joint under its torque, rad; empty without a joint.
     pub sag_rad: Vec<f64>,
 }
 
-/// How it went.
-struct Course {
-    /// When tension had fallen below the lowest, s.
+/// Simulated relaxation of a strung rope.
+struct Relaxation {
+    /// Times at which the tension reached the lowest tension, s.
     events_s: Vec<f64>,
-    /// Tension at the end, N.
+    /// Tension at the end of the horizon, N.
     tension_n: f64,
-    trace: LeftAlone,
+    trace: Unattended,
 }
 
-/// Strings ropes at `start_n`, gives them a minute at that tension and leaves them at the length they
-/// then have; `retension` does the same again whenever their tension has fallen below the lowest.
+/// Strings ropes at `start_n`, keeps that tension for one minute and then fixes their length; with
+/// `retension`, repeats this whenever the tension reaches the lowest tension.
 fn string_up(
     strands: Vec<Strand>,
     request: &Request,
     start_n: f64,
     retension: bool,
     tolerance: f64,
-) -> Result<Course, LoadError> {
-    // Tension is the mean of both strands; the partner has half of the load's pull less.
+) -> Result<Relaxation, LoadError> {
+    // Tension is the mean of both strands; the partner carries half of the load's tension difference less.
     let half_n = 0.5 * request.mount.extra_n();
     let kelvin = request.temperature_c + CELSIUS_ZERO_K;
-    let mut strung = Strung::new(strands, start_n - half_n, kelvin, TENSIONED_AFTER_S)?;
+    let mut strung = StrandAssembly::new(strands, start_n - half_n, kelvin, TENSIONED_AFTER_S)?;
     let mut at = TENSIONED_AFTER_S;
-    let mut out = Course {
+    let mut out = Relaxation {
         events_s: Vec::new(),
         tension_n: start_n,
-        trace: LeftAlone::default(),
+        trace: Unattended::default(),
     };
     loop {
         let until_n = retension.then_some(request.lowest_n - half_n);
         out.trace.see(at, start_n, 0.0, &request.mount);
         let left_s = (request.horizon_s - at).max(0.0);
         let (mount, trace) = (&request.mount, &mut out.trace);
-        let mut seen = |s: f64, strung: &Strung| {
+        let mut seen = |s: f64, strung: &StrandAssembly| {
             trace.see(at + s, strung.tension_n() + half_n, strung.sag_m(), mount);
         };
         at += strung.leave(left_s, until_n, tolerance, &mut seen)?;
@@ -110,7 +110,7 @@ fn string_up(
     }
 }
 
-impl LeftAlone {
+impl Unattended {
     fn see(&mut self, time_s: f64, tension_n: f64, sag_m: f64, mount: &Mount) {
         self.time_s.push(time_s);
         self.tension_n.push(tension_n);
@@ -123,7 +123,7 @@ pub(super) fn schedule(
     request: &Request,
     rope_m: Option<f64>,
     procedure: Option<Procedure>,
-    refuse: impl Fn(LoadError) -> PredictError + Copy + Sync,
+    to_error: impl Fn(LoadError) -> PredictError + Copy + Sync,
 ) -> Result<Schedule, PredictError> {
     let strands = |law: &Law| -> Result<Vec<Strand>, PredictError> {
         let mut pieces = request.mount.pieces(law, request.length_m, rope_m)?;
@@ -131,21 +131,21 @@ pub(super) fn schedule(
             if let Some(p) = procedure {
                 let load = RopeLoad::celsius(p.tension_n, request.temperature_c);
                 let held = piece.law.hold(&mut piece.state, load, p.duration_s);
-                held.map_err(refuse)?;
+                held.map_err(to_error)?;
             }
         }
         Ok(request.mount.strands(pieces))
     };
     let one = |law: &Law, tolerance: f64| {
         let strands = strands(law)?;
-        let course = |retension| {
+        let relax = |retension| {
             let strands = strands.clone();
-            string_up(strands, request, request.tension_n, retension, tolerance).map_err(refuse)
+            string_up(strands, request, request.tension_n, retension, tolerance).map_err(to_error)
         };
-        let start_n = start(law, &strands, request).map_err(refuse)?;
-        Ok::<_, PredictError>((course(true)?.events_s, course(false)?, start_n))
+        let start_n = start(law, &strands, request).map_err(to_error)?;
+        Ok::<_, PredictError>((relax(true)?.events_s, relax(false)?, start_n))
     };
-    let (times_s, left_alone, start_n) = one(&draws.nominal, RELAXATION_TOLERANCE)?;
+    let (times_s, unattended, start_n) = one(&draws.nominal, RELAXATION_TOLERANCE)?;
     let drawn: Vec<_> = draws
         .laws
         .par_iter()
@@ -155,7 +155,7 @@ pub(super) fn schedule(
         .flatten()
         .collect();
     let never = drawn.iter().filter(|d| d.0.is_empty()).count();
-    type Drawn = (Vec<f64>, Course, Option<f64>);
+    type Drawn = (Vec<f64>, Relaxation, Option<f64>);
     let collect = |f: &dyn Fn(&Drawn) -> f64| -> Vec<f64> { drawn.iter().map(f).collect() };
     let first = |events: &[f64]| events.first().copied().unwrap_or(f64::INFINITY);
     let finite = |i: Bounded| {
@@ -170,22 +170,22 @@ pub(super) fn schedule(
         first_s: finite(bounded(first(&times_s), &collect(&|d| first(&d.0)))),
         never_share: never as f64 / drawn.len().max(1) as f64,
         count: bounded(times_s.len() as f64, &collect(&|d| d.0.len() as f64)),
-        tension_at_end_n: bounded(left_alone.tension_n, &collect(&|d| d.1.tension_n)),
+        tension_at_end_n: bounded(unattended.tension_n, &collect(&|d| d.1.tension_n)),
         start_n: start_n.map(|value| bounded(value, &collect(&|d| d.2.unwrap_or(f64::NAN)))),
         times_s,
-        left_alone: left_alone.trace,
+        unattended: unattended.trace,
     })
 }
 
-/// Least tension to string a rope with so that at the horizon it still has the lowest one.
+/// Smallest initial tension with which the tension at the horizon is at least the lowest one, N.
 fn start(law: &Law, strands: &[Strand], request: &Request) -> Result<Option<f64>, LoadError> {
-    /// It is sought to half a per cent.
+    /// Tolerance of the relaxation; the initial tension is searched to half a per cent.
     const TOLERANCE: f64 = 1e-5;
     let ends = |start_n: f64| {
         string_up(strands.to_vec(), request, start_n, false, TOLERANCE)
             .map(|s| s.tension_n - request.lowest_n)
     };
-    // More tension is not always better: it beds the rope in anew. The least that does is sought
+    // More tension is not always better, because it adds bedding-in. The lowest sufficient one is searched
     // from below.
     const GROWTH: f64 = 1.06;
     let limit = LOAD_RATIO_HIGH * law.parameters().breaking_load_n;
@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn bedding_in_saves_re_tensioning() {
         let p = planned("liros-dc000-0301", &request());
-        let (new, bedded) = (&p.schedule_new, &p.schedule_bedded);
+        let (new, bedded) = (&p.schedule_as_delivered, &p.schedule_preconditioned);
         assert!(
             new.times_s.len() > bedded.times_s.len(),
             "{new:?} {bedded:?}"
@@ -261,7 +261,7 @@ mod tests {
             .start_n
             .expect("40 % of the breaking load is enough")
             .value;
-        // Strung so, it ends where it must, and a bit less would not do.
+        // StrandAssembly so, it ends where it must, and a bit less would not do.
         let law = Draws::new(
             Catalogue::shipped()
                 .expect("shipped")

@@ -1,4 +1,4 @@
-//! Which rope of the catalogue to take for a duty, and why not the others.
+//! Selection of a rope from the catalogue for a duty, with the reasons for each rejection.
 
 use super::caution::Caution;
 use super::drawn::drawn;
@@ -12,77 +12,77 @@ use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
 
-/// What a rope must be. `None`: it doesn't matter.
+/// Constraints on the rope. `None`: no constraint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Constraints {
     /// Largest diameter, mm.
     pub diameter_max_mm: Option<f64>,
     /// Smallest diameter, mm.
     pub diameter_min_mm: Option<f64>,
-    /// Smallest pulley diameter over rope diameter.
+    /// Smallest ratio of pulley diameter to rope diameter.
     pub bend_ratio_min: Option<f64>,
-    /// Smallest pulley in the machine, mm; needed for [`Constraints::bend_ratio_min`].
+    /// Diameter of the smallest pulley in the machine, mm; needed for [`Constraints::bend_ratio_min`].
     pub pulley_diameter_mm: Option<f64>,
-    /// Smallest breaking load over largest tension.
+    /// Smallest ratio of breaking load to largest tension.
     pub safety_factor_min: Option<f64>,
-    /// Largest elongation since tensioned at the last time asked for, mm: held against the upper
-    /// end of the 95 % interval.
+    /// Largest elongation after pretensioning at the last requested time, mm; compared with the upper bound
+    /// of the 95 % interval.
     pub elongation_max_mm: Option<f64>,
     /// Smallest stiffness of the strand at the duty's mean load, N/mm.
     pub stiffness_min_n_per_mm: Option<f64>,
-    /// Largest weight, g/m.
+    /// Largest weight per length, g/m.
     pub weight_max_g_per_m: Option<f64>,
 }
 
-/// A rope that meets every constraint.
+/// Rope that meets every constraint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
-    /// Rope.
+    /// Name of the rope in the catalogue.
     pub rope: String,
-    /// Diameter, m, where it is published.
+    /// Published diameter of the rope, m.
     pub diameter_m: Option<f64>,
-    /// Weight, kg/m, where it is published.
+    /// Published weight per length, kg/m.
     pub weight_kg_per_m: Option<f64>,
-    /// Published breaking load over largest tension.
+    /// Ratio of published breaking load to largest tension.
     pub safety_factor_ratio: Option<f64>,
     /// Stiffness of the strand at the duty's mean load, N/m.
     pub stiffness_n_per_m: Bounded,
-    /// Elongation since tensioned at the last time asked for, m.
+    /// Elongation after pretensioning at the last requested time, m.
     pub elongation_m: Bounded,
-    /// When it breaks, s; `None` beyond 300 years.
+    /// Time of the break, s; `None` beyond 300 years.
     pub life_s: Option<Bounded>,
-    /// Share of the draws in which it breaks within the last time asked for, 0 to 1.
+    /// Share of the draws in which the rope breaks within the last requested time, 0 to 1.
     pub broken_share: f64,
-    /// In how many of the draws it stretches least of all candidates, 0 to 1.
-    pub least_share: f64,
-    /// Whether no other candidate of known diameter is as thin or thinner, stretches as little or less
-    /// and lasts as long or longer, at the catalogue's values.
+    /// Share of the draws in which it has the smallest elongation of all candidates, 0 to 1.
+    pub min_share: f64,
+    /// Whether no other candidate of known diameter is at most as thick, elongates at most as much and lasts
+    /// at least as long, at the catalogue values.
     pub pareto: bool,
-    /// Parameters of the law that are starting guesses.
-    pub starting_guesses: usize,
-    /// All parameters of the law.
+    /// Number of creep law parameters that are assumed, not measured.
+    pub assumed_parameters: usize,
+    /// Number of creep law parameters.
     pub parameters: usize,
-    /// Cautions.
+    /// Warnings about the prediction.
     pub cautions: Vec<Caution>,
 }
 
-/// How a candidate stands beside others, before its elongation counts.
+/// Class of a candidate, ranked before its elongation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Rank {
-    /// It lasts, within what makers advise of load and pulleys.
+    /// Lasts, within the manufacturers' advice on load and pulleys.
     Sound,
-    /// It is loaded or bent more than makers advise.
+    /// Loaded or bent more than manufacturers advise.
     BeyondAdvice,
-    /// It breaks within the time in more than [`MAY_BREAK_SHARE`] of the draws, or its maker would have it
-    /// replaced.
+    /// Breaks within the time in more than [`MAY_BREAK_SHARE`] of the draws, or exceeds the manufacturer's
+    /// discard strain.
     MayBreak,
 }
 
 impl Candidate {
-    /// Whether it lasts, and within what makers advise.
+    /// Class of the candidate by lifetime and by manufacturers' advice.
     #[must_use]
     pub fn rank(&self) -> Rank {
         let advice =
@@ -97,7 +97,7 @@ impl Candidate {
         }
     }
 
-    /// What counts besides its size, the smaller the better: elongation, m, and life taken from 0, s.
+    /// Objectives besides the size, the smaller the better: elongation, m, and negative lifetime, s.
     #[must_use]
     pub fn objectives(&self) -> [f64; 2] {
         let life_s = self.life_s.map_or(LIFE_MOST_S, |l| l.value);
@@ -105,58 +105,58 @@ impl Candidate {
     }
 }
 
-/// Why a rope fell out. What was found and the limit it was held against.
+/// Reason for the rejection of a rope, with its value and the violated limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Rejection {
-    /// Diameter above the largest, m.
+    /// Diameter above the largest permitted one.
     TooThick {
-        /// Found.
+        /// Diameter of the rope, m.
         diameter_m: f64,
-        /// Limit.
+        /// Largest permitted diameter, m.
         limit_m: f64,
     },
-    /// Diameter below the smallest, m.
+    /// Diameter below the smallest permitted one.
     TooThin {
-        /// Found.
+        /// Diameter of the rope, m.
         diameter_m: f64,
-        /// Limit.
+        /// Smallest permitted diameter, m.
         limit_m: f64,
     },
-    /// Weight above the largest, kg/m.
+    /// Weight per length above the largest permitted one.
     TooHeavy {
-        /// Found.
+        /// Weight per length of the rope, kg/m.
         weight_kg_per_m: f64,
-        /// Limit.
+        /// Largest permitted weight per length, kg/m.
         limit_kg_per_m: f64,
     },
-    /// Smallest pulley diameter over rope diameter.
+    /// Ratio of smallest pulley diameter to rope diameter below the limit.
     BendRatio {
-        /// Found.
+        /// Ratio of pulley diameter to rope diameter.
         ratio: f64,
-        /// Limit.
+        /// Smallest permitted ratio of diameters.
         limit_ratio: f64,
     },
-    /// Breaking load over largest tension.
+    /// Ratio of breaking load to largest tension below the limit.
     SafetyFactor {
-        /// Found.
+        /// Ratio of breaking load to largest tension.
         ratio: f64,
-        /// Limit.
+        /// Smallest permitted safety factor.
         limit_ratio: f64,
     },
-    /// Upper end of the elongation's interval, m.
+    /// Upper bound of the elongation above the limit.
     Elongation {
-        /// Found.
+        /// Upper bound of the elongation's 95 % interval, m.
         high_m: f64,
-        /// Limit.
+        /// Largest permitted elongation, m.
         limit_m: f64,
     },
-    /// Stiffness of the strand, N/m.
+    /// Stiffness of the strand below the limit.
     Stiffness {
-        /// Found.
+        /// Stiffness of the strand, N/m.
         stiffness_n_per_m: f64,
-        /// Limit.
+        /// Smallest permitted stiffness, N/m.
         limit_n_per_m: f64,
     },
     /// The diameter is not published.
@@ -164,36 +164,36 @@ pub enum Rejection {
     /// The weight is not published.
     WeightNotPublished,
     /// Rope or pulley diameter is not known.
-    BendRatioNotKnown,
+    BendRatioUnknown,
     /// The breaking load is not published.
     BreakingLoadNotPublished,
-    /// It breaks before the last time asked for.
+    /// Break before the last requested time.
     Breaks {
-        /// When, at the catalogue's values, s.
+        /// Time of the break at the catalogue values, s.
         after_s: f64,
-        /// Of what.
+        /// Cause of the break.
         cause: BreakCause,
     },
     /// HMPE would be too hot.
     Hot,
-    /// The law gives no prediction.
+    /// Prediction that is not possible.
     NotPredicted {
-        /// Why.
+        /// Reason for the missing prediction.
         reason: String,
     },
 }
 
-/// A rope that fell out.
+/// Rejected rope with its reasons.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
-    /// Rope.
+    /// Name of the rope in the catalogue.
     pub rope: String,
-    /// Every constraint it fails.
+    /// Reasons of the rejection, one per violated constraint.
     pub reasons: Vec<Rejection>,
 }
 
-/// The choice.
+/// Selection of ropes for a duty.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Selection {
@@ -201,23 +201,24 @@ pub struct Selection {
     pub duty: String,
     /// Time the elongation is for, s.
     pub time_s: f64,
-    /// Ropes that meet everything, by [`Candidate::rank`] and then by least elongation.
+    /// Ropes that meet all constraints, sorted by [`Candidate::rank`] and then by elongation.
     pub candidates: Vec<Candidate>,
-    /// The others.
+    /// Rejected ropes with their reasons.
     pub rejected: Vec<Rejected>,
 }
 
 impl JsonDocument for Selection {
-    const SCHEMA: &'static str = "sinew/rope-select/1";
+    const SCHEMA: &'static str = "sinew/rope-select/2";
 }
 
 /// Chooses among all ropes of a catalogue.
 ///
-/// Ropes are ranked by the elongation since tensioned at the last time of `request`. A constraint
-/// on something that is not published rejects the rope: it can't be shown to meet it.
+/// Ropes are ranked by the elongation after pretensioning at the last time of `request`. A constraint on a
+/// value that is not published rejects the rope, because it cannot be verified.
 ///
 /// # Errors
-/// [`PredictError::Routing`] and [`PredictError::Stroke`]; a rope that can't be predicted is rejected with the reason.
+/// Returns [`PredictError::Routing`] or [`PredictError::Stroke`]; a rope without a prediction is rejected
+/// with the reason.
 pub fn select(
     catalogue: &Catalogue,
     request: &predict::Request,
@@ -227,16 +228,16 @@ pub fn select(
     let mut rejected = Vec::new();
     let mut growths: Vec<Vec<f64>> = Vec::new();
     for rope in catalogue.ropes() {
-        match judge(rope, request, constraints) {
+        match assess(rope, request, constraints) {
             Ok((candidate, growth)) => {
                 candidates.push(candidate);
                 growths.push(growth);
             }
-            Err(Judged::Reasons(reasons)) => rejected.push(Rejected {
+            Err(Assessment::Reasons(reasons)) => rejected.push(Rejected {
                 rope: rope.entry.name.clone(),
                 reasons,
             }),
-            Err(Judged::Refused(error)) => return Err(error),
+            Err(Assessment::Failed(error)) => return Err(error),
         }
     }
     for draw in 0..request.draws {
@@ -247,7 +248,7 @@ pub fn select(
             .filter_map(|(i, g)| of(g).map(|v| (i, v)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((i, _)) = least {
-            candidates[i].least_share += 1.0 / request.draws as f64;
+            candidates[i].min_share += 1.0 / request.draws as f64;
         }
     }
     let points: Vec<(Option<f64>, [f64; 2])> = candidates
@@ -269,7 +270,7 @@ pub fn select(
     })
 }
 
-/// Whether no other point is as small in everything and smaller in something.
+/// Whether no other point is at most as large in every coordinate and smaller in one.
 pub fn is_pareto(points: &[(Option<f64>, [f64; 2])], i: usize) -> bool {
     let (Some(d), y) = points[i] else {
         return false;
@@ -282,17 +283,17 @@ pub fn is_pareto(points: &[(Option<f64>, [f64; 2])], i: usize) -> bool {
     })
 }
 
-enum Judged {
+enum Assessment {
     Reasons(Vec<Rejection>),
-    Refused(PredictError),
+    Failed(PredictError),
 }
 
-/// A candidate with its elongation in each draw, or why it is none.
-fn judge(
+/// Assesses a rope: a candidate with its elongation per draw, or the reasons of its rejection.
+fn assess(
     rope: &CatalogueRope,
     request: &predict::Request,
     constraints: &Constraints,
-) -> Result<(Candidate, Vec<f64>), Judged> {
+) -> Result<(Candidate, Vec<f64>), Assessment> {
     let entry = &rope.entry;
     let value = |v: &Option<crate::law::entry::Value>| v.as_ref().map(|v| v.value);
     let (diameter_mm, weight_g_per_m) = (value(&entry.diameter_mm), value(&entry.weight_g_per_m));
@@ -337,7 +338,7 @@ fn judge(
             bend_ratio,
             f64::lt,
             constraints.bend_ratio_min,
-            Rejection::BendRatioNotKnown,
+            Rejection::BendRatioUnknown,
             |ratio, limit_ratio| Rejection::BendRatio { ratio, limit_ratio },
         ),
         missed(
@@ -351,35 +352,35 @@ fn judge(
     .into_iter()
     .flatten()
     .collect();
-    // The law is asked only where it can answer.
+    // The law is evaluated only within its validity.
     let found = match drawn(rope, request, &|_| {}) {
         Ok(found) => found,
         Err(e @ (PredictError::Routing(_) | PredictError::Stroke { .. })) => {
-            return Err(Judged::Refused(e));
+            return Err(Assessment::Failed(e));
         }
         Err(e) => {
             reasons.push(Rejection::NotPredicted {
                 reason: e.to_string(),
             });
-            return Err(Judged::Reasons(reasons));
+            return Err(Assessment::Reasons(reasons));
         }
     };
     let Prediction {
         rope: name,
         mut cautions,
         readings,
-        life,
+        lifetime: life,
         ..
     } = found.prediction(rope, request);
-    let least_ratio = found.endurance().bend_ratio_least;
+    let min_ratio = found.endurance().bend_ratio_least;
     let bends = |c: &Caution| matches!(c, Caution::TightBend { .. });
     if let Some(bend_ratio) = bend_ratio
-        && bend_ratio < least_ratio
+        && bend_ratio < min_ratio
         && !cautions.iter().any(bends)
     {
         cautions.push(Caution::TightBend {
             bend_ratio,
-            least_ratio,
+            min_ratio,
         });
     }
     if cautions.contains(&Caution::Hot) {
@@ -390,7 +391,7 @@ fn judge(
             after_s,
             cause: life.cause,
         });
-        return Err(Judged::Reasons(reasons));
+        return Err(Assessment::Reasons(reasons));
     }
     let unknown = Bounded::even(f64::NAN, 0.0);
     let stiffness = stiffness_n_per_m(&found.draws, request);
@@ -413,7 +414,7 @@ fn judge(
         });
     }
     if !reasons.is_empty() {
-        return Err(Judged::Reasons(reasons));
+        return Err(Assessment::Reasons(reasons));
     }
     let candidate = Candidate {
         rope: name,
@@ -424,16 +425,16 @@ fn judge(
         elongation_m,
         life_s: life.breaks_after_s,
         broken_share: life.broken_share,
-        least_share: 0.0,
+        min_share: 0.0,
         pareto: false,
-        starting_guesses: entry.guesses(),
+        assumed_parameters: entry.assumed(),
         parameters: entry.law.len(),
         cautions,
     };
     Ok((candidate, found.growth_m(request)))
 }
 
-/// Why a value does not show that it keeps a limit; `beyond` says which way is out.
+/// Rejection of a value that does not verify its limit; `beyond` compares the value with the limit.
 fn missed(
     found: Option<f64>,
     beyond: fn(&f64, &f64) -> bool,
@@ -477,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn every_rope_is_a_candidate_or_has_a_reason() {
+    fn selection_lists_each_rope_once() {
         let catalogue = Catalogue::paper().expect("shipped");
         let limits = Constraints {
             diameter_max_mm: Some(1.9),
@@ -505,7 +506,7 @@ mod tests {
         assert_eq!(climax.reasons[0], weak);
         let names: Vec<&str> = found.candidates.iter().map(|c| c.rope.as_str()).collect();
         assert!(names.contains(&"liros-dc000-0301"), "{names:?}");
-        let sum: f64 = found.candidates.iter().map(|c| c.least_share).sum();
+        let sum: f64 = found.candidates.iter().map(|c| c.min_share).sum();
         assert!(
             (sum - 1.0).abs() < 1e-9,
             "one is the least in every draw: {sum}"
@@ -518,7 +519,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thick_rope_needs_a_large_pulley() {
+    fn selection_thick_rope_needs_large_pulley() {
         let catalogue = Catalogue::paper().expect("shipped");
         // 20 mm over ropes of 0.9 to 2 mm: D/d is 10 on the thickest and 13 at 1.5 mm.
         let limits = Constraints {

@@ -1,33 +1,33 @@
-//! A rope's state as a file keeps it: versioned, apart from the model's own type.
+//! Stored state of a rope: versioned, separate from the type of the model.
 
 use crate::law::State;
 use serde::{Deserialize, Serialize};
 
-/// Version written.
+/// Version of the file format.
 const VERSION: u32 = 1;
 
-/// A rope's memory, to go on from later.
+/// Stored state of a rope, to continue later.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredState {
     /// Version of this record.
     pub version: u32,
-    /// Bedding-in, %.
+    /// Bedding-in `b`, %.
     pub bedding_percent: f64,
     /// Delayed elasticity, %, for 10, 10² … 10⁵ s.
     pub delayed_percent: [f64; 5],
     /// Fibre flow, %.
     pub flow_percent: f64,
-    /// Heat retraction that comes back, %.
+    /// Recoverable heat retraction, %.
     pub retraction_percent: f64,
-    /// Heat retraction that stays, %.
+    /// Permanent heat retraction, %.
     #[serde(default)]
     pub retraction_kept_percent: f64,
     /// Bending damage, 1 when spent.
     pub bending_damage: f64,
 }
 
-/// Why a stored state was refused.
+/// Error of a stored state.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoredStateError {
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_state_survives_being_stored_to_the_last_digit() {
+    fn stored_state_round_trip_is_exact() {
         let state = State {
             bedding_percent: 0.1 + 0.2,
             delayed_percent: [1e-300, 0.1, 1.0 / 3.0, 0.0, 2.5],

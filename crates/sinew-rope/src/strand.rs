@@ -1,4 +1,4 @@
-//! One strand of rope along its route: portion by portion through a duty.
+//! Simulation of one strand along its route, section by section.
 
 use super::history::History;
 use super::life::felt_by;
@@ -13,13 +13,13 @@ pub(super) struct Mean {
     pub(super) irreversible: f64,
 }
 
-/// Why a strand could not be followed.
+/// Error of a strand that cannot be simulated.
 pub(super) enum StrandError {
     Load(LoadError),
     Routing(RoutingError),
 }
 
-/// Means over the portions of a strand at the times asked for.
+/// Means over the sections of a strand at the requested times.
 pub(super) fn strand(
     law: &Law,
     request: &Request,

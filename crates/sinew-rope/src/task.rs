@@ -1,33 +1,33 @@
-//! What a rope has to do, as far as somebody states it: what they don't is the tendon's own, or plain.
+//! Task of a rope as specified; unspecified values come from the tendon or are defaults.
 
 use super::duty::Duty;
-use super::endurance::Ends;
+use super::endurance::RopeTermination;
 use super::predict::{Guide, PredictError, Request, Route, TIMES_DEFAULT_S, YEAR_S};
-use super::pretension::{self, HeldJoint, Mount, give_beside_rope};
+use super::pretension::{self, HeldJoint, Mount, series_compliance_m_per_n};
 use super::{CatalogueRope, Draws, draws};
 use crate::law::{LoadError, RopeLoad};
 use sinew_model::transmission::Tendon;
 
-/// Temperature where none is stated, °C.
+/// Default temperature, °C.
 pub const TEMPERATURE_DEFAULT_C: f64 = 23.0;
-/// Length of a strand where neither it nor a tendon is stated, m.
+/// Default length of a strand without a tendon, m.
 const LENGTH_DEFAULT_M: f64 = 1.0;
-/// Draws of a plan where it isn't stated how many: each goes through two dozen procedures.
+/// Default number of draws of a plan: each goes through two dozen procedures.
 const PLAN_DRAWS_DEFAULT: usize = 200;
-/// Tension at which a rope is tensioned again where none is stated, share of the working tension.
+/// Default tension of a re-tensioning, as a share of the working tension.
 const LOWEST_SHARE: f64 = 0.8;
 
-/// Why there is nothing to predict.
+/// Error of an incomplete or impossible task.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TaskError {
-    /// Neither a duty nor a tension is stated, and the tendon states no pretension.
-    #[error("what has the rope to do? state a tension, a duty or a recording")]
+    /// Neither duty nor tension nor a pretension of the tendon specified.
+    #[error("no load specified; specify a tension, a duty or a recording")]
     NoDuty,
-    /// Neither a working tension nor a pretension of the tendon is stated.
-    #[error("the joint's tendon states no pretension_n; state a tension")]
+    /// Neither a working tension nor a pretension of the tendon specified.
+    #[error("the joint's tendon has no pretension_n; specify a tension")]
     NoTension,
-    /// It would be tensioned again before it is tensioned.
+    /// Lowest tension not below the working tension.
     #[error("the lowest tension, {lowest_n} N, must be below the working tension, {tension_n} N")]
     Lowest {
         /// Lowest tension, N.
@@ -35,41 +35,41 @@ pub enum TaskError {
         /// Working tension, N.
         tension_n: f64,
     },
-    /// One rope holds no torque.
-    #[error("a torque needs a second rope that pulls the other way; state the joint's radius")]
+    /// Torque without a second rope.
+    #[error("a torque needs a second rope that pulls the other way; specify the joint's radius")]
     TorqueAlone,
-    /// The rope can't bear it.
+    /// Prediction that is not possible.
     #[error(transparent)]
     Predict(#[from] PredictError),
-    /// The rope at its working tension.
+    /// Invalid load at the working tension.
     #[error(transparent)]
     Load(#[from] LoadError),
 }
 
-/// What a rope has to do, and where it lies.
+/// Task of a rope: its load and its routing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RopeTask {
-    /// The duty; `None`: constant tension.
+    /// Tension and temperature over time; `None`: constant tension.
     pub duty: Option<Duty>,
-    /// Constant tension, N; `None`: the tendon's pretension.
+    /// Constant tension, N; `None`: the pretension of the tendon.
     pub tension_n: Option<f64>,
     /// Temperature of a constant tension, °C.
     pub temperature_c: f64,
-    /// Length of the strand, m; `None`: the tendon's, else 1 m.
+    /// Length of the strand, m; `None`: that of the tendon, otherwise 1 m.
     pub length_m: Option<f64>,
-    /// Guiding pulleys; none: the tendon's.
+    /// Guiding pulleys; if empty, those of the tendon.
     pub guides: Vec<Guide>,
-    /// How far the rope moves back and forth over its guides, m.
+    /// Stroke of the rope over its guides, m.
     pub stroke_m: f64,
-    /// Strokes per hour; 0 where bending is not asked for.
+    /// Strokes per hour; 0 if bending is not considered.
     pub strokes_per_hour: f64,
-    /// How its ends are held.
-    pub ends: Ends,
-    /// Factor by which abrasion speeds up the wear of bending.
+    /// Termination of the rope.
+    pub termination: RopeTermination,
+    /// Factor by which abrasion accelerates bending fatigue.
     pub abrasion_factor: f64,
-    /// Times to read at, s, in any order; none: an hour, a day, a month, a year.
+    /// Times of the predicted elongations, s, in any order; if empty, an hour, a day, a month and a year.
     pub times_s: Vec<f64>,
-    /// Draws for the intervals.
+    /// Number of draws for the intervals.
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
@@ -85,7 +85,7 @@ impl Default for RopeTask {
             guides: Vec::new(),
             stroke_m: 0.0,
             strokes_per_hour: 0.0,
-            ends: Ends::NotStated,
+            termination: RopeTermination::NotSpecified,
             abrasion_factor: 1.0,
             times_s: Vec::new(),
             draws: draws::DRAWS_DEFAULT,
@@ -95,10 +95,10 @@ impl Default for RopeTask {
 }
 
 impl RopeTask {
-    /// What is asked of a prediction, on a tendon where there is one.
+    /// Builds the request of a prediction, with the defaults of a tendon if there is one.
     ///
     /// # Errors
-    /// [`TaskError::NoDuty`].
+    /// Returns [`TaskError::NoDuty`] if no load is specified.
     pub fn request(&self, tendon: Option<&Tendon>) -> Result<Request, TaskError> {
         let constant = self.tension_n.or(tendon.and_then(|t| t.pretension_n));
         let constant = constant.map(|tension_n| Duty::constant(tension_n, self.temperature_c));
@@ -112,7 +112,7 @@ impl RopeTask {
             route: Route {
                 stroke_m: self.stroke_m,
                 strokes_per_hour: self.strokes_per_hour,
-                ends: self.ends,
+                termination: self.termination,
                 abrasion_factor: self.abrasion_factor,
                 ..Route::straight(length_m(self.length_m, tendon))
                     .guided(&guides(&self.guides, tendon))
@@ -125,43 +125,42 @@ impl RopeTask {
     }
 }
 
-/// What holds a joint: its drive's stiffness and its tendon.
+/// Drive of a joint: its stiffness and its tendon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// Stiffness of the joint, N·m/rad (N/m of one that slides).
+    /// Stiffness of the joint, N·m/rad (N/m if prismatic).
     pub stiffness_nm_per_rad: f64,
-    /// Its tendon.
+    /// Tendon of the joint.
     pub tendon: Tendon,
-    /// Whether it slides.
+    /// Whether the joint is prismatic.
     pub slides: bool,
 }
 
-/// What is asked of a plan to tension a rope.
+/// Task of a tensioning plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PretensionTask {
-    /// Working tension, N; of two strands their mean. `None`: the tendon's pretension.
+    /// Working tension, N; of two strands their mean. `None`: the pretension of the tendon.
     pub tension_n: Option<f64>,
-    /// Tension below which it is tensioned again, N; `None`: 80 % of the working tension.
+    /// Tension below which the rope is re-tensioned, N; `None`: 80 % of the working tension.
     pub lowest_n: Option<f64>,
-    /// Temperature, °C.
+    /// Temperature of the rope, °C.
     pub temperature_c: f64,
-    /// Length of the strand, m; `None`: the tendon's, else 1 m.
+    /// Length of the strand, m; `None`: that of the tendon, otherwise 1 m.
     pub length_m: Option<f64>,
-    /// Guiding pulleys; none: the tendon's.
+    /// Guiding pulleys; if empty, those of the tendon.
     pub guides: Vec<Guide>,
-    /// What gives in series with each strand, m/N; `None`: what the joint's stiffness leaves beside the rope,
-    /// else nothing.
-    pub give_m_per_n: Option<f64>,
-    /// Radius of the pulley over which a second, equal rope pulls the other way, m; `None`: the tendon's, where it
-    /// is antagonistic.
+    /// Series compliance of each strand, m/N; `None`: from the stiffness of the joint, otherwise 0.
+    pub series_compliance_m_per_n: Option<f64>,
+    /// Radius of the pulley with a second, equal rope in the opposite direction, m; `None`: that of an
+    /// antagonistic tendon.
     pub joint_radius_m: Option<f64>,
-    /// Torque that the joint holds meanwhile, N·m, at least 0.
+    /// Torque of the joint meanwhile, N·m, at least 0.
     pub torque_nm: f64,
-    /// How long it must hold, s.
+    /// Horizon of the plan, s.
     pub horizon_s: f64,
-    /// Share of the later elongation that the procedure must take away, 0 to 1.
+    /// Share of the later elongation that the procedure must remove, 0 to 1.
     pub remove: f64,
-    /// Draws for the intervals.
+    /// Number of draws for the intervals.
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
@@ -175,7 +174,7 @@ impl Default for PretensionTask {
             temperature_c: TEMPERATURE_DEFAULT_C,
             length_m: None,
             guides: Vec::new(),
-            give_m_per_n: None,
+            series_compliance_m_per_n: None,
             joint_radius_m: None,
             torque_nm: 0.0,
             horizon_s: YEAR_S,
@@ -187,10 +186,10 @@ impl Default for PretensionTask {
 }
 
 impl PretensionTask {
-    /// What is asked of a plan for `rope`; `drive`: what holds the joint, where there is one.
+    /// Builds the request of a plan for `rope`; `drive`: stiffness and tendon of the joint, if there is one.
     ///
     /// # Errors
-    /// [`TaskError`].
+    /// Returns [`TaskError`] if the tension is missing or inconsistent, or the rope cannot carry it.
     pub fn request(
         &self,
         rope: &CatalogueRope,
@@ -219,14 +218,14 @@ impl PretensionTask {
             return Err(TaskError::TorqueAlone);
         }
         let load = RopeLoad::celsius(tension_n, self.temperature_c);
-        let give_m_per_n = match (self.give_m_per_n, drive) {
+        let series_compliance_m_per_n = match (self.series_compliance_m_per_n, drive) {
             (Some(stated), _) => stated,
             (None, Some(d)) => {
                 let (stiffness, t) = (d.stiffness_nm_per_rad, &d.tendon);
                 let law = Draws::new(rope, 0, 0).map_err(PredictError::from)?.nominal;
                 let strands = if joint.is_some() { 2.0 } else { 1.0 };
                 let radius_m = t.joint_pulley_radius_m;
-                give_beside_rope(&law, load, length_m, radius_m, stiffness, strands)?
+                series_compliance_m_per_n(&law, load, length_m, radius_m, stiffness, strands)?
             }
             (None, None) => 0.0,
         };
@@ -235,7 +234,7 @@ impl PretensionTask {
             temperature_c: self.temperature_c,
             length_m,
             mount: Mount {
-                give_m_per_n,
+                series_compliance_m_per_n,
                 pulleys: Route::straight(length_m)
                     .guided(&guides(&self.guides, tendon))
                     .pulleys,
@@ -250,13 +249,13 @@ impl PretensionTask {
     }
 }
 
-/// Length as stated, else the tendon's.
+/// Specified length, otherwise that of the tendon.
 fn length_m(stated: Option<f64>, tendon: Option<&Tendon>) -> f64 {
     let own = tendon.map(|t| t.length_m);
     stated.or(own).unwrap_or(LENGTH_DEFAULT_M)
 }
 
-/// Guides as stated, else the tendon's.
+/// Specified guides, otherwise those of the tendon.
 fn guides(stated: &[Guide], tendon: Option<&Tendon>) -> Vec<Guide> {
     let own = tendon.map_or(&[][..], |t| &t.guides);
     match stated {

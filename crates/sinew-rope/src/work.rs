@@ -1,11 +1,11 @@
-//! What a working robot does to a strand of a tendon.
+//! Load of a strand of a tendon in a working robot.
 
-use crate::law::routing::{Portion, Pulley, portions};
+use crate::law::routing::{Pulley, RopeSection, portions};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use sinew_model::transmission::Tendon;
 
-/// What a working robot does to a strand, averaged over days.
+/// Load of a strand in a working robot, averaged over days.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Work {
     /// Mean tension over pretension.
@@ -19,8 +19,8 @@ pub struct Work {
 }
 
 impl Work {
-    /// What is known of work nobody has recorded: peaks of 1.5 to 4 times the pretension for a
-    /// second to three quarters of an hour a day.
+    /// Draws a load of unknown peaks: peaks of 1.5 to 4 times the pretension for a second to three quarters
+    /// of an hour per day.
     pub fn unknown(temperature_c: f64, rng: &mut ChaCha8Rng) -> Self {
         let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
         Self {
@@ -32,9 +32,9 @@ impl Work {
     }
 }
 
-/// Portions of the strand between motor and joint: guiding pulleys stand evenly, a quarter turn of
-/// the joint moves the rope.
-pub fn strand(tendon: &Tendon) -> Vec<Portion> {
+/// Sections of the strand between motor and joint: guiding pulleys are spaced evenly, the stroke is a quarter
+/// turn of the joint.
+pub fn strand(tendon: &Tendon) -> Vec<RopeSection> {
     let n = tendon.guides.len() as f64;
     let pulleys: Vec<Pulley> = tendon
         .guides
@@ -49,8 +49,8 @@ pub fn strand(tendon: &Tendon) -> Vec<Portion> {
         .collect();
     let stroke_m = std::f64::consts::FRAC_PI_2 * tendon.joint_pulley_radius_m;
     portions(tendon.length_m, stroke_m.min(tendon.length_m), &pulleys).unwrap_or_else(|_| {
-        // Pulleys that don't fit on the strand: as if there were none.
-        vec![Portion {
+        // Pulleys that do not fit on the strand are ignored.
+        vec![RopeSection {
             length_m: tendon.length_m,
             middle_m: 0.5 * tendon.length_m,
             guides: 0,

@@ -1,10 +1,10 @@
-//! When a rope breaks, of what, and which portion of it first.
+//! Lifetime of a rope, cause of the break and the section that breaks first.
 
 use sinew_rope::law::routing::Pulley;
 use sinew_rope::law::{Law, RopeLoad};
 use sinew_rope::predict::{DAY_S, PredictError, Prediction, Request, Route, YEAR_S, predict};
 use sinew_rope::select::{Constraints, Rank, Rejection, select};
-use sinew_rope::{BreakCause, Catalogue, Caution, Duty, Ends, Place, Stretch};
+use sinew_rope::{BreakCause, Catalogue, Caution, Duty, Place, RopeTermination, Stretch};
 
 fn request(duty: Duty, route: Route) -> Request {
     Request {
@@ -28,7 +28,7 @@ fn law(rope: &str) -> Law {
     Law::new(entry.parameters().expect("complete")).expect("a law")
 }
 
-/// One pulley in the middle of 700 mm, 50 mm of stroke, a stroke a minute.
+/// One pulley in the middle of 700 mm, a stroke of 50 mm, one stroke per minute.
 fn led(radius_m: f64, wrap_deg: f64) -> Route {
     let mut route = Route::straight(0.7);
     route.stroke_m = 0.05;
@@ -43,12 +43,12 @@ fn led(radius_m: f64, wrap_deg: f64) -> Route {
 }
 
 fn most_bent(p: &Prediction) -> f64 {
-    let spots = p.life.spots.iter();
+    let spots = p.lifetime.spots.iter();
     spots.map(|s| s.bending_damage).fold(0.0, f64::max)
 }
 
 #[test]
-fn a_rope_that_creeps_apart_says_when_and_gives_no_number_beyond() {
+fn creep_rupture_reports_time_and_no_later_elongation() {
     let rope = "teufelberger-fl-9-ng";
     let asked = request(Duty::constant(1950.0, 60.0), Route::straight(1.0));
     let p = found(rope, &asked).expect("an hour and a day of it");
@@ -56,7 +56,7 @@ fn a_rope_that_creeps_apart_says_when_and_gives_no_number_beyond() {
     let rates = law(rope)
         .rates(RopeLoad::celsius(1950.0, 60.0))
         .expect("a load");
-    let life = p.life.breaks_after_s.expect("it breaks");
+    let life = p.lifetime.breaks_after_s.expect("it breaks");
     assert!((life.value * rates.flow_percent_per_s / 10.0 - 1.0).abs() < 1e-9);
     assert!(
         (1.0 * DAY_S..10.0 * DAY_S).contains(&life.value),
@@ -65,12 +65,12 @@ fn a_rope_that_creeps_apart_says_when_and_gives_no_number_beyond() {
     assert!(life.low < life.value && life.value < life.high, "{life:?}");
     assert_eq!(p.breaks_after_s, Some(life.value));
     assert_eq!(
-        (p.readings.len(), p.life.cause),
+        (p.readings.len(), p.lifetime.cause),
         (2, BreakCause::CreepRupture)
     );
     let said = |c: &Caution| matches!(c, Caution::CreepsApart { time_s } if *time_s == life.value);
-    assert!(p.cautions.iter().any(said) && p.life.broken_share > 0.9);
-    let share = |c: &Caution| matches!(c, Caution::LoadShare { load_share, most_share } if (*load_share, *most_share) == (0.3, 0.2));
+    assert!(p.cautions.iter().any(said) && p.lifetime.broken_share > 0.9);
+    let share = |c: &Caution| matches!(c, Caution::LoadShare { load_share, max_share } if (*load_share, *max_share) == (0.3, 0.2));
     assert!(p.cautions.iter().any(share), "{:?}", p.cautions);
     // The same at 10 N lasts.
     let light = request(Duty::constant(10.0, 60.0), Route::straight(1.0));
@@ -78,8 +78,8 @@ fn a_rope_that_creeps_apart_says_when_and_gives_no_number_beyond() {
     assert_eq!((light.readings.len(), light.breaks_after_s), (3, None));
 }
 
-/// Palmgren–Miner: a duty of two loads takes the sum of what each takes in its time; a ramp lies
-/// between, and what follows a duty that doesn't repeat goes on at its last load.
+/// Palmgren–Miner rule: the damage of a duty of two loads is the sum of the damage of each; that of a ramp
+/// lies between; a duty that does not repeat continues at its last load.
 #[test]
 fn damage_adds_up_over_a_duty() {
     let rope = "teufelberger-fl-9-ng";
@@ -95,7 +95,7 @@ fn damage_adds_up_over_a_duty() {
             repeat,
         };
         let p = found(rope, &request(duty, Route::straight(1.0))).expect("a prediction");
-        p.life.breaks_after_s.expect("it breaks").value
+        p.lifetime.breaks_after_s.expect("it breaks").value
     };
     let (hard, soft) = (
         life(&[(1950.0, 1950.0, 60.0)], true),
@@ -112,34 +112,43 @@ fn damage_adds_up_over_a_duty() {
     assert!((once / (0.5 * soft + 0.5 * hard) - 1.0).abs() < 1e-3);
 }
 
-/// Strength falls with heat, and ends keep a part of it.
+/// Strength decreases with temperature, and terminations retain a part of it.
 #[test]
-fn heat_and_ends_break_what_the_rope_would_hold() {
+fn heat_and_terminations_reduce_strength() {
     let rope = "teufelberger-fl-9-ng";
-    let ask = |n: f64, celsius: f64, ends: Ends| {
+    let ask = |n: f64, celsius: f64, termination: RopeTermination| {
         let mut route = Route::straight(1.0);
-        route.ends = ends;
+        route.termination = termination;
         found(rope, &request(Duty::constant(n, celsius), route))
     };
-    let weak = ask(3000.0, 23.0, Ends::Knotted).expect_err("a knot holds 2730 N");
+    let weak = ask(3000.0, 23.0, RopeTermination::Knotted).expect_err("a knot holds 2730 N");
     assert!(
         matches!(&weak, PredictError::TooWeak { strength_n, .. } if (strength_n - 0.42 * 6500.0).abs() < 1e-6),
         "{weak}"
     );
     assert!(weak.to_string().contains("knotted"), "{weak}");
-    let hot = ask(5000.0, 80.0, Ends::NotStated).expect_err("4277 N at 80 °C");
+    let hot = ask(5000.0, 80.0, RopeTermination::NotSpecified).expect_err("4277 N at 80 °C");
     assert!(matches!(hot, PredictError::TooWeak { .. }), "{hot}");
-    let life = |ends| ask(1300.0, 40.0, ends).expect("a prediction").life;
-    let [bare, spliced, knotted] = [Ends::NotStated, Ends::Spliced, Ends::Knotted].map(life);
-    let value = |l: &sinew_rope::Life| l.breaks_after_s.expect("some day").value;
+    let life = |termination| {
+        ask(1300.0, 40.0, termination)
+            .expect("a prediction")
+            .lifetime
+    };
+    let [bare, spliced, knotted] = [
+        RopeTermination::NotSpecified,
+        RopeTermination::Spliced,
+        RopeTermination::Knotted,
+    ]
+    .map(life);
+    let value = |l: &sinew_rope::RopeLifetime| l.breaks_after_s.expect("some day").value;
     assert!(value(&bare) > value(&spliced) && value(&spliced) > value(&knotted));
-    let last = knotted.spots.last().expect("the ends");
-    assert!(last.place == Place::Ends && last.damage() > knotted.spots[0].damage());
+    let last = knotted.spots.last().expect("the terminations");
+    assert!(last.place == Place::Termination && last.damage() > knotted.spots[0].damage());
 }
 
-/// What the maker says of replacing is a limit of a prediction and of a choice.
+/// The discard strain of the manufacturer limits a prediction and a selection.
 #[test]
-fn a_rope_is_replaced_at_the_strain_its_maker_states() {
+fn discard_strain_limits_prediction_and_selection() {
     let shipped = Catalogue::shipped().expect("shipped");
     let rope = shipped.find("liros-dc000-0301").expect("there");
     let asked = request(Duty::constant(300.0, 23.0), Route::straight(0.7));
@@ -180,9 +189,9 @@ fn a_rope_is_replaced_at_the_strain_its_maker_states() {
     assert!(replaced(&stated(10.0 * strain(2).high)).is_none());
 }
 
-/// Bent to its own diameter a rope keeps half of its strength; a gentle pulley takes little.
+/// Bent to its own diameter a rope retains half of its strength; a large pulley has little effect.
 #[test]
-fn a_tight_pulley_breaks_what_a_straight_rope_would_hold() {
+fn tight_pulley_reduces_strength() {
     let rope = "liros-aramid-braided-cord";
     let ask = |radius_m: f64, n: f64, strokes_per_hour: f64| {
         let mut route = led(radius_m, 180.0);
@@ -201,7 +210,7 @@ fn a_tight_pulley_breaks_what_a_straight_rope_would_hold() {
     let worn = ask(1.5e-3, 700.0, 60.0).expect_err("a few passes");
     assert!(
         worn.to_string()
-            .contains("under 819 N it wears out over its pulleys, within"),
+            .contains("at 819 N it breaks by bending fatigue within"),
         "{worn}"
     );
     for (radius_m, n) in [(1.5e-3, 700.0), (30e-3, 1400.0)] {
@@ -210,10 +219,10 @@ fn a_tight_pulley_breaks_what_a_straight_rope_would_hold() {
     }
 }
 
-/// Small pulleys are warned of where only their size is stated, and what they bend too much comes after
-/// what they don't.
+/// Small pulleys raise a warning if only their size is specified, and ropes that they bend too much rank
+/// last.
 #[test]
-fn the_choice_puts_what_makers_advise_first() {
+fn selection_ranks_within_advice_first() {
     let catalogue = Catalogue::shipped().expect("shipped");
     let asked = request(Duty::constant(20.0, 23.0), Route::straight(0.2));
     let limits = Constraints {
@@ -239,20 +248,20 @@ fn the_choice_puts_what_makers_advise_first() {
     assert!(steel.life_s.is_none() && steel.elongation_m.value > 0.0);
 }
 
-/// Aramid doesn't flow apart: it loses a share of its strength with every decade of time.
+/// Aramid has no creep rupture: it loses a share of its strength per decade of time.
 #[test]
 fn aramid_breaks_by_static_fatigue() {
     let rope = "liros-aramid-braided-cord";
     let asked = request(Duty::constant(2000.0, 23.0), Route::straight(1.0));
     let p = found(rope, &asked).expect("a prediction");
-    let life = p.life.breaks_after_s.expect("it breaks").value;
+    let life = p.lifetime.breaks_after_s.expect("it breaks").value;
     // A fifth of its strength is left over: four decades of a twentieth from a minute on.
     assert!((life / 6e5).ln().abs() < 0.5, "{life}");
 }
 
-/// Friction, bedding-in and fatigue: what hardly bends the rope costs hardly anything.
+/// Friction, bedding-in and fatigue: a pulley that hardly bends the rope has hardly any effect.
 #[test]
-fn a_gentle_guide_costs_less_than_a_tight_one() {
+fn small_wrap_has_less_effect_than_tight_pulley() {
     let ask = |route: Route| {
         let asked = request(Duty::constant(100.0, 23.0), route);
         found("liros-dc000-0301", &asked).expect("a prediction")
@@ -265,17 +274,17 @@ fn a_gentle_guide_costs_less_than_a_tight_one() {
         assert!(most_bent(gentle) < 0.9 * most_bent(tight));
         assert!(grown(gentle) < grown(tight));
         assert!(
-            gentle.life.breaks_after_s.map_or(f64::MAX, |l| l.value)
-                > tight.life.breaks_after_s.map_or(0.0, |l| l.value)
+            gentle.lifetime.breaks_after_s.map_or(f64::MAX, |l| l.value)
+                > tight.lifetime.breaks_after_s.map_or(0.0, |l| l.value)
         );
     }
     assert!(most_bent(&touch) < 1e-3 * most_bent(&ten));
     assert!((grown(&touch) / grown(&bare) - 1.0).abs() < 2e-3);
 }
 
-/// The portion that two pulleys pass wears twice as fast as where one does; the map says where.
+/// The section that two pulleys pass over wears twice as fast as that of one; the damage map locates it.
 #[test]
-fn the_weak_spot_is_where_pulleys_follow_each_other() {
+fn most_damaged_section_is_between_adjacent_pulleys() {
     let mut route = led(8e-3, 90.0);
     let second = Pulley {
         at_m: 0.33,
@@ -284,28 +293,28 @@ fn the_weak_spot_is_where_pulleys_follow_each_other() {
     route.pulleys.push(second);
     let asked = request(Duty::constant(100.0, 23.0), route.clone());
     let p = found("liros-dc000-0301", &asked).expect("a prediction");
-    let of = |guides: usize| p.life.spots.iter().filter(move |s| s.guides == guides);
+    let of = |guides: usize| p.lifetime.spots.iter().filter(move |s| s.guides == guides);
     let [once, twice] = [1, 2].map(|n| of(n).map(|s| s.bending_damage).fold(0.0, f64::max));
     assert!((1.7..2.3).contains(&(twice / once)), "{once} {twice}");
     assert!(of(0).all(|s| s.bending_damage == 0.0));
     let weak = of(2).next().expect("a portion");
     assert!(weak.from_m > 0.25 && weak.to_m < 0.36, "{weak:?}");
     // Strength left is that of this portion, and abrasion speeds it up as stated.
-    assert_eq!(p.life.cause, BreakCause::BendingFatigue);
+    assert_eq!(p.lifetime.cause, BreakCause::BendingFatigue);
     route.abrasion_factor = 3.0;
     let rough = found(
         "liros-dc000-0301",
         &request(Duty::constant(100.0, 23.0), route),
     );
-    let life = |p: &Prediction| p.life.breaks_after_s.expect("some day").value;
+    let life = |p: &Prediction| p.lifetime.breaks_after_s.expect("some day").value;
     assert!((life(&p) / life(&rough.expect("a prediction")) - 3.0).abs() < 1e-2);
 }
 
 #[test]
-fn a_pulley_of_3_mm_under_a_rope_of_1_8_mm_is_warned_of() {
+fn pulley_below_advised_diameter_raises_warning() {
     let asked = request(Duty::constant(60.0, 23.0), led(1.5e-3, 90.0));
     let p = found("tu-chemnitz-technora-black", &asked).expect("a prediction");
-    let tight = |c: &Caution| matches!(c, Caution::TightBend { bend_ratio, least_ratio } if bend_ratio < least_ratio);
+    let tight = |c: &Caution| matches!(c, Caution::TightBend { bend_ratio, min_ratio } if bend_ratio < min_ratio);
     assert!(p.cautions.iter().any(tight), "{:?}", p.cautions);
     let wide = request(Duty::constant(60.0, 23.0), led(15e-3, 90.0));
     let wide = found("tu-chemnitz-technora-black", &wide).expect("a prediction");
@@ -313,7 +322,7 @@ fn a_pulley_of_3_mm_under_a_rope_of_1_8_mm_is_warned_of() {
 }
 
 #[test]
-fn the_choice_counts_strokes_and_leaves_out_what_breaks() {
+fn selection_counts_strokes_and_rejects_broken_ropes() {
     let catalogue = Catalogue::shipped().expect("shipped");
     let choose = |strokes_per_hour: f64, n: f64| {
         let mut route = led(8e-3, 90.0);
@@ -322,9 +331,9 @@ fn the_choice_counts_strokes_and_leaves_out_what_breaks() {
         select(&catalogue, &asked, &Constraints::default()).expect("a choice")
     };
     let (idle, busy) = (choose(0.0, 300.0), choose(60.0, 300.0));
-    let broken = |why: &Rejection| {
+    let broken = |reason: &Rejection| {
         matches!(
-            why,
+            reason,
             Rejection::Breaks {
                 cause: BreakCause::BendingFatigue,
                 ..

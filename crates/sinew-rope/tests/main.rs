@@ -2,15 +2,15 @@
 
 #[path = "../../sinew-model/tests/model/answers.rs"]
 mod answers;
+mod corrupt_text;
 mod coverage;
-mod known_rope;
+mod golden;
 mod life;
 mod relaxation;
 mod rope_entry;
 mod rope_law;
 mod rope_reference;
 mod rope_routing;
-mod spoiled_text;
 mod strung;
 mod survival;
 mod task;

@@ -1,4 +1,4 @@
-//! Catalogue entries: what is read, and what is refused with its place.
+//! Parser of catalogue entries, and the location of its errors.
 
 use proptest::prelude::*;
 use sinew_rope::law::Parameter;
@@ -12,10 +12,10 @@ fn changed(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn every_value_has_its_origin() {
+fn entry_values_have_origin() {
     let rope = CatalogueEntry::parse(ROPE, "rope.toml").expect("a rope");
     let b = &rope.law[&Parameter::Bedding];
-    assert_eq!((b.value, b.origin), (0.42, Origin::StartingGuess));
+    assert_eq!((b.value, b.origin), (0.42, Origin::Assumed));
     assert_eq!(b.uncertainty, Uncertainty::Factor(1.5));
     assert!((b.at(1.959_963_984_540_054) - 0.63).abs() < 1e-12);
     assert!((b.at(-1.959_963_984_540_054) - 0.28).abs() < 1e-12);
@@ -26,7 +26,22 @@ fn every_value_has_its_origin() {
 }
 
 #[test]
-fn what_is_missing_is_missing() {
+fn entry_older_origin_is_accepted_as_assumed() {
+    const ASSUMED: &str = "origin = \"assumed\"";
+    const OLDER: &str = "origin = \"starting-guess\"";
+    assert!(ROPE.contains(ASSUMED) && !ROPE.contains(OLDER));
+    let rope = CatalogueEntry::parse(ROPE, "rope.toml").expect("a rope");
+    let older = CatalogueEntry::parse(&ROPE.replace(ASSUMED, OLDER), "rope.toml").expect("a rope");
+    assert_eq!(older, rope);
+    assert_eq!(older.law[&Parameter::Bedding].origin, Origin::Assumed);
+    assert!(!older.to_toml().contains(OLDER));
+    let unknown = ROPE.replacen(ASSUMED, "origin = \"guess\"", 1);
+    let error = CatalogueEntry::parse(&unknown, "rope.toml").expect_err("an unknown origin");
+    assert!(!error.to_string().contains("starting-guess"), "{error}");
+}
+
+#[test]
+fn missing_parameters_are_reported() {
     let rope =
         CatalogueEntry::parse(&changed("jamming =", "# jamming ="), "rope.toml").expect("a rope");
     assert_eq!(rope.parameters(), Err(vec!["jamming"]));
@@ -36,7 +51,7 @@ fn what_is_missing_is_missing() {
 }
 
 #[test]
-fn nonsense_is_refused_with_file_and_line() {
+fn invalid_entry_error_names_file_and_line() {
     let line = 1 + ROPE
         .lines()
         .position(|l| l.starts_with("jamming"))
@@ -123,7 +138,7 @@ proptest! {
         ..ProptestConfig::with_cases(400)
     })]
 
-    /// Whatever is cut out of, or put into, an entry: an error or a rope, never a panic.
+    /// Random deletions and insertions give an error or a rope, never a panic.
     #[test]
     fn damaged_entries_never_panic(at in 0..ROPE.len(), length in 0..200usize, put in "\\PC{0,12}") {
         let end = (at + length).min(ROPE.len());

@@ -1,4 +1,4 @@
-//! The rope law: against a reference integrator, against itself cut differently, in its limits.
+//! Creep law of the rope against a reference integrator, with other step sizes, and at its limits.
 
 mod values;
 
@@ -6,7 +6,7 @@ use crate::rope_reference::{Piece, aramid, distance, integrate, sk99};
 use proptest::prelude::*;
 use sinew_rope::law::{Law, Parameters, RopeLoad, State, bedding, ramp};
 
-/// What is asked of the law against the reference, % strain.
+/// Maximum difference of the law from the reference, % strain.
 const AGAINST_REFERENCE_PERCENT: f64 = 1e-6;
 /// Exact steps differ by rounding only: some thousand operations of 1e-16 on strains below 10 %.
 const ROUNDING_PERCENT: f64 = 1e-12;
@@ -77,7 +77,7 @@ proptest! {
 proptest! {
     #![proptest_config(cases(256))]
 
-    /// One step or many, the same rope.
+    /// The result does not depend on the number of steps.
     #[test]
     fn cutting_a_hold_changes_nothing(
         first in a_load(0.9),
@@ -126,9 +126,9 @@ proptest! {
         prop_assert!(d < 3.0 * sinew_rope::law::RAMP_TOLERANCE_PERCENT, "{d}");
     }
 
-    /// Whatever happens, bedding-in and flow never fall, and nothing leaves its bounds.
+    /// Bedding-in and flow never decrease, and every element stays within its bounds.
     #[test]
-    fn what_is_irreversible_stays(programme in a_programme(12), guides in 0..4u8) {
+    fn permanent_strain_never_decreases(programme in a_programme(12), guides in 0..4u8) {
         let law = law(sk99()).passed_by(f64::from(guides));
         let mut state = State::default();
         for piece in &programme {
@@ -165,9 +165,9 @@ proptest! {
         prop_assert!(last - floor < 1e-7 * (1.0 + floor), "{}", last - floor);
     }
 
-    /// More tension never stretches a rope less.
+    /// Strain increases with tension.
     #[test]
-    fn more_tension_more_strain(a in 0.0..0.6f64, b in 0.0..0.6f64, t in a_duration()) {
+    fn strain_increases_with_tension(a in 0.0..0.6f64, b in 0.0..0.6f64, t in a_duration()) {
         let law = law(sk99());
         let strain = |ratio: f64| {
             let load = RopeLoad::at_reference(ratio * 4450.0);

@@ -1,9 +1,9 @@
-//! The rope law written down a second time as plain differential equations, integrated by
-//! Dormand and Prince's 5(4) pair at a tolerance far below what is tested; ropes to try it on.
+//! Independent implementation of the creep law as differential equations, integrated by Dormand and Prince's
+//! 5(4) pair at a tolerance far below that of the tests; ropes for the tests.
 
 use sinew_rope::law::{DELAY_TIMES_S, Parameters, Polymer, RopeLoad, State};
 
-/// Liros DC000-0301 at its starting values.
+/// Parameters of Liros DC000-0301, as in the catalogue.
 pub(crate) fn sk99() -> Parameters {
     Parameters {
         polymer: Polymer::Hmpe,
@@ -36,7 +36,7 @@ pub(crate) fn sk99() -> Parameters {
     }
 }
 
-/// The aramid cord.
+/// Parameters of the aramid cord.
 pub(crate) fn aramid() -> Parameters {
     Parameters {
         polymer: Polymer::Aramid,
@@ -92,7 +92,7 @@ fn rate(p: &Parameters, guides: f64, load: RopeLoad, y: &Y) -> Y {
     out
 }
 
-/// One stretch of a programme: from a load to a load within a duration.
+/// Segment of a programme: from a load to a load within a duration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub(crate) from: RopeLoad,

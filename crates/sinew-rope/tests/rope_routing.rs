@@ -1,9 +1,9 @@
-//! Routing: portions, pass counts and the capstan law.
+//! Routing: sections, pass counts and the capstan equation.
 
 use proptest::prelude::*;
 use sinew_rope::law::damage;
 use sinew_rope::law::routing::{
-    Portion, Pulley, RoutingError, capstan, far_share, portions, tension_share,
+    Pulley, RopeSection, RoutingError, capstan, far_share, portions, tension_share,
 };
 use std::f64::consts::PI;
 
@@ -45,7 +45,7 @@ fn tension_falls_along_a_rope_that_is_pulled_in() {
 }
 
 #[test]
-fn an_edge_without_a_length_takes_its_whole_friction_at_once() {
+fn edge_without_length_takes_full_friction_at_its_point() {
     let edge = [Pulley {
         radius_m: 0.0,
         ..pulley(0.1, 1.0)
@@ -56,9 +56,9 @@ fn an_edge_without_a_length_takes_its_whole_friction_at_once() {
 }
 
 #[test]
-fn only_pulleys_that_pass_over_a_portion_bend_it_and_gentle_ones_count_less() {
+fn bending_counts_only_passing_pulleys_by_curvature() {
     let pulleys = [pulley(0.1, PI), pulley(0.3, PI), pulley(0.7, PI)];
-    let portion = Portion {
+    let portion = RopeSection {
         length_m: 0.02,
         middle_m: 0.25,
         guides: 0,
@@ -79,7 +79,7 @@ fn only_pulleys_that_pass_over_a_portion_bend_it_and_gentle_ones_count_less() {
 }
 
 #[test]
-fn impossible_routings_are_refused() {
+fn invalid_routing_is_error() {
     assert_eq!(portions(0.0, 0.1, &[]), Err(RoutingError::Strand));
     assert_eq!(portions(1.0, f64::NAN, &[]), Err(RoutingError::Strand));
     let odd = [pulley(0.1, -1.0)];
@@ -101,7 +101,7 @@ proptest! {
         ..ProptestConfig::with_cases(300)
     })]
 
-    /// Portions fill the strand, and passed length adds up to what each pulley touches.
+    /// Sections fill the strand, and passed length sums to the contact of each pulley.
     #[test]
     fn portions_fill_the_strand(
         places in prop::collection::vec((0.0..0.9f64, 0.0..4.0f64), 0..6),

@@ -1,8 +1,8 @@
-//! Ropes at constant length against closed forms, against a quarter of the step, in their limits.
+//! Ropes at constant length against analytic solutions, with a quarter of the step, and at their limits.
 
 use crate::rope_reference::sk99;
 use proptest::prelude::*;
-use sinew_rope::law::strung::{Piece, RELAXATION_TOLERANCE, Strand, Strung};
+use sinew_rope::law::strung::{Piece, RELAXATION_TOLERANCE, Strand, StrandAssembly};
 use sinew_rope::law::{Law, LoadError, Parameters, REFERENCE_K, RopeLoad, State};
 
 const DAY_S: f64 = 86_400.0;
@@ -14,7 +14,7 @@ fn law(parameters: Parameters) -> Law {
     Law::new(parameters).expect("parameters of a rope")
 }
 
-/// Elastic along a straight line; nothing else.
+/// Linear elastic rope without creep.
 fn spring() -> Parameters {
     Parameters {
         toe_percent: 0.0,
@@ -26,21 +26,21 @@ fn spring() -> Parameters {
     }
 }
 
-fn strung(strands: Vec<Strand>, tension_n: f64) -> Strung {
-    Strung::new(strands, tension_n, REFERENCE_K, 0.0).expect("a load")
+fn strung(strands: Vec<Strand>, tension_n: f64) -> StrandAssembly {
+    StrandAssembly::new(strands, tension_n, REFERENCE_K, 0.0).expect("a load")
 }
 
-fn one(parameters: Parameters, tension_n: f64) -> Strung {
+fn one(parameters: Parameters, tension_n: f64) -> StrandAssembly {
     strung(
         vec![Strand::straight(law(parameters), L, State::default())],
         tension_n,
     )
 }
 
-/// Tensions after each step.
-fn left(strung: &mut Strung, duration_s: f64) -> Vec<f64> {
+/// Tensions after each step of a relaxation.
+fn left(strung: &mut StrandAssembly, duration_s: f64) -> Vec<f64> {
     let mut all = vec![strung.tension_n()];
-    let seen = |_: f64, s: &Strung| all.push(s.tension_n());
+    let seen = |_: f64, s: &StrandAssembly| all.push(s.tension_n());
     strung
         .leave(duration_s, None, RELAXATION_TOLERANCE, seen)
         .expect("a load");
@@ -61,17 +61,17 @@ fn without_creep_nothing_moves() {
     );
 }
 
-/// Spring and dashpot in series, with what gives beside them: `C λ̇ = −K sinh(a λ)`, so
-/// `tanh(a λ/2)` falls exponentially at the rate `K a/C`.
+/// Spring and dashpot in series, with a series compliance: `C λ̇ = −K sinh(a λ)`, so `tanh(a λ/2)` falls
+/// exponentially at the rate `K a/C`.
 #[test]
-fn a_maxwell_element_relaxes_as_its_closed_form() {
+fn maxwell_element_matches_analytic_relaxation() {
     let p = Parameters {
         flow_rate_per_s: 1e-9,
         ..spring()
     };
     let give = 2e-5;
     let mut strand = Strand::straight(law(p), L, State::default());
-    strand.give_m_per_n = give;
+    strand.series_compliance_m_per_n = give;
     let mut s = strung(vec![strand], 900.0);
     s.leave(DAY_S, None, RELAXATION_TOLERANCE, |_, _| {})
         .expect("a load");
@@ -84,9 +84,9 @@ fn a_maxwell_element_relaxes_as_its_closed_form() {
     close(s.tension_n(), expected);
 }
 
-/// In the end every Kelvin element carries what it must: `T (100/k + 5 J) = T₀ 100/k`.
+/// Final state of the Kelvin elements: `T (100/k + 5 J) = T₀ 100/k`.
 #[test]
-fn kelvin_elements_end_where_they_must() {
+fn kelvin_elements_reach_analytic_equilibrium() {
     let p = Parameters {
         delayed_percent: 1.4,
         ..spring()
@@ -107,10 +107,10 @@ fn kelvin_elements_end_where_they_must() {
     assert!(((300.0 - early.tension_n()) / fallen - 1.0).abs() < 1e-3);
 }
 
-/// Two ropes of springs and linear dashpots on a joint with a torque: their mean falls
-/// exponentially; the joint sags by `k e t/2`, twice as fast once the partner is slack.
+/// Two ropes of springs and linear dashpots on a joint with a torque: their mean tension falls exponentially;
+/// the joint rotates by `k e t/2`, twice as fast once the partner is slack.
 #[test]
-fn a_joint_sags_and_its_partner_goes_slack() {
+fn loaded_joint_rotates_and_partner_becomes_slack() {
     let p = Parameters {
         flow_rate_per_s: 1e-7,
         flow_stress_mpa: 1e6,
@@ -138,15 +138,16 @@ fn a_joint_sags_and_its_partner_goes_slack() {
     close(s.sag_m(), 0.5 * k * extra * slack_s + k * extra * slack_s);
 }
 
-/// Bedding-in, delayed elasticity twice the elastic one and more, flow: what diverged when tension
-/// was frozen over each step.
+/// Bedding-in, flow and a delayed elasticity of more than twice the elastic one, which diverged with constant
+/// tension per step.
 #[test]
-fn tension_never_rises_and_the_step_does_not_matter() {
+fn tension_never_rises_and_is_independent_of_step() {
     for tension_n in [60.0, 150.0, 300.0, 600.0, 1500.0] {
         for celsius in [-10.0, 23.0, 34.0] {
             let tied = || {
                 let strand = Strand::straight(law(sk99()), L, State::default());
-                Strung::new(vec![strand], tension_n, celsius + 273.15, 60.0).expect("a load")
+                StrandAssembly::new(vec![strand], tension_n, celsius + 273.15, 60.0)
+                    .expect("a load")
             };
             let mut s = tied();
             let all = left(&mut s, YEAR_S);
@@ -167,9 +168,9 @@ fn tension_never_rises_and_the_step_does_not_matter() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever the rope, what gives beside it, and whether a second one holds the joint with it.
+    /// Any rope, any series compliance, with and without a second rope at the joint.
     #[test]
-    fn any_rope_from_new_only_loses_tension_and_the_step_does_not_matter(
+    fn new_rope_loses_tension_independent_of_step(
         scale in proptest::array::uniform8(0.5_f64..2.0),
         share in 0.01_f64..0.25,
         celsius in -10.0_f64..34.0,
@@ -191,10 +192,10 @@ proptest! {
         let tension_n = share * p.breaking_load_n;
         let tied = || {
             let mut strand = Strand::straight(law(p), L, State::default());
-            strand.give_m_per_n = give;
+            strand.series_compliance_m_per_n = give;
             let loaded = partner.map(|torque| Strand { extra_n: torque * tension_n, ..strand.clone() });
             let strands = loaded.into_iter().chain([strand]).collect();
-            Strung::new(strands, tension_n, celsius + 273.15, 60.0).expect("a load")
+            StrandAssembly::new(strands, tension_n, celsius + 273.15, 60.0).expect("a load")
         };
         let mut s = tied();
         let all = left(&mut s, YEAR_S);
@@ -209,7 +210,7 @@ proptest! {
     }
 }
 
-/// Two pieces of one rope are one, and a rope that was pulled harder before takes up tension again.
+/// Two pieces of one rope equal one; after a higher tension a rope regains tension.
 #[test]
 fn pieces_add_up_and_recovery_pulls() {
     let whole = Piece {
@@ -224,10 +225,10 @@ fn pieces_add_up_and_recovery_pulls() {
     let of = |pieces: &[Piece]| {
         let strand = Strand {
             pieces: pieces.to_vec(),
-            give_m_per_n: 1e-5,
+            series_compliance_m_per_n: 1e-5,
             extra_n: 0.0,
         };
-        let mut s = Strung::new(vec![strand], 300.0, REFERENCE_K, 60.0).expect("a load");
+        let mut s = StrandAssembly::new(vec![strand], 300.0, REFERENCE_K, 60.0).expect("a load");
         s.leave(DAY_S, None, RELAXATION_TOLERANCE, |_, _| {})
             .expect("a load");
         s.tension_n()
@@ -243,19 +244,20 @@ fn pieces_add_up_and_recovery_pulls() {
 }
 
 #[test]
-fn the_moment_a_tension_is_reached_is_found() {
+fn time_of_reaching_a_tension_is_found() {
     let strand = Strand::straight(law(sk99()), L, State::default());
-    let mut s = Strung::new(vec![strand.clone()], 300.0, REFERENCE_K, 60.0).expect("a load");
+    let mut s =
+        StrandAssembly::new(vec![strand.clone()], 300.0, REFERENCE_K, 60.0).expect("a load");
     let at = s
         .leave(YEAR_S, Some(240.0), RELAXATION_TOLERANCE, |_, _| {})
         .expect("a load");
     close(s.tension_n(), 240.0);
-    let mut again = Strung::new(vec![strand], 300.0, REFERENCE_K, 60.0).expect("a load");
+    let mut again = StrandAssembly::new(vec![strand], 300.0, REFERENCE_K, 60.0).expect("a load");
     again
         .leave(at, None, RELAXATION_TOLERANCE, |_, _| {})
         .expect("a load");
     close(again.tension_n(), 240.0);
     let broken = Strand::straight(law(sk99()), L, State::default());
-    let broken = Strung::new(vec![broken], 5000.0, REFERENCE_K, 60.0);
+    let broken = StrandAssembly::new(vec![broken], 5000.0, REFERENCE_K, 60.0);
     assert!(matches!(broken, Err(LoadError::Broken { .. })));
 }

@@ -1,13 +1,13 @@
 //! Lifetimes against published data, SciPy's likelihoods and their own coverage.
 
-use sinew_rope::survival::{Life, Weibull, WeibullFit, kaplan_meier, survival_quantile};
+use sinew_rope::survival::{Lifetime, Weibull, WeibullFit, kaplan_meier, survival_quantile};
 
 /// Weeks in remission under 6-mercaptopurine (Freireich et al. 1963), the usual example of censored lifetimes.
-fn remissions() -> Vec<Life> {
+fn remissions() -> Vec<Lifetime> {
     let broke = [6, 6, 6, 7, 10, 13, 16, 22, 23];
     let censored = [6, 9, 10, 11, 17, 19, 20, 25, 32, 32, 34, 35];
     let life = |broke: bool| {
-        move |age: i32| Life {
+        move |age: i32| Lifetime {
             age: f64::from(age),
             broke,
         }
@@ -19,7 +19,7 @@ fn remissions() -> Vec<Life> {
 }
 
 #[test]
-fn the_curve_of_a_known_example_and_its_band() {
+fn kaplan_meier_matches_published_example() {
     // lifelines 0.30 and R's survfit(conf.type = "log-log").
     let expected = [
         (6.0, 21, 3, 0.857_143, 0.619_718, 0.951_552),
@@ -47,22 +47,22 @@ fn the_curve_of_a_known_example_and_its_band() {
 }
 
 #[test]
-fn an_order_of_lives_is_no_matter_and_all_broken_ends_at_zero() {
+fn kaplan_meier_ignores_order_and_ends_at_zero() {
     let mut reversed = remissions();
     reversed.reverse();
     assert_eq!(kaplan_meier(&reversed), kaplan_meier(&remissions()));
-    let all = |broke| [2.0, 3.0, 3.0].map(|age| Life { age, broke });
+    let all = |broke| [2.0, 3.0, 3.0].map(|age| Lifetime { age, broke });
     let points = kaplan_meier(&all(true));
     let last = points.last().unwrap();
     assert_eq!((last.survival, last.interval_95.low), (0.0, 0.0));
     assert_eq!(last.interval_95.high, points[0].interval_95.high);
     assert!(kaplan_meier(&all(false)).is_empty());
-    let nonsense = [0.0, -1.0, f64::NAN, f64::INFINITY].map(|age| Life { age, broke: true });
+    let nonsense = [0.0, -1.0, f64::NAN, f64::INFINITY].map(|age| Lifetime { age, broke: true });
     assert!(kaplan_meier(&nonsense).is_empty() && WeibullFit::new(&nonsense).is_none());
 }
 
 #[test]
-fn the_likeliest_weibull_and_its_intervals_are_scipys() {
+fn weibull_fit_and_intervals_match_scipy() {
     // benches/peers/survival.py prints these.
     let fit = WeibullFit::new(&remissions()).unwrap();
     let close = |found: f64, expected: f64| {
@@ -99,10 +99,10 @@ fn the_likeliest_weibull_and_its_intervals_are_scipys() {
 }
 
 #[test]
-fn the_unit_of_ages_is_no_matter() {
+fn weibull_fit_does_not_depend_on_unit() {
     let lives = remissions();
-    let seconds: Vec<Life> = (lives.iter())
-        .map(|l| Life {
+    let seconds: Vec<Lifetime> = (lives.iter())
+        .map(|l| Lifetime {
             age: 604_800.0 * l.age,
             ..*l
         })
@@ -127,13 +127,13 @@ fn the_unit_of_ages_is_no_matter() {
 }
 
 #[test]
-fn what_lives_cannot_tell_is_open() {
-    let life = |age: f64, broke: bool| Life { age, broke };
+fn unidentifiable_lifetimes_return_no_fit() {
+    let life = |age: f64, broke: bool| Lifetime { age, broke };
     assert!(WeibullFit::new(&[]).is_none());
     assert!(WeibullFit::new(&[life(5.0, true), life(7.0, false)]).is_none());
     // All at one age: the likelihood grows with the shape without end.
     assert!(WeibullFit::new(&[life(5.0, true); 4]).is_none());
-    // Two that broke, many that didn't: the half-life may be anything beyond.
+    // Two broken ropes and many censored ones: the median has no upper bound.
     let mut lives = vec![life(10.0, true), life(11.0, true)];
     lives.extend([life(12.0, false); 30]);
     let fit = WeibullFit::new(&lives).unwrap();
@@ -143,7 +143,7 @@ fn what_lives_cannot_tell_is_open() {
 }
 
 #[test]
-fn those_that_have_reached_an_age_break_later() {
+fn remaining_lifetime_is_conditional_on_age() {
     let law = Weibull {
         shape: 2.0,
         scale: 100.0,
@@ -158,7 +158,7 @@ fn those_that_have_reached_an_age_break_later() {
             "{old} {left}"
         );
     }
-    // Without wear an age says nothing.
+    // Without wear the remaining lifetime does not depend on the age.
     let ageless = Weibull { shape: 1.0, ..law };
     let apart = ageless.quantile_beyond(80.0, 0.5) - 80.0;
     assert!((apart - ageless.quantile(0.5)).abs() < 1e-9);
@@ -173,7 +173,7 @@ fn uniform(state: &mut u64) -> f64 {
     (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
-/// Intervals stretched about their value on a logarithmic scale, and how many of `of` hold the truth.
+/// Intervals widened around their value on a logarithmic scale, and the number of `of` that cover the truth.
 fn inside(of: &[([Option<f64>; 2], f64)], truth: f64, factor: f64) -> usize {
     let stretched = |([low, high], best): &([Option<f64>; 2], f64)| {
         let end = |end: &Option<f64>| end.map(|x| best * (x / best).powf(factor));
@@ -183,7 +183,7 @@ fn inside(of: &[([Option<f64>; 2], f64)], truth: f64, factor: f64) -> usize {
 }
 
 #[test]
-fn intervals_hold_the_truth_as_often_as_they_say() {
+fn weibull_interval_coverage() {
     const DRAWS: usize = 1200;
     let law = Weibull {
         shape: 1.6,
@@ -193,12 +193,12 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     let (mut shapes, mut lifetimes) = (Vec::new(), Vec::new());
     let mut curves = [0, 0, 0];
     for _ in 0..DRAWS {
-        // 30 ropes watched for a time of their own: about a third is censored.
-        let lives: Vec<Life> = (0..30)
+        // 30 ropes, each observed for its own time: about a third is censored.
+        let lives: Vec<Lifetime> = (0..30)
             .map(|_| {
                 let age = law.quantile(uniform(&mut seed));
                 let watched = 900.0 * uniform(&mut seed);
-                Life {
+                Lifetime {
                     age: age.min(watched).max(0.5),
                     broke: age <= watched,
                 }
@@ -241,11 +241,11 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     );
 }
 
-/// Ages of 1, 2, 3 and 4 of which two broke: Σ t² is 30, whatever the unit of the sums.
+/// Ages of 1, 2, 3 and 4 of which two broke: Σ t² is 30, independent of the unit of the sums.
 #[test]
-fn the_scale_has_a_gamma_distribution_whose_rate_is_the_sum_of_powers() {
+fn scale_posterior_is_gamma_with_sum_of_powers() {
     let lives = [(1.0, true), (2.0, false), (3.0, true), (4.0, false)];
-    let fit = WeibullFit::new(&lives.map(|(age, broke)| Life { age, broke })).unwrap();
+    let fit = WeibullFit::new(&lives.map(|(age, broke)| Lifetime { age, broke })).unwrap();
     for (shape, sum) in [(1.0, 10.0_f64), (2.0, 30.0), (3.0, 100.0)] {
         let (log, broke) = fit.rate(shape);
         assert!(
@@ -256,7 +256,7 @@ fn the_scale_has_a_gamma_distribution_whose_rate_is_the_sum_of_powers() {
 }
 
 #[test]
-fn the_density_of_the_shape_is_that_of_the_lives() {
+fn shape_density_matches_likelihood() {
     let lives = remissions();
     let fit = WeibullFit::new(&lives).unwrap();
     // Straight from the lives, per logarithm of the shape, the scale integrated out.

@@ -1,4 +1,4 @@
-//! What isn't stated of a rope's task is the tendon's own, or plain.
+//! Unspecified values of a rope's task come from the tendon or are defaults.
 
 use sinew_model::transmission::{Guide as TendonGuide, Tendon};
 use sinew_rope::duty::Duty;
@@ -25,7 +25,7 @@ fn tendon() -> Tendon {
 }
 
 #[test]
-fn a_task_takes_from_the_tendon_what_nobody_states() {
+fn task_takes_unspecified_values_from_tendon() {
     let nothing = RopeTask::default();
     assert!(matches!(nothing.request(None), Err(TaskError::NoDuty)));
     let tendon = tendon();
@@ -66,7 +66,7 @@ fn a_task_takes_from_the_tendon_what_nobody_states() {
 }
 
 #[test]
-fn a_plan_takes_what_the_joint_leaves_beside_its_rope() {
+fn plan_takes_series_compliance_from_joint_stiffness() {
     let catalogue = Catalogue::shipped().unwrap();
     let rope = catalogue.find("liros-dc000-0301").unwrap();
     let tendon = tendon();
@@ -90,7 +90,7 @@ fn a_plan_takes_what_the_joint_leaves_beside_its_rope() {
     let load = sinew_rope::law::RopeLoad::celsius(40.0, 23.0);
     let own = 0.65 * 0.01 * law.compliance_percent_per_n(load).unwrap();
     let give = (2.0 * 0.025 * 0.025 / stiffness - own).max(0.0);
-    assert!((asked.mount.give_m_per_n - give).abs() < 1e-18);
+    assert!((asked.mount.series_compliance_m_per_n - give).abs() < 1e-18);
     let sliding = Drive {
         slides: true,
         ..drive

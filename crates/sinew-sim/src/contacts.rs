@@ -1,4 +1,4 @@
-//! Who touches the arm, and when.
+//! Contacts of the environment with the arm over time.
 
 use super::plant::PointForce;
 use super::scenario::{Contact, RandomContacts, normal};
@@ -11,7 +11,7 @@ pub struct Contacts {
     scheduled: Vec<Contact>,
     random: Option<RandomContacts>,
     rng: ChaCha8Rng,
-    /// The random contact that is on or comes next.
+    /// Present or next random contact.
     next: Option<Contact>,
     /// Everything that has begun, for the truth file.
     pub begun: Vec<Contact>,

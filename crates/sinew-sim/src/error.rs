@@ -1,66 +1,72 @@
-//! Why a simulation was refused.
+//! Errors of a simulation.
 
-/// What can go wrong between a scenario file and a recording.
+/// Error between a scenario file and a recording.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulateError {
-    /// A scenario that can't be, with its place.
+    /// The scenario is invalid; with file and line.
     #[error(transparent)]
     File(#[from] sinew_files::Located),
-    /// A robot that can't be simulated.
-    #[error("robot '{robot}': joint '{joint}' {why}")]
+    /// The robot cannot be simulated.
+    #[error("robot '{robot}': joint '{joint}' {reason}")]
     Robot {
-        /// Robot's name.
+        /// Name of the robot.
         robot: String,
-        /// Joint at fault.
+        /// Name of the joint.
         joint: String,
-        /// What is missing and what to do.
-        why: &'static str,
+        /// Missing property and remedy.
+        reason: &'static str,
     },
-    /// The truth drawn makes an impossible arm.
-    #[error("the truth of the scenario makes an impossible arm: {0}")]
+    /// The drawn truth is not a valid arm.
+    #[error("the drawn truth of the scenario is not a valid arm: {0}")]
     Arm(#[from] sinew_model::arm::ArmError),
-    /// What the scenario says is known can't be used.
-    #[error("what [correction] or [contact_detection] says can't be used: {0}")]
+    /// The specified correction is invalid.
+    #[error("invalid [correction] or [contact_detection]: {0}")]
     Correction(#[from] sinew_model::correction::CorrectionError),
-    /// The estimate the scenario names can't be used.
-    #[error("{file}: no estimate to correct with: {why}; make one with sinew estimate LOG --json")]
-    Estimate {
-        /// File at fault.
-        file: String,
-        /// What is wrong with it.
-        why: String,
-    },
-    /// The state left the range of numbers.
+    /// The estimate named in the scenario is invalid.
     #[error(
-        "the simulation broke down at {time_s} s ({reason}); use a smaller integration_step_s or softer controller gains"
+        "{file}: no estimate for the correction: {reason}; create it with sinew estimate LOG --json"
+    )]
+    Estimate {
+        /// Name of the file.
+        file: String,
+        /// Reason of the failure.
+        reason: String,
+    },
+    /// The simulation diverged.
+    #[error(
+        "the simulation diverged at {time_s} s ({reason}); reduce integration_step_s or the controller gains"
     )]
     Diverged {
         /// Simulated time, s.
         time_s: f64,
-        /// What was seen.
+        /// Observation that shows the failure.
         reason: String,
     },
     /// The recording could not be written.
     #[error(transparent)]
     Log(#[from] sinew_log::LogError),
-    /// The file's name doesn't say its format.
-    #[error(
-        "{file}: recordings are written as MCAP, Parquet or CSV; name a file that ends in .mcap, .parquet or .csv"
-    )]
+    /// The file name has no supported extension.
+    #[error("{file}: unsupported file extension; use .mcap, .parquet or .csv")]
     Format {
-        /// Output asked for.
+        /// Name of the requested output file.
+        file: String,
+    },
+    /// The format does not support the recorded quantities.
+    #[error("{file}: MCAP supports one motor per joint and no tensions; use .parquet or .csv")]
+    Axes {
+        /// Name of the requested output file.
         file: String,
     },
     /// The truth file could not be written.
     #[error(transparent)]
     Output(#[from] sinew_files::OutputError),
     /// The truth could not be put into JSON.
-    #[error("{file}: can't write the truth: {message}")]
+    #[error("{file}: cannot write the truth: {message}")]
     Truth {
-        /// File at fault.
+        /// Name of the file.
         file: String,
-        /// What went wrong.
+        /// Error message of the system.
         message: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What goes wrong between robot and file.
+//! Transmission faults between robot and file.
 
 use super::scenario::{Faults, Stream, rng};
 use rand::RngExt;
@@ -11,26 +11,26 @@ pub struct FaultyLine {
     spec: Faults,
     rng: ChaCha8Rng,
     start_ns: i64,
-    /// A frame that comes after its successor.
+    /// Frame to be written after its successor.
     late: Option<Frame>,
     counts: FaultCounts,
 }
 
-/// How many frames went wrong, and how many were written.
+/// Number of frames with faults, and number of frames written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FaultCounts {
-    /// Written, repetitions included.
+    /// Number of frames written, duplicates included.
     pub written: u64,
-    /// Lost, in gaps and singly.
+    /// Number of frames lost, in gaps and singly.
     pub lost: u64,
-    /// Written twice.
+    /// Number of duplicate frames.
     pub duplicated: u64,
-    /// Written after their successor.
+    /// Number of frames written after their successor.
     pub late: u64,
 }
 
 impl FaultyLine {
-    /// A line with the faults of a scenario.
+    /// Creates a transmission line with the faults of a scenario.
     pub fn new(spec: &Faults, seed: u64, start_ns: i64) -> Self {
         Self {
             spec: spec.clone(),
@@ -41,12 +41,12 @@ impl FaultyLine {
         }
     }
 
-    /// How many frames went wrong.
+    /// Returns the number of frames with faults.
     pub fn counts(&self) -> FaultCounts {
         self.counts
     }
 
-    /// Takes a frame in, and hands on what comes out.
+    /// Processes a frame and passes on the frames that result.
     pub fn pass(
         &mut self,
         frame: &Frame,

@@ -1,33 +1,33 @@
 //! Friction with pre-sliding.
 
-/// Friction of one joint or drive, as it truly is.
+/// True friction of one joint or drive.
 ///
 /// `tau_friction = (F_c + μ |tau_el|) z + F_v dq`; the pre-sliding state `z` in −1…1 follows the
-/// travel `x` as `dz/dx = (1 − z sign(dx)) / x_s` (Dahl). Below `F_c` the joint moves by about
-/// `x_s` and stays; sliding, `z` is the sign of the speed.
+/// travel `x` as `dz/dx = (1 − z sign(dx)) / x_s` (Dahl). Below `F_c` the joint moves by about `x_s` and stops; during
+/// sliding, `z` is the sign of the speed.
 ///
-/// Dahl's law is chosen over a sign of the speed because it is defined at rest and needs no
-/// event search, and over a bare stop operator because it dissipates in pre-sliding too.
+/// Dahl's model is used instead of the sign of the speed, because it is defined at rest and needs no event search, and
+/// instead of a stop operator, because it also dissipates energy in pre-sliding.
 ///
 /// # Source
 /// P. Dahl, *A Solid Friction Model*, Aerospace Corporation TOR-0158(3107-18)-1, 1968.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Friction {
-    /// `F_c`, N·m.
+    /// Coulomb friction torque `F_c`, N·m.
     pub coulomb_nm: f64,
-    /// `μ`.
+    /// Load-dependent friction coefficient `μ`.
     pub torque_fraction: f64,
-    /// `F_v`, N·m·s/rad.
+    /// Viscous friction coefficient `F_v`, N·m·s/rad.
     pub viscous_nm_s_per_rad: f64,
-    /// `x_s`, rad.
+    /// Presliding distance `x_s`, rad.
     pub presliding_rad: f64,
 }
 
 impl Friction {
-    /// `z` after a travel of `dx` in one direction.
+    /// Returns `z` after a travel of `dx` in one direction.
     ///
     /// The law's exact solution, so that the stiff pre-sliding spring puts no limit on the step
-    /// and `z` can't leave −1…1.
+    /// and `z` cannot leave −1…1.
     #[inline]
     pub fn presliding(&self, z: f64, dx: f64) -> f64 {
         if dx == 0.0 || self.presliding_rad == 0.0 {
@@ -62,7 +62,7 @@ mod tests {
     };
 
     #[test]
-    fn presliding_is_the_same_in_one_step_or_many() {
+    fn presliding_is_independent_of_step() {
         let whole = F.presliding(-0.3, 2e-3);
         let mut z = -0.3;
         for _ in 0..100 {
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn presliding_saturates_at_the_sign_of_motion() {
+    fn presliding_saturates_with_sign_of_motion() {
         assert!((F.presliding(-1.0, 1.0) - 1.0).abs() < 1e-15);
         assert_eq!(F.presliding(0.4, 0.0), 0.4);
         assert!(F.presliding(1.0, -1e9) >= -1.0);

@@ -1,9 +1,9 @@
 //! The arm simulator: recordings with a known truth.
 //!
-//! Reading order: [`Scenario`] (what a small TOML file says), [`Simulation`] (frame by frame),
-//! then `plant` (the equations and the integrator), `friction`, `controller`, `motion`,
-//! `contacts`, `sensors`. [`protocol`] has named scenarios, [`control`] scores one without and with its correction, [`year`]
-//! makes up a tendon's year.
+//! Reading order: [`Scenario`] (content of a TOML file), [`Simulation`] (frame by frame), then `plant` (the equations
+//! and the integrator), `paths` (tendons over several joints), `friction`, `controller`, `motion`, `contacts`,
+//! `sensors`. [`protocol`] has named scenarios, [`control`] scores one without and with its correction, [`year`]
+//! simulates a year of a tendon.
 
 mod contacts;
 pub mod control;
@@ -13,12 +13,14 @@ mod error;
 mod faults;
 mod friction;
 mod motion;
+mod paths;
 mod plant;
 pub mod protocol;
 mod run;
 mod sampled;
 pub mod scenario;
 mod sensors;
+mod set_point;
 mod simulation;
 mod truth;
 pub mod year;

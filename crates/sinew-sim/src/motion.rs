@@ -1,4 +1,4 @@
-//! What the arm is asked to do, moment by moment.
+//! Commanded motion of the arm over time.
 
 use super::error::SimulateError;
 use super::scenario::{Draw, Motion, PerJoint};
@@ -40,7 +40,7 @@ enum Source {
 }
 
 impl Trajectory {
-    /// * `limits`: lower and upper end of each joint, rad, where a random motion says nothing.
+    /// * `limits`: lower and upper end of each joint, rad, for a random motion without specified ranges.
     pub(crate) fn new(
         motion: &Motion,
         names: &[String],
@@ -104,12 +104,12 @@ impl Trajectory {
                 first_rest = least(*pause_s);
                 let up = 1..=*steps;
                 let down = (0..*steps).rev();
-                let course: Vec<usize> = if *there_and_back {
+                let sequence: Vec<usize> = if *there_and_back {
                     up.chain(down).collect()
                 } else {
                     up.collect()
                 };
-                let segments = course
+                let segments = sequence
                     .into_iter()
                     .map(|step| {
                         let share = step as f64 / *steps as f64;
@@ -148,12 +148,12 @@ impl Trajectory {
         }
     }
 
-    /// Where the motion starts, rad.
+    /// Returns the initial joint positions, rad.
     pub(crate) fn start(&self) -> &[f64] {
         &self.now.from
     }
 
-    /// Desired position, velocity and acceleration at `t`, s, which never goes back by more than a
+    /// Computes the desired position, velocity and acceleration at `t`, s; the time may decrease by at most one
     /// segment.
     pub(crate) fn at(&mut self, t: f64, q_d: &mut [f64], dq_d: &mut [f64], ddq_d: &mut [f64]) {
         while t >= self.now.end_s && self.advance() {}
@@ -181,7 +181,7 @@ impl Trajectory {
         }
     }
 
-    /// On to the next segment; `false` when the motion is over.
+    /// Advances to the next segment; `false` when the motion is over.
     fn advance(&mut self) -> bool {
         let (to, move_s, pause_s) = match &mut self.source {
             Source::Rest => return false,
@@ -227,7 +227,7 @@ impl Trajectory {
     }
 }
 
-/// A motion that ends draws its times at once: its length must be known.
+/// A finite motion draws its times immediately, because its length must be known.
 fn list(mut segments: Vec<(Vec<f64>, Draw, Draw)>, repeat: bool, rng: &mut ChaCha8Rng) -> Source {
     if !repeat {
         for (_, move_s, pause_s) in &mut segments {
@@ -252,8 +252,7 @@ fn least(draw: Draw) -> f64 {
     }
 }
 
-/// Where each joint may go: as the scenario says, else 80 % of the limits about their middle,
-/// else half a turn.
+/// Range of each joint: as specified in the scenario, else 80 % of the limits about their middle, else half a turn.
 fn ranges(range: &PerJoint, names: &[String], limits: &[(f64, f64)]) -> Vec<(f64, f64)> {
     names
         .iter()

@@ -1,23 +1,23 @@
 //! The joint-elastic arm and its integrator.
 
 use super::friction::Friction;
+use super::paths::Paths;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace};
-use sinew_model::tendons::Routings;
 
-/// An end stop: a stiff spring with some damping beyond an angle.
+/// End stop: a stiff spring with damping beyond an angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndStop {
-    /// Where it begins, rad.
+    /// Position at which the stop begins, rad.
     pub at_rad: f64,
-    /// Whether it holds the joint from above.
+    /// Whether the stop limits the joint from above.
     pub is_upper: bool,
-    /// What it gives by, N·m/rad.
+    /// Contact stiffness of the stop, N·m/rad.
     pub stiffness_nm_per_rad: f64,
 }
 
 impl EndStop {
-    /// Time constant of its damping, s: it doesn't bounce.
+    /// Time constant of its damping, s, which prevents bouncing.
     const DAMPING_S: f64 = 1e-3;
 
     /// Torque on the joint, N·m: it only pushes away.
@@ -31,17 +31,20 @@ impl EndStop {
     }
 }
 
-/// One elastic transmission, as it truly is; of a tendon that crosses several joints in the coordinate of the joint that it is
-/// paired with.
+/// True parameters of one elastic transmission. For a tendon that crosses several joints they are in the coordinate of
+/// the joint that it is paired with. Joint parameters are unused on an axis without a joint, and tendon parameters on
+/// an axis without a tendon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// `K`, N·m/rad.
+    /// Torsional stiffness `K`, N·m/rad.
     pub stiffness_nm_per_rad: f64,
-    /// `c` of `tau_el = K x (1 + c x²)`, rad⁻².
+    /// Torque of a strand at `theta = 0`, `q = 0` and `delta = 0`, N·m; 0 for a bidirectional tendon.
+    pub pretension_nm: f64,
+    /// Cubic coefficient `c` of `tau_el = K x (1 + c x²)`, rad⁻².
     pub cubic_per_rad2: f64,
     /// Share of delayed elasticity.
     pub viscoelastic_fraction: f64,
-    /// Its time constant, s.
+    /// Time constant of the viscoelastic element, s.
     pub viscoelastic_time_s: f64,
     /// Motor inertia reflected to the joint, kg·m².
     pub motor_inertia_kg_m2: f64,
@@ -58,6 +61,13 @@ impl Drive {
     #[inline]
     pub fn spring(&self, x: f64, stiffness_scale: f64) -> f64 {
         self.stiffness_nm_per_rad * stiffness_scale * x * (1.0 + self.cubic_per_rad2 * x * x)
+    }
+
+    /// Returns the torque of a strand at the deflection `x`, N·m, which is never negative. A stiffness loss reduces
+    /// the pretension by the same share.
+    #[inline]
+    pub fn strand(&self, x: f64, stiffness_scale: f64) -> f64 {
+        (self.pretension_nm * stiffness_scale + self.spring(x, stiffness_scale)).max(0.0)
     }
 
     /// Energy in the spring at the deflection `x`, J.
@@ -84,7 +94,7 @@ impl Drive {
     }
 }
 
-/// A force on a link.
+/// External force on a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointForce {
     pub link: String,
@@ -92,9 +102,9 @@ pub struct PointForce {
     pub force_n: [f64; 3],
 }
 
-/// What acts on the arm during one step. All of length `n`.
+/// Inputs of the plant during one step, one entry per axis each.
 pub(crate) struct Inputs<'a> {
-    /// Motor torque, N·m.
+    /// Motor torque, N·m; of a motor with several tendons in the coordinate of the first.
     pub tau_m: &'a [f64],
     /// Length the ropes have gained, as motor position, rad.
     pub delta_e: &'a [f64],
@@ -107,31 +117,34 @@ pub(crate) struct Inputs<'a> {
 /// State of the arm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct State {
-    /// Joint positions and velocities, rad and rad/s.
+    /// Joint positions and velocities, one per joint, rad and rad/s.
     pub q: Vec<f64>,
     pub dq: Vec<f64>,
-    /// Motor positions (what its encoder shows, in the coordinate of the tendon) and velocities.
+    /// Motor positions (encoder values in the coordinate of the tendon) and velocities. One entry per axis from here
+    /// on.
     pub theta: Vec<f64>,
     pub dtheta: Vec<f64>,
     /// Delayed deflection of the rope, rad.
     pub creep: Vec<f64>,
-    /// Pre-sliding of joint and motor.
+    /// Pre-sliding of every joint, and of every motor.
     pub z_joint: Vec<f64>,
     pub z_motor: Vec<f64>,
 }
 
 impl State {
-    pub(crate) fn at_rest(q: Vec<f64>) -> Self {
-        let n = q.len();
-        let zero = vec![0.0; n];
+    /// * `axes`: their number, at least that of the joints.
+    pub(crate) fn at_rest(q: Vec<f64>, axes: usize) -> Self {
+        let (of_joints, of_axes) = (vec![0.0; q.len()], vec![0.0; axes]);
+        let mut theta = q.clone();
+        theta.resize(axes, 0.0);
         Self {
-            theta: q.clone(),
+            theta,
             q,
-            dq: zero.clone(),
-            dtheta: zero.clone(),
-            creep: zero.clone(),
-            z_joint: zero.clone(),
-            z_motor: zero,
+            dq: of_joints.clone(),
+            dtheta: of_axes.clone(),
+            creep: of_axes.clone(),
+            z_joint: of_joints,
+            z_motor: of_axes,
         }
     }
 }
@@ -147,14 +160,14 @@ struct Rates {
 }
 
 impl Rates {
-    fn new(n: usize) -> Self {
-        let zero = vec![0.0; n];
+    fn new(dof: usize, axes: usize) -> Self {
+        let (of_joints, of_axes) = (vec![0.0; dof], vec![0.0; axes]);
         Self {
-            dq: zero.clone(),
-            ddq: zero.clone(),
-            dtheta: zero.clone(),
-            ddtheta: zero.clone(),
-            dcreep: zero,
+            dq: of_joints.clone(),
+            ddq: of_joints,
+            dtheta: of_axes.clone(),
+            ddtheta: of_axes.clone(),
+            dcreep: of_axes,
         }
     }
 }
@@ -167,12 +180,16 @@ impl Rates {
 /// tau_el = K x (1 + c x²),   x = theta − delta_e − q − v,   v̇ = (s tau_el/K − v)/T
 /// ```
 ///
-/// Tendons that cross several joints have [`Routings`], and the torque `f` of a tendon is not the elastic torque of a joint:
+/// Tendons that cross several joints have [`Paths`], and the torque `f` of a tendon is not the elastic torque of a joint:
 ///
 /// ```text
 /// I_m ddtheta + tau_friction_motor + f = tau_m,   f = K x (1 + c x²),   v̇ = (s f/K − v)/T
-/// x = theta − delta_e − rho q − v,                tau_el = rhoᵀ f
+/// x = theta − delta_e − l(q) − v,                 tau_el_j = Σ_i (∂l_i/∂q_j) f_i,   l = rho q where moment arms are constant
 /// ```
+///
+/// A strand is unidirectional, `f = max(0, f0 + K x (1 + c x²))`, and its delayed elasticity follows `f − f0`. A
+/// passive spring of a joint adds
+/// `−k_s (q − q_rest)` to its `tau_el`. A motor with several tendons carries the sum of their torques.
 ///
 /// Classical Runge–Kutta of fourth order, with the pre-sliding of friction solved exactly along
 /// the travel since the step began. Without dry friction the error falls with the fourth power
@@ -181,63 +198,62 @@ impl Rates {
 pub(crate) struct Plant {
     pub arm: Arm,
     pub drives: Vec<Drive>,
-    /// Of tendons that cross several joints.
-    pub routings: Option<Routings>,
+    /// Paths of tendons that cross several joints.
+    pub paths: Option<Paths>,
     pub state: State,
     ws: ArmWorkspace,
     stage: State,
     k: [Rates; 4],
     tau: Vec<f64>,
-    /// Torques of the tendons and of the joints they cross, N·m; unused without routings.
+    /// Torques of the tendons, of the motors and of the joints they cross, N·m; unused without paths.
     tendon_torque: Vec<f64>,
+    motor_load: Vec<f64>,
     tau_el: Vec<f64>,
 }
 
 impl Plant {
-    pub(crate) fn new(
-        arm: Arm,
-        drives: Vec<Drive>,
-        routings: Option<Routings>,
-        state: State,
-    ) -> Self {
-        let n = arm.dof();
+    pub(crate) fn new(arm: Arm, drives: Vec<Drive>, paths: Option<Paths>, state: State) -> Self {
+        let (dof, axes) = (arm.dof(), drives.len());
         Self {
             ws: ArmWorkspace::new(&arm),
             arm,
             drives,
-            routings,
+            paths,
             stage: state.clone(),
             state,
-            k: std::array::from_fn(|_| Rates::new(n)),
-            tau: vec![0.0; n],
-            tendon_torque: vec![0.0; n],
-            tau_el: vec![0.0; n],
+            k: std::array::from_fn(|_| Rates::new(dof, axes)),
+            tau: vec![0.0; dof],
+            tendon_torque: vec![0.0; axes],
+            motor_load: vec![0.0; axes],
+            tau_el: vec![0.0; dof],
         }
     }
 
-    /// Takes up or puts down a load: masses change, positions and velocities don't.
+    /// Attaches or releases a load: masses change, positions and velocities do not.
     pub(crate) fn set_arm(&mut self, arm: Arm) {
         debug_assert_eq!(arm.dof(), self.arm.dof());
         self.arm = arm;
     }
 
-    /// `tau_el` of every joint, N·m.
-    pub(crate) fn elastic_torque(&self, inputs: &Inputs<'_>, out: &mut [f64]) {
-        if let Some(routings) = &self.routings {
-            out.fill(0.0);
-            for (i, drive) in self.drives.iter().enumerate() {
-                let x = extension(routings, &self.state, inputs, i);
-                routings.add_torque(i, drive.spring(x, inputs.stiffness_scale[i]), out);
-            }
-            return;
-        }
-        for (i, drive) in self.drives.iter().enumerate() {
-            let x = self.state.theta[i] - inputs.delta_e[i] - self.state.q[i] - self.state.creep[i];
-            out[i] = drive.spring(x, inputs.stiffness_scale[i]);
-        }
+    /// Torques of the tendons in their coordinates and elastic torques of the joints, N·m.
+    ///
+    /// * `tendons`: one entry per axis, 0 without a tendon. `tau_el`: one entry per joint, without its passive spring.
+    pub(crate) fn elastic_torques(
+        &self,
+        inputs: &Inputs<'_>,
+        tendons: &mut [f64],
+        tau_el: &mut [f64],
+    ) {
+        elastic_torques(
+            self.paths.as_ref(),
+            &self.drives,
+            &self.state,
+            inputs,
+            (tendons, tau_el),
+        );
     }
 
-    /// `tau_ext = Σ Jᵀ f` at the present state, N·m.
+    /// Returns `tau_ext = Σ Jᵀ f` at the present state, N·m.
     pub(crate) fn external_torque(
         &mut self,
         forces: &[PointForce],
@@ -257,7 +273,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Gravity torque at the present state, N·m.
+    /// Returns the gravity torque at the present state, N·m.
     pub(crate) fn gravity_torque(&mut self) -> Result<&[f64], StepError> {
         // The workspace's velocity scratch is the stage, which is free between steps.
         self.stage.dq.fill(0.0);
@@ -283,16 +299,19 @@ impl Plant {
         for (i, drive) in self.drives.iter().enumerate() {
             let sum =
                 |f: fn(&Rates) -> &[f64]| weight * (f(a)[i] + 2.0 * (f(b)[i] + f(c)[i]) + f(d)[i]);
-            let travel = sum(|r| &r.dq);
+            if i < s.q.len() {
+                let travel = sum(|r| &r.dq);
+                s.z_joint[i] = drive.joint_friction.presliding(s.z_joint[i], travel);
+                s.q[i] += travel;
+                s.dq[i] += sum(|r| &r.ddq);
+            }
             let motor_travel = sum(|r| &r.dtheta);
-            s.z_joint[i] = drive.joint_friction.presliding(s.z_joint[i], travel);
             s.z_motor[i] = drive.motor_friction.presliding(s.z_motor[i], motor_travel);
-            s.q[i] += travel;
-            s.dq[i] += sum(|r| &r.ddq);
             s.theta[i] += motor_travel;
             s.dtheta[i] += sum(|r| &r.ddtheta);
             s.creep[i] += sum(|r| &r.dcreep);
         }
+        follow(self.paths.as_ref(), s);
         Ok(())
     }
 
@@ -300,57 +319,65 @@ impl Plant {
     fn advance(&mut self, from: usize, h: f64) {
         let (s, k, out) = (&self.state, &self.k[from], &mut self.stage);
         for (i, drive) in self.drives.iter().enumerate() {
-            out.q[i] = s.q[i] + h * k.dq[i];
-            out.dq[i] = s.dq[i] + h * k.ddq[i];
+            if i < s.q.len() {
+                out.q[i] = s.q[i] + h * k.dq[i];
+                out.dq[i] = s.dq[i] + h * k.ddq[i];
+                if drive.joint_friction.is_dry() {
+                    out.z_joint[i] = drive.joint_friction.presliding(s.z_joint[i], h * k.dq[i]);
+                }
+            }
             out.theta[i] = s.theta[i] + h * k.dtheta[i];
             out.dtheta[i] = s.dtheta[i] + h * k.ddtheta[i];
             out.creep[i] = s.creep[i] + h * k.dcreep[i];
-            if drive.joint_friction.is_dry() {
-                out.z_joint[i] = drive.joint_friction.presliding(s.z_joint[i], h * k.dq[i]);
-            }
             if drive.motor_friction.is_dry() {
                 out.z_motor[i] = drive
                     .motor_friction
                     .presliding(s.z_motor[i], h * k.dtheta[i]);
             }
         }
+        follow(self.paths.as_ref(), out);
     }
 
     /// Rates of change at the stage.
     fn rates(&mut self, stage: usize, inputs: &Inputs<'_>) -> Result<(), StepError> {
         let (s, k) = (&self.stage, &mut self.k[stage]);
-        if let Some(routings) = &self.routings {
-            self.tau_el.fill(0.0);
-            for (i, drive) in self.drives.iter().enumerate() {
-                let x = extension(routings, s, inputs, i);
-                let torque = drive.spring(x, inputs.stiffness_scale[i]);
-                self.tendon_torque[i] = torque;
-                routings.add_torque(i, torque, &mut self.tau_el);
-            }
+        elastic_torques(
+            self.paths.as_ref(),
+            &self.drives,
+            s,
+            inputs,
+            (&mut self.tendon_torque, &mut self.tau_el),
+        );
+        self.motor_load.clone_from(&self.tendon_torque);
+        for (i, first, ratio) in self.paths.iter().flat_map(Paths::followers) {
+            self.motor_load[*first] += ratio * self.tendon_torque[*i];
         }
         for (i, drive) in self.drives.iter().enumerate() {
-            let scale = inputs.stiffness_scale[i];
-            let (tendon, tau_el) = match self.routings {
-                Some(_) => (self.tendon_torque[i], self.tau_el[i]),
-                None => {
-                    let x = s.theta[i] - inputs.delta_e[i] - s.q[i] - s.creep[i];
-                    let tau_el = drive.spring(x, scale);
-                    (tau_el, tau_el)
-                }
-            };
-            let motor = drive
-                .motor_friction
-                .torque(s.z_motor[i], s.dtheta[i], tendon);
-            k.dq[i] = s.dq[i];
+            let (tendon, load) = (self.tendon_torque[i], self.motor_load[i]);
+            let motor = drive.motor_friction.torque(s.z_motor[i], s.dtheta[i], load);
             k.dtheta[i] = s.dtheta[i];
-            k.ddtheta[i] = (inputs.tau_m[i] - motor - tendon) / drive.motor_inertia_kg_m2;
+            k.ddtheta[i] = (inputs.tau_m[i] - motor - load) / drive.motor_inertia_kg_m2;
+            let scale = inputs.stiffness_scale[i];
             let stiffness = drive.stiffness_nm_per_rad * scale;
-            k.dcreep[i] = (drive.viscoelastic_fraction * tendon / stiffness - s.creep[i])
-                / drive.viscoelastic_time_s;
+            let beyond = tendon - scale * drive.pretension_nm;
+            let deflection = if stiffness > 0.0 {
+                beyond / stiffness
+            } else {
+                0.0
+            };
+            k.dcreep[i] =
+                (drive.viscoelastic_fraction * deflection - s.creep[i]) / drive.viscoelastic_time_s;
+            let Some(tau_el) = self.tau_el.get(i) else {
+                continue;
+            };
+            k.dq[i] = s.dq[i];
             let stops = drive.stops.iter().flatten();
             let stop: f64 = stops.map(|stop| stop.torque(s.q[i], s.dq[i])).sum();
             self.tau[i] =
-                tau_el - drive.joint_friction.torque(s.z_joint[i], s.dq[i], tau_el) + stop;
+                tau_el - drive.joint_friction.torque(s.z_joint[i], s.dq[i], *tau_el) + stop;
+            if let Some(paths) = &self.paths {
+                self.tau[i] -= paths.spring_torque(i, s.q[i]);
+            }
         }
         for f in inputs.forces {
             self.arm.add_point_force(
@@ -367,7 +394,43 @@ impl Plant {
     }
 }
 
-/// Extension of tendon `i` of those that cross several joints, rad of its coordinate.
-fn extension(routings: &Routings, s: &State, inputs: &Inputs<'_>, i: usize) -> f64 {
-    s.theta[i] - inputs.delta_e[i] - routings.path(i, &s.q) - s.creep[i]
+/// Torques of the tendons, by axis, and elastic torques of the joints, N·m.
+fn elastic_torques(
+    paths: Option<&Paths>,
+    drives: &[Drive],
+    s: &State,
+    inputs: &Inputs<'_>,
+    (tendons, tau_el): (&mut [f64], &mut [f64]),
+) {
+    let Some(paths) = paths else {
+        for (i, drive) in drives.iter().enumerate() {
+            let x = s.theta[i] - inputs.delta_e[i] - s.q[i] - s.creep[i];
+            tendons[i] = drive.spring(x, inputs.stiffness_scale[i]);
+        }
+        tau_el.copy_from_slice(tendons);
+        return;
+    };
+    tau_el.fill(0.0);
+    for (i, drive) in drives.iter().enumerate() {
+        tendons[i] = 0.0;
+        if !paths.has_tendon(i) {
+            continue;
+        }
+        let x = s.theta[i] - inputs.delta_e[i] - paths.shortening(i, &s.q) - s.creep[i];
+        let scale = inputs.stiffness_scale[i];
+        let torque = match paths.is_strand(i) {
+            true => drive.strand(x, scale),
+            false => drive.spring(x, scale),
+        };
+        tendons[i] = torque;
+        paths.add_torque(i, &s.q, torque, tau_el);
+    }
+}
+
+/// Moves tendons with the motors that they share with one before them.
+fn follow(paths: Option<&Paths>, s: &mut State) {
+    for (i, first, ratio) in paths.into_iter().flat_map(Paths::followers) {
+        s.theta[*i] = ratio * s.theta[*first];
+        s.dtheta[*i] = ratio * s.dtheta[*first];
+    }
 }

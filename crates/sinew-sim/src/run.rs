@@ -1,4 +1,4 @@
-//! From a scenario to a recording and its truth.
+//! Simulation of a scenario to a recording and its truth file.
 
 use super::error::SimulateError;
 use super::faults::{FaultCounts, FaultyLine};
@@ -7,7 +7,7 @@ use super::simulation::Simulation;
 use super::truth::Truth;
 use sinew_files::AtomicFile;
 use sinew_log::{
-    Compression, Format, Frame, FrameWriter, LogError, McapOptions, McapWriter, Quantities,
+    Axis, Compression, Format, Frame, FrameWriter, LogError, McapOptions, McapWriter, Quantities,
     RecordedNames, RowWriter,
 };
 use sinew_model::robot::Robot;
@@ -15,10 +15,10 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Where a recording goes.
+/// Output options of a simulation.
 #[derive(Debug, Clone)]
 pub struct SimulateOptions {
-    /// The recording.
+    /// Path of the recording.
     pub out: PathBuf,
     /// MCAP or CSV; `None`: by the name's ending.
     pub format: Option<Format>,
@@ -29,7 +29,7 @@ pub struct SimulateOptions {
 }
 
 impl SimulateOptions {
-    /// A recording at `out`, format by its ending, zstd, without description.
+    /// Creates options for a recording at `out`, with the format of its file extension, zstd, without description.
     pub fn new(out: impl Into<PathBuf>) -> Self {
         Self {
             out: out.into(),
@@ -40,29 +40,29 @@ impl SimulateOptions {
     }
 }
 
-/// How far a simulation is.
+/// Progress of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Simulated, s.
+    /// Simulated time, s.
     pub done_s: f64,
-    /// Of so many, s.
+    /// Total time to simulate, s.
     pub total_s: f64,
-    /// Frames written.
+    /// Number of frames written.
     pub frames: u64,
 }
 
-/// What was made.
+/// Files written by a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// The recording.
+    /// Path of the recording.
     pub out: PathBuf,
-    /// Its truth.
+    /// Path of the truth file.
     pub truth_file: PathBuf,
-    /// What the truth file says.
+    /// Content of the truth file.
     pub truth: Truth,
     /// Simulated time, s.
     pub duration_s: f64,
-    /// Frames written and gone wrong.
+    /// Numbers of written frames and of transmission errors.
     pub frames: FaultCounts,
     /// Size of the recording.
     pub bytes: u64,
@@ -70,19 +70,19 @@ pub struct Summary {
     pub wall_s: f64,
 }
 
-/// Where the truth of a recording goes: `NAME.truth.json` beside `NAME.mcap`.
+/// Returns the path of the truth file of a recording: `NAME.truth.json` in the folder of `NAME.mcap`.
 pub fn truth_path(out: &Path) -> PathBuf {
     out.with_extension("truth.json")
 }
 
-/// Simulates `scenario` on `robot` and writes the recording and, beside it, its truth.
+/// Simulates `scenario` on `robot` and writes the recording and its truth file in the same folder.
 ///
-/// Frames are written as they come: memory doesn't grow with the recording, but for the list of
-/// contacts in the truth. Neither file is there unless both are complete. Same robot, scenario
-/// and format: the same bytes.
+/// Frames are written as they are computed: memory does not grow with the recording, except for the list of contacts
+/// in the truth. The files appear only when both are complete. The same robot, scenario and format yield identical
+/// bytes.
 ///
 /// # Errors
-/// [`SimulateError`]; no half-written file is left.
+/// Returns a [`SimulateError`] if simulation or writing fails; no incomplete file remains.
 pub fn run(
     robot: &Robot,
     scenario: &Scenario,
@@ -99,16 +99,17 @@ pub fn run(
         file: truth_file.display().to_string(),
         message: e.to_string(),
     })?;
-    // Its bytes are there before the recording gets its name: a recording without its truth would
+    // The truth is written before the recording is renamed: a recording without its truth would
     // pass for a real one.
-    let mut beside = AtomicFile::create(&truth_file)?;
-    beside.append((text + "\n").as_bytes())?;
-    beside.sync()?;
-    // Two runs of one output: both names go to the same run. A system without such locks goes on.
+    let mut truth_output = AtomicFile::create(&truth_file)?;
+    truth_output.append((text + "\n").as_bytes())?;
+    truth_output.sync()?;
+    // Concurrent runs with one output path: both files come from the same run. On a system without such locks the run
+    // continues without one.
     let folder = File::open(sinew_files::folder_of(&options.out));
     let _pair = folder.and_then(|folder| folder.lock().map(|()| folder));
     writer.finish()?;
-    beside.finish()?;
+    truth_output.finish()?;
     let bytes = std::fs::metadata(&options.out).map_or(0, |m| m.len());
     Ok(Summary {
         out: options.out.clone(),
@@ -121,8 +122,8 @@ pub fn run(
     })
 }
 
-/// Runs a simulation of `scenario` to its end: every frame goes through the faults of the line to `take`.
-/// Returns the truth, and what became of the frames.
+/// Runs a simulation of `scenario`, and passes every frame to `take` after the transmission errors are applied.
+/// Returns the truth and the numbers of frames and errors.
 ///
 /// # Errors
 /// [`SimulateError`].
@@ -152,7 +153,7 @@ pub fn record(
     Ok((Truth::of(&simulation, line.counts()), line.counts()))
 }
 
-/// Which quantities frames of `scenario` hold.
+/// Returns the quantities that frames of `scenario` contain.
 pub fn recorded_quantities(scenario: &Scenario) -> Quantities {
     let record = scenario.record;
     Quantities {
@@ -163,6 +164,7 @@ pub fn recorded_quantities(scenario: &Scenario) -> Quantities {
         tau_m: record.tau_m,
         tau_ext: record.tau_ext,
         temperature: record.temperature,
+        tension: record.tension,
     }
 }
 
@@ -172,11 +174,6 @@ fn writer(
     options: &SimulateOptions,
 ) -> Result<Box<dyn FrameWriter>, SimulateError> {
     let quantities = recorded_quantities(scenario);
-    let (joints, motors) = (robot.joint_names().to_vec(), robot.motor_names());
-    let names = RecordedNames {
-        joints: &joints,
-        motors: &motors,
-    };
     let ending = options.out.extension().and_then(|e| e.to_str());
     let format = options.format.or(match ending {
         Some("mcap") => Some(Format::Mcap),
@@ -184,6 +181,14 @@ fn writer(
         Some("parquet") => Some(Format::Parquet),
         _ => None,
     });
+    if robot.has_joint_equations() || quantities.tension {
+        return axes_writer(robot, options, format, quantities);
+    }
+    let (joints, motors) = (robot.joint_names().to_vec(), robot.motor_names());
+    let names = RecordedNames {
+        joints: &joints,
+        motors: &motors,
+    };
     Ok(match format {
         Some(Format::Mcap) => Box::new(McapWriter::create(
             &options.out,
@@ -206,4 +211,38 @@ fn writer(
             });
         }
     })
+}
+
+/// Writer of motors beyond the joints and of tensions.
+fn axes_writer(
+    robot: &Robot,
+    options: &SimulateOptions,
+    format: Option<Format>,
+    quantities: Quantities,
+) -> Result<Box<dyn FrameWriter>, SimulateError> {
+    let (tendons, motors) = (robot.tendon_names(), robot.motors_at_shaft());
+    let axes = (0..robot.axes()).map(|i| Axis {
+        joint: robot.joint_names().get(i).map(String::as_str),
+        // A motor with several tendons has one column.
+        motor: motors[i].filter(|motor| !motors[..i].contains(&Some(*motor))),
+        tendon: robot.transmissions[i].as_ref().map(|_| tendons[i].as_str()),
+    });
+    let is_parquet = options.out.extension().is_some_and(|e| e == "parquet");
+    match format {
+        // The file extension selects between the two formats.
+        Some(Format::Csv | Format::Parquet) if is_parquet == (format == Some(Format::Parquet)) => {
+            let axes = Vec::from_iter(axes);
+            Ok(Box::new(RowWriter::create_axes(
+                &options.out,
+                &axes,
+                quantities,
+            )?))
+        }
+        Some(Format::Mcap) => Err(SimulateError::Axes {
+            file: options.out.display().to_string(),
+        }),
+        _ => Err(SimulateError::Format {
+            file: options.out.display().to_string(),
+        }),
+    }
 }

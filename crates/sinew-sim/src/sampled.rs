@@ -1,27 +1,30 @@
-//! What is drawn for a robot and a recording before it runs.
+//! Values drawn for a robot and a recording before the simulation.
 
 use super::error::SimulateError;
 use super::friction::Friction;
+use super::paths::Paths;
 use super::plant::{Drive, EndStop};
-use super::scenario::{FrictionSpec, Offset, OffsetKind, PerJoint, Scenario, Shape, interpolate};
+use super::scenario::{
+    FrictionSpec, Offset, OffsetKind, Owner, PerJoint, Scenario, Shape, interpolate,
+};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sinew_files::{Fault, Located, names};
 use sinew_model::arm::{Arm, BodyInertia};
 use sinew_model::robot::Robot;
-use sinew_model::transmission::Transmission;
+use sinew_model::transmission::{Friction as Described, Transmission};
 
-/// An offset, drawn.
+/// Drawn offset of a tendon or encoder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledOffset {
-    /// Whose encoder has slipped, or whose tendon it is.
+    /// Joint of the encoder that slipped, or of the tendon.
     pub joint: usize,
     pub kind: OffsetKind,
     pub size_rad: f64,
     pub shape: Shape,
 }
 
-/// A load, drawn.
+/// Drawn load on a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledPayload {
     pub link: String,
@@ -60,9 +63,59 @@ impl SampledTemperature {
         } else {
             (t - from) / (to - from)
         };
-        // A change from 0 to 0 s is there from the start.
+        // A change from 0 to 0 s is complete from the start.
         let share = if to == 0.0 { 1.0 } else { share };
         base + share * self.change_k
+    }
+}
+
+/// Names that values of a scenario are given by.
+///
+/// A robot with an equation per joint has values of joints, tendons and motors under their own names. On every other robot all have the
+/// name of the joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Names {
+    /// One per joint.
+    pub(super) joints: Vec<String>,
+    /// Name of the tendon of each axis, or of its joint.
+    pub(super) tendons: Vec<String>,
+    /// Name of the motor of each axis, or of its joint.
+    pub(super) motors: Vec<String>,
+    /// Whether each axis has a tendon.
+    has_tendon: Vec<bool>,
+}
+
+impl Names {
+    pub(super) fn of(robot: &Robot) -> Self {
+        let joints = robot.joint_names().to_vec();
+        let (tendons, motors) = match robot.has_joint_equations() {
+            true => (robot.tendon_names(), robot.motor_names()),
+            false => (joints.clone(), joints.clone()),
+        };
+        Self {
+            has_tendon: robot.transmissions.iter().map(Option::is_some).collect(),
+            joints,
+            tendons,
+            motors,
+        }
+    }
+
+    /// Returns the valid names of an owner.
+    fn valid_names(&self, owner: Owner) -> Vec<&str> {
+        let driven = |names: &'_ Vec<String>| -> Vec<usize> {
+            (0..names.len()).filter(|i| self.has_tendon[*i]).collect()
+        };
+        let names = match owner {
+            Owner::Joint => return self.joints.iter().map(String::as_str).collect(),
+            Owner::Tendon => &self.tendons,
+            Owner::Motor => &self.motors,
+        };
+        let mut valid: Vec<&str> = driven(names)
+            .into_iter()
+            .map(|i| names[i].as_str())
+            .collect();
+        valid.dedup();
+        valid
     }
 }
 
@@ -88,15 +141,16 @@ pub(super) fn unknown(
     what: &'static str,
     name: &str,
 ) -> SimulateError {
-    let tendons = robot.tendon_names();
-    let known: Vec<&str> = match what {
+    let (tendons, motors) = (robot.tendon_names(), robot.motor_names());
+    let valid: Vec<&str> = match what {
         "link" => robot.arm.link_names().collect(),
         "tendon" => tendons.iter().map(String::as_str).collect(),
+        "motor" => motors.iter().map(String::as_str).collect(),
         _ => robot.joint_names().iter().map(String::as_str).collect(),
     };
-    let hint = names::hint(name, &known);
+    let hint = names::hint(name, &valid);
     let problem = format!("{what} '{name}' is not in robot '{}'{hint}", robot.name);
-    let problem = format!("{problem} it has {}", known.join(", "));
+    let problem = format!("{problem} it has {}", valid.join(", "));
     Located::new(&scenario.file, Fault::UnknownName, problem)
         .line(line)
         .into()
@@ -104,9 +158,15 @@ pub(super) fn unknown(
 
 /// Every joint and link the scenario names must be the robot's.
 pub(super) fn check_names(robot: &Robot, scenario: &Scenario) -> Result<(), SimulateError> {
-    for (name, line) in scenario.joints_named() {
-        if robot.arm.joint_index(name).is_none() {
-            return Err(unknown(robot, scenario, line, "joint", name));
+    let names = Names::of(robot);
+    for (owner, name, line) in scenario.owners_named() {
+        if !names.valid_names(owner).contains(&name) {
+            let what = match owner {
+                Owner::Tendon if robot.has_joint_equations() => "tendon",
+                Owner::Motor if robot.has_joint_equations() => "motor",
+                _ => "joint",
+            };
+            return Err(unknown(robot, scenario, line, what, name));
         }
     }
     for offset in &scenario.offsets {
@@ -124,32 +184,36 @@ pub(super) fn check_names(robot: &Robot, scenario: &Scenario) -> Result<(), Simu
     Ok(())
 }
 
-pub(super) fn transmissions(robot: &Robot) -> Result<Vec<&Transmission>, SimulateError> {
-    robot
-        .joint_names()
-        .iter()
-        .zip(&robot.transmissions)
-        .map(|(joint, t)| {
-            let refuse = |why| SimulateError::Robot {
+/// Transmissions by axis; `None` where there is a joint that only tendons of other axes pull.
+pub(super) fn transmissions<'a>(
+    robot: &'a Robot,
+    paths: Option<&Paths>,
+) -> Result<Vec<Option<&'a Transmission>>, SimulateError> {
+    (robot.transmissions.iter().enumerate())
+        .map(|(i, t)| {
+            let robot_error = |reason| SimulateError::Robot {
                 robot: robot.name.clone(),
-                joint: joint.clone(),
-                why,
+                joint: robot.axis_name(i).to_owned(),
+                reason,
             };
-            let t = t.as_ref().ok_or_else(|| {
-                refuse("is rigid; the simulator needs stiffness_nm_per_rad, or lock the joint with locked_at_rad")
-            })?;
+            let Some(t) = t.as_ref() else {
+                if paths.is_some_and(|paths| paths.joint(i).is_some()) {
+                    return Ok(None);
+                }
+                return Err(robot_error("is rigid; the simulator needs stiffness_nm_per_rad, or lock the joint with locked_at_rad"));
+            };
             if t.motor_inertia_kg_m2.is_some_and(|i| i > 0.0) {
-                Ok(t)
+                Ok(Some(t))
             } else if t.routing.is_some() {
-                Err(refuse("has a tendon whose motor has no inertia above 0, which the simulator needs: inertia_kg_m2 in [motors], or the joint's motor_inertia_kg_m2"))
+                Err(robot_error("has a tendon whose motor has no inertia above 0, which the simulator needs: inertia_kg_m2 in [motors], or the joint's motor_inertia_kg_m2"))
             } else {
-                Err(refuse("has no motor_inertia_kg_m2 above 0, which the simulator needs"))
+                Err(robot_error("has no motor_inertia_kg_m2 above 0, which the simulator needs"))
             }
         })
         .collect()
 }
 
-/// The arm as it truly is.
+/// True model of the arm.
 pub(super) fn true_arm(
     robot: &Robot,
     scenario: &Scenario,
@@ -211,28 +275,32 @@ fn shifted(com: [f64; 3], along: f64, across: f64, angle: f64) -> [f64; 3] {
     std::array::from_fn(|k| along * com[k] + across * length * (cos * v[k] + sin * w[k]))
 }
 
+/// Drives by axis, but for the pretension of strands, which is as described.
 pub(super) fn drives(
     scenario: &Scenario,
-    names: &[String],
-    nominal: &[&Transmission],
+    names: &Names,
+    nominal: &[Option<&Transmission>],
+    paths: Option<&Paths>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Drive> {
-    let n = names.len();
-    let (one, zero) = (vec![1.0; n], vec![0.0; n]);
+    let (axes, dof) = (nominal.len(), names.joints.len());
+    let (one, zero) = (vec![1.0; axes], vec![0.0; axes]);
     let t = &scenario.truth;
-    let mut draw = |spec: &PerJoint, defaults: &[f64]| spec.sample(names, defaults, rng);
-    let stiffness = draw(&t.stiffness_factor, &one);
-    let inertia = draw(&t.motor_inertia_factor, &one);
-    let cubic = draw(&t.spring_cubic_per_rad2, &zero);
-    let creep = draw(&t.viscoelastic_fraction, &zero);
-    let creep_time = draw(&t.viscoelastic_time_s, &vec![30.0; n]);
-    let mut friction = |spec: &FrictionSpec, of: &dyn Fn(&Transmission) -> (f64, f64)| {
-        let (dry, viscous): (Vec<f64>, Vec<f64>) = nominal.iter().map(|t| of(t)).unzip();
-        let coulomb = draw(&spec.coulomb_nm, &dry);
-        let share = draw(&spec.torque_fraction, &zero);
-        let viscous = draw(&spec.viscous_nm_s_per_rad, &viscous);
-        let presliding = draw(&spec.presliding_rad, &vec![1e-3; n]);
-        (0..n)
+    let mut draw =
+        |spec: &PerJoint, names: &[String], defaults: &[f64]| spec.sample(names, defaults, rng);
+    let stiffness = draw(&t.stiffness_factor, &names.tendons, &one);
+    let inertia = draw(&t.motor_inertia_factor, &names.motors, &one);
+    let cubic = draw(&t.spring_cubic_per_rad2, &names.tendons, &zero);
+    let creep = draw(&t.viscoelastic_fraction, &names.tendons, &zero);
+    let creep_time = draw(&t.viscoelastic_time_s, &names.tendons, &vec![30.0; axes]);
+    let mut friction = |spec: &FrictionSpec, names: &[String], of: &[Described]| {
+        let dry: Vec<f64> = of.iter().map(|of| of.coulomb_nm).collect();
+        let viscous: Vec<f64> = of.iter().map(|of| of.viscous_nm_s_per_rad).collect();
+        let coulomb = draw(&spec.coulomb_nm, names, &dry);
+        let share = draw(&spec.torque_fraction, names, &zero);
+        let viscous = draw(&spec.viscous_nm_s_per_rad, names, &viscous);
+        let presliding = draw(&spec.presliding_rad, names, &vec![1e-3; of.len()]);
+        (0..of.len())
             .map(|i| Friction {
                 coulomb_nm: coulomb[i],
                 torque_fraction: share[i],
@@ -241,33 +309,50 @@ pub(super) fn drives(
             })
             .collect::<Vec<_>>()
     };
-    let joint = friction(&scenario.joint_friction, &|t| {
-        (
-            t.joint_friction.coulomb_nm,
-            t.joint_friction.viscous_nm_s_per_rad,
-        )
-    });
-    let motor = friction(&scenario.motor_friction, &|t| {
-        (
-            t.motor_friction.coulomb_nm,
-            t.motor_friction.viscous_nm_s_per_rad,
-        )
-    });
-    (0..n)
-        .map(|i| Drive {
-            stiffness_nm_per_rad: nominal[i].stiffness_nm_per_rad * stiffness[i],
-            cubic_per_rad2: cubic[i],
-            viscoelastic_fraction: creep[i],
-            viscoelastic_time_s: creep_time[i],
-            motor_inertia_kg_m2: nominal[i].motor_inertia_kg_m2.unwrap_or(0.0) * inertia[i],
-            joint_friction: joint[i],
-            motor_friction: motor[i],
-            stops: end_stops(scenario, &names[i], nominal[i].stiffness_nm_per_rad),
+    let of_joints: Vec<Described> = (0..dof)
+        .map(|j| match paths.and_then(|paths| paths.joint(j)) {
+            Some(joint) => joint.friction,
+            None => nominal[j].map_or_else(Default::default, |t| t.joint_friction),
+        })
+        .collect();
+    let of_motors = nominal.iter();
+    let of_motors: Vec<Described> = of_motors
+        .map(|t| t.map_or_else(Default::default, |t| t.motor_friction))
+        .collect();
+    let joint = friction(&scenario.joint_friction, &names.joints, &of_joints);
+    let motor = friction(&scenario.motor_friction, &names.motors, &of_motors);
+    (0..axes)
+        .map(|i| {
+            let tendon = nominal[i];
+            let stiffness_nm_per_rad = tendon.map_or(1.0, |t| t.stiffness_nm_per_rad);
+            let of_joint = match paths.and_then(|paths| paths.joint(i)) {
+                Some(joint) => joint.stiffness_nm_per_rad,
+                None => stiffness_nm_per_rad,
+            };
+            let inertia_kg_m2 = tendon.map_or(1.0, |t| t.motor_inertia_kg_m2.unwrap_or(0.0));
+            Drive {
+                stiffness_nm_per_rad: stiffness_nm_per_rad * stiffness[i],
+                pretension_nm: paths.map_or(0.0, |paths| paths.pretension_nm(i)),
+                cubic_per_rad2: cubic[i],
+                viscoelastic_fraction: creep[i],
+                viscoelastic_time_s: creep_time[i],
+                motor_inertia_kg_m2: inertia_kg_m2 * inertia[i],
+                joint_friction: joint.get(i).copied().unwrap_or_default(),
+                motor_friction: match tendon {
+                    Some(_) => motor[i],
+                    // The axis has no motor, whatever the scenario specifies for all joints.
+                    None => Friction::default(),
+                },
+                stops: match names.joints.get(i) {
+                    Some(joint) => end_stops(scenario, joint, of_joint),
+                    None => [None; 2],
+                },
+            }
         })
         .collect()
 }
 
-/// The lower and the upper end stop of a joint; a thousand times as stiff as its spring where nothing is said.
+/// Returns the lower and the upper end stop of a joint; 1000 times as stiff as its spring by default.
 fn end_stops(scenario: &Scenario, joint: &str, spring_nm_per_rad: f64) -> [Option<EndStop>; 2] {
     const STIFFER: f64 = 1000.0;
     [false, true].map(|is_upper| {
@@ -284,11 +369,11 @@ fn end_stops(scenario: &Scenario, joint: &str, spring_nm_per_rad: f64) -> [Optio
 
 pub(super) fn draw_temperature(
     scenario: &Scenario,
-    names: &[String],
+    tendons: &[String],
     rng: &mut ChaCha8Rng,
 ) -> SampledTemperature {
     let t = &scenario.temperature;
-    let zero = vec![0.0; names.len()];
+    let zero = vec![0.0; tendons.len()];
     SampledTemperature {
         reference_c: t.reference_c,
         profile_c: t.profile_c.clone().unwrap_or_default(),
@@ -296,7 +381,7 @@ pub(super) fn draw_temperature(
         change_from_to_s: t.change_from_to_s,
         reading_error_k: t.reading_error_k.sample(rng),
         reading_error_from_s: t.reading_error_from_s,
-        stiffness_per_k: t.stiffness_per_k.sample(names, &zero, rng),
-        drift_rad_per_k: t.zero_drift_rad_per_k.sample(names, &zero, rng),
+        stiffness_per_k: t.stiffness_per_k.sample(tendons, &zero, rng),
+        drift_rad_per_k: t.zero_drift_rad_per_k.sample(tendons, &zero, rng),
     }
 }

@@ -1,6 +1,7 @@
-//! What the recording shows of the true state.
+//! Sensor model: recorded values of the true state.
 
-use super::scenario::{Draw, PerJoint, Scenario, TorqueChannel, normal};
+use super::sampled::Names;
+use super::scenario::{Draw, PerJoint, Scenario, TensionChannel, TorqueChannel, normal};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
@@ -17,7 +18,7 @@ pub fn injected(theta: f64, delta_e: f64) -> f64 {
     }
 }
 
-/// A torque channel, drawn.
+/// Drawn parameters of a torque channel.
 #[derive(Debug, Clone)]
 pub(crate) struct TorqueSensor {
     scale: Vec<f64>,
@@ -56,6 +57,35 @@ impl TorqueSensor {
     }
 }
 
+/// Drawn parameters of a tension channel.
+#[derive(Debug, Clone)]
+pub(crate) struct TensionSensor {
+    scale: Vec<f64>,
+    offset: Vec<f64>,
+    noise: f64,
+}
+
+impl TensionSensor {
+    fn new(spec: &TensionChannel, tendons: &[String], rng: &mut ChaCha8Rng) -> Self {
+        let zero = vec![0.0; tendons.len()];
+        Self {
+            scale: spec.scale_error.sample(tendons, &zero, rng),
+            offset: spec.offset_n.sample(tendons, &zero, rng),
+            noise: spec.noise_n,
+        }
+    }
+
+    /// Recorded tension of the tendon on an axis, N.
+    pub(crate) fn read(&self, i: usize, tension_n: f64, rng: &mut ChaCha8Rng) -> f64 {
+        let noise = if self.noise > 0.0 {
+            self.noise * normal(rng)
+        } else {
+            0.0
+        };
+        (1.0 + self.scale[i]) * tension_n + self.offset[i] + noise
+    }
+}
+
 fn phases(names: &[String], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let turn = PerJoint {
         all: Some(Draw::Uniform { min: 0.0, max: TAU }),
@@ -79,35 +109,50 @@ pub(crate) struct Sensors {
     velocity_noise: f64,
     pub motor_torque: TorqueSensor,
     pub torque_sensor: TorqueSensor,
+    /// Sensor of tensions, if recorded.
+    pub tension: Option<TensionSensor>,
     pub rng: ChaCha8Rng,
 }
 
 impl Sensors {
-    /// `truth` draws what is fixed for a robot, `rng` the noise.
+    /// `truth` draws the values that are constant for a robot, and `rng` draws the noise.
     pub(crate) fn new(
         scenario: &Scenario,
-        names: &[String],
+        names: &Names,
         truth: &mut ChaCha8Rng,
         later: &mut ChaCha8Rng,
         rng: ChaCha8Rng,
     ) -> Self {
-        let zero = vec![0.0; names.len()];
+        let Names { joints, motors, .. } = names;
+        let zero = vec![0.0; motors.len()];
         let e = &scenario.encoder;
         Self {
             joint_step: e.joint_bits.map(|bits| TAU / f64::from(bits).exp2()),
-            once: e.once_per_turn_rad.sample(names, &zero, truth),
-            once_phase: phases(names, truth),
-            twice: e.twice_per_turn_rad.sample(names, &zero, truth),
-            twice_phase: phases(names, truth),
+            once: e.once_per_turn_rad.sample(joints, &zero, truth),
+            once_phase: phases(joints, truth),
+            twice: e.twice_per_turn_rad.sample(joints, &zero, truth),
+            twice_phase: phases(joints, truth),
             joint_noise: e.joint_noise_rad,
             motor_step: e.motor_resolution_rad,
             motor_noise: e.motor_noise_rad,
-            motor_scale: e.motor_scale_error.sample(names, &zero, later),
+            motor_scale: e.motor_scale_error.sample(motors, &zero, later),
             velocity_noise: scenario.velocity_noise_rad_per_s,
-            motor_torque: TorqueSensor::new(&scenario.motor_torque, names, truth),
-            torque_sensor: TorqueSensor::new(&scenario.torque_sensor, names, truth),
+            motor_torque: TorqueSensor::new(&scenario.motor_torque, motors, truth),
+            torque_sensor: TorqueSensor::new(&scenario.torque_sensor, joints, truth),
+            tension: None,
             rng,
         }
+    }
+
+    /// Adds the sensors of the tensions, which came to the language last.
+    pub(crate) fn add_tension(
+        &mut self,
+        scenario: &Scenario,
+        tendons: &[String],
+        later: &mut ChaCha8Rng,
+    ) {
+        let sensor = TensionSensor::new(&scenario.tension_sensor, tendons, later);
+        self.tension = scenario.record.tension.then_some(sensor);
     }
 
     fn noise(&mut self, std: f64) -> f64 {
@@ -128,7 +173,7 @@ impl Sensors {
         }
     }
 
-    /// `seen` with the encoder's error of once and twice per turn at `q`, rad.
+    /// Adds the first and second harmonic of the encoder error at `q` to `seen`, rad.
     pub(crate) fn eccentric(&self, i: usize, mut seen: f64, q: f64) -> f64 {
         if self.once[i] != 0.0 {
             seen += self.once[i] * libm::sin(q + self.once_phase[i]);

@@ -1,4 +1,4 @@
-//! The truth beside a recording.
+//! Truth file of a recording.
 
 use super::faults::FaultCounts;
 use super::sampled::SampledOffset;
@@ -10,23 +10,24 @@ use std::collections::BTreeMap;
 /// By joint, or by tendon or motor where these have names of their own.
 type ByName<T> = BTreeMap<String, T>;
 
-/// What was true in a simulated recording: `NAME.truth.json`.
+/// True values of a simulated recording: `NAME.truth.json`.
 ///
-/// Scenario, seed, `offset_rad`, `step_rad`, `stiffness_nm_per_rad`, `payload_kg` and
-/// `temperature_change_k` are what scoring needs; the rest says what else was drawn.
+/// Scenario, seed, `offset_rad`, `step_rad`, `stiffness_nm_per_rad`, `payload_kg` and `temperature_change_k` are
+/// needed for scoring; the other fields document the remaining draws.
 ///
-/// What is a tendon's stands under its name, what is a motor's under that of the motor; both are the joint's where the robot has
-/// no `[[tendons]]`. Values of a tendon are in the coordinate of the joint that it is paired with, those of a motor at its shaft.
+/// Values of a tendon are listed under its name, values of a motor under that of the motor; both are the name of the
+/// joint if the robot has no `[[tendons]]`. Values of a tendon are in the coordinate of the joint that it is paired
+/// with, those of a motor at its shaft.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Truth {
     /// Name of the scenario.
     pub scenario: String,
-    /// Its seed.
+    /// Seed of the random numbers.
     pub seed: u64,
     /// Frames per second.
     pub sample_rate_hz: f64,
-    /// Length, s.
+    /// Length of the recording, s.
     pub duration_s: f64,
     /// Time stamp of time 0, ns since 1970.
     pub start_time_ns: i64,
@@ -43,15 +44,15 @@ pub struct Truth {
     /// sessions, rad.
     pub offset_rad: ByName<f64>,
     /// Offset over time: `[time, offset]`, s and rad; straight lines between.
-    pub offset_course_s_rad: ByName<Vec<[f64; 2]>>,
-    /// Which tendons' offsets are injected into the recording instead of felt by the spring.
+    pub offset_trajectory_s_rad: ByName<Vec<[f64; 2]>>,
+    /// Names of the tendons whose offsets are injected into the recording and do not act on the spring.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub injected: Vec<String>,
-    /// Every jump of an offset.
+    /// Steps of all offsets.
     pub steps: Vec<Step>,
     /// Stiffness, N·m/rad, at the reference temperature.
     pub stiffness_nm_per_rad: ByName<f64>,
-    /// Stiffening, rad⁻².
+    /// Cubic stiffening coefficient of the spring, rad⁻².
     pub spring_cubic_per_rad2: ByName<f64>,
     /// Share of delayed elasticity.
     pub viscoelastic_fraction: ByName<f64>,
@@ -67,11 +68,11 @@ pub struct Truth {
     pub motor_coulomb_nm: ByName<f64>,
     /// All loads together, kg.
     pub payload_kg: f64,
-    /// Each load.
+    /// Loads carried during the recording.
     pub payloads: Vec<Load>,
     /// Share of the time in contact.
     pub contact_fraction: f64,
-    /// Each contact.
+    /// Contacts during the recording.
     pub contacts: Vec<Touch>,
     /// Drawn temperature change, K.
     pub temperature_change_k: f64,
@@ -79,43 +80,47 @@ pub struct Truth {
     pub frames: Frames,
 }
 
-/// A tendon that crosses several joints, or has a name of its own.
+/// Tendon that crosses several joints or has its own name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrueTendon {
-    /// Its name.
+    /// Name of the tendon.
     pub name: String,
     /// Joint that it is paired with, in whose rad its values are.
     pub joint: String,
-    /// Its motor.
+    /// Name of its motor.
     pub motor: String,
-    /// Position in the tendon's coordinate over that at the motor's shaft.
+    /// Ratio of the position in the tendon's coordinate to the position of the motor shaft.
     pub drive_ratio: f64,
-    /// By how much the coordinate moves per rad of every joint that the tendon crosses.
+    /// Change of the tendon coordinate per rad of every joint that the tendon crosses; for variable moment arms at `q
+    /// = 0`.
     pub moment_arms: ByName<f64>,
+    /// Pretension torque of a unidirectional strand with motor and joints at 0, N·m in the tendon coordinate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pretension_nm: Option<f64>,
 }
 
-/// A jump of an offset.
+/// Step of an offset.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Step {
-    /// Which joint, or which tendon.
+    /// Name of the joint or tendon.
     pub joint: String,
-    /// When, s.
+    /// Time of the slip, s.
     pub at_s: f64,
-    /// By how much, rad.
+    /// Size of the step, rad.
     pub size_rad: f64,
 }
 
-/// A load.
+/// Load carried by a link.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {
-    /// Link that holds it.
+    /// Name of the link that carries it.
     pub link: String,
-    /// Its mass, kg.
+    /// Mass of the load, kg.
     pub mass_kg: f64,
-    /// Its centre of mass, link frame, m.
+    /// Centre of mass, link frame, m.
     pub com_m: [f64; 3],
     /// Held from, s.
     pub attach_s: f64,
@@ -124,17 +129,17 @@ pub struct Load {
     pub release_s: Option<f64>,
 }
 
-/// A contact.
+/// Contact with a link.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Touch {
-    /// From, s.
+    /// Start of the contact, s.
     pub start_s: f64,
-    /// For, s.
+    /// Duration of the contact, s.
     pub duration_s: f64,
-    /// On which link.
+    /// Name of the link.
     pub link: String,
-    /// Where on it, link frame, m.
+    /// Contact point on the link, link frame, m.
     pub point_m: [f64; 3],
     /// Force in the base frame, N.
     pub force_n: [f64; 3],
@@ -148,7 +153,7 @@ pub struct Frames {
     pub written: u64,
     /// Frames that were lost.
     pub lost: u64,
-    /// Written twice.
+    /// Number of duplicate frames.
     pub duplicated: u64,
     /// Written after their successor.
     pub late: u64,
@@ -165,8 +170,8 @@ impl From<FaultCounts> for Frames {
     }
 }
 
-/// Points of an offset's course kept in the truth, at most, beside its corners.
-const COURSE_POINTS: u32 = 240;
+/// Maximum number of points of an offset profile in the truth file, in addition to its corners.
+const PROFILE_POINTS: u32 = 240;
 
 impl Truth {
     /// The truth of a simulation that has run to its end.
@@ -178,11 +183,21 @@ impl Truth {
         let by = |names: &[String], f: &dyn Fn(usize) -> f64| -> ByName<f64> {
             names.iter().cloned().zip((0..names.len()).map(f)).collect()
         };
+        // Of tendons and their motors; of a motor with several tendons by the first.
+        let by_motor = |f: &dyn Fn(usize) -> f64| -> ByName<f64> {
+            let driven = (0..motors.len()).filter(|i| simulation.has_tendon(*i));
+            let value = |i: usize| (motors[i].clone(), f(simulation.motor_axis(i)));
+            driven.map(value).collect()
+        };
+        let of_tendons = |f: &dyn Fn(usize) -> f64| -> ByName<f64> {
+            let driven = (0..tendons.len()).filter(|i| simulation.has_tendon(*i));
+            driven.map(|i| (tendons[i].clone(), f(i))).collect()
+        };
         let ratio = |i: usize| simulation.drive_ratio(i);
         let drives = simulation.drives();
         let sum = |i: usize, t: f64| simulation.offset_at(i, t).sum();
         let frame_s = 1.0 / scenario.sample_rate_hz;
-        // Just before the end of B: a step that opens the next session isn't part of it.
+        // Just before the end of B: a step at the start of the next session is not part of it.
         let end_s = scenario
             .sessions
             .get(1)
@@ -207,13 +222,13 @@ impl Truth {
                 .map(|s| (s.name.clone(), span(s)))
                 .collect(),
             tendons: true_tendons(simulation),
-            offset_rad: by(tendons, &|i| sum(i, end_s)),
-            offset_course_s_rad: (0..names.len())
+            offset_rad: of_tendons(&|i| sum(i, end_s)),
+            offset_trajectory_s_rad: (0..tendons.len())
                 .filter(|&i| {
                     let mut offsets = simulation.offsets().iter();
                     offsets.any(|o| simulation.weight(o, i) != 0.0)
                 })
-                .map(|i| (tendons[i].clone(), course(simulation, i, duration_s)))
+                .map(|i| (tendons[i].clone(), profile(simulation, i, duration_s)))
                 .collect(),
             injected: tendons
                 .iter()
@@ -239,10 +254,10 @@ impl Truth {
                     })
                 })
                 .collect(),
-            stiffness_nm_per_rad: by(tendons, &|i| drives[i].stiffness_nm_per_rad),
-            spring_cubic_per_rad2: by(tendons, &|i| drives[i].cubic_per_rad2),
-            viscoelastic_fraction: by(tendons, &|i| drives[i].viscoelastic_fraction),
-            motor_inertia_kg_m2: by(motors, &|i| {
+            stiffness_nm_per_rad: of_tendons(&|i| drives[i].stiffness_nm_per_rad),
+            spring_cubic_per_rad2: of_tendons(&|i| drives[i].cubic_per_rad2),
+            viscoelastic_fraction: of_tendons(&|i| drives[i].viscoelastic_fraction),
+            motor_inertia_kg_m2: by_motor(&|i| {
                 let inertia = drives[i].motor_inertia_kg_m2;
                 ratio(i).map_or(inertia, |ratio| inertia * ratio * ratio)
             }),
@@ -253,7 +268,7 @@ impl Truth {
             joint_viscous_nm_s_per_rad: by(names, &|i| {
                 drives[i].joint_friction.viscous_nm_s_per_rad
             }),
-            motor_coulomb_nm: by(motors, &|i| {
+            motor_coulomb_nm: by_motor(&|i| {
                 let coulomb = drives[i].motor_friction.coulomb_nm;
                 ratio(i).map_or(coulomb, |ratio| coulomb * ratio.abs())
             }),
@@ -293,27 +308,31 @@ fn true_tendons(simulation: &Simulation) -> Vec<TrueTendon> {
         return Vec::new();
     };
     let joints = simulation.joint_names();
-    let of = |(i, joint): (usize, &String)| TrueTendon {
+    let tendons = (0..simulation.axes()).filter(|i| simulation.has_tendon(*i));
+    let of = |i: usize| TrueTendon {
         name: simulation.tendon_names()[i].clone(),
-        joint: joint.clone(),
+        joint: joints[routings.joint(i)].clone(),
         motor: simulation.motor_names()[i].clone(),
         drive_ratio: routings.drive_ratio(i),
         moment_arms: (joints.iter().cloned())
             .zip(routings.moment_arms(i).iter().copied())
             .filter(|(_, arm)| *arm != 0.0)
             .collect(),
+        pretension_nm: (simulation.paths())
+            .is_some_and(|paths| paths.is_strand(i))
+            .then(|| simulation.drives()[i].pretension_nm),
     };
-    joints.iter().enumerate().map(of).collect()
+    tendons.map(of).collect()
 }
 
 /// Offset of tendon `i` over time: an even grid and both sides of every corner, without the points
 /// that lie on a straight line anyway.
-fn course(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
+fn profile(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
     let value = |t: f64| simulation.offset_at(i, t).sum();
-    // Just before a jump; far below a sample.
+    // Just before a step; far below a sample.
     const BEFORE_S: f64 = 1e-6;
-    let mut times: Vec<f64> = (0..=COURSE_POINTS)
-        .map(|k| duration_s * f64::from(k) / f64::from(COURSE_POINTS))
+    let mut times: Vec<f64> = (0..=PROFILE_POINTS)
+        .map(|k| duration_s * f64::from(k) / f64::from(PROFILE_POINTS))
         .collect();
     let moving = |o: &&SampledOffset| simulation.weight(o, i) != 0.0;
     for o in simulation.offsets().iter().filter(moving) {
@@ -329,7 +348,7 @@ fn course(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
         let point = [t, value(t)];
         if let [.., a, b] = points[..] {
             let straight = a[1] + (point[1] - a[1]) * (b[0] - a[0]) / (t - a[0]);
-            // A nanoradian is nothing to anyone.
+            // A nanoradian is negligible.
             if (straight - b[1]).abs() < 1e-9 {
                 points.pop();
             }

@@ -1,15 +1,15 @@
-//! From records to what a maintenance engineer acts on.
+//! Trend analysis: from session records to verdicts, events and forecasts per tendon.
 
 use super::clock::{Clock, LEVEL_UNKNOWN_RAD, Stated, clock};
 use super::error::AnalyzeError;
-use super::given::{Fed, KeptTrend, feed, given};
+use super::inputs::{CompleteTrend, LoadedTrend, feed, inputs};
 use super::limits;
-use super::passage::PassageTimes;
+use super::passage::FirstPassage;
 use super::prior::{RopePrior, days, rope_prior};
 use super::records::{SessionRecord, Sorted};
 use super::result::{
     CycleClock, ForecastPoint, JointTrend, LifeNotUsed, Limit, LimitForecast, LimitState,
-    PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote, TrendReport,
+    PriorBasis, SessionPoint, SuspectedStep, TrendEvent, TrendEventKind, TrendNote, TrendReport,
     TrendVerdict,
 };
 use super::stiffness;
@@ -20,39 +20,41 @@ use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 use sinew_rope::{Catalogue, Duty};
 
-/// A drift with temperature somewhat beyond what robot.toml, or rope and frame, allow for surprises nobody.
+/// Factor on the drift prior of robot.toml, or of rope and frame, so that somewhat larger drifts
+/// remain plausible.
 const DRIFT_FACTOR: f64 = 1.25;
 
-/// What is asked beside the records.
+/// Inputs of a trend analysis in addition to the records.
 #[derive(Debug)]
 pub struct TrendRequest<'a> {
-    /// The robot: ropes, geometry and limits.
+    /// Robot description: ropes, geometry and limits.
     pub robot: Option<&'a Robot>,
-    /// Ropes.
+    /// Catalogue of ropes.
     pub catalogue: &'a Catalogue,
-    /// Tensionings and replacements, in any order.
+    /// Specified tensionings and replacements, in any order.
     pub stated: Vec<Stated>,
-    /// The ropes' duty, where it is known.
+    /// Duty of the ropes, if specified.
     pub duty: Option<Duty>,
-    /// How long such ropes last, for tendons of which no strain limit says when to replace them.
+    /// Lifetime distribution of such ropes, for tendons without a strain limit.
     pub life: Option<LifePrior>,
-    /// Days forecasts look ahead.
+    /// Forecast horizon, days.
     pub horizon_days: f64,
-    /// Seed of the draws.
+    /// Seed of the posterior draws.
     pub seed: u64,
 }
 
-/// Analyses sorted records.
+/// Analyses sorted records of all tendons.
 ///
 /// # Errors
-/// [`AnalyzeError`].
+/// Returns an [`AnalyzeError`] if a specified day matches no joint or no session, a rope is
+/// invalid, or a record is invalid.
 pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport, AnalyzeError> {
-    let known: Vec<&str> = sorted.joints.iter().map(|(n, _)| n.as_str()).collect();
+    let available: Vec<&str> = sorted.joints.iter().map(|(n, _)| n.as_str()).collect();
     for stated in &request.stated {
-        if let Some(joint) = stated.joint.as_deref().filter(|j| !known.contains(j)) {
+        if let Some(joint) = stated.joint.as_deref().filter(|j| !available.contains(j)) {
             return Err(AnalyzeError::Joint {
                 joint: joint.into(),
-                known: known.join(", "),
+                available: available.join(", "),
             });
         }
     }
@@ -61,7 +63,7 @@ pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport
     for (name, records) in &sorted.joints {
         joints.push(joint(name, records, request, &mut notes)?.0);
     }
-    let needs_attention = joints.iter().any(|j| {
+    let action_required = joints.iter().any(|j| {
         (j.limits.iter()).any(|l| l.state == LimitState::Passed)
             || j.events.iter().any(TrendEvent::is_jump)
             || j.life.as_ref().is_some_and(LifeForecast::is_passed)
@@ -70,23 +72,23 @@ pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport
         sinew_version: env!("CARGO_PKG_VERSION").into(),
         robot: sorted.robot,
         joints,
-        needs_attention,
+        action_required,
         horizon_s: days(request.horizon_days),
         notes,
     })
 }
 
-/// One tendon as [`analyze`] makes it, and when it passes its limits.
+/// Analyses one tendon as [`analyze`] does, and returns the first-passage times of its limits.
 ///
-/// * `records`: in the order of time, as [`sort`](super::sort) gives them.
+/// * `records`: in order of time, as returned by [`sort`](super::sort).
 ///
 /// # Errors
-/// [`AnalyzeError`].
+/// Returns an [`AnalyzeError`] as [`analyze`] does.
 pub fn analyze_joint(
     name: &str,
     records: &[SessionRecord],
     request: &TrendRequest<'_>,
-) -> Result<(JointTrend, Vec<PassageTimes>), AnalyzeError> {
+) -> Result<(JointTrend, Vec<FirstPassage>), AnalyzeError> {
     let (trend, paths) = joint(name, records, request, &mut Vec::new())?;
     let limits = trend.limits.iter();
     let times = limits.filter_map(|limit| limits::passage_times(limit, &paths));
@@ -94,7 +96,7 @@ pub fn analyze_joint(
     Ok((trend, times))
 }
 
-/// One tendon from its records, and the paths it may take.
+/// Trend of one tendon and its forecast paths.
 fn joint(
     name: &str,
     records: &[SessionRecord],
@@ -108,10 +110,10 @@ fn joint(
     let rope = rope_prior(tendon, request.catalogue, duty, mean_c, request.seed)?;
     let prior = prior(name, rope.prior, records, &clock, request);
     note_clock(name, records, &clock, notes);
-    let given = given(records, &clock, name, notes);
+    let inputs = inputs(records, &clock, name, notes);
     let mut sessions = records.iter();
     let mut series = Vec::with_capacity(records.len());
-    let fed = feed(prior, &given, None, |trend, added| {
+    let fed = feed(prior, &inputs, None, |trend, added| {
         series.extend(sessions.next().map(|record| SessionPoint {
             time_utc_s: record.time_utc_s,
             cycle: record.cycle,
@@ -119,8 +121,8 @@ fn joint(
             at_reference_rad: None,
             temperature_c: record.temperature_c,
             tracked_rad: TrendNow::of(trend).offset_rad,
-            jump_probability: added.jump_probability,
-            is_off: added.off,
+            step_probability: added.step_probability,
+            is_outlier: added.off,
         }));
     })?;
     let (mut out, paths) = found(name, records, rope.basis, &clock, &fed, request, notes);
@@ -135,67 +137,70 @@ fn joint(
     Ok((out, paths))
 }
 
-/// The trend of one tendon without its series and the forecast over time, from where an earlier question left it: to the last
-/// bit as from nothing. Where the records, what was done or the rope's prior aren't what they were, it begins anew.
+/// Resumes the trend of one tendon from an earlier call, without series and without forecast over
+/// time.
 ///
-/// * `rope`: what its rope says ([`rope_prior`]), instead of the request's.
+/// The result is bitwise identical to that of all records at once. The trend is restarted if the
+/// records, the specified actions or the prior of the rope changed.
+///
+/// * `rope`: prior of the rope ([`rope_prior`]), used instead of that of the request.
 ///
 /// # Errors
-/// [`AnalyzeError`].
-pub fn go_on(
+/// Returns an [`AnalyzeError`] as [`analyze`] does.
+pub fn resume_joint(
     name: &str,
     records: &[SessionRecord],
     rope: &RopePrior,
     request: &TrendRequest<'_>,
-    kept: Option<KeptTrend>,
-) -> Result<GoneOn, AnalyzeError> {
+    kept: Option<LoadedTrend>,
+) -> Result<ResumedTrend, AnalyzeError> {
     let mut notes = Vec::new();
     let (clock, records) = clock(name, records, &request.stated)?;
     let prior = prior(name, rope.prior.clone(), records, &clock, request);
-    let given = given(records, &clock, name, &mut notes);
-    let fed = feed(prior, &given, kept, |_, _| ())?;
+    let inputs = inputs(records, &clock, name, &mut notes);
+    let fed = feed(prior, &inputs, kept, |_, _| ())?;
     let basis = rope.basis.clone();
     let (trend, paths) = found(name, records, basis, &clock, &fed, request, &mut notes);
-    Ok(GoneOn {
+    Ok(ResumedTrend {
         trend,
         kept: fed.keep(),
-        went_on: fed.went_on,
+        is_resumed: fed.is_resumed,
         paths,
         now_s: fed.trend.time_s(),
     })
 }
 
-/// A trend that can go on.
+/// Trend of one tendon with the state to resume it from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GoneOn {
-    /// The trend.
+pub struct ResumedTrend {
+    /// Result without series and forecast.
     pub trend: JointTrend,
-    /// To go on from, when there are more sessions.
-    pub kept: KeptTrend,
-    /// Whether it went on from what was kept, and not from nothing.
-    pub went_on: bool,
+    /// State to resume from when further sessions arrive.
+    pub kept: LoadedTrend,
+    /// Whether the stored state was resumed rather than restarted.
+    pub is_resumed: bool,
     paths: Paths,
     now_s: f64,
 }
 
-impl GoneOn {
-    /// The offset so long after the last session; `None`: beyond the horizon.
+impl ResumedTrend {
+    /// Offset at a time after the last session, s; `None` beyond the horizon.
     pub fn offset_after(&self, after_s: f64) -> Option<ForecastPoint> {
         let time_utc_s = self.trend.last_utc_s + after_s;
         limits::forecast_at(&self.paths, self.now_s + after_s, time_utc_s)
     }
 }
 
-/// What is worth a word of how a clock began.
+/// Adds notes about the start of a clock.
 fn note_clock(name: &str, records: &[SessionRecord], clock: &Clock, notes: &mut Vec<TrendNote>) {
-    if clock.level_deviation_rad == LEVEL_UNKNOWN_RAD {
-        notes.push(TrendNote::TensioningNotStated { joint: name.into() });
+    if clock.level_std_rad == LEVEL_UNKNOWN_RAD {
+        notes.push(TrendNote::TensioningNotSpecified { joint: name.into() });
     }
-    /// Longer between a tensioning and the first session is worth a word, days.
-    const LONG_DAYS: f64 = 90.0;
+    /// Minimum time between tensioning and first session that is reported, days.
+    const MIN_REPORTED_GAP_DAYS: f64 = 90.0;
     let first_utc_s = records.first().map_or(f64::NAN, |r| r.time_utc_s);
     let silent_days = (first_utc_s - clock.start_utc_s) / DAY_S;
-    if clock.stated && silent_days > LONG_DAYS {
+    if clock.stated && silent_days > MIN_REPORTED_GAP_DAYS {
         notes.push(TrendNote::LongBefore {
             joint: name.into(),
             time_utc_s: clock.start_utc_s,
@@ -204,23 +209,24 @@ fn note_clock(name: &str, records: &[SessionRecord], clock: &Clock, notes: &mut 
     }
 }
 
-/// What a trend that has seen everything says, without its series and the forecast over time; and the paths it may take.
+/// Result of a trend after its last record, without series and forecast over time, and its forecast
+/// paths.
 fn found(
     name: &str,
     records: &[SessionRecord],
     basis: PriorBasis,
     clock: &Clock,
-    fed: &Fed,
+    fed: &CompleteTrend,
     request: &TrendRequest<'_>,
     notes: &mut Vec<TrendNote>,
 ) -> (JointTrend, Paths) {
     let tendon = request.robot.and_then(|r| tendon_of(r, name));
     let (trend, now) = (&fed.trend, fed.now);
     let paths = limits::forecast_paths(trend, days(request.horizon_days), request.seed);
-    let rope_known = matches!(basis, PriorBasis::Rope { .. });
+    let rope_specified = matches!(basis, PriorBasis::Rope { .. });
     let time_of = |r: Option<&SessionRecord>| r.map_or(f64::NAN, |r| r.time_utc_s);
     let last_utc_s = time_of(records.last());
-    let limits = limits::limits(tendon, trend, &paths, rope_known, last_utc_s);
+    let limits = limits::limits(tendon, trend, &paths, rope_specified, last_utc_s);
     let is_strain = |l: &LimitForecast| matches!(l.limit, Limit::Replace { .. });
     let unused = match limits.iter().any(is_strain) {
         true => Some(LifeNotUsed::StrainLimit),
@@ -228,9 +234,9 @@ fn found(
     };
     let life = request.life.as_ref().and_then(|life| match unused {
         None => Some(life.forecast(last_utc_s - clock.start_utc_s)),
-        Some(why) => {
+        Some(reason) => {
             let joint = name.into();
-            notes.push(TrendNote::LifeNotUsed { joint, why });
+            notes.push(TrendNote::LifeNotUsed { joint, reason });
             None
         }
     });
@@ -243,7 +249,7 @@ fn found(
         last_utc_s,
         cycles: cycles(records),
         tensioned_utc_s: clock.start_utc_s,
-        tensioned_stated: clock.stated,
+        tensioned_specified: clock.stated,
         offset_rad: now.offset_rad,
         elongation_m: tendon.map(|t| now.offset_rad.scaled(t.joint_pulley_radius_m)),
         strain_ratio: tendon.map(|t| now.whole_rad.scaled(t.joint_pulley_radius_m / t.length_m)),
@@ -252,15 +258,15 @@ fn found(
             .then_some(now.drift_rad_per_k),
         reference_c: trend.prior().temperature_ref_c,
         baseline_error_rad: now.baseline_error_rad,
-        shared_error_rad: now.slow_deviation_rad,
-        stated_width_ratio: now.white_scale,
+        systematic_error_rad: now.slow_std_rad,
+        reported_width_ratio: now.white_scale,
         events: (trend.events().iter())
             .map(|e| found_event(e, clock, records))
             .collect(),
-        suspicion: fed.last.and_then(|added| {
-            Some(Suspicion {
+        suspected_step: fed.last.and_then(|added| {
+            Some(SuspectedStep {
                 time_utc_s: clock.start_utc_s + added.suspected_s?,
-                probability: added.jump_probability,
+                probability: added.step_probability,
             })
         }),
         limits,
@@ -273,7 +279,7 @@ fn found(
     (out, paths)
 }
 
-/// Mean temperature of sessions, °C; that of a workshop where none says one.
+/// Mean temperature of the sessions, °C; 23 °C if none reports one.
 pub fn mean_temperature_c(records: &[SessionRecord]) -> f64 {
     let (count, sum) = (records.iter().filter_map(|r| r.temperature_c))
         .fold((0.0, 0.0), |(count, sum), celsius| {
@@ -282,7 +288,7 @@ pub fn mean_temperature_c(records: &[SessionRecord]) -> f64 {
     if count > 0.0 { sum / count } else { 23.0 }
 }
 
-/// What is known of a tendon before its first record: its rope's prior, and how its clock began.
+/// Prior of a tendon before its first record, from its rope and the start of its clock.
 fn prior(
     name: &str,
     rope: Prior,
@@ -295,28 +301,28 @@ fn prior(
     let first_c = records.iter().find_map(|r| r.temperature_c);
     out.temperature_ref_c = reference_c.or(first_c).unwrap_or(23.0);
     if let Some(robot) = request.robot {
-        let unknown = drift_deviation_rad_per_k(robot, name);
-        out.temperature_deviation_rad_per_k = DRIFT_FACTOR * unknown;
+        let unknown = drift_std_rad_per_k(robot, name);
+        out.temperature_std_rad_per_k = DRIFT_FACTOR * unknown;
     }
     out.baseline_s = clock.baseline_s;
-    out.level_deviation_rad = clock.level_deviation_rad;
+    out.level_std_rad = clock.level_std_rad;
     out
 }
 
-/// What is unknown of a joint's drift with temperature, as a standard deviation, rad/K: its sessions expect what rope and
-/// frame do.
-fn drift_deviation_rad_per_k(robot: &Robot, name: &str) -> f64 {
+/// Standard deviation of a joint's unknown drift with temperature, rad/K; the sessions already
+/// correct the expected drift of rope and frame.
+fn drift_std_rad_per_k(robot: &Robot, name: &str) -> f64 {
     let index = robot.tendon_index(name);
     let transmission = index.and_then(|i| robot.transmissions[i].as_ref());
-    let warmth = transmission.and_then(|t| t.warmth);
-    warmth.map_or(robot.tolerances.drift_rad_per_k(), |w| {
-        w.drift_rad_per_k.deviation
+    let thermal = transmission.and_then(|t| t.temperature_effect);
+    thermal.map_or(robot.tolerances.drift_rad_per_k(), |w| {
+        w.drift_rad_per_k.std
     })
 }
 
-/// Cycles of the machine, where records count them: at the last, and how many a second.
+/// Machine cycles, if records count them: the count at the last record and the rate.
 fn cycles(records: &[SessionRecord]) -> Option<CycleClock> {
-    /// Records the present pace is read off.
+    /// Number of records used for the present cycle rate.
     const RECENT: usize = 20;
     let counted: Vec<(f64, f64)> = (records.iter().rev())
         .filter_map(|r| Some((r.time_utc_s, r.cycle?)))
@@ -332,7 +338,7 @@ fn cycles(records: &[SessionRecord]) -> Option<CycleClock> {
 
 fn verdict(joint: &JointTrend) -> TrendVerdict {
     let mut passed = (joint.limits.iter()).filter(|l| l.state == LimitState::Passed);
-    match (passed.next().map(|l| l.limit), joint.suspicion) {
+    match (passed.next().map(|l| l.limit), joint.suspected_step) {
         (Some(Limit::Replace { .. }), _) => TrendVerdict::Replace,
         (Some(Limit::Retension { .. }), _) => TrendVerdict::Retension,
         _ if joint.events.iter().any(TrendEvent::is_jump) => TrendVerdict::Inspect,
@@ -356,7 +362,7 @@ fn found_event(event: &Event, clock: &Clock, records: &[SessionRecord]) -> Trend
     TrendEvent {
         kind: match event.tensioned {
             true => TrendEventKind::Tensioned { stated },
-            false => TrendEventKind::Jump { cause },
+            false => TrendEventKind::StepChange { cause },
         },
         time_utc_s,
         size_rad: (!stated).then_some(event.size_rad),

@@ -1,46 +1,48 @@
-//! When a tendon's clock began, and what was done to it since.
+//! Start of a tendon's clock, and later maintenance actions.
 
 use super::error::AnalyzeError;
 use super::records::SessionRecord;
 use sinew_files::date::day_of;
 use sinew_model::offset::TENSIONED_OFFSET_RAD;
 
-/// Baselines are learned about so long after tensioning, s.
+/// Usual time between tensioning and baseline, s.
 pub(super) const BASELINE_AFTER_S: f64 = 3600.0;
-/// What a rope crept between a tensioning and a baseline whose time is guessed, rad.
-const BASELINE_GUESSED_RAD: f64 = 0.5e-3;
-/// Level where nobody said when the tendon was tensioned, rad.
+/// Standard deviation of the creep between tensioning and a baseline of unspecified time, rad.
+const DEFAULT_BASELINE_STD_RAD: f64 = 0.5e-3;
+/// Standard deviation of the level if the tensioning date is not specified, rad.
 pub(super) const LEVEL_UNKNOWN_RAD: f64 = 30e-3;
 
-/// Something somebody did, on a day.
+/// Maintenance action specified by the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stated {
-    /// Joint; `None`: all.
+    /// Name of the joint; `None` for all joints.
     pub joint: Option<String>,
-    /// When, s since 1970.
+    /// Time of the action, s since 1970.
     pub time_utc_s: f64,
-    /// Whether the rope was replaced; else it was tensioned.
+    /// Whether the rope was replaced; otherwise it was re-tensioned.
     pub replaced: bool,
 }
 
-/// The clock of a tendon's creep.
+/// Clock of a tendon's creep.
 pub(super) struct Clock {
-    /// Its start, s since 1970.
+    /// Start of the clock, s since 1970.
     pub(super) start_utc_s: f64,
-    /// Whether somebody stated it.
+    /// Whether the start was specified by the user.
     pub(super) stated: bool,
-    /// Baseline, s after the start.
+    /// Time of the baseline, s after the start.
     pub(super) baseline_s: f64,
-    /// How well the offset is known to be zero then, as a standard deviation, rad.
-    pub(super) level_deviation_rad: f64,
-    /// Later tensionings, s since 1970.
+    /// Standard deviation of the offset at the baseline, rad.
+    pub(super) level_std_rad: f64,
+    /// Times of later tensionings, s since 1970.
     pub(super) tensioned: Vec<f64>,
 }
 
-/// The clock of a joint, and its records from then on: at least one.
+/// Determines the clock of a joint and returns its records from the last replacement on, at least
+/// one.
 ///
 /// # Errors
-/// [`AnalyzeError::Replaced`].
+/// Returns [`AnalyzeError::Later`] if an action is later than the last record, and
+/// [`AnalyzeError::Replaced`] if no record follows the replacement.
 pub(super) fn clock<'a>(
     name: &str,
     records: &'a [SessionRecord],
@@ -80,14 +82,18 @@ pub(super) fn clock<'a>(
     tensioned.sort_unstable_by(f64::total_cmp);
     let before = tensioned.partition_point(|t| *t <= first.time_utc_s);
     let later = tensioned.split_off(before);
-    // A baseline is no baseline of what was tensioned after it.
+    // A baseline recorded before the last tensioning is not valid after it.
     let since = tensioned.last().copied().unwrap_or(f64::NEG_INFINITY);
     let baseline = (first.baseline_time_utc_s).filter(|t| (since..=first.time_utc_s).contains(t));
-    let (start_utc_s, baseline_utc_s, level_deviation_rad) = match (tensioned.first(), baseline) {
+    let (start_utc_s, baseline_utc_s, level_std_rad) = match (tensioned.first(), baseline) {
         (Some(start), Some(baseline)) => (*start, baseline, TENSIONED_OFFSET_RAD),
         (Some(start), None) => {
             let usual = since + BASELINE_AFTER_S;
-            (*start, usual.min(first.time_utc_s), BASELINE_GUESSED_RAD)
+            (
+                *start,
+                usual.min(first.time_utc_s),
+                DEFAULT_BASELINE_STD_RAD,
+            )
         }
         (None, Some(baseline)) => (baseline - BASELINE_AFTER_S, baseline, TENSIONED_OFFSET_RAD),
         (None, None) => {
@@ -99,13 +105,13 @@ pub(super) fn clock<'a>(
         start_utc_s,
         stated: !tensioned.is_empty(),
         baseline_s: baseline_utc_s - start_utc_s,
-        level_deviation_rad,
+        level_std_rad,
         tensioned: later,
     };
     Ok((clock, records))
 }
 
-/// The baseline a record counts from, as far as it says.
+/// Baseline that a record refers to, as far as the record states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Since<'a> {
     name: Option<&'a str>,
@@ -120,17 +126,17 @@ impl<'a> Since<'a> {
         }
     }
 
-    /// Whether it is surely another one than that of the record before.
+    /// Whether two records certainly refer to different baselines.
     pub(super) fn differs(self, before: Self) -> bool {
-        /// Dates as people write them differ by so much, s.
-        const SAME_S: f64 = 2.0;
+        /// Tolerance of dates rounded by people, s.
+        const MAX_DATE_DIFFERENCE_S: f64 = 2.0;
         match (self.time_utc_s, before.time_utc_s) {
-            (Some(a), Some(b)) => (a - b).abs() > SAME_S,
+            (Some(a), Some(b)) => (a - b).abs() > MAX_DATE_DIFFERENCE_S,
             _ => self.name.is_some() && before.name.is_some() && self.name != before.name,
         }
     }
 
-    /// What is known after both.
+    /// Combines the information of this and the previous record.
     pub(super) fn or(self, before: Self) -> Self {
         Self {
             name: self.name.or(before.name),

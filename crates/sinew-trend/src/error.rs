@@ -1,129 +1,127 @@
-//! Why records were refused, and why there is no trend.
+//! Errors of invalid records and of a trend analysis.
 
 use crate::filter::TrendError;
 use sinew_files::Located;
 use sinew_rope::CatalogueError;
 
-/// Why there is no trend.
+/// Error of a trend analysis.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnalyzeError {
-    /// A rope of the robot file.
+    /// Invalid rope of the robot description.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
-    /// The estimator.
+    /// Error of the trend estimator.
     #[error(transparent)]
     Trend(#[from] TrendError),
-    /// A stated day for a joint without records.
+    /// Specified action of a joint without records.
     #[error(
-        "no records of joint '{joint}', which was stated as tensioned or replaced; records have {known}"
+        "no records of joint '{joint}', specified as tensioned or replaced; records contain {available}"
     )]
     Joint {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Joints there are.
-        known: String,
+        /// Names of the joints with records.
+        available: String,
     },
-    /// A stated day after the last session: nothing is known of the tendon since.
+    /// Specified action later than the last session.
     #[error(
-        "joint '{joint}': stated as tensioned or replaced on {day}, after its last session on {last}; nothing is known of it since: add the session that follows, correct the date, or leave it out"
+        "joint '{joint}': specified as tensioned or replaced on {day}, after its last session on {last}; add the session that follows, correct the date, or remove the entry"
     )]
     Later {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Day stated.
+        /// Specified day of the action.
         day: String,
         /// Day of the last session.
         last: String,
     },
-    /// A table of lives that says nothing of a tendon.
-    #[error("{source_name}: {why}")]
-    Lives {
-        /// File.
+    /// Table of lifetimes without information on a tendon.
+    #[error("{source_name}: {reason}")]
+    Lifetimes {
+        /// Name of the file.
         source_name: String,
-        /// Why.
-        why: &'static str,
+        /// Reason of the rejection.
+        reason: &'static str,
     },
-    /// Everything is older than the replacement.
+    /// Replacement later than all records.
     #[error("all records of '{joint}' are older than its replacement on {day}")]
     Replaced {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Day.
+        /// Day of the replacement.
         day: String,
     },
 }
 
-/// Why records were refused.
+/// Error of invalid records.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// A file that can't be read, or a table with the place of what is wrong.
+    /// Unreadable file, or invalid table with its location.
     #[error(transparent)]
     File(#[from] Located),
-    /// A document that can't be.
-    #[error("{place}: {why}")]
+    /// Invalid value in a document.
+    #[error("{place}: {reason}")]
     Value {
         /// File and line or entry.
         place: String,
-        /// What is wrong and what to do.
-        why: String,
+        /// Cause and remedy.
+        reason: String,
     },
     /// Records of several robots.
     #[error("{place} is of robot '{found}', not of '{expected}'; a trend is of one robot")]
     Robot {
-        /// File and place.
+        /// File and location of the record.
         place: String,
-        /// Its robot.
+        /// Robot of this record.
         found: String,
-        /// The others'.
+        /// Robot of the other records.
         expected: String,
     },
-    /// Cycles, and nobody says how long one takes.
-    #[error(
-        "{place}: counts cycles and has no time; say how long a cycle lasts, with --cycle-s SECONDS"
-    )]
+    /// Cycle counts without a cycle duration.
+    #[error("{place}: cycle counts without time; set the cycle duration with --cycle-s SECONDS")]
     CycleLength {
-        /// File and place.
+        /// File and location of the record.
         place: String,
     },
-    /// Two sessions at one time that differ.
+    /// Two sessions of the same time with different offsets.
     #[error(
         "{first} and {second}: two different offsets of '{joint}' at the same time ({date}) and of one recording; keep one"
     )]
     Conflict {
-        /// File and place.
+        /// File and location of the first record.
         first: String,
-        /// File and place.
+        /// File and location of the second record.
         second: String,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Day.
+        /// Day of both sessions.
         date: String,
     },
-    /// A joint the robot doesn't have.
+    /// Joint that the robot description lacks.
     #[error(
-        "{place}: joint '{joint}' has no elastic transmission in the robot's description{hint} it has {known}"
+        "{place}: joint '{joint}' has no elastic transmission in the robot's description{hint} it has {available}"
     )]
     Joint {
-        /// File and place.
+        /// File and location of the record.
         place: String,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// The one that may have been meant, as `; did you mean …?`.
+        /// Suggestion, as `; did you mean …?`.
         hint: String,
-        /// Joints there are.
-        known: String,
+        /// Names of the joints in the description.
+        available: String,
     },
-    /// A table of ropes or events in which no life begins and ends.
+    /// Table of ropes or events without a complete lifetime.
     #[error(
-        "{file}: no rope's life in it: every place has one event at most, or none that ends a life (broken, replaced, retired); say since when with 'installed' events, or give a row a rope with age_days and end"
+        "{file}: no rope lifetime found: every location has at most one event, or none that ends a lifetime (broken, replaced, retired); add 'installed' events, or use one row per rope with age_days and end"
     )]
     NoLives {
-        /// File.
+        /// Name of the file.
         file: String,
     },
-    /// Nothing at all.
+    /// No records at all.
     #[error(
         "no records; give files written by sinew estimate LOG --baseline FILE --json, or a CSV (sinew trend --help)"
     )]

@@ -1,14 +1,14 @@
-//! Months of offsets: when to tension again, when to replace, and what happened suddenly.
+//! Trend of offsets over months: re-tensioning and replacement dates, and sudden events.
 //!
-//! [`read_records`] and [`sort`] take the records of many sessions, [`analyze`] gives each tendon's
-//! present state, its events and the day it will pass its limits, with intervals. The estimator is
-//! [`filter`]; [`prior`] makes the rope's law its prior.
+//! [`read_records`] and [`sort`] load the records of many sessions, [`analyze`] returns each
+//! tendon's present state, its events and the date of each limit exceedance, with intervals. The
+//! estimator is [`filter`]; [`prior`] converts a rope creep law to its prior.
 
 mod analyze;
 mod clock;
 mod error;
 pub mod filter;
-mod given;
+mod inputs;
 mod limits;
 mod passage;
 pub mod prior;
@@ -19,15 +19,17 @@ mod stiffness;
 pub mod stored;
 pub mod survival;
 
-pub use analyze::{GoneOn, TrendRequest, analyze, analyze_joint, go_on, mean_temperature_c};
+pub use analyze::{
+    ResumedTrend, TrendRequest, analyze, analyze_joint, mean_temperature_c, resume_joint,
+};
 pub use clock::Stated;
 pub use error::{AnalyzeError, RecordError};
-pub use given::KeptTrend;
-pub use passage::{Passage, PassageTimes};
+pub use inputs::LoadedTrend;
+pub use passage::{FirstPassage, Passage};
 pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
 pub use records::{SessionRecord, Sorted, sort};
 pub use result::{
-    CycleClock, ForecastPoint, JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast,
-    LimitState, MissingFromRobot, PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind,
-    TrendNote, TrendReport, TrendVerdict,
+    CycleClock, ForecastPoint, JointTrend, LifeNotUsed, Limit, LimitForecast, LimitState,
+    MissingFromRobot, PriorBasis, SessionPoint, StepCause, SuspectedStep, TrendEvent,
+    TrendEventKind, TrendNote, TrendReport, TrendVerdict,
 };

@@ -1,6 +1,6 @@
-//! When a limit is passed.
+//! First passage of limits.
 
-use super::passage::PassageTimes;
+use super::passage::FirstPassage;
 use super::result::{ForecastPoint, Limit, LimitForecast, LimitState};
 use crate::filter::{Paths, Trend, first_passage};
 use rand::SeedableRng as _;
@@ -11,14 +11,15 @@ use sinew_model::Interval95;
 use sinew_model::statistics::quantile;
 use sinew_model::transmission::Tendon;
 
-/// Paths drawn: the 2.5 % quantile rests on fifty.
+/// Number of paths drawn: the 2.5 % quantile is based on fifty.
 const PATHS: usize = 2000;
-/// Times looked at until the horizon.
+/// Number of times evaluated up to the horizon.
 const STEPS: usize = 150;
-/// Sessions below which a trend without a rope says nothing on the future.
-const FEW: u64 = 3;
+/// Minimum number of sessions for a forecast without a rope.
+const MIN_SESSIONS: u64 = 3;
 
-/// Paths the tendon may take from now to the horizon: times grow by a constant ratio since tensioning.
+/// Forecast paths of the tendon from now to the horizon: times grow by a constant ratio since
+/// tensioning.
 pub(super) fn forecast_paths(trend: &Trend, horizon_s: f64, seed: u64) -> Paths {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let start = trend.time_s().max(3600.0);
@@ -31,7 +32,7 @@ pub(super) fn forecast_paths(trend: &Trend, horizon_s: f64, seed: u64) -> Paths 
     })
 }
 
-/// The offset at every time of the paths, which count from `start_utc_s`.
+/// Offset at every time of the paths, which count from `start_utc_s`.
 pub(super) fn forecast(paths: &Paths, start_utc_s: f64) -> Vec<ForecastPoint> {
     (paths.times_s.iter().enumerate())
         .map(|(i, t)| {
@@ -41,7 +42,7 @@ pub(super) fn forecast(paths: &Paths, start_utc_s: f64) -> Vec<ForecastPoint> {
         .collect()
 }
 
-/// The offset at one time, linear between those of the paths; `None`: they don't reach so far.
+/// Offset at one time, linear between those of the paths; `None` beyond their end.
 pub(super) fn forecast_at(paths: &Paths, time_s: f64, time_utc_s: f64) -> Option<ForecastPoint> {
     let next = paths.times_s.partition_point(|t| *t < time_s);
     let before = next.saturating_sub(1);
@@ -58,7 +59,7 @@ pub(super) fn forecast_at(paths: &Paths, time_s: f64, time_utc_s: f64) -> Option
     ))
 }
 
-/// What all paths say of one time.
+/// Median and interval of all paths at one time.
 fn point(mut offsets_rad: Vec<f64>, time_utc_s: f64) -> ForecastPoint {
     offsets_rad.sort_unstable_by(f64::total_cmp);
     let [low, offset_rad, high] = [0.025, 0.5, 0.975].map(|q| quantile(&offsets_rad, q));
@@ -69,21 +70,22 @@ fn point(mut offsets_rad: Vec<f64>, time_utc_s: f64) -> ForecastPoint {
     }
 }
 
-/// When the limits of a tendon are passed.
+/// First passage of the limits of a tendon.
 ///
-/// * `rope_known`: whether the prior is that of its rope. `last_utc_s`: date of the last session.
+/// * `rope_specified`: whether the prior is that of its rope. `last_utc_s`: date of the last
+///   session.
 pub(super) fn limits(
     tendon: Option<&Tendon>,
     trend: &Trend,
     paths: &Paths,
-    rope_known: bool,
+    rope_specified: bool,
     last_utc_s: f64,
 ) -> Vec<LimitForecast> {
     let Some(tendon) = tendon else {
         return Vec::new();
     };
     let radius_m = tendon.joint_pulley_radius_m;
-    let few = trend.records() < if rope_known { 1 } else { FEW };
+    let few = trend.records() < if rope_specified { 1 } else { MIN_SESSIONS };
     let retension = tendon.retension_at_m.map(|elongation_m| {
         let limit_rad = elongation_m / radius_m;
         (Limit::Retension { elongation_m }, limit_rad)
@@ -104,7 +106,7 @@ pub(super) fn limits(
         .collect()
 }
 
-/// When each path passes a limit, s after tensioning, sorted; infinite: not before its end.
+/// First-passage time of each path, s after tensioning, sorted; infinite: not before its end.
 fn found_s(limit: Limit, limit_rad: f64, paths: &Paths) -> Vec<f64> {
     let offsets_rad = match limit {
         Limit::Retension { .. } => &paths.offset_rad,
@@ -115,17 +117,18 @@ fn found_s(limit: Limit, limit_rad: f64, paths: &Paths) -> Vec<f64> {
     found_s
 }
 
-/// The distribution that a limit's forecast tells three quantiles of; `None`: there are too few sessions for one.
-pub(super) fn passage_times(found: &LimitForecast, paths: &Paths) -> Option<PassageTimes> {
+/// First-passage distribution behind the quantiles of a limit's forecast; `None` with too few
+/// sessions.
+pub(super) fn passage_times(found: &LimitForecast, paths: &Paths) -> Option<FirstPassage> {
     let looked_s = [*paths.times_s.first()?, *paths.times_s.last()?];
-    let known = found.state != LimitState::TooFewSessions;
-    known.then(|| {
+    let has_forecast = found.state != LimitState::TooFewSessions;
+    has_forecast.then(|| {
         let found_s = found_s(found.limit, found.limit_rad, paths);
-        PassageTimes::of(found.limit, &found_s, looked_s)
+        FirstPassage::of(found.limit, &found_s, looked_s)
     })
 }
 
-/// With the dates of its times.
+/// Adds the dates of all times.
 fn dated(limit: LimitForecast, last_utc_s: f64) -> LimitForecast {
     let date = |after_s: Option<f64>| after_s.map(|t| last_utc_s + t);
     LimitForecast {

@@ -1,27 +1,28 @@
-//! When a limit is passed: as dates, to choose and to sort by, and as a distribution.
+//! First passage of a limit: as dates, for selection and sorting, and as a distribution.
 
 use super::result::{JointTrend, Limit, LimitForecast, LimitState};
 use sinew_model::statistics::quantile;
 
-/// A limit of a tendon and when it passes it.
+/// Limit of a tendon and its first passage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage {
-    /// The limit.
+    /// Limit that is exceeded.
     pub limit: Limit,
-    /// The limit as an offset, rad.
+    /// Limit as an offset, rad.
     pub limit_rad: f64,
-    /// By how much the offset that counts for it is beyond the limit, rad; negative: before it.
+    /// Offset minus limit, rad; negative before the limit is reached.
     pub beyond_rad: f64,
-    /// What is known.
+    /// State of the forecast.
     pub state: LimitState,
-    /// Probability that it was passed already at the last session.
+    /// Probability that the limit was exceeded at the last session.
     pub passed_probability: f64,
-    /// Median, 2.5 and 97.5 % quantile, s since 1970; `None`: beyond the forecast's horizon, or unknown.
+    /// Median, 2.5 and 97.5 % quantile, s since 1970; `None` beyond the forecast's horizon, or
+    /// unknown.
     pub at_utc_s: [Option<f64>; 3],
 }
 
 impl Passage {
-    /// Of each limit of a tendon.
+    /// First passages of all limits of a tendon.
     pub fn all(trend: &JointTrend) -> Vec<Self> {
         let limits = trend.limits.iter();
         limits.map(|found| Self::of(found, trend)).collect()
@@ -47,24 +48,26 @@ impl Passage {
         }
     }
 
-    /// Of a tendon's passages the first. Of two that are passed it is the strain's: who replaces a rope tensions it, too.
+    /// First of a tendon's passages. Of two exceeded limits it is the strain's: a replaced rope is
+    /// tensioned, too.
     pub fn first(all: &[Self]) -> Option<&Self> {
         let last_first = all.iter().rev();
         last_first.min_by(|a, b| a.order().total_cmp(&b.order()))
     }
 
-    /// Likelier passed than not.
+    /// Whether the limit is exceeded with a probability above one half.
     pub fn is_passed(&self) -> bool {
         self.state == LimitState::Passed
     }
 
-    /// Passed, or it may be by then, s since 1970: the lower end of its interval lies before.
+    /// Whether the limit is exceeded, or may be by a time, s since 1970: the lower end of its
+    /// interval is before it.
     pub fn is_due(&self, until_utc_s: f64) -> bool {
         self.is_passed() || self.at_utc_s[1].is_some_and(|low| low <= until_utc_s)
     }
 
-    /// To sort tendons by, the smaller the worse: what is passed comes first, the farthest beyond its limit before the others; then the
-    /// sooner, the worse.
+    /// Sort key of tendons, smallest first: exceeded limits come first, the largest exceedance
+    /// before the others; then by date.
     pub fn rank(&self) -> (bool, f64) {
         match self.is_passed() {
             true => (false, -self.beyond_rad),
@@ -72,31 +75,33 @@ impl Passage {
         }
     }
 
-    /// The earlier, the smaller.
+    /// Sort key by time.
     fn order(&self) -> f64 {
         let [median, low, _] = self.at_utc_s;
         let passed = if self.is_passed() { -1e12 } else { 0.0 };
-        // What has no median comes after what has one.
+        // Passages without a median follow those with one.
         passed + median.or(low.map(|low| low + 1e11)).unwrap_or(1e12)
     }
 }
 
-/// Quantiles that are kept: in steps of half a percent, so that the median and the ends of the interval are among them.
+/// Number of quantile steps: half a percent each, so that the median and the ends of the interval
+/// are among them.
 const STEPS: usize = 200;
 
-/// When a limit is passed, as a distribution.
+/// First-passage distribution of a limit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PassageTimes {
-    /// The limit.
+pub struct FirstPassage {
+    /// Limit that is exceeded.
     pub limit: Limit,
-    /// Quantiles of the time from the last session, s, rising; infinite: beyond the horizon.
+    /// Quantiles of the time from the last session, s, rising; infinite beyond the horizon.
     quantiles_s: Vec<f64>,
     horizon_s: f64,
 }
 
-impl PassageTimes {
-    /// * `found_s`: time of each path drawn, s after tensioning, sorted; infinite: beyond the last time looked at.
-    /// * `looked_s`: the first and the last time looked at, s after tensioning.
+impl FirstPassage {
+    /// * `found_s`: first-passage time of each path, s after tensioning, sorted; infinite beyond
+    ///   the last time evaluated.
+    /// * `looked_s`: first and last time evaluated, s after tensioning.
     pub(super) fn of(limit: Limit, found_s: &[f64], looked_s: [f64; 2]) -> Self {
         let [now_s, end_s] = looked_s;
         let after_s = |k: usize| {
@@ -114,7 +119,8 @@ impl PassageTimes {
         }
     }
 
-    /// Probability that it is passed so long after the last session, s, to half a percent; `None`: the forecast doesn't reach so far.
+    /// Probability that the limit is exceeded within a time after the last session, s, to half a
+    /// percent; `None` beyond the horizon.
     pub fn probability_by(&self, after_s: f64) -> Option<f64> {
         if !(after_s <= self.horizon_s) {
             return None;
@@ -138,8 +144,8 @@ mod tests {
     const LIMIT: Limit = Limit::Retension { elongation_m: 5e-4 };
 
     #[test]
-    fn the_probability_is_the_share_of_paths_that_have_passed() {
-        // One day after the other, from the tenth on; a tenth of them has passed, and a fifth never does.
+    fn probability_is_share_of_passed_paths() {
+        // One passage per day from the tenth on; a tenth has passed before, and a fifth never does.
         let found_s: Vec<f64> = (0..1000)
             .map(|i| match i {
                 0..100 => 9.0,
@@ -147,7 +153,7 @@ mod tests {
                 _ => f64::INFINITY,
             })
             .collect();
-        let times = PassageTimes::of(LIMIT, &found_s, [10.0, 5010.0]);
+        let times = FirstPassage::of(LIMIT, &found_s, [10.0, 5010.0]);
         let by = |after_s: f64| times.probability_by(after_s);
         for (after_s, share) in [(0.0, 0.1), (350.0, 0.45), (699.0, 0.8), (5000.0, 0.8)] {
             let found = by(after_s).unwrap();
@@ -159,12 +165,12 @@ mod tests {
         );
         let all: Vec<f64> = (0..5000).filter_map(|t| by(f64::from(t))).collect();
         assert!(all.len() == 5000 && all.is_sorted());
-        let surely = PassageTimes::of(LIMIT, &[11.0, 12.0], [10.0, 20.0]);
+        let surely = FirstPassage::of(LIMIT, &[11.0, 12.0], [10.0, 20.0]);
         assert_eq!(surely.probability_by(2.0), Some(1.0));
     }
 
     #[test]
-    fn of_two_limits_that_are_passed_the_strain_comes_first_and_of_two_to_come_the_sooner() {
+    fn first_prefers_exceeded_strain_then_earliest() {
         let of = |limit, state, day: Option<f64>| Passage {
             limit,
             limit_rad: 20e-3,
@@ -180,7 +186,7 @@ mod tests {
         let later = of(replace, LimitState::Forecast, Some(4.0));
         assert_eq!(Passage::first(&[soon, later]), Some(&soon));
         assert_eq!(Passage::first(&[]), None);
-        // The farther beyond, the worse; and worse than what is to come.
+        // A larger exceedance ranks worse, and worse than a future one.
         let beyond = |beyond_rad| Passage {
             beyond_rad,
             ..passed[0]

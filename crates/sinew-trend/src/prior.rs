@@ -1,4 +1,4 @@
-//! What the rope's law says on a tendon before its first record.
+//! Prior of a tendon from the creep law of its rope.
 
 use super::clock::BASELINE_AFTER_S;
 use super::result::{MissingFromRobot, PriorBasis};
@@ -12,30 +12,33 @@ use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::work::{Work, strand};
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope, Draws, Duty};
 
-/// Draws of the law that stand for the rope.
+/// Number of draws of the law that represent the rope.
 pub const CURVES: usize = 200;
-/// Share of the prior that trusts no rope law: the law may be wrong, and its last delay is a day.
+/// Prior probability of the generic curves: the law may be wrong, and its longest retardation time
+/// is a day.
 const GENERIC_SHARE: f64 = 0.2;
-/// Deviation of a drawn curve's amplitude: strands, pretension and pulleys aren't as stated.
+/// Standard deviation of a drawn curve's amplitude: strands, pretension and pulleys differ from
+/// their description.
 const AMPLITUDE_DEVIATION: f64 = 0.4;
-/// Creep of a first year that surprises nobody, whatever the rope: strain as a fraction. Laws of the catalogue at 1 to 8 % of
-/// the breaking load: 0.05 to 0.4 %.
+/// Plausible creep of the first year of any rope: strain as a fraction. Laws of the catalogue at 1
+/// to 8 % of the breaking load: 0.05 to 0.4 %.
 const GENERIC_STRAIN: f64 = 3e-3;
-/// `L/r` that a tendon has nobody described.
+/// Range of `L/r` of a tendon without a description.
 const LENGTH_OVER_RADIUS: [f64; 2] = [10.0, 60.0];
-/// Pretension over breaking load of a rope nobody knows.
+/// Range of pretension over breaking load of an unspecified rope.
 const PRETENSION_SHARE: [f64; 2] = [0.01, 0.08];
-/// Highest tensions of days differ by so much, as a share of themselves.
+/// Relative spread of the highest tension between days.
 const PEAK_SPREAD: f64 = 0.05;
-/// Steps that the creep of a rope nobody knows comes in, rad: metal ropes bed in on single days.
+/// Size of the creep steps of an unspecified rope, rad: metal ropes bed in on single days.
 const UNKNOWN_STEP_RAD: f64 = 0.3e-3;
 
-/// Offset at the nodes of [`node_times_s`] under some work, rad, at pretension and the law's reference
-/// temperature; `None` where the tension breaks the rope.
+/// Offset at the nodes of [`node_times_s`] under a load, rad, at pretension and the law's reference
+/// temperature; `None` if the tension breaks the rope.
 ///
-/// For an hour after tensioning it rests, until its baseline. Then, between nodes, delayed elasticity, flow and retraction see
-/// the mean tension, bedding-in and flow the peaks for their share of the time. Days' peaks differ. So the highest of all days
-/// until then is above the usual one, and a rope beds in further on that day.
+/// The rope rests for an hour after tensioning, until its baseline. Then, between nodes, delayed
+/// elasticity, flow and retraction follow the mean tension, bedding-in and flow the peaks for their
+/// share of the time. Peaks differ between days: the highest of all days exceeds the usual one, and
+/// a rope beds in further on that day.
 pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) -> Option<Vec<f64>> {
     let mean = RopeLoad::celsius(pretension_n * work.mean_factor, work.temperature_c);
     let peak = RopeLoad::celsius(pretension_n * work.peak_factor, work.temperature_c);
@@ -62,14 +65,15 @@ pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) ->
     })
 }
 
-/// Largest of so many standard normal numbers, as a rule: `√(2 ln n) − (ln ln n + ln 4π)/(2 √(2 ln n))`.
+/// Expected maximum of `count` standard normal numbers: `√(2 ln n) − (ln ln n + ln 4π)/(2 √(2 ln
+/// n))`.
 fn highest_of(count: f64) -> f64 {
     let root = (2.0 * count.max(2.0).ln()).sqrt();
     let fourth = (4.0 * std::f64::consts::PI).ln();
     (root - (count.max(2.0).ln().ln() + fourth) / (2.0 * root)).max(0.0)
 }
 
-/// The same under a duty that is known.
+/// Offset at the nodes under a specified duty, rad.
 pub fn duty_curve(law: &Law, tendon: &Tendon, pretension_n: f64, duty: &Duty) -> Option<Vec<f64>> {
     let read = RopeLoad::at_reference(pretension_n);
     let mut out = vec![0.0; node_times_s().len()];
@@ -85,7 +89,7 @@ pub fn duty_curve(law: &Law, tendon: &Tendon, pretension_n: f64, duty: &Duty) ->
     since_first(out)
 }
 
-/// Sums the portions of a strand that go from node to node by `step`.
+/// Sums the sections of a strand, advanced from node to node by `step`.
 fn through(
     law: &Law,
     tendon: &Tendon,
@@ -108,19 +112,18 @@ fn through(
     since_first(out)
 }
 
-/// From the first node on; a curve that isn't finite is none.
+/// Values relative to the first node; `None` if a value is not finite.
 fn since_first(mut values: Vec<f64>) -> Option<Vec<f64>> {
     let first = *values.first()?;
     values.iter_mut().for_each(|v| *v -= first);
     values.iter().all(|v| v.is_finite()).then_some(values)
 }
 
-/// Curves of a rope: its law drawn from its stated uncertainty, under the duty or, without one, under
-/// work drawn from what robots do; a fifth of the probability for
-/// [`generic_curves`].
+/// Curves of a rope: its law drawn from its uncertainty, under the duty or, without one, under
+/// loads drawn from typical robot use; a fifth of the probability for [`generic_curves`].
 ///
 /// # Errors
-/// [`CatalogueError::NoLaw`].
+/// Returns [`CatalogueError::NoLaw`] if the rope has no complete law.
 pub fn rope_curves(
     rope: &CatalogueRope,
     tendon: &Tendon,
@@ -143,13 +146,14 @@ pub fn rope_curves(
     Ok(with_generic(curves, Some(tendon)))
 }
 
-/// The prior of a tendon whose rope may be any of these under a pretension nobody knows, and how many of them have a law: their laws
-/// drawn from their uncertainties, each under 1 to 8 % of its breaking load and under work drawn from what robots do; a fifth
-/// of the probability for [`generic_curves`].
+/// Prior of a tendon whose rope may be any of `ropes` under an unspecified pretension, and the
+/// number of ropes with a law.
 ///
-/// Whoever doesn't know the rope doesn't know the share of its breaking load either, so the pretension isn't asked for.
+/// The laws are drawn from their uncertainties, each under 1 to 8 % of its breaking load and under
+/// loads drawn from typical robot use; a fifth of the probability for [`generic_curves`]. Without a
+/// rope the share of its breaking load is unknown too, so that no pretension is required.
 ///
-/// * `tendon`: `None`: 10 to 60 times as long as its pulley's radius.
+/// * `tendon`: `None` for 10 to 60 times the radius of its pulley.
 pub fn any_rope(
     ropes: &[CatalogueRope],
     tendon: Option<&Tendon>,
@@ -162,7 +166,7 @@ pub fn any_rope(
         .filter_map(|rope| Some(Draws::new(rope, each, seed).ok()?.laws))
         .collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    // One of every rope, another of every rope, and so on.
+    // One draw of every rope, then a second of every rope, and so on.
     let in_turn = (0..each).flat_map(|i| laws.iter().filter_map(move |of_rope| of_rope.get(i)));
     let curves = in_turn.take(CURVES).filter_map(|law| {
         let mut between = |[low, high]: [f64; 2]| low * (high / low).powf(rng.random::<f64>());
@@ -180,7 +184,7 @@ pub fn any_rope(
     (prior, laws.len())
 }
 
-/// A tendon of this `L/r`, of which nothing else is known.
+/// Tendon with this `L/r` and no other property.
 fn undescribed(length_over_radius: f64) -> Tendon {
     Tendon {
         rope: None,
@@ -195,17 +199,17 @@ fn undescribed(length_over_radius: f64) -> Tendon {
     }
 }
 
-/// A drawn curve of a law.
+/// Curve of a drawn law.
 fn drawn(values: Vec<f64>) -> Curve {
     Curve {
         values,
         amplitude: 1.0,
-        amplitude_deviation: AMPLITUDE_DEVIATION,
+        amplitude_std: AMPLITUDE_DEVIATION,
         log_weight: ((1.0 - GENERIC_SHARE) / CURVES as f64).ln(),
     }
 }
 
-/// Curves of laws, and generic ones with their share of the probability.
+/// Appends generic curves with their share of the probability.
 fn with_generic(mut curves: Vec<Curve>, tendon: Option<&Tendon>) -> Vec<Curve> {
     let generic = generic(tendon);
     let share = if curves.is_empty() {
@@ -218,26 +222,27 @@ fn with_generic(mut curves: Vec<Curve>, tendon: Option<&Tendon>) -> Vec<Curve> {
     curves
 }
 
-/// Curves without a rope law.
+/// Generic curves without a rope law.
 pub fn generic(tendon: Option<&Tendon>) -> Vec<Curve> {
     let [low, high] = LENGTH_OVER_RADIUS;
     let usual = (low * high).sqrt();
     generic_curves(GENERIC_STRAIN * tendon.map_or(usual, |t| t.length_m / t.joint_pulley_radius_m))
 }
 
-/// A prior and what it rests on.
+/// Prior of a tendon and its basis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RopePrior {
-    /// The prior.
+    /// Prior of the trend.
     pub prior: Prior,
-    /// What it rests on.
+    /// Basis of the prior: rope, or reason for a generic prior.
     pub basis: PriorBasis,
 }
 
-/// The prior of a tendon: of its rope where the robot names one, else of any rope of the catalogue.
+/// Prior of a tendon: of its rope if the robot description names one, otherwise of any rope of the
+/// catalogue.
 ///
 /// # Errors
-/// [`CatalogueError`] for a rope that is named and not there, or has no complete law.
+/// Returns a [`CatalogueError`] if the named rope is not found or has no complete law.
 pub fn rope_prior(
     tendon: Option<&Tendon>,
     catalogue: &Catalogue,
@@ -270,14 +275,14 @@ pub fn rope_prior(
         basis: PriorBasis::Rope {
             rope: name.clone(),
             parameters: rope.entry.law.len(),
-            guesses: rope.entry.guesses(),
+            assumed: rope.entry.assumed(),
             draws: CURVES,
             duty: duty.map(|d| d.about.clone()),
         },
     })
 }
 
-/// Days to seconds.
+/// Converts days to seconds.
 pub fn days(d: f64) -> f64 {
     d * DAY_S
 }

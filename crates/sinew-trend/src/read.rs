@@ -1,23 +1,24 @@
-//! Records from files.
+//! Session records from files.
 //!
-//! JSON: what `sinew estimate LOG --baseline FILE --json` prints, one document per session; several
-//! documents or a list in one file are fine. Its date is `start_time_utc_s` of the session's estimate
-//! or, without it, the recording's own clock; a record without a date is refused.
-//!
-//! CSV, one line per session and joint, with a header:
+//! JSON: the output of `sinew estimate LOG --baseline FILE --json`, one document per session; one
+//! file may contain several documents or a list. The date is `start_time_utc_s` of the session's
+//! estimate or, without it, the clock of the recording; a record without a date is rejected. CSV,
+//! one line per session and joint, with a header:
 //!
 //! | column | |
 //! |---|---|
 //! | `time` | start of the session: `2026-03-01T08:30Z`, `2026-03-01` or seconds since 1970 |
-//! | `cycle` | cycle of the machine; beside `time`, or instead of it |
-//! | `joint` | joint |
-//! | `offset_mrad` | offset since the baseline; empty: the session couldn't tell |
-//! | `interval_95_mrad` | half of its 95 % interval |
+//! | `cycle` | cycle of the machine; in addition to `time`, or instead of it |
+//! | `joint` | name of the joint |
+//! | `offset_mrad` | offset since the baseline; empty if the session was inconclusive |
+//! | `interval_95_mrad` | half-width of the 95 % interval |
 //! | `temperature_c` | optional, may be empty |
 //! | `robot`, `recording`, `baseline`, `duration_s` | optional, may be empty |
 //! | `baseline_time`, `reference_temperature_c` | of the baseline; optional, may be empty |
-//! | `shared_interval_95_mrad` | part of the interval that every session since the baseline shares; optional |
-//! | `drift_interval_95_mrad` | part of it that the zero's drift with temperature leaves; optional |
+//! | `shared_interval_95_mrad` | part of the interval that is common to all sessions since the
+//! baseline; optional |
+//! | `drift_interval_95_mrad` | part of the interval due to the drift of the zero with temperature;
+//! optional |
 //! | `stiffness_change_percent`, `stiffness_interval_95_percent` | optional, may be empty |
 
 use super::error::RecordError;
@@ -32,14 +33,14 @@ use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
 use std::path::{Path, PathBuf};
 
-/// Reads the records of several files and puts them in order; joints must be elastic ones of the robot.
+/// Reads the records of several files and sorts them; joints must be elastic ones of the robot.
 ///
-/// Files are read side by side.
+/// Files are read in parallel.
 ///
-/// * `cycle_s`: length of a cycle, s, for records that count cycles and have no time.
+/// * `cycle_s`: duration of a cycle, s, for records with cycle counts and without time.
 ///
 /// # Errors
-/// [`RecordError`]; of several files that can't be read, the first's.
+/// Returns a [`RecordError`] if a file is unreadable or invalid; that of the first such file.
 pub fn read_sessions(
     files: &[PathBuf],
     robot: Option<&Robot>,
@@ -61,10 +62,10 @@ pub fn read_sessions(
     sort_of(records, robot)
 }
 
-/// Puts records in order; joints must be elastic ones of the robot, where it is known.
+/// Sorts records; joints must be elastic ones of the robot, if it is specified.
 ///
 /// # Errors
-/// [`RecordError`].
+/// Returns a [`RecordError`] as [`sort`] does.
 pub fn sort_of(records: Vec<SessionRecord>, robot: Option<&Robot>) -> Result<Sorted, RecordError> {
     let elastic: Vec<String> = robot.map_or(Vec::new(), |r| {
         (r.tendon_names().into_iter().zip(&r.transmissions))
@@ -78,11 +79,11 @@ pub fn sort_of(records: Vec<SessionRecord>, robot: Option<&Robot>) -> Result<Sor
     )
 }
 
-/// Reads the records of a file, CSV by the end of its name, else JSON. Records that count cycles alone have a time that is
-/// NaN.
+/// Reads the records of a file, CSV by file extension, otherwise JSON. The time of records with
+/// cycle counts only is NaN.
 ///
 /// # Errors
-/// [`RecordError`] with file, line or entry, and what to do.
+/// Returns a [`RecordError`] with file, line or entry, and remedy.
 pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
     let file = path.display().to_string();
     let text = read_text(path, &limits::SESSIONS)?;
@@ -96,14 +97,14 @@ pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
     }
 }
 
-/// The part of an estimate's document that records are made of.
+/// Part of an estimate's document from which records are created.
 #[derive(Debug, Deserialize)]
 struct EstimateParts {
     session: Option<SessionEstimate>,
     reading: ReadingParts,
 }
 
-/// A session's part of the document; `sinew-estimate` writes it.
+/// Session in the document, as `sinew-estimate` writes it.
 #[derive(Debug, Deserialize)]
 struct SessionEstimate {
     robot: String,
@@ -118,25 +119,33 @@ struct SessionEstimate {
     joints: Vec<TendonEstimate>,
 }
 
-/// A joint's part of it.
+/// Joint of a session.
 #[derive(Debug, Deserialize)]
 struct TendonEstimate {
     name: String,
     offset_rad: Gaussian,
     verdict: Verdict,
     #[serde(default)]
-    shared_error: Option<SharedError>,
+    #[serde(alias = "shared_error")]
+    systematic_error: Option<SharedError>,
     stiffness_change_ratio: Gaussian,
 }
 
-/// Whether the session determined the offset.
+/// Verdict of the session on the offset.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Verdict {
-    Longer,
-    Shorter,
-    Unchanged,
-    CannotTell,
+    #[serde(alias = "longer")]
+    Elongated,
+    #[serde(alias = "shorter")]
+    Shortened,
+    #[serde(alias = "unchanged")]
+    NoChangeDetected,
+    OffsetDetected,
+    NoneDetected,
+    #[serde(alias = "cannot-tell")]
+    Inconclusive,
+    TransmissionLost,
 }
 
 #[derive(Debug, Deserialize)]
@@ -149,10 +158,10 @@ struct RecordingStart {
     start_time_ns: Option<i64>,
 }
 
-/// Reads JSON documents; `file` is their name for messages.
+/// Reads JSON documents; `file` is their name in messages.
 ///
 /// # Errors
-/// [`RecordError::Value`].
+/// Returns [`RecordError::Value`] if a document is invalid.
 pub fn records_from_json(text: &str, file: &str) -> Result<Vec<SessionRecord>, RecordError> {
     let mut out = Vec::new();
     let mut count = 0;
@@ -183,19 +192,19 @@ fn document_records(
     place: &str,
     out: &mut Vec<SessionRecord>,
 ) -> Result<(), RecordError> {
-    const MAKE: &str = "make records with sinew estimate LOG --baseline FILE --json";
+    const MAKE: &str = "create records with sinew estimate LOG --baseline FILE --json";
     let is_estimate = document.get("reading").is_some();
-    let refuse =
+    let invalid =
         |e: serde_json::Error| value(place, format!("not a session's estimate: {e}; {MAKE}"));
     let (session, start_ns) = if is_estimate {
-        let parts: EstimateParts = serde_json::from_value(document).map_err(refuse)?;
+        let parts: EstimateParts = serde_json::from_value(document).map_err(invalid)?;
         let session = parts.session.ok_or_else(|| {
-            let why = format!("has only the paper's reading, no verdict; {MAKE}");
-            value(place, why)
+            let reason = format!("contains only the uncorrected estimate, no verdict; {MAKE}");
+            value(place, reason)
         })?;
         (session, parts.reading.recording.start_time_ns)
     } else {
-        let session: SessionEstimate = serde_json::from_value(document).map_err(refuse)?;
+        let session: SessionEstimate = serde_json::from_value(document).map_err(invalid)?;
         (session, None)
     };
     let time_utc_s = session
@@ -205,7 +214,7 @@ fn document_records(
         .ok_or_else(|| {
             value(
                 place,
-                "says no date: start_time_utc_s is missing and the recording's clock counts from its \
+                "has no date: start_time_utc_s is missing and the clock of the recording starts at its \
                  own start; write the records as CSV with a time column"
                     .into(),
             )
@@ -224,12 +233,12 @@ fn document_records(
             Ok::<_, RecordError>(joint.offset_rad)
         };
         let offset_rad = match joint.verdict {
-            Verdict::CannotTell => None,
+            Verdict::Inconclusive | Verdict::TransmissionLost => None,
             _ => Some(checked()?),
         };
         let change = joint.stiffness_change_ratio;
         out.push(SessionRecord {
-            shared_error: joint.shared_error.filter(|_| offset_rad.is_some()),
+            systematic_error: joint.systematic_error.filter(|_| offset_rad.is_some()),
             offset_rad,
             source: place,
             robot: Some(session.robot.clone()),
@@ -243,16 +252,16 @@ fn document_records(
             joint: joint.name,
             temperature_c: session.temperature_c.filter(|t| t.is_finite()),
             stiffness_ratio: Some(change)
-                .filter(|c| c.mean.is_finite() && c.deviation > 0.0 && c.deviation.is_finite()),
+                .filter(|c| c.mean.is_finite() && c.std > 0.0 && c.std.is_finite()),
         });
     }
     Ok(())
 }
 
-/// Reads a CSV table; `file` is its name for messages.
+/// Reads a CSV table; `file` is its name in messages.
 ///
 /// # Errors
-/// [`RecordError::File`] with line and column.
+/// Returns [`RecordError::File`] with line and column if a value is invalid.
 pub fn records_from_csv(text: &str, file: &str) -> Result<Vec<SessionRecord>, RecordError> {
     let table = Table::parse(text, file)?;
     let clock = if table.column("cycle").is_some() && table.column("time").is_none() {
@@ -274,11 +283,11 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
     let offset_rad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
         (None, _) => None,
         (Some(_), None) => {
-            let problem = "interval_95_mrad is empty beside an offset";
+            let problem = "interval_95_mrad is missing for an offset";
             return Err(row.here(Fault::MissingKey, problem).into());
         }
         (Some(y), Some(i)) => {
-            Some(interval(y, i).map_err(|(column, must)| row.refuse(column, must))?)
+            Some(interval(y, i).map_err(|(column, must)| row.invalid(column, must))?)
         }
     };
     let stiffness = number("stiffness_change_percent")?
@@ -295,7 +304,7 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
         baseline: text("baseline"),
         baseline_time_utc_s,
         reference_c: celsius(row, "reference_temperature_c")?,
-        shared_error: shared_error(row, offset_rad)?,
+        systematic_error: systematic_error(row, offset_rad)?,
         time_utc_s,
         cycle,
         duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
@@ -307,40 +316,40 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
     })
 }
 
-/// A temperature at which a robot can work.
+/// Temperature within the operating range of robots, °C.
 fn celsius(row: &Row<'_>, column: &'static str) -> Result<Option<f64>, RecordError> {
     let [least, most] = WORKS_AT_C;
     match row.number(column, Bound::Any)? {
         Some(c) if !(least..=most).contains(&c) => {
-            let must = "-60 to 150 °C, where robots work; subtract 273.15 from kelvin";
-            Err(row.refuse(column, must).into())
+            let must = "-60 to 150 °C, the operating range of robots; subtract 273.15 from kelvin";
+            Err(row.invalid(column, must).into())
         }
         celsius => Ok(celsius),
     }
 }
 
-/// A date in a column.
+/// Date of a column, s since 1970.
 fn date(row: &Row<'_>, column: &'static str, text: &str) -> Result<f64, RecordError> {
     parse_utc_s(text).ok_or_else(|| {
-        let must = "2026-03-01T08:30Z, 2026-03-01 or seconds since 1970; this is no date";
-        row.refuse(column, must).into()
+        let must = "2026-03-01T08:30Z, 2026-03-01 or seconds since 1970; the date is invalid";
+        row.invalid(column, must).into()
     })
 }
 
-/// What of a row's interval other sessions have too.
-fn shared_error(
+/// Part of a row's error that is common to other sessions.
+fn systematic_error(
     row: &Row<'_>,
     offset_rad: Option<Gaussian>,
 ) -> Result<Option<SharedError>, RecordError> {
     let part = |column: &'static str| {
         let half_mrad = row.number(column, Bound::Any)?;
         let most_mrad = offset_rad.map(|y| 1e3 * y.half_width_95());
-        // As much as the digits of a table leave open.
+        // Tolerance for rounding in a table.
         const ROUNDED: f64 = 1.01;
         match (half_mrad, most_mrad) {
             (Some(half), Some(most)) if !(0.0..=ROUNDED * most).contains(&half) => {
                 let must = "from 0 to interval_95_mrad, of which it is a part";
-                Err(RecordError::from(row.refuse(column, must)))
+                Err(RecordError::from(row.invalid(column, must)))
             }
             (half, _) => Ok(half.map(|half| 1e-3 * half / Z95)),
         }
@@ -349,19 +358,23 @@ fn shared_error(
         part("shared_interval_95_mrad")?,
         part("drift_interval_95_mrad")?,
     );
-    let known = baseline_rad.filter(|_| offset_rad.is_some());
-    Ok(known.map(|baseline_rad| SharedError {
+    let reported = baseline_rad.filter(|_| offset_rad.is_some());
+    Ok(reported.map(|baseline_rad| SharedError {
         baseline_rad,
         drift_rad: drift_rad.unwrap_or(0.0),
     }))
 }
 
-/// An offset, mrad, and half its 95 % interval; else the key of what can't be, and what it must be.
+/// Offset from its value and the half-width of its 95 % interval, mrad; otherwise the invalid key
+/// and its allowed range.
 fn interval(offset: f64, interval: f64) -> Result<Gaussian, (&'static str, &'static str)> {
-    /// Half a turn, mrad.
-    const MOST_MRAD: f64 = 3142.0;
-    if !(offset.abs() <= MOST_MRAD) {
-        return Err(("offset_mrad", "at most half a turn; is it in mrad?"));
+    /// Maximum offset, mrad: half a revolution.
+    const MAX_OFFSET_MRAD: f64 = 3142.0;
+    if !(offset.abs() <= MAX_OFFSET_MRAD) {
+        return Err((
+            "offset_mrad",
+            "at most half a revolution; check that the unit is mrad",
+        ));
     }
     if !(interval > 0.0 && interval.is_finite()) {
         return Err(("interval_95_mrad", "above 0 mrad"));
@@ -369,9 +382,9 @@ fn interval(offset: f64, interval: f64) -> Result<Gaussian, (&'static str, &'sta
     Ok(Gaussian::new(1e-3 * offset, 1e-3 * interval / Z95))
 }
 
-fn value(place: &str, why: String) -> RecordError {
+fn value(place: &str, reason: String) -> RecordError {
     RecordError::Value {
         place: place.into(),
-        why,
+        reason,
     }
 }

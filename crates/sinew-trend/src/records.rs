@@ -1,4 +1,4 @@
-//! Sessions as records: one per joint and session, put in order and freed of repeats.
+//! Session records: one per joint and session, sorted and without duplicates.
 
 use super::error::RecordError;
 use super::result::TrendNote;
@@ -9,90 +9,94 @@ use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 use std::collections::BTreeMap;
 
-/// What one session said about one joint.
+/// Result of one session for one joint.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionRecord {
-    /// File and place in it, for messages.
+    /// File and location of the record, for messages.
     pub source: String,
-    /// Robot, where the record names it.
+    /// Robot, if the record names it.
     pub robot: Option<String>,
-    /// Recording it was estimated from, where known.
+    /// Recording the record was estimated from, if stated.
     pub recording: Option<String>,
-    /// Baseline it counts from, where known.
+    /// Baseline the offset refers to, if stated.
     pub baseline: Option<String>,
-    /// When that was, s since 1970, where known: the offset was zero then.
+    /// Time of the baseline, s since 1970, if stated: the offset was zero then.
     #[serde(default)]
     pub baseline_time_utc_s: Option<f64>,
-    /// Temperature the offset refers to, the baseline's, °C, where known.
+    /// Temperature of the baseline, to which the offset refers, °C, if stated.
     #[serde(default)]
     pub reference_c: Option<f64>,
-    /// Start of the session, s since 1970; s since cycle 0 where only cycles are known.
+    /// Start of the session, s since 1970; s since cycle 0 if only cycles are recorded.
     pub time_utc_s: f64,
-    /// Cycle of the machine, where it counts them.
+    /// Cycle of the machine, if recorded.
     #[serde(default)]
     pub cycle: Option<f64>,
-    /// Its length, s, where known.
+    /// Duration of the session, s, if recorded.
     pub duration_s: Option<f64>,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Offset since the baseline; `None`: it couldn't tell.
+    /// Offset since the baseline, rad; `None` if the session was inconclusive.
     pub offset_rad: Option<Gaussian>,
-    /// What of its error other sessions have too; `None`: not known.
+    /// Part of the error that is common to other sessions, rad; `None` if not reported.
     #[serde(default)]
-    pub shared_error: Option<SharedError>,
-    /// Temperature, °C.
+    #[serde(alias = "shared_error")]
+    pub systematic_error: Option<SharedError>,
+    /// Temperature of the session, °C.
     pub temperature_c: Option<f64>,
     /// Change of stiffness as a fraction of nominal.
     pub stiffness_ratio: Option<Gaussian>,
 }
 
-/// Records of every joint in the order of time, and what was done to them.
+/// Records of every joint in order of time, and notes on them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sorted {
-    /// Per joint, in the order of the robot or, without one, of names.
+    /// Joints with their records, in the order of the robot or, without one, of names.
     pub joints: Vec<(String, Vec<SessionRecord>)>,
-    /// Robot, where any record names it.
+    /// Robot, if any record names it.
     pub robot: Option<String>,
-    /// What was dropped.
+    /// Notes on dropped records.
     pub notes: Vec<TrendNote>,
 }
 
-/// Start and length of a session may each be rounded to a second: back to back, two sessions seem to overlap by so much, s.
+/// Maximum apparent overlap of consecutive sessions, s: start and duration may each be rounded to a
+/// second.
 const ROUNDED_S: f64 = 2.0;
 
-/// Whether two records are of two cycles of the machine.
+/// Whether two records belong to different cycles of the machine.
 fn cycles_differ(a: &SessionRecord, b: &SessionRecord) -> bool {
     a.cycle.zip(b.cycle).is_some_and(|(a, b)| a != b)
 }
 
-/// Whether two records at one time are surely of two sessions, whose dates were rounded.
+/// Whether two records of the same time belong to different sessions with rounded dates.
 fn are_two(a: &SessionRecord, b: &SessionRecord) -> bool {
     let named = a.recording.as_ref().zip(b.recording.as_ref());
     cycles_differ(a, b) || named.is_some_and(|(a, b)| a != b)
 }
 
-/// Puts records in order, one tendon each.
+/// Sorts records, one list per tendon.
 ///
-/// - any order of files is fine: the dates decide;
-/// - the same session twice counts once; two different offsets of a joint at one time are refused, unless their
-///   recordings or cycles differ: dates may be rounded;
-/// - sessions that overlap by more than a rounded date does share their motion, so the later is left out;
-/// - records of two robots, and of joints the robot doesn't have, are refused;
-/// - a session that couldn't tell stays as one without information.
+/// - Files may be in any order: the dates decide.
+/// - A duplicate session counts once; two different offsets of a joint at one time are an error,
+///   unless their recordings or cycles differ, because dates may be rounded.
+/// - Of sessions that overlap by more than a rounded date does, the later is rejected, because they
+///   share their motion.
+/// - Records of two robots, and of joints that the robot lacks, are an error.
+/// - An inconclusive session is kept as one without information.
 ///
-/// * `known`: name and joints of the robot, if there is one.
+/// * `robot_joints`: name and joints of the robot, if specified.
 ///
 /// # Errors
-/// [`RecordError`].
+/// Returns a [`RecordError`] for no records, conflicting records, several robots or an unknown
+/// joint.
 pub fn sort(
     records: Vec<SessionRecord>,
-    known: Option<(&str, &[String])>,
+    robot_joints: Option<(&str, &[String])>,
 ) -> Result<Sorted, RecordError> {
     if records.is_empty() {
         return Err(RecordError::Empty);
     }
-    let mut robot = known.map(|(name, _)| name.to_string());
+    let mut robot = robot_joints.map(|(name, _)| name.to_string());
     let mut by_joint: BTreeMap<String, Vec<SessionRecord>> = BTreeMap::new();
     for record in records {
         match (&robot, &record.robot) {
@@ -106,14 +110,14 @@ pub fn sort(
             (None, Some(found)) => robot = Some(found.clone()),
             _ => {}
         }
-        if let Some((_, joints)) = known
+        if let Some((_, joints)) = robot_joints
             && !joints.contains(&record.joint)
         {
             return Err(RecordError::Joint {
                 place: record.source,
                 hint: names::hint(&record.joint, joints),
                 joint: record.joint,
-                known: joints.join(", "),
+                available: joints.join(", "),
             });
         }
         by_joint
@@ -158,7 +162,7 @@ pub fn sort(
         }
         out.joints.push((joint, kept));
     }
-    if let Some((_, names)) = known {
+    if let Some((_, names)) = robot_joints {
         let place = |name: &String| names.iter().position(|n| n == name);
         out.joints.sort_by_key(|(name, _)| place(name));
     }

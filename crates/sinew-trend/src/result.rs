@@ -1,4 +1,4 @@
-//! What a trend finds, as data in SI: tables, pages and the CSV are made from this alone.
+//! Result of a trend analysis as data in SI units, the source of tables, pages and CSV.
 
 use super::survival::LifeForecast;
 use serde::{Deserialize, Serialize};
@@ -6,385 +6,388 @@ use sinew_files::JsonDocument;
 use sinew_files::date::PLAUSIBLE_S;
 use sinew_model::{Gaussian, Interval95};
 
-/// The trend of a robot's tendons.
+/// Trend of a robot's tendons.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendReport {
-    /// Version of the program that made it.
+    /// Version of the program that wrote the report.
     pub sinew_version: String,
-    /// Robot, where it is known.
+    /// Robot, if specified or named by a record.
     pub robot: Option<String>,
-    /// One entry per joint with records.
+    /// Result of each joint with records.
     pub joints: Vec<JointTrend>,
-    /// Whether a limit is passed or a sudden change was confirmed (exit code 3).
-    pub needs_attention: bool,
-    /// How far forecasts look, s from the last session.
+    /// Whether a limit is exceeded or a step change was confirmed (exit code 3).
+    pub action_required: bool,
+    /// Forecast horizon, s from the last session.
     pub horizon_s: f64,
-    /// What was dropped or assumed.
+    /// Notes on dropped records and assumptions.
     pub notes: Vec<TrendNote>,
 }
 
 impl JsonDocument for TrendReport {
-    const SCHEMA: &'static str = "sinew/trend/1";
+    const SCHEMA: &'static str = "sinew/trend/2";
 }
 
-/// Why what is known of other ropes' lives says nothing of one.
+/// Reason why the lifetimes of other ropes do not apply to a rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LifeNotUsed {
-    /// Nobody said when it was put in.
+    /// Installation date not specified.
     AgeUnknown,
-    /// A strain says when to replace it.
+    /// Replacement determined by a strain limit.
     StrainLimit,
 }
 
-/// What was dropped or assumed on the way to a trend.
+/// Note on dropped records or an assumption of a trend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum TrendNote {
-    /// The same session again, counted once.
+    /// Duplicate session, counted once.
     Repeated {
-        /// File and place of the first.
+        /// File and location of the first duplicate.
         source: String,
-        /// How many more.
+        /// Number of further duplicates.
         more: usize,
     },
-    /// Overlaps the session before it, left out.
+    /// Session rejected because it overlaps the previous one.
     Overlapping {
-        /// File and place of the first.
+        /// File and location of the first rejected session.
         source: String,
-        /// How many more.
+        /// Number of further rejected sessions.
         more: usize,
     },
-    /// Nobody said when the tendon was tensioned: its clock begins with the first session.
-    TensioningNotStated {
-        /// Joint.
+    /// Tensioning date not specified: the clock starts at the first session.
+    TensioningNotSpecified {
+        /// Name of the joint.
         joint: String,
     },
-    /// How long such ropes last was stated, and says nothing of this one.
+    /// Lifetimes of such ropes were specified, but do not apply to this one.
     LifeNotUsed {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Why.
-        why: LifeNotUsed,
+        /// Reason why they do not apply.
+        reason: LifeNotUsed,
     },
-    /// The first session comes so long after the tensioning that the date may be wrong.
+    /// Long gap between tensioning and first session: the date may be wrong.
     LongBefore {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Day stated, s since 1970.
+        /// Specified day, s since 1970.
         time_utc_s: f64,
-        /// Days without a session after it.
+        /// Time from that day to the first session, days.
         days: f64,
     },
-    /// Another baseline, taken as a tensioning.
+    /// Change of the baseline, treated as a re-tensioning.
     OtherBaseline {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// First session with it, s since 1970.
+        /// First session with the new baseline, s since 1970.
         time_utc_s: f64,
     },
 }
 
-/// One tendon.
+/// Trend of one tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointTrend {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
-    /// What to do.
+    /// Recommended action for the tendon.
     pub verdict: TrendVerdict,
-    /// Sessions.
+    /// Number of sessions.
     pub sessions: usize,
-    /// Sessions that couldn't tell.
+    /// Number of inconclusive sessions.
     pub without_information: usize,
     /// Start of the first session, s since 1970.
     pub first_utc_s: f64,
     /// Start of the last session, s since 1970.
     pub last_utc_s: f64,
-    /// Cycles of the machine, where sessions count them.
+    /// Machine cycles, if sessions record them.
     #[serde(default)]
     pub cycles: Option<CycleClock>,
-    /// Start of the creep's clock, tensioning or replacement, s since 1970.
+    /// Start of the creep clock, tensioning or replacement, s since 1970.
     pub tensioned_utc_s: f64,
-    /// Whether somebody stated that; else it is the first session's.
-    pub tensioned_stated: bool,
-    /// Offset at the reference temperature since the last tensioning.
+    /// Whether the start was specified by the user; otherwise it is that of the first session.
+    pub tensioned_specified: bool,
+    /// Offset at the reference temperature since the last tensioning, rad.
     pub offset_rad: Gaussian,
-    /// The same as elongation; `None` without tendon geometry.
+    /// Elongation since the last tensioning, m; `None` without tendon geometry.
     pub elongation_m: Option<Gaussian>,
     /// Strain since the first tensioning, as a fraction; `None` without tendon geometry.
     pub strain_ratio: Option<Gaussian>,
-    /// Creep now.
+    /// Present creep rate, rad/s.
     pub rate_rad_per_s: Gaussian,
-    /// Drift of the records with temperature; `None` without temperatures.
+    /// Drift of the records with temperature, rad/K; `None` without temperatures.
     pub drift_rad_per_k: Option<Gaussian>,
-    /// Reference temperature, °C.
+    /// Reference temperature of the offset, °C.
     pub reference_c: f64,
-    /// Error that all sessions since the baseline share: the offset's interval holds what is left unknown of it, however
-    /// many sessions there are.
+    /// Common error of all sessions since the baseline, rad; its uncertainty is included in the
+    /// offset's interval and does not decrease with the number of sessions.
     pub baseline_error_rad: Gaussian,
-    /// Standard deviation of the error that neighbouring sessions share, rad.
-    pub shared_error_rad: f64,
-    /// True over stated width of the sessions' intervals.
-    pub stated_width_ratio: f64,
-    /// Sudden changes and re-tensionings.
+    /// Standard deviation of the slow error of neighbouring sessions, rad.
+    pub systematic_error_rad: f64,
+    /// Ratio of actual to reported width of the sessions' intervals.
+    pub reported_width_ratio: f64,
+    /// Step changes and re-tensionings.
     pub events: Vec<TrendEvent>,
-    /// A sudden change that waits for another session.
-    pub suspicion: Option<Suspicion>,
+    /// Suspected step change, which the next session confirms or withdraws.
+    pub suspected_step: Option<SuspectedStep>,
     /// Limits of robot.toml, re-tensioning first.
     pub limits: Vec<LimitForecast>,
-    /// When to replace the rope by its age, where its strain has no limit and lives of other ropes were given.
+    /// Age-based replacement, if the strain has no limit and lifetimes of other ropes were
+    /// specified.
     #[serde(default)]
     pub life: Option<LifeForecast>,
-    /// What the forecast rests on.
+    /// Basis of the prior and of the forecast.
     pub basis: PriorBasis,
-    /// Sessions in the order of time.
+    /// Sessions in order of time.
     pub series: Vec<SessionPoint>,
-    /// Offset from the last session on.
+    /// Forecast of the offset from the last session on.
     pub forecast: Vec<ForecastPoint>,
 }
 
 impl JointTrend {
-    /// Whether sessions have dates; else they count cycles alone.
+    /// Whether sessions have dates; otherwise they have cycle counts only.
     pub fn is_dated(&self) -> bool {
         PLAUSIBLE_S.contains(&self.first_utc_s)
     }
 }
 
-/// Cycles of a machine beside its time.
+/// Cycle count of a machine and its rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CycleClock {
-    /// Cycle of the last session that counts them.
+    /// Cycle of the last session with a cycle count.
     pub last: f64,
-    /// Cycles a second of late; `None`: one session alone doesn't say.
+    /// Recent cycle rate, 1/s; `None` with one session only.
     pub per_s: Option<f64>,
 }
 
-/// What to do about a tendon.
+/// Recommended action for a tendon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TrendVerdict {
-    /// Tension it again: its limit is passed.
+    /// Re-tension: its limit is exceeded.
     Retension,
-    /// Replace the rope: its limit is passed.
+    /// Replace the rope: its limit is exceeded.
     Replace,
-    /// Look at it: it jumped.
+    /// Inspect the tendon: a step change was confirmed.
     Inspect,
-    /// Replace the rope: such ropes break at its age.
+    /// Replace the rope because of its age: such ropes break.
     ReplaceByAge,
-    /// Watch it: a jump is suspected.
+    /// Monitor the tendon: a step change is suspected.
     Watch,
-    /// Nothing until the first limit.
+    /// No action until the first limit.
     Wait,
-    /// Nothing known: `robot.toml` states no limit.
+    /// No limit specified in `robot.toml`.
     NoLimit,
 }
 
-/// A sudden change or a re-tensioning.
+/// Step change or re-tensioning of a tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendEvent {
-    /// What it is.
+    /// Kind of the event.
     #[serde(flatten)]
     pub kind: TrendEventKind,
-    /// First session after it, or as stated, s since 1970.
+    /// First session after the event, or specified time, s since 1970.
     pub time_utc_s: f64,
-    /// Change of the offset; `None` for a stated one.
+    /// Change of the offset, rad; `None` for a specified event.
     pub size_rad: Option<Gaussian>,
-    /// Session that confirmed it, s since 1970.
+    /// Session that confirmed the event, s since 1970.
     pub confirmed_utc_s: f64,
-    /// Posterior probability when it was confirmed.
+    /// Posterior probability at confirmation.
     pub probability: f64,
-    /// Sessions that speak for it: one where it is beyond every error; 0 for a stated one.
+    /// Number of supporting sessions: 1 if beyond every modelled error; 0 for a specified event.
     pub sessions: u32,
-    /// Change of the stiffness over it, as a fraction of nominal, where sessions state it.
+    /// Simultaneous change of the stiffness as a fraction of nominal, if sessions report it.
     pub stiffness_change_ratio: Option<Gaussian>,
 }
 
 impl TrendEvent {
-    /// Whether the offset grew suddenly.
+    /// Whether the offset increased suddenly.
     pub fn is_jump(&self) -> bool {
-        matches!(self.kind, TrendEventKind::Jump { .. })
+        matches!(self.kind, TrendEventKind::StepChange { .. })
     }
 }
 
-/// What happened.
+/// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum TrendEventKind {
-    /// The offset grew suddenly.
-    Jump {
-        /// Why, as far as the stiffness tells.
-        cause: JumpCause,
+    /// Sudden increase of the offset.
+    StepChange {
+        /// Cause of the increase, as far as the stiffness determines it.
+        cause: StepCause,
     },
-    /// The tendon was tensioned.
+    /// Tensioning of the tendon.
     Tensioned {
-        /// Whether somebody said so; else the offset fell.
+        /// Whether it was specified by the user; otherwise the offset decreased.
         stated: bool,
     },
 }
 
-/// Why a tendon grew suddenly.
+/// Cause of a sudden increase of the offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum JumpCause {
-    /// The stiffness fell too: a strand has failed.
+pub enum StepCause {
+    /// Strand failure: the stiffness decreased too.
     StrandFailure,
-    /// The stiffness stayed: rope, clamp or encoder slipped.
+    /// Slip of rope, clamp or encoder: the stiffness is unchanged.
     Slip,
-    /// The stiffness doesn't tell.
+    /// Cause not determined by the stiffness.
     Unknown,
 }
 
-/// A sudden change that isn't confirmed.
+/// Suspected step change.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Suspicion {
-    /// First session after it, s since 1970.
+pub struct SuspectedStep {
+    /// First session after the step change, s since 1970.
     pub time_utc_s: f64,
-    /// Its probability.
+    /// Probability of the step change.
     pub probability: f64,
 }
 
-/// A limit of `robot.toml`.
+/// Limit of `robot.toml`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Limit {
-    /// Tension again at this elongation since the last tensioning.
+    /// Re-tensioning at this elongation since the last tensioning.
     Retension {
-        /// m.
+        /// Elongation limit, m.
         elongation_m: f64,
     },
-    /// Replace at this strain since the first tensioning.
+    /// Replacement at this strain since the first tensioning.
     Replace {
-        /// As a fraction.
+        /// Strain limit as a fraction.
         strain_ratio: f64,
     },
 }
 
-/// A limit and when it is passed.
+/// Limit and forecast of its exceedance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LimitForecast {
-    /// The limit.
+    /// Limit that is forecast.
     #[serde(flatten)]
     pub limit: Limit,
-    /// The limit as an offset, rad.
+    /// Limit as an offset, rad.
     pub limit_rad: f64,
-    /// What is known.
+    /// State of the forecast.
     pub state: LimitState,
-    /// Probability that it is passed already.
+    /// Probability that the limit is exceeded already.
     pub passed_probability: f64,
-    /// Median of the time from the last session until it is passed, s; `None`: beyond the horizon, or unknown.
+    /// Median time from the last session to the exceedance, s; `None` beyond the horizon, or
+    /// unknown.
     pub after_s: Option<f64>,
-    /// 2.5 % quantile of that time, s; `None`: beyond the horizon, or unknown.
+    /// 2.5 % quantile of that time, s; `None` beyond the horizon, or unknown.
     pub after_low_s: Option<f64>,
-    /// 97.5 % quantile of that time, s; `None`: beyond the horizon, or unknown.
+    /// 97.5 % quantile of that time, s; `None` beyond the horizon, or unknown.
     pub after_high_s: Option<f64>,
-    /// The median as a date, s since 1970; `None`: as above, or sessions have no dates.
+    /// Median as a date, s since 1970; `None` as above, or if sessions have no dates.
     pub at_utc_s: Option<f64>,
-    /// The 2.5 % quantile as a date.
+    /// 2.5 % quantile as a date, s since 1970.
     pub at_low_utc_s: Option<f64>,
-    /// The 97.5 % quantile as a date.
+    /// 97.5 % quantile as a date, s since 1970.
     pub at_high_utc_s: Option<f64>,
 }
 
-/// What is known of the day a limit is passed.
+/// State of the forecast of a limit's exceedance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LimitState {
-    /// Likelier passed than not.
+    /// Exceeded with a probability above one half.
     Passed,
-    /// Its median lies within the horizon.
+    /// Median within the horizon.
     Forecast,
-    /// Only its lower bound lies within the horizon.
+    /// Only the lower bound within the horizon.
     NotBefore,
-    /// Not passed within the horizon.
+    /// No exceedance within the horizon.
     NotWithinHorizon,
     /// Too few sessions for a forecast.
     TooFewSessions,
 }
 
-/// What the prior of a tendon rests on.
+/// Basis of the prior of a tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PriorBasis {
-    /// Nobody knows the rope or its pretension: the laws of all ropes of the catalogue, or its own, and a fifth generic curves.
+    /// Rope or pretension not specified: the laws of all ropes of the catalogue, or its own, and
+    /// one fifth generic curves.
     Unknown {
-        /// What the robot file lacks.
+        /// Missing entry of the robot description.
         missing: MissingFromRobot,
-        /// Ropes whose laws stand for it; one: its own, under any pretension.
+        /// Number of ropes whose laws represent it; 1 for its own rope under any pretension.
         ropes: usize,
     },
-    /// The law of a rope, and a fifth generic curves.
+    /// Law of the specified rope, and one fifth generic curves.
     Rope {
-        /// Rope.
+        /// Name of the rope.
         rope: String,
-        /// Parameters of its law.
+        /// Number of parameters of its law.
         parameters: usize,
-        /// Parameters that are starting guesses.
-        guesses: usize,
-        /// Laws drawn.
+        /// Number of parameters with an assumed value.
+        assumed: usize,
+        /// Number of draws of the law.
         draws: usize,
-        /// The duty, where it is known; else work with peaks nobody recorded.
+        /// Specified duty; `None` for an unknown load with unknown peaks.
         duty: Option<String>,
     },
 }
 
-/// What a robot file lacks for a prior of its rope.
+/// Entry that a robot description lacks for a prior of its rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MissingFromRobot {
-    /// A tendon at this joint.
+    /// Tendon of this joint.
     Tendon,
-    /// The tendon's rope.
+    /// Rope of the tendon.
     Rope,
-    /// Its pretension.
+    /// Pretension of the tendon.
     Pretension,
 }
 
-/// A session, and what the trend knew after it.
+/// Session, and the state of the trend after it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionPoint {
-    /// Its start, s since 1970; from cycle 0 where only cycles are known.
+    /// Start of the session, s since 1970; from cycle 0 if only cycles are recorded.
     pub time_utc_s: f64,
     /// Cycle of the machine.
     #[serde(default)]
     pub cycle: Option<f64>,
-    /// As recorded; `None` where it couldn't tell.
+    /// Offset as recorded, rad; `None` if the session was inconclusive.
     pub offset_rad: Option<Gaussian>,
-    /// At the reference temperature, with the drift found in the end.
+    /// Offset at the reference temperature, with the final drift, rad.
     pub at_reference_rad: Option<f64>,
-    /// Temperature, °C.
+    /// Temperature of the session, °C.
     pub temperature_c: Option<f64>,
-    /// Offset as the trend knew it then.
+    /// Offset estimated by the trend at that time, rad.
     pub tracked_rad: Gaussian,
-    /// Probability of an unconfirmed jump.
-    pub jump_probability: f64,
-    /// Whether the record looked off by itself.
-    pub is_off: bool,
+    /// Probability of an unconfirmed step change.
+    pub step_probability: f64,
+    /// Whether the record was treated as an outlier.
+    pub is_outlier: bool,
 }
 
-/// Offset at a time to come.
+/// Forecast of the offset at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForecastPoint {
-    /// When, s since 1970.
+    /// Time of the forecast, s since 1970.
     pub time_utc_s: f64,
-    /// Median.
+    /// Median of the offset, rad.
     pub offset_rad: f64,
-    /// Quantiles of 2.5 and 97.5 %.
+    /// Quantiles of 2.5 and 97.5 %, rad.
     pub interval_95_rad: Interval95,
 }

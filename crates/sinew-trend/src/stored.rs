@@ -1,52 +1,56 @@
-//! A trend's state as a file keeps it: versioned, apart from the model's own types.
+//! Stored state of a trend: versioned, separate from the types of the model.
 
 use crate::filter::{
-    BaselineError, Component, Event, Misread, Prior, Record, SharedPart, Softened, Stiffness,
-    Trend, TrendConfig, TrendEntry, TrendError, TrendState,
+    BaselineError, BaselineShift, Component, Event, Prior, Record, SharedPart, Stiffness,
+    StiffnessLossStats, Trend, TrendConfig, TrendEntry, TrendError, TrendState,
 };
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 
-/// Version written.
+/// Version of the written format.
 const VERSION: u32 = 5;
 
-/// What a trend remembers, to go on from later: some tens of kilobytes, just after a jump about one
+/// State from which a trend is resumed: some tens of kilobytes, just after a step change about one
 /// megabyte.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredTrend {
     /// Version of this record.
     pub version: u32,
-    /// Of the prior it belongs to, as hexadecimal digits: a JSON number would lose some.
+    /// Hash of the prior it belongs to, as hexadecimal digits, because a JSON number would lose
+    /// digits.
     pub prior: String,
     /// Time of the filters, s since tensioning.
     pub time_s: f64,
-    /// Records with an offset so far.
+    /// Number of records with an offset so far.
     pub records: u64,
-    /// The filters.
+    /// Filters before the last entries.
     pub filters: Vec<StoredFilter>,
-    /// The stiffness: means, lower triangle of the covariance, shape and rate.
+    /// State of the stiffness: means, lower triangle of the covariance, shape and rate.
     pub stiffness: [f64; 7],
-    /// What sessions since the baseline get wrong together: variance of each level, and whether sessions state it.
+    /// Common error of the sessions since the baseline: variance of each level, rad², and whether
+    /// sessions report it.
     #[serde(default)]
     pub baseline: Vec<(f64, bool)>,
-    /// The same of the last session before the last entries.
+    /// Common error of the last session before the last entries: variance, rad², and whether it was
+    /// reported.
     pub baseline_last: Option<(f64, bool)>,
-    /// Whether sessions since a jump have an error that those before it hadn't.
+    /// State of the additional error of sessions since a step change.
     #[serde(default)]
-    pub misread: Misread,
-    /// The stiffness since the last jump: mean, information, sessions.
-    pub softened: Option<(f64, f64, u64)>,
-    /// Sessions that reported one.
+    pub misread: BaselineShift,
+    /// Stiffness since the last step change: mean, information, number of sessions.
+    #[serde(alias = "softened")]
+    pub stiffness_loss: Option<(f64, f64, u64)>,
+    /// Number of sessions with a stiffness.
     pub stiffness_sessions: u64,
-    /// Last entries.
+    /// Entries of the window.
     pub entries: Vec<StoredEntry>,
-    /// Events so far; a size that is missing is that of a stated tensioning.
+    /// Events so far; without a size for a specified tensioning.
     pub events: Vec<StoredEvent>,
 }
 
-/// A filter: curve, noise, logarithm of the weight, means, lower triangle of the covariance.
+/// Filter: curve, noise, logarithm of the weight, means, lower triangle of the covariance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredFilter(u32, u32, f64, Vec<f64>, Vec<f64>);
 
@@ -56,7 +60,7 @@ impl StoredFilter {
         Self(c.curve, c.noise, c.log_weight, mean, covariance)
     }
 
-    /// `None`: it is of another length.
+    /// Converts to a filter; `None` if the lengths differ.
     fn component(self) -> Option<Component> {
         let Self(curve, noise, log_weight, mean, covariance) = self;
         Some(Component {
@@ -69,47 +73,50 @@ impl StoredFilter {
     }
 }
 
-/// A session, or what happened between sessions.
+/// Session, or event between sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum StoredEntry {
-    /// A session.
+    /// Result of a session.
     Session {
-        /// s since tensioning.
+        /// Time, s since tensioning.
         time_s: f64,
         /// Offset and standard deviation, rad.
         offset_rad: Option<[f64; 2]>,
-        /// Parts of that which other sessions have too: the baseline's, the drift's, rad.
+        /// Parts of the error common to other sessions: of the baseline, of the drift, rad.
         shared_rad: Option<[f64; 2]>,
-        /// °C.
+        /// Temperature of the session, °C.
         temperature_c: Option<f64>,
-        /// Of the baseline, °C.
+        /// Temperature of the baseline, °C.
         reference_c: Option<f64>,
-        /// Stiffness over nominal less 1 and standard deviation.
+        /// Stiffness over nominal less 1, and standard deviation.
         stiffness: Option<[f64; 2]>,
     },
-    /// A confirmed jump.
-    Jump {
-        /// s since tensioning.
+    /// Confirmed step change.
+    #[serde(alias = "jump")]
+    StepChange {
+        /// Time, s since tensioning.
         time_s: f64,
-        /// rad.
-        deviation_rad: f64,
+        /// Standard deviation of its size, rad.
+        #[serde(alias = "deviation_rad")]
+        std_rad: f64,
     },
-    /// A tensioning.
+    /// Tensioning of the tendon.
     Tensioned {
-        /// s since tensioning.
+        /// Time, s since tensioning.
         time_s: f64,
     },
-    /// A new baseline.
+    /// New baseline of the sessions.
     Baseline {
-        /// s since tensioning.
+        /// Time, s since tensioning.
         time_s: f64,
-        /// rad.
-        deviation_rad: f64,
+        /// Standard deviation of the offset at that time, rad.
+        #[serde(alias = "deviation_rad")]
+        std_rad: f64,
     },
 }
 
-/// An event.
+/// Event of a stored trend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredEvent {
@@ -123,17 +130,17 @@ pub struct StoredEvent {
     tensioned: bool,
 }
 
-/// Why a stored trend was refused.
+/// Error of an invalid stored trend.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoredTrendError {
-    /// Written by an earlier or a later program.
+    /// State of an earlier or a later program version.
     #[error(
-        "the trend has version {0}; this program reads version {known}: make it anew from its sessions",
-        known = VERSION
+        "the stored trend has version {0}, this program reads version {expected}: recompute it from its sessions",
+        expected = VERSION
     )]
     Version(u32),
-    /// Another prior, or damaged.
+    /// State of another prior, or damaged state.
     #[error(transparent)]
     Trend(#[from] TrendError),
 }
@@ -157,7 +164,7 @@ impl From<&Trend> for StoredTrend {
                 .collect(),
             baseline_last: (state.baseline.last).map(|last| (last.variance, last.stated)),
             misread: state.baseline.misread,
-            softened: (state.softened).map(|s| (s.mean, s.information, s.sessions)),
+            stiffness_loss: (state.stiffness_loss).map(|s| (s.mean, s.information, s.sessions)),
             stiffness_sessions: state.stiffness.sessions,
             entries: state.entries.iter().map(entry).collect(),
             events: (state.events.iter())
@@ -176,11 +183,11 @@ impl From<&Trend> for StoredTrend {
 }
 
 fn pair(x: Gaussian) -> [f64; 2] {
-    [x.mean, x.deviation]
+    [x.mean, x.std]
 }
 
-fn gaussian([mean, deviation]: [f64; 2]) -> Gaussian {
-    Gaussian { mean, deviation }
+fn gaussian([mean, std]: [f64; 2]) -> Gaussian {
+    Gaussian { mean, std }
 }
 
 fn entry(entry: &TrendEntry) -> StoredEntry {
@@ -200,26 +207,14 @@ fn entry(entry: &TrendEntry) -> StoredEntry {
             reference_c,
             stiffness: stiffness.map(pair),
         },
-        TrendEntry::Jump {
-            time_s,
-            deviation_rad,
-        } => StoredEntry::Jump {
-            time_s,
-            deviation_rad,
-        },
+        TrendEntry::StepChange { time_s, std_rad } => StoredEntry::StepChange { time_s, std_rad },
         TrendEntry::Tensioned { time_s } => StoredEntry::Tensioned { time_s },
-        TrendEntry::Baseline {
-            time_s,
-            deviation_rad,
-        } => StoredEntry::Baseline {
-            time_s,
-            deviation_rad,
-        },
+        TrendEntry::Baseline { time_s, std_rad } => StoredEntry::Baseline { time_s, std_rad },
     }
 }
 
 impl StoredTrend {
-    /// What sessions since a baseline get wrong together; at most two levels.
+    /// Common error of the sessions since a baseline; at most two levels.
     fn baseline(&self) -> Result<BaselineError, TrendError> {
         let part = |(variance, stated)| SharedPart { variance, stated };
         let mut out = BaselineError {
@@ -236,10 +231,10 @@ impl StoredTrend {
         Ok(out)
     }
 
-    /// Goes on from here with the prior it was made with.
+    /// Resumes the trend with the prior it was created with.
     ///
     /// # Errors
-    /// [`StoredTrendError`] for another version, another prior or damage.
+    /// Returns a [`StoredTrendError`] for another version, another prior or damage.
     pub fn resume(self, prior: Prior, config: TrendConfig) -> Result<Trend, StoredTrendError> {
         if self.version != VERSION {
             return Err(StoredTrendError::Version(self.version));
@@ -255,10 +250,12 @@ impl StoredTrend {
                 .collect::<Option<_>>()
                 .ok_or(TrendError::State)?,
             baseline,
-            softened: self.softened.map(|(mean, information, sessions)| Softened {
-                mean,
-                information,
-                sessions,
+            stiffness_loss: self.stiffness_loss.map(|(mean, information, sessions)| {
+                StiffnessLossStats {
+                    mean,
+                    information,
+                    sessions,
+                }
             }),
             stiffness: Stiffness {
                 mean: [m0, m1],
@@ -287,21 +284,13 @@ impl StoredTrend {
                         reference_c,
                         stiffness: stiffness.map(gaussian),
                     }),
-                    StoredEntry::Jump {
-                        time_s,
-                        deviation_rad,
-                    } => TrendEntry::Jump {
-                        time_s,
-                        deviation_rad,
-                    },
+                    StoredEntry::StepChange { time_s, std_rad } => {
+                        TrendEntry::StepChange { time_s, std_rad }
+                    }
                     StoredEntry::Tensioned { time_s } => TrendEntry::Tensioned { time_s },
-                    StoredEntry::Baseline {
-                        time_s,
-                        deviation_rad,
-                    } => TrendEntry::Baseline {
-                        time_s,
-                        deviation_rad,
-                    },
+                    StoredEntry::Baseline { time_s, std_rad } => {
+                        TrendEntry::Baseline { time_s, std_rad }
+                    }
                 })
                 .collect(),
             events: (self.events.into_iter())

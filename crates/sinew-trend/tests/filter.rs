@@ -12,21 +12,21 @@ use sinew_trend::filter::{
 const DAY_S: f64 = 86_400.0;
 
 /// `ln(t / 100 s)` from 100 s on: a straight line over the logarithm of time.
-fn log_curve(amplitude: f64, deviation: f64) -> Curve {
+fn log_curve(amplitude: f64, std: f64) -> Curve {
     Curve {
         values: node_times_s().iter().map(|t| (t / 100.0).ln()).collect(),
         amplitude,
-        amplitude_deviation: deviation,
+        amplitude_std: std,
         log_weight: 0.0,
     }
 }
 
 fn noise(slow: f64, days: f64, scale: f64) -> Noise {
     Noise {
-        slow_deviation_rad: slow,
+        slow_std_rad: slow,
         slow_time_s: days * DAY_S,
         white_scale: scale,
-        pace_error: 0.0,
+        creep_rate_rel_error: 0.0,
         log_weight: 0.0,
     }
 }
@@ -38,16 +38,16 @@ fn only(curve: Curve, noise: Noise) -> Prior {
     prior
 }
 
-fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) -> Record {
+fn record(days: f64, offset_rad: f64, std_rad: f64, temperature_c: f64) -> Record {
     Record {
         time_s: days * DAY_S,
-        offset_rad: Some(Gaussian::new(offset_rad, deviation_rad)),
+        offset_rad: Some(Gaussian::new(offset_rad, std_rad)),
         temperature_c: Some(temperature_c),
         ..Record::default()
     }
 }
 
-/// The same with a part of its error that all sessions since the baseline share.
+/// Adds to a record a part of its error that is common to all sessions since the baseline.
 fn shared(record: Record, baseline_rad: f64) -> Record {
     Record {
         shared: Some(SharedError {
@@ -59,9 +59,9 @@ fn shared(record: Record, baseline_rad: f64) -> Record {
 }
 
 #[test]
-fn a_line_over_log_time_and_a_temperature_drift_come_back() {
+fn log_creep_and_temperature_drift_are_recovered() {
     let mut prior = only(log_curve(0.0, 0.1), noise(0.0, 4.0, 1.0));
-    prior.level_deviation_rad = 0.1;
+    prior.level_std_rad = 0.1;
     let baseline = prior.baseline_s;
     let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");
     let (level, amplitude, drift) = (0.4e-3, 1.1e-3, 0.13e-3);
@@ -73,7 +73,7 @@ fn a_line_over_log_time_and_a_temperature_drift_come_back() {
         trend.add(record(days, y, 1e-9, celsius)).expect("in order");
     }
     let state = trend.components()[0].mean;
-    // Forty readings of 1e-9 rad and priors a hundred million times as wide.
+    // Forty measurements with 1e-9 rad and priors a hundred million times as wide.
     let creep = amplitude * (trend.time_s() / baseline).ln();
     assert!((state[0] - level - creep).abs() < 1e-8, "{state:?}");
     assert!((state[2] - amplitude).abs() < 1e-9, "{state:?}");
@@ -87,21 +87,21 @@ fn a_line_over_log_time_and_a_temperature_drift_come_back() {
     let mut random = Random(1);
     let paths = Paths::draw(&trend, &times, 20, &mut || random.normal());
     for t in first_passage(&paths.times_s, &paths.offset_rad, limit) {
-        // Linear over time between times 2 % apart: half of 1e-4 of the time at worst.
+        // Linear interpolation between times 2 % apart: at most half of 1e-4 of the time.
         assert!((t / expected - 1.0).abs() < 1e-4, "{t} {expected}");
     }
 }
 
 /// Posterior mean and variance of the true offset at `at`, and the evidence, from the joint normal
-/// distribution of all records: no recursion.
+/// distribution of all records, without recursion.
 fn dense(prior: &Prior, records: &[Record], at_s: f64) -> [f64; 3] {
     let (curve, noise) = (&prior.curves[0], &prior.noises[0]);
     let creep = |t: f64| curve.at(t) - curve.at(prior.baseline_s);
     let square = |v: f64| v * v;
     let (dj, da, dd) = (
-        prior.level_deviation_rad,
-        curve.amplitude_deviation,
-        prior.temperature_deviation_rad_per_k,
+        prior.level_std_rad,
+        curve.amplitude_std,
+        prior.temperature_std_rad_per_k,
     );
     let n = records.len();
     let warm = |r: &Record| r.temperature_c.expect("known") - prior.temperature_ref_c;
@@ -112,13 +112,14 @@ fn dense(prior: &Prior, records: &[Record], at_s: f64) -> [f64; 3] {
             k[i][j] = square(dj)
                 + square(da) * creep(a.time_s) * creep(b.time_s)
                 + square(dd) * warm(a) * warm(b)
-                + square(noise.slow_deviation_rad) * slow;
-            // Of two sessions the error of the one that knows more is in both; in ten years it becomes another.
+                + square(noise.slow_std_rad) * slow;
+            // The error of the more accurate session is in both; its correlation decays over ten
+            // years.
             let part = |r: &Record| square(r.shared.expect("stated").baseline_rad);
             let ages = (-(a.time_s - b.time_s).abs() / 3.2e8).exp();
             k[i][j] += part(a).min(part(b)) * ages;
             if i == j {
-                let left = square(a.offset_rad.expect("known").deviation) - part(a);
+                let left = square(a.offset_rad.expect("known").std) - part(a);
                 k[i][j] += square(noise.white_scale / 0.6) * left;
             }
         }
@@ -163,7 +164,7 @@ fn dense(prior: &Prior, records: &[Record], at_s: f64) -> [f64; 3] {
 
 #[test]
 fn record_by_record_agrees_with_dense_linear_algebra() {
-    // Records are never off and never jump, so that the posterior is one normal distribution.
+    // Without outliers and step changes, so that the posterior is one normal distribution.
     let config = TrendConfig {
         off_share: 1e-300,
         jumps_per_day: 1e-200,
@@ -180,10 +181,10 @@ fn record_by_record_agrees_with_dense_linear_algebra() {
         let days = 1.0 + f64::from(i) * 1.3 + random.uniform();
         let celsius = 23.0 + 6.0 * random.normal();
         let y = 1e-3 * (days * 24.0).ln() + 0.1e-3 * (celsius - 23.0) + 0.6e-3 * random.normal();
-        let deviation = (0.95 + random.uniform()) * 1e-3;
-        // Poor sessions come first, good ones between.
+        let std = (0.95 + random.uniform()) * 1e-3;
+        // Less accurate sessions come first, accurate ones between.
         let part = if i % 3 == 1 { 0.25e-3 } else { 0.9e-3 };
-        records.push(shared(record(days, y, deviation, celsius), part));
+        records.push(shared(record(days, y, std, celsius), part));
     }
     let end_s = records[59].time_s;
     let mut evidence = Vec::new();
@@ -214,7 +215,7 @@ fn record_by_record_agrees_with_dense_linear_algebra() {
     );
 }
 
-/// A tendon drawn from the prior itself: records of every day, and its true offset at later times.
+/// Tendon drawn from the prior itself: daily records, and its true offset at later times.
 struct Drawn {
     records: Vec<Record>,
     later_rad: Vec<f64>,
@@ -225,19 +226,19 @@ fn drawn(prior: &Prior, days: usize, later_s: &[f64], random: &mut Random) -> Dr
     let noise = prior.noises[(random.uniform() * prior.noises.len() as f64) as usize];
     let c = &prior.curves[curve];
     let mut amplitude = loop {
-        let a = c.amplitude + c.amplitude_deviation * random.normal();
+        let a = c.amplitude + c.amplitude_std * random.normal();
         if a > 0.0 {
             break a;
         }
     };
-    let mut level = prior.level_deviation_rad * random.normal();
+    let mut level = prior.level_std_rad * random.normal();
     let mut at_s = prior.baseline_s;
     let mut creep_to = |t: f64, level: &mut f64, random: &mut Random| {
         let folds = (t / at_s).ln().max(0.0);
-        // In small steps, so that what the filter takes for one step is not built in.
+        // In small steps, independent of the step size of the filter.
         let pieces = (folds / 0.02).ceil().max(1.0);
         let (from_s, ratio) = (at_s, (t / at_s).powf(1.0 / pieces));
-        let variance = noise.pace_error.powi(2) * folds / pieces;
+        let variance = noise.creep_rate_rel_error.powi(2) * folds / pieces;
         for i in 0..pieces as i32 {
             let step = c.at(from_s * ratio.powi(i + 1)) - c.at(from_s * ratio.powi(i));
             let factor = (variance.sqrt() * random.normal() - 0.5 * variance).exp();
@@ -246,13 +247,13 @@ fn drawn(prior: &Prior, days: usize, later_s: &[f64], random: &mut Random) -> Dr
         }
         at_s = t;
     };
-    let drift = prior.temperature_deviation_rad_per_k * random.normal();
-    let mut slow = noise.slow_deviation_rad * random.normal();
+    let drift = prior.temperature_std_rad_per_k * random.normal();
+    let mut slow = noise.slow_std_rad * random.normal();
     let phi = (-DAY_S / noise.slow_time_s).exp();
     let mut records = Vec::new();
     for day in 1..=days {
         creep_to(day as f64 * DAY_S, &mut level, random);
-        slow = phi * slow + noise.slow_deviation_rad * (1.0 - phi * phi).sqrt() * random.normal();
+        slow = phi * slow + noise.slow_std_rad * (1.0 - phi * phi).sqrt() * random.normal();
         let warm = 6.0 * random.normal();
         let stated = 0.3e-3;
         let own = noise.white_scale * stated * random.normal();
@@ -279,16 +280,16 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     values[(share * (values.len() - 1) as f64).round() as usize]
 }
 
-/// Errors are as large as intervals say; intervals 0.7 or 1.4 times as wide are refused.
+/// Errors match the intervals; intervals 0.7 or 1.4 times as wide fail.
 #[test]
-fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
+fn forecast_coverage_matches_prior_draws() {
     let asked = std::env::var("SINEW_SEEDS").ok();
     let draws: usize = asked.and_then(|s| s.parse().ok()).unwrap_or(500);
-    // Its tendons creep smoothly.
+    // Tendons with smooth creep.
     let mut prior = Prior::new(generic_curves(0.03));
     prior.step_rad = 0.0;
     let mut random = Random(11);
-    // Tendons of this prior don't jump, and records are never off.
+    // Tendons of this prior have no step changes, and records are never outliers.
     let config = TrendConfig {
         off_share: 1e-300,
         jumps_per_day: 1e-200,
@@ -309,12 +310,13 @@ fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
             trend.add(*r).expect("in order");
         }
         let found = TrendNow::of(&trend).offset_rad;
-        now.add_error(found.mean - truth.later_rad[0], found.deviation);
+        now.add_error(found.mean - truth.later_rad[0], found.std);
         let paths = Paths::draw(&trend, &times, 400, &mut || random.normal());
         let mut there: Vec<f64> = paths.offset_rad.iter().map(|p| p[at]).collect();
         let [low, middle, high] = [0.025, 0.5, 0.975].map(|q| quantile(&mut there, q));
         later.add(middle, low, high, truth.later_rad[at]);
-        // The day on which what is expected then is passed; a day that never comes is the last one.
+        // First passage of the median forecast; a passage beyond the horizon counts as the last
+        // day.
         let last_s = times[times.len() - 1];
         let day = |paths: &[Vec<f64>]| {
             let days = first_passage(&times, paths, middle).into_iter();
@@ -327,14 +329,14 @@ fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
     }
     now.hold("offset now");
     later.hold("offset in three months");
-    // Days are skewed, so that shares inside are counted: 95 % of 500 scatter by 1 %.
+    // Passage days are skewed, so that shares inside are counted: 95 % of 500 scatter by 1 %.
     println!("{}", passages.row("day of a limit"));
     let right = |times: f64| (0.91..=0.99).contains(&passages.inside(times));
     assert!(right(1.0) && !right(0.7) && !right(1.4));
 }
 
 #[test]
-fn going_on_from_a_state_is_the_same_to_the_last_bit() {
+fn resumed_state_is_bitwise_identical() {
     let prior = Prior::new(generic_curves(0.03));
     let config = TrendConfig::default();
     let mut random = Random(21);
@@ -346,8 +348,8 @@ fn going_on_from_a_state_is_the_same_to_the_last_bit() {
         // A strand fails.
         r.offset_rad = r
             .offset_rad
-            .map(|y| Gaussian::new(y.mean + if i > 25 { 3e-3 } else { 0.0 }, y.deviation));
-        // A session that can't tell, now and then.
+            .map(|y| Gaussian::new(y.mean + if i > 25 { 3e-3 } else { 0.0 }, y.std));
+        // An inconclusive session at intervals.
         if i % 9 == 4 {
             r.offset_rad = None;
         }
@@ -367,9 +369,8 @@ fn going_on_from_a_state_is_the_same_to_the_last_bit() {
     );
 }
 
-/// Each number of a state that can't be is refused by itself, whatever the others are.
 #[test]
-fn a_state_that_cant_be_is_refused() {
+fn invalid_state_is_rejected() {
     let prior = Prior::new(generic_curves(0.03));
     let config = TrendConfig::default();
     let mut random = Random(22);
@@ -400,7 +401,7 @@ fn a_state_that_cant_be_is_refused() {
 }
 
 #[test]
-fn a_tendon_that_jumps_again_and_again_takes_no_more_memory_than_one_that_doesnt() {
+fn repeated_slips_keep_memory_bounded() {
     let prior = Prior::new(generic_curves(30e-3));
     let most = prior.curves.len() * prior.noises.len();
     let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");

@@ -1,4 +1,4 @@
-//! What all sessions since one baseline get wrong together: no number of them averages it away.
+//! Common error of all sessions since one baseline: no number of sessions averages it out.
 
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
@@ -9,7 +9,7 @@ use sinew_trend::filter::{
 
 const DAY_S: f64 = 86_400.0;
 
-/// Numbers in 0..1 and normal ones, the same on every machine (splitmix64, Box and Muller).
+/// Uniform and normal random numbers, identical on every machine (splitmix64, Box and Muller).
 struct Random(u64);
 
 impl Random {
@@ -27,7 +27,7 @@ impl Random {
     }
 }
 
-/// A session that states a deviation, of which a part is shared.
+/// Session with a reported standard deviation, part of which is common.
 fn session(days: f64, offset_rad: f64, own_rad: f64, baseline_rad: f64) -> Record {
     Record {
         time_s: days * DAY_S,
@@ -46,7 +46,7 @@ fn trend() -> Trend {
 }
 
 #[test]
-fn a_hundred_sessions_are_as_far_off_as_one() {
+fn common_error_does_not_average_out() {
     for (stated, least) in [(true, 0.28e-3), (false, 0.29e-3)] {
         let mut random = Random(5);
         let mut trend = trend();
@@ -62,19 +62,20 @@ fn a_hundred_sessions_are_as_far_off_as_one() {
         }
         let now = TrendNow::of(&trend);
         let truth = 1e-3 * 2400.0_f64.ln();
-        assert!(now.offset_rad.deviation > least, "{stated}: {now:?}");
-        assert!(now.offset_rad.deviation < 0.4e-3, "{stated}: {now:?}");
+        assert!(now.offset_rad.std > least, "{stated}: {now:?}");
+        assert!(now.offset_rad.std < 0.4e-3, "{stated}: {now:?}");
         assert!((now.offset_rad.mean - truth).abs() < now.offset_rad.half_width_95());
         assert!(
-            now.baseline_error_rad.deviation > 0.8 * least,
+            now.baseline_error_rad.std > 0.8 * least,
             "{stated}: {now:?}"
         );
     }
 }
 
 #[test]
-fn what_scatters_as_it_states_and_says_no_more_averages() {
-    // Nobody said what is shared, and the scatter is all of the stated error: nothing is left to share.
+fn independent_error_without_report_averages_out() {
+    // The common part is not reported, and the scatter equals the whole reported error: nothing
+    // remains common.
     let mut random = Random(6);
     let mut trend = trend();
     for day in 1..=100 {
@@ -87,13 +88,13 @@ fn what_scatters_as_it_states_and_says_no_more_averages() {
         trend.add(record).expect("in order");
     }
     let now = TrendNow::of(&trend).offset_rad;
-    assert!(now.deviation < 0.17e-3, "{now:?}");
+    assert!(now.std < 0.17e-3, "{now:?}");
     assert!((now.mean - 1e-3 * 2400.0_f64.ln()).abs() < now.half_width_95());
 }
 
 #[test]
-fn poor_sessions_share_their_own_error_beside_the_good_ones() {
-    // A good check a month, work every day; both are wrong by a constant of their own.
+fn less_accurate_sessions_have_additional_common_error() {
+    // One accurate check a month, work every day; both have a constant error.
     let mut random = Random(7);
     let mut inside = 0;
     const ROBOTS: u64 = 40;
@@ -114,14 +115,14 @@ fn poor_sessions_share_their_own_error_beside_the_good_ones() {
         let now = TrendNow::of(&trend).offset_rad;
         let error = now.mean - 1e-3 * 2160.0_f64.ln();
         inside += u64::from(error.abs() < now.half_width_95());
-        // What the checks know is not lost over the work between.
-        assert!((0.2e-3..0.9e-3).contains(&now.deviation), "{now:?}");
+        // The information of the checks is kept over the work between.
+        assert!((0.2e-3..0.9e-3).contains(&now.std), "{now:?}");
     }
     assert!(inside >= ROBOTS - 4, "{inside} of {ROBOTS}");
 }
 
 #[test]
-fn a_new_baseline_is_zero_where_it_is_and_wrong_by_another_error() {
+fn new_baseline_is_zero_with_independent_error() {
     let mut random = Random(8);
     let mut trend = trend();
     let creep = |t: f64| 1e-3 * (24.0 * t).ln();
@@ -135,8 +136,8 @@ fn a_new_baseline_is_zero_where_it_is_and_wrong_by_another_error() {
             trend.rebased(30.5 * DAY_S, 1e-5).expect("in order");
             let now = TrendNow::of(&trend);
             assert!(now.offset_rad.mean.abs() < 1e-9, "{now:?}");
-            assert!((now.offset_rad.deviation - 1e-5).abs() < 1e-9, "{now:?}");
-            assert!(now.baseline_error_rad.deviation < 1e-9, "{now:?}");
+            assert!((now.offset_rad.std - 1e-5).abs() < 1e-9, "{now:?}");
+            assert!(now.baseline_error_rad.std < 1e-9, "{now:?}");
         }
         let y = creep(t) - since + wrong + 0.05e-3 * random.normal();
         trend.add(session(t, y, 0.1e-3, 0.5e-3)).expect("in order");
@@ -147,15 +148,16 @@ fn a_new_baseline_is_zero_where_it_is_and_wrong_by_another_error() {
         (now.offset_rad.mean - truth).abs() < now.offset_rad.half_width_95(),
         "{now:?}"
     );
-    // The creep of a month is known better than a baseline's error: what contradicts it is the error.
-    assert!(now.offset_rad.deviation < 0.5e-3, "{now:?}");
-    // The rope's own history goes on.
+    // The creep of a month has a smaller error than a baseline: a contradiction is attributed to
+    // the baseline.
+    assert!(now.offset_rad.std < 0.5e-3, "{now:?}");
+    // The history of the rope continues.
     assert!((now.whole_rad.mean - creep(60.0)).abs() < 1.5e-3, "{now:?}");
     let [event] = trend.events() else {
         panic!("{:?}", trend.events());
     };
     assert!(event.tensioned && event.size_rad.mean.is_nan());
-    // Stated as tensioned just before: one event.
+    // Re-tensioning specified just before: one event.
     trend.tensioned(60.5 * DAY_S).expect("in order");
     trend.rebased(60.6 * DAY_S, 0.03).expect("in order");
     assert_eq!(trend.events().len(), 2);
@@ -170,7 +172,7 @@ fn a_new_baseline_is_zero_where_it_is_and_wrong_by_another_error() {
 }
 
 #[test]
-fn temperatures_of_another_baseline_are_told_apart() {
+fn reference_temperatures_of_baselines_are_distinguished() {
     // A drift of 0.2 mrad/K since 15 °C, then since 27 °C.
     let mut trend = trend();
     for day in 1..=60 {
@@ -218,9 +220,9 @@ fn sessions_at_one_time_and_of_impossible_parts() {
             Err(TrendError::NotFinite)
         );
     }
-    // All of it shared: the record is not taken for exact.
+    // The whole error is common: the record is not treated as exact.
     trend.add(session(3.0, 1.2e-3, 0.0, 0.3e-3)).expect("good");
-    assert!(TrendNow::of(&trend).offset_rad.deviation > 0.05e-3);
+    assert!(TrendNow::of(&trend).offset_rad.std > 0.05e-3);
 }
 
 /// `ln(t / 100 s)` from 100 s on.
@@ -228,22 +230,22 @@ fn log_curve() -> Curve {
     Curve {
         values: node_times_s().iter().map(|t| (t / 100.0).ln()).collect(),
         amplitude: 1e-3,
-        amplitude_deviation: 0.4e-3,
+        amplitude_std: 0.4e-3,
         log_weight: 0.0,
     }
 }
 
 #[test]
-fn intervals_hold_the_truth_as_often_as_they_say() {
+fn interval_coverage_is_calibrated() {
     const ROBOTS: usize = 500;
     let mut prior = Prior::new(vec![log_curve()]);
     prior.step_rad = 0.0;
     prior.noises = [0.33, 0.83]
         .map(|scale| Noise {
-            slow_deviation_rad: 0.1e-3,
+            slow_std_rad: 0.1e-3,
             slow_time_s: 10.0 * DAY_S,
             white_scale: 0.6 * scale,
-            pace_error: 0.0,
+            creep_rate_rel_error: 0.0,
             log_weight: 0.0,
         })
         .to_vec();
@@ -264,9 +266,9 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
                 break a;
             }
         };
-        let drift = prior.temperature_deviation_rad_per_k * random.normal();
+        let drift = prior.temperature_std_rad_per_k * random.normal();
         let wrong = shared_rad * random.normal();
-        let mut slow = noise.slow_deviation_rad * random.normal();
+        let mut slow = noise.slow_std_rad * random.normal();
         let mut trend = Trend::new(prior.clone(), config).expect("a prior");
         let creep = |t: f64| amplitude * (t * DAY_S / prior.baseline_s).ln();
         let mut last = 0.0;
@@ -274,8 +276,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
             let t = f64::from(day) + 0.5 * random.uniform();
             let phi = ((last - t) / 10.0_f64).exp();
             last = t;
-            slow =
-                phi * slow + noise.slow_deviation_rad * (1.0 - phi * phi).sqrt() * random.normal();
+            slow = phi * slow + noise.slow_std_rad * (1.0 - phi * phi).sqrt() * random.normal();
             let warm = 6.0 * random.normal();
             let own = noise.white_scale / 0.6 * own_rad * random.normal();
             let y = creep(t) + wrong + slow + own + drift * warm;
@@ -292,22 +293,22 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         }
     }
     println!("{counts:?} of {ROBOTS} inside at 1, 0.7 and 1.4 times the interval");
-    // Three standard deviations of a share of 0.95 among so many.
+    // Three standard deviations of a share of 0.95 among `ROBOTS`.
     let most = 3.0 * (0.95 * 0.05 / ROBOTS as f64).sqrt();
     let right = counts.map(|count| (count as f64 / ROBOTS as f64 - 0.95).abs() < most);
     assert_eq!(right, [true, false, false], "{counts:?}");
 }
 
 #[test]
-fn how_a_lost_stiffness_is_misread_is_known_to_no_session_since() {
+fn stiffness_loss_error_is_common_to_later_sessions() {
     const ROBOTS: usize = 300;
     let mut prior = Prior::new(vec![log_curve()]);
     prior.step_rad = 0.0;
     prior.noises = vec![Noise {
-        slow_deviation_rad: 0.02e-3,
+        slow_std_rad: 0.02e-3,
         slow_time_s: 10.0 * DAY_S,
         white_scale: 0.6,
-        pace_error: 0.0,
+        creep_rate_rel_error: 0.0,
         log_weight: 0.0,
     }];
     let (own_rad, shared_rad) = (0.1e-3, 0.3e-3);
@@ -321,7 +322,8 @@ fn how_a_lost_stiffness_is_misread_is_known_to_no_session_since() {
         let mut wrong = shared_rad * random.normal();
         for day in 1..=50 {
             let t = f64::from(day);
-            // Two strands fail, one after the other; each misread by as much as sessions since say.
+            // Two strands fail in succession; each stiffness error equals the increase that later
+            // sessions report.
             if day == 15 || day == 32 {
                 jumped += 3e-3 + 2e-3 * random.uniform();
                 let more = 0.2e-3 + 0.4e-3 * random.uniform();
@@ -339,7 +341,7 @@ fn how_a_lost_stiffness_is_misread_is_known_to_no_session_since() {
         }
     }
     println!("{counts:?} of {ROBOTS} inside at 1 and 0.7 times the interval");
-    // Three standard deviations of a share of 0.95 among so many.
+    // Three standard deviations of a share of 0.95 among `ROBOTS`.
     let most = 3.0 * (0.95 * 0.05 / ROBOTS as f64).sqrt();
     let right = counts.map(|count| (count as f64 / ROBOTS as f64 - 0.95).abs() < most);
     assert_eq!(right, [true, false], "{counts:?}");

@@ -1,4 +1,4 @@
-//! Sudden changes of a tendon: found, told apart, withdrawn; few records and bad ones.
+//! Step changes of a tendon: detected, distinguished, withdrawn; few and invalid records.
 
 use crate::random::Random;
 use sinew_model::Gaussian;
@@ -9,22 +9,22 @@ use sinew_trend::filter::{
 
 const DAY_S: f64 = 86_400.0;
 
-fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) -> Record {
+fn record(days: f64, offset_rad: f64, std_rad: f64, temperature_c: f64) -> Record {
     Record {
         time_s: days * DAY_S,
-        offset_rad: Some(Gaussian::new(offset_rad, deviation_rad)),
+        offset_rad: Some(Gaussian::new(offset_rad, std_rad)),
         temperature_c: Some(temperature_c),
         ..Record::default()
     }
 }
 
-/// A month and a half of a creeping tendon; `change(day)` is added to its true offset.
-fn watched(seed: u64, change: impl Fn(usize) -> f64) -> (Trend, Vec<(usize, f64, bool)>) {
-    softened(seed, change, |_| None)
+/// Trend of a creeping tendon over a month and a half; `change(day)` is added to its true offset.
+fn monitored(seed: u64, change: impl Fn(usize) -> f64) -> (Trend, Vec<(usize, f64, bool)>) {
+    monitored_with_stiffness(seed, change, |_| None)
 }
 
-/// The same with a stiffness reported, over nominal less 1.
-fn softened(
+/// The same with a reported stiffness, over nominal less 1.
+fn monitored_with_stiffness(
     seed: u64,
     change: impl Fn(usize) -> f64,
     stiffness: impl Fn(usize) -> Option<f64>,
@@ -37,18 +37,18 @@ fn softened(
         let t = day as f64;
         let y = 1e-3 * (24.0 * t).ln() + change(day) + 0.3e-3 * random.normal();
         let mut record = record(t, y, 0.3e-3, 23.0);
-        // Its errors are a fifth of what is stated, as those of sessions of one baseline.
+        // Errors of one fifth of the reported ones, as in sessions with one baseline.
         record.stiffness = stiffness(day).map(|s| Gaussian::new(s + 0.002 * random.normal(), 0.01));
         let added = trend.add(record).expect("in order");
-        said.push((day, added.jump_probability, added.confirmed.is_some()));
+        said.push((day, added.step_probability, added.confirmed.is_some()));
     }
     (trend, said)
 }
 
 #[test]
-fn a_jump_is_suspected_at_once_and_confirmed_by_the_next_record() {
+fn step_is_suspected_then_confirmed_by_next_record() {
     for seed in 0..8 {
-        let (trend, said) = watched(seed, |day| if day >= 30 { 3e-3 } else { 0.0 });
+        let (trend, said) = monitored(seed, |day| if day >= 30 { 3e-3 } else { 0.0 });
         let [event] = trend.events() else {
             panic!("seed {seed}: {:?}", trend.events());
         };
@@ -57,19 +57,16 @@ fn a_jump_is_suspected_at_once_and_confirmed_by_the_next_record() {
         assert!(event.confirmed_s <= 32.0 * DAY_S, "seed {seed}: {event:?}");
         assert!(!said[29].2, "one record confirms nothing");
         let off = (event.size_rad.mean - 3e-3).abs();
-        assert!(
-            off < 3.0 * event.size_rad.deviation,
-            "seed {seed}: {event:?}"
-        );
-        assert!(event.size_rad.deviation < 0.6e-3, "seed {seed}: {event:?}");
+        assert!(off < 3.0 * event.size_rad.std, "seed {seed}: {event:?}");
+        assert!(event.size_rad.std < 0.6e-3, "seed {seed}: {event:?}");
     }
 }
 
 #[test]
-fn what_no_error_explains_is_an_alarm_at_once() {
-    // A rope breaks, or a clamp lets go, whichever way the reading goes.
+fn change_beyond_every_error_alarms_immediately() {
+    // A rope breaks, or a clamp slips, in either direction.
     for change in [-397e-3, 60e-3, 397e-3] {
-        let (trend, said) = watched(3, |day| if day >= 30 { change } else { 0.0 });
+        let (trend, said) = monitored(3, |day| if day >= 30 { change } else { 0.0 });
         let [event] = trend.events() else {
             panic!("{change}: {:?}", trend.events());
         };
@@ -83,7 +80,7 @@ fn what_no_error_explains_is_an_alarm_at_once() {
             "{now}"
         );
     }
-    // The level follows with the session itself.
+    // The level is updated by the session itself.
     let mut trend =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
     for day in 1..=10 {
@@ -100,7 +97,7 @@ fn what_no_error_explains_is_an_alarm_at_once() {
 }
 
 #[test]
-fn an_alarm_that_the_next_session_does_not_bear_out_is_taken_back() {
+fn unconfirmed_alarm_is_withdrawn_by_next_session() {
     let mut trend =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
     let mut stored = trend.clone();
@@ -122,22 +119,22 @@ fn an_alarm_that_the_next_session_does_not_bear_out_is_taken_back() {
 }
 
 #[test]
-fn one_session_confirms_nothing_that_an_error_may_explain() {
-    // 15 mrad at once may be a session that is off: 2 in 1000 are, by some 6 mrad.
-    let (trend, said) = watched(3, |day| if day >= 30 { 15e-3 } else { 0.0 });
+fn single_session_within_error_is_not_confirmed() {
+    // A step of 15 mrad may be an outlier: 2 in 1000 are, with a standard deviation of 6 mrad.
+    let (trend, said) = monitored(3, |day| if day >= 30 { 15e-3 } else { 0.0 });
     assert!(said[29].1 > 0.5 && !said[29].2, "{:?}", said[29]);
     assert_eq!(trend.events().len(), 1);
-    // What is at all likely isn't confirmed by two sessions either.
-    let (trend, said) = watched(1, |day| if day >= 30 { 0.9e-3 } else { 0.0 });
+    // A small step is not confirmed by two sessions either.
+    let (trend, said) = monitored(1, |day| if day >= 30 { 0.9e-3 } else { 0.0 });
     let most = said.iter().map(|s| s.1).fold(0.0, f64::max);
     assert!((0.05..0.95).contains(&most), "{most}");
     assert!(trend.events().is_empty(), "{:?}", trend.events());
 }
 
 #[test]
-fn one_record_that_is_off_is_no_jump() {
+fn single_outlier_is_no_step_change() {
     for seed in 0..8 {
-        let (trend, said) = watched(seed, |day| if day == 30 { 5e-3 } else { 0.0 });
+        let (trend, said) = monitored(seed, |day| if day == 30 { 5e-3 } else { 0.0 });
         assert!(
             trend.events().is_empty(),
             "seed {seed}: {:?}",
@@ -146,7 +143,7 @@ fn one_record_that_is_off_is_no_jump() {
         assert!(said[31].1 < 0.05, "seed {seed}: withdrawn, {:?}", said[31]);
     }
     for seed in 100..108 {
-        let (trend, _) = watched(seed, |_| 0.0);
+        let (trend, _) = monitored(seed, |_| 0.0);
         assert!(
             trend.events().is_empty(),
             "seed {seed}: {:?}",
@@ -156,9 +153,9 @@ fn one_record_that_is_off_is_no_jump() {
 }
 
 #[test]
-fn a_tensioning_is_told_from_a_jump_stated_or_not() {
+fn tensioning_is_distinguished_from_step() {
     let fall = |day: usize| if day >= 30 { -5e-3 } else { 0.0 };
-    let (trend, _) = watched(5, fall);
+    let (trend, _) = monitored(5, fall);
     let [event] = trend.events() else {
         panic!("{:?}", trend.events());
     };
@@ -176,7 +173,7 @@ fn a_tensioning_is_told_from_a_jump_stated_or_not() {
         stated.add(record(t, y, 0.3e-3, 23.0)).expect("in order");
     }
     assert_eq!(stated.events().len(), 1, "{:?}", stated.events());
-    // The rope is as long as before, and longer since; the offset has fallen by 5 mrad.
+    // The rope keeps its elongation; the offset has decreased by 5 mrad.
     for trend in [&trend, &stated] {
         let paths = Paths::draw(trend, &[trend.time_s()], 400, &mut || random.normal());
         let mean = |rows: &[Vec<f64>]| rows.iter().map(|r| r[0]).sum::<f64>() / 400.0;
@@ -188,14 +185,14 @@ fn a_tensioning_is_told_from_a_jump_stated_or_not() {
 }
 
 #[test]
-fn a_small_jump_is_surer_where_the_stiffness_fell_with_it() {
-    // Four times a session's own error.
+fn small_step_with_stiffness_loss_is_more_probable() {
+    // Four times a session's independent error.
     let small = |day: usize| if day >= 30 { 1.2e-3 } else { 0.0 };
     let none = |_: usize| 0.0;
     let failed = |day: usize| Some(if day >= 30 { 0.05 } else { 0.1 });
     let kept = |_: usize| Some(0.1);
     let sure = |said: &[(usize, f64, bool)]| {
-        // Days 30 to 32: the probability, 1 once it is confirmed.
+        // Days 30 to 32: the probability, 1 after confirmation.
         let days = &said[29..32];
         if days.iter().any(|d| d.2) {
             1.0
@@ -204,15 +201,15 @@ fn a_small_jump_is_surer_where_the_stiffness_fell_with_it() {
         }
     };
     let (mut with, mut without, mut slip) = (0.0, 0.0, 0.0);
-    // Their errors are not the same: a stiffness draws numbers, too.
+    // The errors differ, because a stiffness draws random numbers, too.
     const SEEDS: u64 = 24;
     for seed in 0..SEEDS {
         let share = 1.0 / SEEDS as f64;
-        with += share * sure(&softened(seed, small, failed).1);
-        without += share * sure(&watched(seed, small).1);
-        slip += share * sure(&softened(seed, small, kept).1);
-        // A stiffness that falls alone, a wrong model of the gripper, say, is no jump.
-        let (trend, _) = softened(seed, none, failed);
+        with += share * sure(&monitored_with_stiffness(seed, small, failed).1);
+        without += share * sure(&monitored(seed, small).1);
+        slip += share * sure(&monitored_with_stiffness(seed, small, kept).1);
+        // A stiffness loss alone, such as from a wrong model of the gripper, is no step change.
+        let (trend, _) = monitored_with_stiffness(seed, none, failed);
         assert!(trend.events().is_empty(), "{:?}", trend.events());
     }
     println!("failed {with:.2}, not told {without:.2}, slip {slip:.2}");
@@ -220,9 +217,9 @@ fn a_small_jump_is_surer_where_the_stiffness_fell_with_it() {
     assert!(slip <= without, "{slip} {without}");
 }
 
-/// After a strand has failed a session of unknown load sometimes takes lost stiffness for stretch.
+// After a strand failure, a session with unknown load may interpret lost stiffness as elongation.
 #[test]
-fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
+fn scatter_after_strand_failure_raises_no_alarm() {
     const FAILS: usize = 90;
     let mut alarms = 0;
     for seed in 0..24 {
@@ -237,7 +234,7 @@ fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
             if day >= FAILS {
                 y += 4e-3 + if misread { by } else { 0.0 };
             }
-            // Most of what they state they share.
+            // Most of the reported error is common.
             let shared = Some(SharedError {
                 baseline_rad: 0.8e-3,
                 drift_rad: 0.0,
@@ -259,13 +256,13 @@ fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
         alarms += others.len();
     }
     println!("{alarms} false alarms in 24 times 150 days");
-    // One pair of sessions in 25 is misread twice in a row, and then two sessions agree. Errors taken for each session's
-    // own gave 12.
+    // One pair of sessions in 25 has two equal errors in a row, so that two sessions agree. With
+    // errors assumed independent there were 12 alarms.
     assert!(alarms <= 6, "{alarms}");
 }
 
-/// Half a year after a strand that failed on day 60; `late` are the offset's and the stiffness' own
-/// changes from day 120 on. Returns what changed.
+/// Events of half a year after a strand failure on day 60; `late` are additional changes of offset
+/// and stiffness from day 120 on.
 fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<Event> {
     let mut trend =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
@@ -275,7 +272,7 @@ fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<Event> {
         let mut y = 1e-3 * (24.0 * t).ln() + 0.2e-3 * random.normal();
         let mut k = 0.002 * random.normal();
         if day >= 60 {
-            // What a session has the stiffness off by, and the offset with it: 0.6 mrad a percent.
+            // Stiffness error of a session, and the correlated offset error: 0.6 mrad per percent.
             let mut off = 0.004 * random.normal();
             if (120..124).contains(&day) {
                 off += misread;
@@ -298,13 +295,13 @@ fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<Event> {
 }
 
 #[test]
-fn sessions_that_misread_a_lost_stiffness_are_no_second_failure() {
+fn correlated_stiffness_errors_are_no_second_failure() {
     for seed in 0..6 {
-        // Four days in a row 4 % too stiff, and 2.4 mrad too long.
+        // Four days in a row with a stiffness 4 % too high, and an offset 2.4 mrad too large.
         let events = after_a_strand(seed, [0.0; 2], 0.04);
         assert_eq!(events.len(), 1, "seed {seed}: {events:?}");
         assert_eq!(events[0].time_s, 60.0 * DAY_S, "seed {seed}");
-        // As far, with the stiffness as before, and with as much less: they are.
+        // Steps of that size with unchanged and with reduced stiffness are events.
         for late in [[2.4e-3, 0.0], [2.4e-3, -0.04]] {
             let events = after_a_strand(seed, late, 0.0);
             let [_, event] = events[..] else {
@@ -312,19 +309,16 @@ fn sessions_that_misread_a_lost_stiffness_are_no_second_failure() {
             };
             let day = event.time_s / DAY_S;
             assert!((120.0..122.0).contains(&day), "seed {seed}: {event:?}");
-            // What the stiffness lost in earnest says nothing of the size.
+            // The actual stiffness loss carries no information about the size.
             let off = (event.size_rad.mean - late[0]).abs();
-            assert!(
-                off < 3.0 * event.size_rad.deviation,
-                "seed {seed}: {event:?}"
-            );
+            assert!(off < 3.0 * event.size_rad.std, "seed {seed}: {event:?}");
         }
     }
 }
 
 #[test]
-fn a_small_step_is_no_alarm_and_yet_taken_in() {
-    // A hundred times a session's own error, and half of what is reported.
+fn small_step_is_tracked_without_alarm() {
+    // A hundred times a session's independent error, and half of the reported minimum.
     let step = |day: usize| if day >= 30 { 0.5e-3 } else { 0.0 };
     let mut trend =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
@@ -336,15 +330,9 @@ fn a_small_step_is_no_alarm_and_yet_taken_in() {
     }
     assert!(trend.events().is_empty(), "{:?}", trend.events());
     let expected = 1e-3 * (24.0_f64 * 45.0).ln() + 0.5e-3;
-    let Gaussian {
-        mean: offset,
-        deviation,
-    } = TrendNow::of(&trend).offset_rad;
-    assert!(
-        (offset - expected).abs() < 3.0 * deviation,
-        "{offset} {deviation}"
-    );
-    // Four times as far.
+    let Gaussian { mean: offset, std } = TrendNow::of(&trend).offset_rad;
+    assert!((offset - expected).abs() < 3.0 * std, "{offset} {std}");
+    // Four times that size.
     let mut trend =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
     for day in 1..=45 {
@@ -356,14 +344,14 @@ fn a_small_step_is_no_alarm_and_yet_taken_in() {
 }
 
 #[test]
-fn creep_that_comes_in_steps_is_as_unsure_as_its_steps() {
+fn creep_in_steps_has_step_variance() {
     let mut prior = Prior::new(generic_curves(0.03));
     prior.curves.truncate(1);
     prior.curves[0].amplitude = 10e-3;
-    prior.curves[0].amplitude_deviation = 1e-9;
+    prior.curves[0].amplitude_std = 1e-9;
     prior.noises.truncate(1);
-    prior.noises[0].pace_error = 0.0;
-    prior.level_deviation_rad = 1e-9;
+    prior.noises[0].creep_rate_rel_error = 0.0;
+    prior.level_std_rad = 1e-9;
     prior.step_rad = 0.2e-3;
     let curve = prior.curves[0].clone();
     let crept = |days: f64| 10e-3 * (curve.at(days * DAY_S) - curve.at(prior.baseline_s));
@@ -377,14 +365,14 @@ fn creep_that_comes_in_steps_is_as_unsure_as_its_steps() {
         let mean = paths.offset_rad.iter().map(|p| p[k]).sum::<f64>() / n;
         let square = paths.offset_rad.iter().map(|p| (p[k] - mean).powi(2));
         let ratio = square.sum::<f64>() / n / (0.2e-3 * crept(days));
-        // A variance of 4000 draws is known to 2.2 %.
+        // The variance of 4000 draws has a standard error of 2.2 %.
         assert!((ratio - 1.0).abs() < 0.09, "{days}: {ratio}");
         assert!((mean / crept(days) - 1.0).abs() < 0.05, "{days}: {mean}");
     }
 }
 
 #[test]
-fn few_records_and_bad_ones() {
+fn few_or_invalid_records_are_handled() {
     let prior = Prior::new(generic_curves(0.03));
     let mut random = Random(2);
     for count in 0..3 {

@@ -5,8 +5,8 @@ mod answers;
 mod filter;
 mod filter_baseline;
 mod filter_jumps;
-mod known;
-mod known_filter;
+mod golden;
+mod golden_filter;
 #[path = "../../sinew-model/tests/model/random.rs"]
 mod random;
 #[path = "../../sinew-creep/tests/support/score.rs"]

@@ -1,4 +1,4 @@
-//! Lives of ropes from tables of ropes and of events.
+//! Lifetimes of ropes from tables of ropes and of events.
 
 use sinew_files::JsonDocument as _;
 use sinew_files::date::{day_of, parse_utc_s};
@@ -9,7 +9,7 @@ use sinew_trend::survival::{
 };
 use std::path::PathBuf;
 
-/// A table in a folder of its own.
+/// Writes a table to a temporary folder.
 fn table(text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("events.csv");
@@ -30,7 +30,7 @@ const EVENTS: &str = "date,unit,kind,event\n\
     2024-11-11,d,lift,retired\n";
 
 #[test]
-fn events_at_places_are_lives_of_ropes() {
+fn events_at_locations_are_rope_lifetimes() {
     let (_folder, path) = table(EVENTS);
     let lives = read_lives(&path, &EventColumns::default()).unwrap();
     assert_eq!(lives.age_unit, AgeUnit::Seconds);
@@ -61,17 +61,17 @@ fn events_at_places_are_lives_of_ropes() {
         "half a day",
         "loose; tensioned again",
         "2024-12-31",
-        "first breaks",
+        "first failure",
     ] {
         assert!(
             notes.iter().any(|n| n.contains(words)),
             "{words}: {notes:?}"
         );
     }
-    // Watched until the last event of the same kind, or until a day.
+    // Observed until the last event of the same kind, or until a day.
     let of = |columns: EventColumns| read_lives(&path, &columns).unwrap().lives[2].age / 86_400.0;
     let by_kind = EventColumns {
-        watched: Some("kind".into()),
+        monitored: Some("kind".into()),
         ..EventColumns::default()
     };
     assert_eq!(of(by_kind), 115.0);
@@ -83,7 +83,7 @@ fn events_at_places_are_lives_of_ropes() {
 }
 
 #[test]
-fn a_row_a_rope_is_read_in_days_hours_and_cycles() {
+fn rope_table_is_read_in_days_hours_and_cycles() {
     for (column, factor) in [
         ("age_days", 86_400.0),
         ("age_hours", 3600.0),
@@ -102,7 +102,7 @@ fn a_row_a_rope_is_read_in_days_hours_and_cycles() {
 }
 
 #[test]
-fn wrong_tables_are_refused_with_the_place_and_the_cure() {
+fn invalid_tables_are_rejected_with_location_and_fix() {
     let refused = |text: &str, columns: &EventColumns, words: &[&str]| {
         let (_folder, path) = table(text);
         let error = read_lives(&path, columns).unwrap_err().to_string();
@@ -114,7 +114,7 @@ fn wrong_tables_are_refused_with_the_place_and_the_cure() {
     refused(
         "date,unit,event\nspring,a,broken\n",
         &plain,
-        &["line 2", "no date", "spring"],
+        &["line 2", "not a date", "spring"],
     );
     refused(
         "day,unit,event\n2024-01-01,a,broken\n",
@@ -154,11 +154,12 @@ fn wrong_tables_are_refused_with_the_place_and_the_cure() {
     refused(
         EVENTS,
         &until,
-        &["2023-01-01", "after the end of the watch"],
+        &["2023-01-01", "after the end of observation"],
     );
 }
 
-/// Ages at which ropes of a Weibull law break, evenly over its quantiles; every fourth is replaced at 0.7 of it.
+/// Table of ages at which ropes of a Weibull law break, at its quantiles; every fourth is replaced
+/// at 0.7 of it.
 fn ropes(shape: f64, count: usize) -> String {
     let mut text = String::from("age_days,end\n");
     for i in 0..count {
@@ -174,14 +175,26 @@ fn ropes(shape: f64, count: usize) -> String {
 }
 
 #[test]
-fn what_age_says_is_told_apart() {
+fn age_dependence_of_breaks_is_classified() {
     for (text, wear, words) in [
-        (ropes(2.5, 40), Wear::WearsOut, "replacing in time helps"),
-        (ropes(0.5, 40), Wear::BreaksEarly, "better than a new one"),
-        (ropes(1.0, 20), Wear::AgeSaysNothing, "as good as a new one"),
+        (
+            ropes(2.5, 40),
+            Wear::WearsOut,
+            "preventive replacement reduces failures",
+        ),
+        (
+            ropes(0.5, 40),
+            Wear::BreaksEarly,
+            "preventive replacement increases failures",
+        ),
+        (
+            ropes(1.0, 20),
+            Wear::AgeIndependent,
+            "no benefit of age-based replacement shown",
+        ),
         (
             "age_days,end\n5,broken\n9,running\n".into(),
-            Wear::CannotTell,
+            Wear::Inconclusive,
             "too few",
         ),
     ] {
@@ -198,14 +211,14 @@ fn what_age_says_is_told_apart() {
         assert!(shown.lines().all(|l| l.chars().count() <= 80), "{shown}");
         let page = html(&report);
         assert!(page.contains("<svg") && !page.contains("NaN"), "{wear:?}");
-        // Results are data: they are read as they were written.
+        // Results are data: deserialisation restores them.
         let read: SurvivalReport = serde_json::from_str(&report.to_json().unwrap()).unwrap();
         assert_eq!(read.groups.len(), 1);
     }
 }
 
 #[test]
-fn groups_are_counted_apart_and_a_law_that_does_not_fit_says_so() {
+fn groups_are_separate_and_poor_fit_is_reported() {
     // Half break within a week, half after 300 days.
     let mut text = String::from("age_days,end,kind\n");
     for i in 0..30 {
@@ -222,7 +235,7 @@ fn groups_are_counted_apart_and_a_law_that_does_not_fit_says_so() {
     assert_eq!(names, [None, Some("early"), Some("late")]);
     assert_eq!(report.groups[0].ropes, 60);
     assert!(report.groups[0].weibull.as_ref().unwrap().outside_band > 5);
-    assert!(render_table(&report).contains("leaves the curve's band"));
+    assert!(render_table(&report).contains("outside the 95 % band"));
     let late = &report.groups[2];
     assert_eq!(late.wear, Wear::WearsOut);
     assert!(
@@ -233,7 +246,7 @@ fn groups_are_counted_apart_and_a_law_that_does_not_fit_says_so() {
 }
 
 #[test]
-fn a_word_that_is_denied_or_part_of_another_ends_no_life() {
+fn negated_or_partial_words_end_no_lifetime() {
     let spared = [
         "not broken",
         "it isn't broken",
@@ -252,7 +265,7 @@ fn a_word_that_is_denied_or_part_of_another_ends_no_life() {
         let found: Vec<_> = lives.iter().map(|l| (l.age / 86_400.0, l.end)).collect();
         assert_eq!(found, [(60.0, LifeEnd::Whole)], "{words}");
     }
-    // What else may have broken is read aloud.
+    // Breaks of other parts are listed in a note.
     let (_folder, path) = table(
         "date,unit,event\n2024-01-01,a,installed\n2024-02-01,a,housing broken\n2024-03-01,a,broken\n",
     );
@@ -263,9 +276,9 @@ fn a_word_that_is_denied_or_part_of_another_ends_no_life() {
     }));
 }
 
-/// A break and the rope that was put in for it stand on one day in most logs, in either order.
+// A break and the new installation are on one day in most logs, in either order.
 #[test]
-fn a_break_and_its_new_rope_on_one_day_are_one_life_each() {
+fn break_and_installation_on_one_day_are_separate_lifetimes() {
     let ends = |text: &str| {
         let (_folder, path) = table(&format!("date,unit,event\n{text}"));
         let lives = read_lives(&path, &EventColumns::default()).unwrap().lives;
@@ -281,12 +294,13 @@ fn a_break_and_its_new_rope_on_one_day_are_one_life_each() {
         let text = format!("2024-01-01,a,installed\n{day}2025-01-01,a,seen\n");
         assert_eq!(ends(&text), expected, "{day}");
     }
-    // The first row of a log: a rope of unknown age broke, and another was put in. It didn't break on that day.
+    // First row of a log: a rope of unknown age broke, and another was installed. The latter did
+    // not break on that day.
     let text = "2024-12-01,a,broken\n2024-12-01,a,installed\n2025-01-01,a,seen\n";
     assert_eq!(ends(text), [(31.0, LifeEnd::Whole)]);
     let text = "2024-12-01,a,installed\n2024-12-01,a,broken\n2025-01-01,z,seen\n";
     assert_eq!(ends(text), [(0.5, LifeEnd::Broke)]);
-    // It stood without a rope for 19 days: that is no life.
+    // Without a rope for 19 days: no lifetime.
     let text =
         "2024-01-01,a,installed\n2024-06-01,a,broken\n2024-06-20,a,installed\n2024-07-20,a,seen\n";
     assert_eq!(
@@ -295,10 +309,10 @@ fn a_break_and_its_new_rope_on_one_day_are_one_life_each() {
     );
 }
 
-/// Between a break and the end of the watch there may have been no rope at all: a life that nobody lived makes ropes look
-/// stronger than they are.
+// Between a break and the end of observation there may have been no rope at all: a lifetime that
+// did not exist makes ropes look stronger than they are.
 #[test]
-fn a_place_that_got_no_new_rope_is_out_of_observation_from_the_break_on() {
+fn location_without_new_rope_is_censored_at_break() {
     let of = |events: &str| {
         let (_folder, path) = table(&format!(
             "date,unit,event\n2024-01-01,a,installed\n{events}2025-01-01,z,seen\n"
@@ -313,25 +327,26 @@ fn a_place_that_got_no_new_rope_is_out_of_observation_from_the_break_on() {
     };
     let broke = (31.0, LifeEnd::Broke);
     assert_eq!(of("2024-02-01,a,broken\n"), (vec![broke], Some(1)));
-    // Another was put in, as is said.
+    // Another one was installed, as recorded.
     let installed = "2024-02-01,a,broken\n2024-02-11,a,installed\n";
     let whole = (325.0, LifeEnd::Whole);
     assert_eq!(of(installed), (vec![broke, whole], None));
-    // Nobody says so, but there was one to be tensioned: whole until then.
+    // Not recorded, but there was one to be tensioned: intact until then.
     let seen = "2024-02-01,a,broken\n2024-02-21,a,tensioned again\n";
     assert_eq!(of(seen), (vec![broke, (20.0, LifeEnd::Whole)], None));
-    // One that broke again was there; since then there is none.
+    // A rope that broke again was installed; since then there is none.
     let again = "2024-02-01,a,broken\n2024-03-02,a,broken\n";
     assert_eq!(of(again), (vec![broke, (30.0, LifeEnd::Broke)], Some(1)));
 }
 
-/// Where every break was repaired, a log of breaks has the short lives only: those that ended by another break. Ropes that were
-/// put in and lasted must count, or ropes look weaker than they are.
+// If every break was repaired, a log of breaks contains only the short lifetimes: those that ended
+// by another break. Ropes that were installed and lasted must count, or ropes look weaker than they
+// are.
 #[test]
-fn ropes_put_in_after_a_break_count_where_every_place_was_repaired() {
+fn repaired_ropes_count_as_censored_lifetimes() {
     const MEAN_DAYS: f64 = 1000.0;
     let begin = parse_utc_s("2024-01-01").unwrap();
-    // Quantiles of lives at a constant risk, a hundred places on their first day, each with another.
+    // Quantiles of lifetimes with a constant hazard, at a hundred locations.
     let mut rows = String::from("date,unit,event\n");
     for place in 0..100 {
         let life_days = -MEAN_DAYS * (1.0 - (f64::from(place) + 0.5) / 100.0).ln();
@@ -358,14 +373,17 @@ fn ropes_put_in_after_a_break_count_where_every_place_was_repaired() {
 }
 
 #[test]
-fn a_column_that_is_not_there_and_ropes_that_break_early_are_refused() {
+fn missing_column_and_early_breaks_are_rejected() {
     let (_folder, path) = table(EVENTS);
     let odd = EventColumns {
         group: Some("kindd".into()),
         ..EventColumns::default()
     };
-    let why = read_lives(&path, &odd).unwrap_err().to_string();
-    assert!(why.contains("'kindd'") && why.contains("--group"), "{why}");
+    let reason = read_lives(&path, &odd).unwrap_err().to_string();
+    assert!(
+        reason.contains("'kindd'") && reason.contains("--group"),
+        "{reason}"
+    );
     let mut early = String::from("age_days,end\n");
     for i in 0..20 {
         early += &format!("{},broken\n700,running\n", 1.0 + f64::from(i * i) / 10.0);
@@ -374,8 +392,8 @@ fn a_column_that_is_not_there_and_ropes_that_break_early_are_refused() {
     let lives = read_lives(&path, &EventColumns::default()).unwrap();
     let report = analyze_lives(&lives, "early");
     assert_eq!(report.groups[0].wear, Wear::BreaksEarly);
-    let why = LifePrior::new(&lives, "early", 0.1, 1)
+    let reason = LifePrior::new(&lives, "early", 0.1, 1)
         .unwrap_err()
         .to_string();
-    assert!(why.contains("no reason to replace"), "{why}");
+    assert!(reason.contains("no reason for replacement"), "{reason}");
 }

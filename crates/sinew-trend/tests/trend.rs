@@ -1,4 +1,4 @@
-//! What a trend says of the records of sessions.
+//! Trends of session records.
 
 use crate::support;
 
@@ -10,7 +10,7 @@ use sinew_report::trend::{format_note, html, render_table};
 use sinew_rope::Catalogue;
 use sinew_trend::survival::{EventColumns, LifePrior, read_lives};
 use sinew_trend::{
-    ForecastPoint, JointTrend, JumpCause, Limit, LimitState, PriorBasis, SessionRecord, Stated,
+    ForecastPoint, JointTrend, Limit, LimitState, PriorBasis, SessionRecord, Stated, StepCause,
     TrendEventKind, TrendReport, TrendRequest, TrendVerdict, analyze, prior, read_sessions, sort,
 };
 use support::{DAY_S, biorob_like, session_record, utc};
@@ -45,13 +45,13 @@ fn tensioned(day: f64) -> Stated {
     }
 }
 
-/// Errors of about 0.25 mrad without a generator: irrational steps.
+/// Errors of about 0.25 mrad without a random generator: irrational steps.
 fn wobble(i: f64) -> f64 {
     0.35 * (i * 12.9898).sin()
 }
 
 #[test]
-fn a_tendon_that_creeps_over_its_limit_says_when() {
+fn creep_over_limit_reports_exceedance_date() {
     // 2.2 mrad per e-fold of hours: 20 mrad (0.5 mm on 25 mm) after exp(20/2.2) h = 369 days.
     let records = |days: i32| -> Vec<SessionRecord> {
         (1..=days)
@@ -71,7 +71,7 @@ fn a_tendon_that_creeps_over_its_limit_says_when() {
     let high = limit.after_high_s.map_or(f64::INFINITY, |t| t / DAY_S);
     assert!(low < truth && truth < high, "{truth}: {limit:?}");
     assert!(
-        joint.events.is_empty() && !said.needs_attention,
+        joint.events.is_empty() && !said.action_required,
         "{:?}",
         joint.events
     );
@@ -82,22 +82,22 @@ fn a_tendon_that_creeps_over_its_limit_says_when() {
     let page = html(&said);
     assert!(page.contains("<svg") && page.contains("elbow") && !page.contains("NaN"));
 
-    // Passed: 150 mrad more.
+    // Exceeded by 150 mrad.
     let mut over = records(40);
     over.iter_mut()
         .filter_map(|r| r.offset_rad.as_mut())
         .for_each(|y| y.mean += 15e-3);
     let said = report(over, vec![tensioned(0.0)]);
     assert_eq!(said.joints[0].limits[0].state, LimitState::Passed);
-    assert!(said.needs_attention && said.joints[0].verdict == TrendVerdict::Retension);
-    assert!(html(&said).contains("tension it again"));
-    // Results are data: they are read as they were written.
+    assert!(said.action_required && said.joints[0].verdict == TrendVerdict::Retension);
+    assert!(html(&said).contains("re-tension"));
+    // Results are data: deserialisation restores them.
     let text = serde_json::to_string(&said).unwrap();
     assert_eq!(serde_json::from_str::<TrendReport>(&text).unwrap(), said);
 }
 
 #[test]
-fn one_session_or_none_that_can_tell_says_unknown() {
+fn single_or_inconclusive_session_reports_unknown() {
     let nothing = |day: f64| SessionRecord {
         offset_rad: None,
         ..session_record(day, 0.0)
@@ -111,10 +111,10 @@ fn one_session_or_none_that_can_tell_says_unknown() {
         joint.limits
     );
     assert_eq!((joint.sessions, joint.without_information), (2, 2));
-    assert!(!said.needs_attention);
+    assert!(!said.action_required);
     let said = report(vec![session_record(1.0, 2.0)], Vec::new());
     let joint = &said.joints[0];
-    assert!(!joint.tensioned_stated);
+    assert!(!joint.tensioned_specified);
     assert!(
         said.notes
             .iter()
@@ -130,7 +130,7 @@ fn one_session_or_none_that_can_tell_says_unknown() {
 }
 
 #[test]
-fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
+fn tensioning_removes_offset_and_keeps_strain() {
     let day = |d: i32| f64::from(d);
     let whole = |t: f64| 2.2 * (24.0 * t).ln();
     let records: Vec<SessionRecord> = (1..=90)
@@ -164,9 +164,9 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
             (100.0 * found.mean - strain).abs() < 0.01,
             "{found:?} {strain}"
         );
-        assert!(!said.needs_attention, "a tensioning is no alarm");
+        assert!(!said.action_required, "a tensioning is no alarm");
     }
-    // Another baseline is a tensioning too; a replacement forgets what was before.
+    // Another baseline is a re-tensioning, too; a replacement discards earlier records.
     let mut other = records.clone();
     other[45..]
         .iter_mut()
@@ -175,7 +175,7 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
     assert!(
         said.notes
             .iter()
-            .any(|n| format_note(n).contains("another baseline")),
+            .any(|n| format_note(n).contains("baseline changed")),
         "{:?}",
         said.notes
     );
@@ -189,8 +189,8 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
 }
 
 #[test]
-fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
-    for (stiffness, cause) in [(-0.06, JumpCause::StrandFailure), (0.0, JumpCause::Slip)] {
+fn strand_failure_is_distinguished_by_stiffness() {
+    for (stiffness, cause) in [(-0.06, StepCause::StrandFailure), (0.0, StepCause::Slip)] {
         let records = (1..=60)
             .map(|d| {
                 let t = f64::from(d);
@@ -211,13 +211,13 @@ fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
         let size = event.size_rad.unwrap().scaled(1e3);
         let (size, half) = (size.mean, size.half_width_95());
         assert!((size - 3.0).abs() < half.max(0.5), "{size} ± {half}");
-        assert_eq!(event.kind, TrendEventKind::Jump { cause });
-        assert!(said.needs_attention);
+        assert_eq!(event.kind, TrendEventKind::StepChange { cause });
+        assert!(said.action_required);
     }
 }
 
 #[test]
-fn curves_of_a_rope_are_those_of_its_law() {
+fn rope_curves_match_rope_law() {
     let robot = biorob_like();
     let index = robot.arm.joint_index("elbow").unwrap();
     let tendon = robot.transmissions[index]
@@ -232,7 +232,7 @@ fn curves_of_a_rope_are_those_of_its_law() {
     assert!(curves.len() > prior::CURVES, "the rope's and generic ones");
     let total: f64 = curves.iter().map(|c| c.log_weight.exp()).sum();
     assert!((total - 1.0).abs() < 1e-9, "{total}");
-    // Work without peaks is a constant load: the law itself, in its portions.
+    // A load without peaks is constant: the law itself, section by section.
     let law = sinew_rope::Draws::new(rope, 0, 1).unwrap().nominal;
     let work = sinew_rope::work::Work {
         mean_factor: 1.0,
@@ -250,9 +250,9 @@ fn curves_of_a_rope_are_those_of_its_law() {
     assert!(values.windows(2).all(|w| w[1] >= w[0]));
 }
 
-/// A rope without a name may be any; one without a pretension is itself, under any.
+// A rope without a name may be any of the catalogue; one without a pretension is itself, under any.
 #[test]
-fn what_the_robot_file_lacks_decides_which_ropes_stand_for_a_tendons() {
+fn missing_robot_entries_select_candidate_ropes() {
     use sinew_trend::{MissingFromRobot, prior::rope_prior};
     let catalogue = Catalogue::shipped().unwrap();
     let transmission = biorob_like().transmissions[2].clone().unwrap();
@@ -267,7 +267,7 @@ fn what_the_robot_file_lacks_decides_which_ropes_stand_for_a_tendons() {
     };
     tendon.pretension_n = None;
     assert_eq!(of(Some(&tendon)), (MissingFromRobot::Pretension, 1));
-    // One that is misspelled is none of them.
+    // A misspelled rope name is an error.
     tendon.rope = Some("liros-dc000-0310".into());
     let said = rope_prior(Some(&tendon), &catalogue, None, 23.0, 1).unwrap_err();
     assert!(said.to_string().contains("liros-dc000-0310"), "{said}");
@@ -279,7 +279,7 @@ fn what_the_robot_file_lacks_decides_which_ropes_stand_for_a_tendons() {
 }
 
 #[test]
-fn a_trend_survives_being_stored() {
+fn stored_trend_round_trip() {
     use sinew_trend::filter::{Prior, Record, Trend, TrendConfig, TrendNow};
     use sinew_trend::stored::{StoredTrend, StoredTrendError};
     let prior = Prior::new(prior::generic(None));
@@ -313,7 +313,7 @@ fn a_trend_survives_being_stored() {
         };
         whole.add(record).unwrap();
         let text = serde_json::to_string(&StoredTrend::from(&stored)).unwrap();
-        // 47 numbers a filter; just after a jump all noises are possible again.
+        // 47 numbers per filter; just after a step change all noises are possible again.
         let filters = stored.components().len();
         assert!(
             text.len() < 47 * 21 * filters + 10_000,
@@ -325,14 +325,14 @@ fn a_trend_survives_being_stored() {
         stored = read.resume(prior.clone(), config).unwrap();
         stored.add(record).unwrap();
     }
-    // JSON numbers are read to the last digit but one.
+    // JSON numbers are exact except for the last digit.
     let (a, b) = (TrendNow::of(&whole), TrendNow::of(&stored));
     assert!(
         (a.offset_rad.mean - b.offset_rad.mean).abs() < 1e-12,
         "{a:?} {b:?}"
     );
     assert!(
-        (a.offset_rad.deviation / b.offset_rad.deviation - 1.0).abs() < 1e-9,
+        (a.offset_rad.std / b.offset_rad.std - 1.0).abs() < 1e-9,
         "{a:?} {b:?}"
     );
     assert_eq!(whole.state().baseline, stored.state().baseline);
@@ -348,10 +348,10 @@ fn a_trend_survives_being_stored() {
     let version = later.version;
     let refused = later.resume(prior.clone(), config);
     assert_eq!(refused.unwrap_err(), StoredTrendError::Version(version));
-    // One of version 2 had a state less, and didn't know the stiffness since a jump.
+    // A state of version 2 had one state variable less, and no stiffness since a step change.
     let mut earlier = serde_json::to_value(StoredTrend::from(&whole)).unwrap();
     earlier["version"] = 2.into();
-    for key in ["softened", "baseline"] {
+    for key in ["stiffness_loss", "baseline"] {
         earlier.as_object_mut().unwrap().remove(key);
     }
     for event in earlier["events"].as_array_mut().unwrap() {
@@ -361,7 +361,7 @@ fn a_trend_survives_being_stored() {
         filter[3].as_array_mut().unwrap().truncate(5);
         filter[4].as_array_mut().unwrap().truncate(15);
     }
-    // One of version 3 knew nothing of what sessions share.
+    // A state of version 3 had no common error.
     let mut third = earlier.clone();
     third["version"] = 3.into();
     let mut short = earlier.clone();
@@ -378,7 +378,7 @@ fn a_trend_survives_being_stored() {
     );
 }
 
-/// Numbers in 0..1 and normal ones, the same on every machine (splitmix64, Box and Muller).
+/// Uniform and normal random numbers, identical on every machine (splitmix64, Box and Muller).
 struct Random(u64);
 
 impl Random {
@@ -397,8 +397,9 @@ impl Random {
 }
 
 #[test]
-fn errors_that_stay_the_same_are_inside() {
-    // Checks state ± 1.1 mrad, and are off by a constant of 0.30 or 0.44: twice 28 tendons, all sessions of each alike.
+fn constant_errors_are_covered() {
+    // Checks report ± 1.1 mrad with a constant error of 0.30 or 0.44 mrad: twice 28 tendons, all
+    // sessions of each identical.
     let mut random = Random(4);
     for (constant_mrad, stated) in [(0.3, true), (0.44, true), (0.3, false), (0.44, false)] {
         let mut inside = 0;
@@ -411,9 +412,9 @@ fn errors_that_stay_the_same_are_inside() {
                 let t = f64::from(day);
                 let mut record = session_record(t, creep(t) + wrong + 0.07 * random.normal());
                 let offset = record.offset_rad.as_mut().unwrap();
-                offset.deviation = 0.55e-3;
+                offset.std = 0.55e-3;
                 record.baseline_time_utc_s = Some(utc("2026-03-01") + 3600.0);
-                record.shared_error = stated.then_some(SharedError {
+                record.systematic_error = stated.then_some(SharedError {
                     baseline_rad: 0.5e-3,
                     drift_rad: 0.0,
                 });
@@ -434,8 +435,8 @@ fn errors_that_stay_the_same_are_inside() {
 }
 
 #[test]
-fn a_rope_that_breaks_is_an_alarm_in_the_cycle_it_breaks_in() {
-    // A bin a cycle, half a minute each, dates rounded to the second.
+fn rope_break_alarms_in_same_cycle() {
+    // One bin per cycle, half a minute each, dates rounded to the second.
     let at = |cycle: i32, offset_mrad: f64| SessionRecord {
         time_utc_s: (utc("2026-03-01") + 33.4 * f64::from(cycle)).round(),
         duration_s: Some(34.0),
@@ -448,7 +449,7 @@ fn a_rope_that_breaks_is_an_alarm_in_the_cycle_it_breaks_in() {
     assert_eq!(sorted.joints[0].1.len(), 66, "{:?}", sorted.notes);
     assert!(sorted.notes.is_empty(), "{:?}", sorted.notes);
     let calm = report_of(None, records.clone(), Vec::new());
-    assert!(!calm.needs_attention, "{:?}", calm.joints[0].events);
+    assert!(!calm.action_required, "{:?}", calm.joints[0].events);
     let cycles = calm.joints[0].cycles.unwrap();
     assert_eq!(cycles.last, 65.0);
     assert!(
@@ -463,20 +464,20 @@ fn a_rope_that_breaks_is_an_alarm_in_the_cycle_it_breaks_in() {
         panic!("{:?}", joint.events);
     };
     assert!(event.is_jump() && event.sessions == 1, "{event:?}");
-    assert!(said.needs_attention && joint.verdict == TrendVerdict::Inspect);
+    assert!(said.action_required && joint.verdict == TrendVerdict::Inspect);
     assert!(
         (1e3 * joint.offset_rad.mean + 395.0).abs() < 3.0,
         "{:?}",
         joint.offset_rad
     );
     let text = render_table(&said);
-    for words in ["look at it now", "no error explains it", "−397"] {
+    for words in ["inspect now", "exceeds every modelled error", "−397"] {
         assert!(text.contains(words), "{words}: {text}");
     }
 }
 
 #[test]
-fn a_log_of_cycles_without_dates_is_told_in_cycles() {
+fn log_of_cycles_is_reported_in_cycles() {
     let mut text = String::from("cycle,joint,offset_mrad,interval_95_mrad\n");
     for cycle in 1..=60 {
         let offset = 1.5 * f64::from(cycle).ln() + wobble(f64::from(cycle));
@@ -506,8 +507,9 @@ fn a_log_of_cycles_without_dates_is_told_in_cycles() {
 }
 
 #[test]
-fn limits_are_passed_by_their_own_paths_from_half_on() {
-    // 2.2 mrad per e-fold of hours, tensioned after 45 days: 2.4 mrad since then, 17 since the rope was new.
+fn limits_use_their_paths_and_median_probability() {
+    // 2.2 mrad per e-fold of hours, re-tensioned after 45 days: 2.4 mrad since then, 17 mrad since
+    // the rope was new.
     let whole = |t: f64| 2.2 * (24.0 * t).ln();
     let records: Vec<SessionRecord> = (1..=90)
         .map(|d| {
@@ -541,17 +543,17 @@ fn limits_are_passed_by_their_own_paths_from_half_on() {
     assert_eq!(states(&joint)[0], LimitState::Passed);
     assert_ne!(states(&joint)[1], LimitState::Passed);
 
-    // Half a deviation above and below the offset: 69 and 31 % sure.
+    // Half a standard deviation above and below the offset: probabilities of 69 and 31 %.
     let offset = with_limits(8.0, 40.0).offset_rad.scaled(1e3);
-    for (deviations, state) in [(-0.5, LimitState::Passed), (0.5, LimitState::Forecast)] {
-        let joint = with_limits(offset.mean + deviations * offset.deviation, 40.0);
+    for (stds, state) in [(-0.5, LimitState::Passed), (0.5, LimitState::Forecast)] {
+        let joint = with_limits(offset.mean + stds * offset.std, 40.0);
         let limit = &joint.limits[0];
         assert_eq!(limit.state, state, "{limit:?}");
-        let off = (limit.passed_probability - 0.5 + 0.19 * deviations.signum()).abs();
+        let off = (limit.passed_probability - 0.5 + 0.19 * stds.signum()).abs();
         assert!(off < 0.06, "{limit:?}");
     }
 
-    // Days and their dates lie where the forecast's band meets the limit: creep only grows.
+    // Forecast dates are the points where the forecast's band reaches the limit: creep only grows.
     let joint = with_limits(offset.mean + 1.5, 40.0);
     let limit = &joint.limits[0];
     let band = |after_s: f64, of: &dyn Fn(&ForecastPoint) -> f64| {
@@ -585,7 +587,7 @@ fn limits_are_passed_by_their_own_paths_from_half_on() {
 }
 
 #[test]
-fn a_new_baseline_counts_from_its_own_time_and_temperature() {
+fn new_baseline_uses_its_time_and_temperature() {
     // Creep of 2.2 mrad per e-fold; 0.1 mrad/K of drift; a new baseline on day 30.5 at 27 °C.
     let creep = |t: f64| 2.2 * t.ln();
     let records: Vec<SessionRecord> = (1..=60)
@@ -603,7 +605,7 @@ fn a_new_baseline_counts_from_its_own_time_and_temperature() {
                 baseline_time_utc_s: Some(utc("2026-03-01") + since * DAY_S),
                 reference_c: Some(reference_c),
                 temperature_c: Some(celsius),
-                shared_error: Some(SharedError {
+                systematic_error: Some(SharedError {
                     baseline_rad: 0.1e-3,
                     drift_rad: 0.1e-3,
                 }),
@@ -616,8 +618,8 @@ fn a_new_baseline_counts_from_its_own_time_and_temperature() {
     let truth = creep(60.0) - creep(30.5);
     let found = joint.offset_rad.scaled(1e3);
     assert!((found.mean - truth).abs() < 0.3, "{found:?} {truth}");
-    // The clock begins an hour before the first baseline: nobody need be asked.
-    assert!(!joint.tensioned_stated);
+    // The clock starts an hour before the first baseline: no user input required.
+    assert!(!joint.tensioned_specified);
     assert!((joint.tensioned_utc_s - utc("2026-03-01")).abs() < 1.0);
     let notes: Vec<String> = said.notes.iter().map(format_note).collect();
     assert!(
@@ -625,7 +627,7 @@ fn a_new_baseline_counts_from_its_own_time_and_temperature() {
         "{notes:?}"
     );
     assert!(
-        notes.iter().any(|n| n.contains("another baseline")),
+        notes.iter().any(|n| n.contains("baseline changed")),
         "{notes:?}"
     );
     let drift = joint.drift_rad_per_k.unwrap().scaled(1e3);
@@ -633,12 +635,12 @@ fn a_new_baseline_counts_from_its_own_time_and_temperature() {
 }
 
 #[test]
-fn where_no_strain_says_when_other_ropes_lives_do() {
+fn lifetimes_apply_without_strain_limit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lives.csv");
     let mut table = String::from("age_days,end\n");
     for i in 0..40 {
-        // Weibull, shape 2, scale 300 days, read off its quantiles; a third was replaced half way.
+        // Weibull, shape 2, scale 300 days, at its quantiles; a third was replaced half way.
         let age = 300.0 * (-(1.0 - (f64::from(i) + 0.5) / 40.0).ln()).sqrt();
         let replaced = i % 3 == 0;
         let (age, end) = if replaced {
@@ -667,9 +669,9 @@ fn where_no_strain_says_when_other_ropes_lives_do() {
             .map(|d| session_record(f64::from(d), 2.0));
         let sorted = sort(records.collect(), None).unwrap();
         let said = analyze(sorted, &request).unwrap();
-        (said.joints[0].clone(), said.needs_attention)
+        (said.joints[0].clone(), said.action_required)
     };
-    // robot.toml has a limit of the strain: that is better known.
+    // robot.toml has a strain limit, which takes precedence.
     let elbow = robot.arm.joint_index("elbow").unwrap();
     let limit_strain = |robot: &mut Robot, strain_ratio: Option<f64>| {
         let transmission = robot.transmissions[elbow].as_mut().unwrap();
@@ -690,7 +692,7 @@ fn where_no_strain_says_when_other_ropes_lives_do() {
     let (joint, alarm) = life(&robot, 161);
     assert!(alarm && joint.life.as_ref().unwrap().is_passed());
     assert_eq!(joint.verdict, TrendVerdict::ReplaceByAge);
-    // Two ropes that broke together say nothing of a third.
+    // Two ropes that broke together do not determine a law.
     std::fs::write(&path, "age_days,end\n5,broken\n9,running\n").unwrap();
     let lives = read_lives(&path, &EventColumns::default()).unwrap();
     let error = LifePrior::new(&lives, "lives.csv", 0.1, 1).unwrap_err();
@@ -702,13 +704,13 @@ fn where_no_strain_says_when_other_ropes_lives_do() {
 }
 
 #[test]
-fn a_trend_goes_on_from_where_it_was_kept_as_from_nothing() {
-    use sinew_trend::{KeptTrend, go_on, mean_temperature_c, prior::rope_prior};
+fn resumed_trend_equals_trend_from_start() {
+    use sinew_trend::{LoadedTrend, mean_temperature_c, prior::rope_prior, resume_joint};
     let robot = biorob_like();
     let catalogue = Catalogue::shipped().unwrap();
     let index = robot.arm.joint_index("elbow").unwrap();
     let tendon = robot.transmissions[index].as_ref().unwrap().tendon.as_ref();
-    // A strand fails on day 20; somebody tensions after day 30, which a new baseline follows.
+    // A strand fails on day 20; a re-tensioning after day 30 is followed by a new baseline.
     let record = |d: i32| {
         let t = f64::from(d);
         let jumped = if d >= 20 { 5.0 } else { 0.0 };
@@ -724,7 +726,7 @@ fn a_trend_goes_on_from_where_it_was_kept_as_from_nothing() {
     };
     let records: Vec<SessionRecord> = (1..=36).map(record).collect();
     let rope = rope_prior(tendon, &catalogue, None, mean_temperature_c(&records), 1).unwrap();
-    let asked = |days: usize, records: &[SessionRecord], kept: Option<KeptTrend>| {
+    let asked = |days: usize, records: &[SessionRecord], kept: Option<LoadedTrend>| {
         let stated = if days > 30 {
             vec![tensioned(30.5)]
         } else {
@@ -739,23 +741,23 @@ fn a_trend_goes_on_from_where_it_was_kept_as_from_nothing() {
             horizon_days: 365.0,
             seed: 1,
         };
-        go_on("elbow", &records[..days], &rope, &request, kept).unwrap()
+        resume_joint("elbow", &records[..days], &rope, &request, kept).unwrap()
     };
-    let mut kept: Option<KeptTrend> = None;
+    let mut kept: Option<LoadedTrend> = None;
     for days in [15, 21, 22, 33, 33, 36] {
         let anew = asked(days, &records, None);
         let on = asked(days, &records, kept.take());
-        assert_eq!((anew.went_on, on.went_on), (false, days > 15));
+        assert_eq!((anew.is_resumed, on.is_resumed), (false, days > 15));
         assert_eq!((&on.trend, &on.kept), (&anew.trend, &anew.kept));
         kept = Some(on.kept);
     }
     let whole = asked(36, &records, kept.clone());
     assert_eq!(whole.trend.events.len(), 2, "{:?}", whole.trend.events);
-    // A session of the past that was estimated again, and a rope of which something else is known.
+    // An earlier session estimated again, and a rope with a changed prior.
     let mut corrected = records.clone();
     corrected[9] = session_record(10.0, 4.4);
     corrected[9].baseline = Some("old".into());
-    assert!(!asked(36, &corrected, kept.clone()).went_on);
+    assert!(!asked(36, &corrected, kept.clone()).is_resumed);
     let warmer = rope_prior(tendon, &catalogue, None, 30.0, 1).unwrap();
     let request = TrendRequest {
         robot: Some(&robot),
@@ -766,9 +768,9 @@ fn a_trend_goes_on_from_where_it_was_kept_as_from_nothing() {
         horizon_days: 365.0,
         seed: 1,
     };
-    let other = go_on("elbow", &records, &warmer, &request, kept).unwrap();
-    assert!(!other.went_on);
-    // The report says the same, and has the series and the forecast besides.
+    let other = resume_joint("elbow", &records, &warmer, &request, kept).unwrap();
+    assert!(!other.is_resumed);
+    // The report is identical, and additionally contains the series and the forecast.
     let report = analyze(sort(records, None).unwrap(), &request).unwrap();
     let mut found = report.joints[0].clone();
     assert_eq!(found.series.len(), 36);

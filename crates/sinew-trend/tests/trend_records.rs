@@ -12,7 +12,7 @@ use sinew_trend::{RecordError, SessionRecord, records_from_csv, records_from_jso
 use support::{DAY_S, session_record, utc};
 
 #[test]
-fn csv_says_line_and_cure() {
+fn csv_error_reports_line_and_fix() {
     let head = "time,joint,offset_mrad,interval_95_mrad,temperature_c\n";
     let good = records_from_csv(
         &format!("{head}# a note\n2026-03-01T08:30Z,elbow,1.5,0.4,21\n2026-03-02,elbow,,,\n"),
@@ -26,12 +26,12 @@ fn csv_says_line_and_cure() {
     assert_eq!(good[0].time_utc_s, utc("2026-03-01T08:30Z"));
     assert_eq!((good[1].offset_rad, good[1].temperature_c), (None, None));
     for (row, words) in [
-        ("yesterday,elbow,1,0.4,21", "no date"),
+        ("yesterday,elbow,1,0.4,21", "date is invalid"),
         ("2026-03-01,elbow,nan,0.4,21", "not a finite number"),
         ("2026-03-01,elbow,1,0,21", "above 0 mrad"),
         ("2026-03-01,elbow,1,-0.3,21", "above 0 mrad"),
-        ("2026-03-01,elbow,1,,21", "empty beside an offset"),
-        ("2026-03-01,elbow,9999,1,21", "half a turn"),
+        ("2026-03-01,elbow,1,,21", "missing for an offset"),
+        ("2026-03-01,elbow,9999,1,21", "half a revolution"),
         ("2026-03-01,,1,1,21", "'joint' is empty"),
         ("2026-03-01,elbow,1,1,warm", "temperature_c"),
     ] {
@@ -49,14 +49,17 @@ fn csv_says_line_and_cure() {
     assert!(error.contains("no column 'offset_mrad'"), "{error}");
 }
 
-/// A session that saw the elbow longer and could not tell of the wrist.
+/// Session in which the elbow is elongated and the wrist inconclusive.
 fn session() -> SessionEstimate {
     let tendon = |name: &str, [offset, half]: [f64; 2], verdict| TendonEstimate {
         slides: false,
+        slack_share: None,
+        lower_bound_rad: None,
+        lower_bound_m: None,
         anchored: None,
         name: name.into(),
         offset_rad: Gaussian::new(1e-3 * offset, 1e-3 * half / Z95),
-        shared_error: Some(SharedError {
+        systematic_error: Some(SharedError {
             baseline_rad: 0.8e-3 * half / Z95,
             drift_rad: 0.1e-3 * half / Z95,
         }),
@@ -66,7 +69,7 @@ fn session() -> SessionEstimate {
         retension: None,
         changes: Vec::new(),
         stiffness_change_ratio: Gaussian::new(-0.02, 0.01 / Z95),
-        stiffness_since_before: None,
+        stiffness_change: None,
         creep: None,
         slack_rad: None,
         torque_nm: TorqueRange {
@@ -74,39 +77,43 @@ fn session() -> SessionEstimate {
             max: 2.0,
         },
         noise_rad: 1e-4,
-        misfit_rad: 0.0,
+        excess_residual_rad: 0.0,
     };
     SessionEstimate {
         robot: "arm".into(),
         recording: "a.mcap".into(),
         baseline: Some("b".into()),
         baseline_time_utc_s: Some(1.767e9),
+        zero_std_rad: None,
         start_time_utc_s: None,
         duration_s: 60.0,
         temperature_c: Some(22.5),
         temperature_source: TemperatureSource::Recorded,
         reference_temperature_c: None,
         joints: vec![
-            tendon("elbow", [1.5, 0.4], Verdict::Longer),
-            tendon("wrist", [9.0, 16.0], Verdict::CannotTell),
+            tendon("elbow", [1.5, 0.4], Verdict::Elongated),
+            tendon("wrist", [9.0, 16.0], Verdict::Inconclusive),
         ],
+        joint_offsets: Vec::new(),
+        unobservable: Vec::new(),
         segments: Vec::new(),
         blocks: Vec::new(),
         payload_kg: Gaussian::default(),
         payload_changes: Vec::new(),
         external_force: None,
         motor_torque: MotorTorque::Unused,
-        left_out_share: 0.0,
-        left_out: Vec::new(),
+        tension_used: false,
+        rejected_share: 0.0,
+        rejected_intervals: Vec::new(),
         poses: 12,
-        live: None,
+        online: None,
         nuisance: Vec::new(),
         damaged: false,
-        warnings: vec![Warning::FramesMissing { frames: 3 }],
+        warnings: vec![Warning::FramesIncomplete { frames: 3 }],
     }
 }
 
-/// The same as a document of its own, with a date.
+/// The same as a separate document, with a date.
 fn dated() -> String {
     let dated = SessionEstimate {
         start_time_utc_s: Some(1_772_353_800.0),
@@ -116,12 +123,12 @@ fn dated() -> String {
 }
 
 #[test]
-fn a_csv_may_say_what_sessions_share() {
+fn csv_may_report_common_error() {
     let head = "time,joint,offset_mrad,interval_95_mrad,shared_interval_95_mrad,drift_interval_95_mrad,\
                 baseline_time,reference_temperature_c\n";
     let read = |row: &str| records_from_csv(&format!("{head}2026-03-02,elbow,{row}\n"), "s.csv");
     let record = &read("1.5,0.5,0.4,0.1,2026-03-01T09:00Z,18.5").unwrap()[0];
-    let shared = record.shared_error.unwrap();
+    let shared = record.systematic_error.unwrap();
     assert_eq!(
         (shared.baseline_rad, shared.drift_rad),
         (0.4e-3 / Z95, 0.1e-3 / Z95)
@@ -131,14 +138,14 @@ fn a_csv_may_say_what_sessions_share() {
     let record = &read("1.5,0.5,,,,").unwrap()[0];
     assert_eq!(
         (
-            record.shared_error,
+            record.systematic_error,
             record.baseline_time_utc_s,
             record.reference_c
         ),
         (None, None, None)
     );
     assert_eq!(
-        read(",,,,,").unwrap()[0].shared_error,
+        read(",,,,,").unwrap()[0].systematic_error,
         None,
         "it couldn't tell"
     );
@@ -146,7 +153,7 @@ fn a_csv_may_say_what_sessions_share() {
         ("1.5,0.5,0.6,,,", "shared_interval_95_mrad"),
         ("1.5,0.5,-0.1,,,", "shared_interval_95_mrad"),
         ("1.5,0.5,0.4,0.7,,", "drift_interval_95_mrad"),
-        ("1.5,0.5,0.4,0.1,march,", "no date"),
+        ("1.5,0.5,0.4,0.1,march,", "date is invalid"),
     ] {
         let error = read(row).unwrap_err().to_string();
         assert!(
@@ -156,27 +163,46 @@ fn a_csv_may_say_what_sessions_share() {
     }
 }
 
-/// The reader names the verdicts anew, as it doesn't see the estimator: each of the estimator's must be one.
+// The reader has its own list of verdicts, because it does not depend on the estimator: every
+// verdict must be accepted.
 #[test]
 fn session_of_every_verdict_is_read() {
     for verdict in [
-        Verdict::Longer,
-        Verdict::Shorter,
-        Verdict::Unchanged,
-        Verdict::CannotTell,
+        Verdict::Elongated,
+        Verdict::Shortened,
+        Verdict::NoChangeDetected,
+        Verdict::OffsetDetected,
+        Verdict::NoneDetected,
+        Verdict::Inconclusive,
     ] {
         let mut session = session();
         session.start_time_utc_s = Some(1_772_353_800.0);
         session.joints[0].verdict = verdict;
         let text = serde_json::to_string(&session).unwrap();
         let read = records_from_json(&text, "a.json").unwrap();
-        let is_open = verdict == Verdict::CannotTell;
+        let is_open = verdict == Verdict::Inconclusive;
         assert_eq!(read[0].offset_rad.is_none(), is_open, "{verdict:?}");
     }
 }
 
 #[test]
-fn what_estimate_prints_is_read() {
+fn session_of_schema_version_1_is_read() {
+    let text = r#"{"schema": "sinew/estimate/1", "reading": {"recording": {"start_time_ns": null}}, "session": {
+        "robot": "arm", "recording": "a.mcap", "baseline": "b", "start_time_utc_s": 1772353800.0, "duration_s": 60.0,
+        "temperature_c": 21.0, "reference_temperature_c": null, "joints": [
+            {"name": "elbow", "offset_rad": {"mean": 0.0015, "deviation": 0.0002}, "verdict": "longer",
+             "shared_error": {"baseline_rad": 1e-4, "drift_rad": 2e-5},
+             "stiffness_change_ratio": {"mean": -0.02, "deviation": 0.005}},
+            {"name": "wrist", "offset_rad": {"mean": 0.0, "deviation": 0.1}, "verdict": "cannot-tell",
+             "stiffness_change_ratio": {"mean": 0.0, "deviation": 0.1}}]}}"#;
+    let read = records_from_json(text, "a.json").unwrap();
+    assert_eq!(read[0].offset_rad, Some(Gaussian::new(0.0015, 0.0002)));
+    assert!(read[0].systematic_error.is_some());
+    assert_eq!(read[1].offset_rad, None);
+}
+
+#[test]
+fn estimate_output_is_read() {
     let estimate = format!(
         r#"{{"reading": {{"recording": {{"path": "a.mcap", "start_time_ns": 1772353800000000000}}}},
             "robot": {{"name": "arm"}}, "joints": [], "session": {}}}"#,
@@ -187,8 +213,8 @@ fn what_estimate_prints_is_read() {
     assert_eq!(read[0].time_utc_s, 1_772_353_800.0);
     assert_eq!(read[0].robot.as_deref(), Some("arm"));
     let change = read[0].stiffness_ratio.unwrap();
-    assert!((change.mean + 0.02).abs() < 1e-14 && (change.deviation - 0.01 / Z95).abs() < 1e-14);
-    let shared = read[0].shared_error.unwrap();
+    assert!((change.mean + 0.02).abs() < 1e-14 && (change.std - 0.01 / Z95).abs() < 1e-14);
+    let shared = read[0].systematic_error.unwrap();
     let parts = [shared.baseline_rad, shared.drift_rad].map(|part| 1e3 * Z95 * part);
     assert!(
         (parts[0] - 0.32).abs() < 1e-12 && (parts[1] - 0.04).abs() < 1e-12,
@@ -196,19 +222,19 @@ fn what_estimate_prints_is_read() {
     );
     assert_eq!(read[0].baseline_time_utc_s, Some(1.767e9));
     assert_eq!(read[1].offset_rad, None, "it couldn't tell");
-    assert_eq!(read[1].shared_error, None);
-    // A file of a program that said less.
+    assert_eq!(read[1].systematic_error, None);
+    // File of an earlier program with fewer fields.
     let mut less: serde_json::Value = serde_json::from_str(&dated()).unwrap();
     less.as_object_mut().unwrap().remove("baseline_time_utc_s");
     for joint in less["joints"].as_array_mut().unwrap() {
-        joint.as_object_mut().unwrap().remove("shared_error");
+        joint.as_object_mut().unwrap().remove("systematic_error");
     }
     let read = records_from_json(&less.to_string(), "a.json").unwrap();
     assert_eq!(
-        (read[0].shared_error, read[0].baseline_time_utc_s),
+        (read[0].systematic_error, read[0].baseline_time_utc_s),
         (None, None)
     );
-    // The session's estimate alone, with a date of its own; a list; one document after another.
+    // Session estimate alone with its own date; a list; several documents in sequence.
     let alone = dated();
     assert_eq!(
         records_from_json(&alone, "a.json").unwrap()[0].temperature_c,
@@ -227,11 +253,8 @@ fn what_estimate_prints_is_read() {
         4
     );
     for (text, words) in [
-        (
-            estimate.replace("1772353800000000000", "12"),
-            "says no date",
-        ),
-        (alone.replace("1772353800.0", "0.0"), "says no date"),
+        (estimate.replace("1772353800000000000", "12"), "has no date"),
+        (alone.replace("1772353800.0", "0.0"), "has no date"),
         (
             r#"{"reading": {"recording": {"path": "a"}, "joints": []}}"#.into(),
             "--baseline",
@@ -253,7 +276,7 @@ fn what_estimate_prints_is_read() {
 }
 
 #[test]
-fn records_are_put_in_order_and_freed_of_repeats() {
+fn records_are_sorted_and_deduplicated() {
     let mut late = session_record(3.0, 2.0);
     late.source = "again".into();
     let mut overlapping = session_record(2.0, 7.0);
@@ -311,7 +334,7 @@ fn records_are_put_in_order_and_freed_of_repeats() {
 }
 
 #[test]
-fn sessions_back_to_back_are_kept_and_those_that_share_motion_are_not() {
+fn consecutive_sessions_are_kept_overlapping_dropped() {
     let at = |start_s: f64, duration_s: f64, recording: &str| SessionRecord {
         time_utc_s: utc("2026-03-01") + start_s,
         duration_s: Some(duration_s),
@@ -319,7 +342,7 @@ fn sessions_back_to_back_are_kept_and_those_that_share_motion_are_not() {
         ..session_record(0.0, start_s)
     };
     let kept = |records: Vec<SessionRecord>| sort(records, None).map(|s| s.joints[0].1.len());
-    // 90.6 s after 90.4 s, both rounded: back to back, and a second too long.
+    // 90.6 s after 90.4 s, both rounded: consecutive, and one second too long.
     assert_eq!(
         kept(vec![
             at(0.0, 91.0, "a"),
@@ -328,16 +351,16 @@ fn sessions_back_to_back_are_kept_and_those_that_share_motion_are_not() {
         ]),
         Ok(3)
     );
-    // Three seconds of motion in both.
+    // Three seconds of common motion.
     assert_eq!(kept(vec![at(0.0, 93.0, "a"), at(90.0, 91.0, "b")]), Ok(1));
-    // Two short ones within a second, told apart by their recordings, or by their cycles.
+    // Two short ones within a second, distinguished by their recordings, or by their cycles.
     assert_eq!(kept(vec![at(0.0, 0.4, "a"), at(0.0, 0.4, "b")]), Ok(2));
     let cycle = |cycle: f64| SessionRecord {
         cycle: Some(cycle),
         ..at(0.0, 30.0, "a")
     };
     assert_eq!(kept(vec![cycle(8.0), cycle(7.0), cycle(7.0)]), Ok(2));
-    // Nothing tells these apart.
+    // Not distinguishable.
     let other = SessionRecord {
         offset_rad: Some(Gaussian::new(5e-3, 1e-4)),
         ..at(0.0, 0.4, "a")
@@ -349,11 +372,11 @@ fn sessions_back_to_back_are_kept_and_those_that_share_motion_are_not() {
 }
 
 #[test]
-fn damaged_files_are_refused_and_never_break_anything() {
+fn damaged_files_are_rejected_without_panic() {
     let csv = "time,joint,offset_mrad,interval_95_mrad,temperature_c,stiffness_change_percent\n\
                2026-03-01T08:30Z,elbow,1.5,0.4,21,-2\n2026-03-02,elbow,,,,\n";
     let json = &dated()[..];
-    // Bytes replaced, cut out and doubled at places of a simple generator.
+    // Bytes replaced, removed and doubled at pseudo-random positions.
     let mut state = 7_u64;
     let mut next = |most: usize| {
         state = state
@@ -396,7 +419,7 @@ fn damaged_files_are_refused_and_never_break_anything() {
                             assert!(r.time_utc_s.is_finite());
                             assert!(
                                 r.offset_rad
-                                    .is_none_or(|y| y.mean.is_finite() && y.deviation > 0.0)
+                                    .is_none_or(|y| y.mean.is_finite() && y.std > 0.0)
                             );
                         }
                     }

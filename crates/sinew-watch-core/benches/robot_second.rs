@@ -1,12 +1,13 @@
-//! What a robot's monitor costs, in units of merely making frames of its messages:
+//! Cost of a robot's monitor, relative to the assembly of frames from its messages:
 //!
 //! `cargo bench -p sinew-watch-core --bench robot_second`
 //!
-//! Arms of 4 and 7 joints at 250 and 1000 Hz, joint side and motor side in a message each. One run makes frames of the
-//! messages (`sinew_log::live`), the next one gives the frames to a monitor that has a baseline; in turn, medians of the
-//! ratios. Processor time of all threads. Memory is what the allocator holds for the monitor, at the start and at most.
+//! Arms with 4 and 7 joints at 250 and 1000 Hz, with separate messages of joint side and motor side. One run assembles
+//! frames from the messages (`sinew_log::live`); the next one passes them to a monitor with a baseline. Runs alternate;
+//! results are medians of the ratios. Processor time covers all threads. Memory is the allocation of the monitor, at
+//! the start and at its maximum.
 
-// A global allocator is an unsafe trait; this one only counts and hands on to the system's.
+// A global allocator is an unsafe trait; this one only counts and forwards to the system allocator.
 #![allow(unsafe_code)]
 
 use cpu_time::ProcessTime;
@@ -30,11 +31,11 @@ struct Counting;
 
 static HELD: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: every call goes to the system's allocator unchanged.
+// SAFETY: every call is forwarded to the system allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         HELD.fetch_add(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's promise, handed on.
+        // SAFETY: the contract of the caller applies unchanged.
         unsafe { System.alloc(layout) }
     }
 
@@ -55,7 +56,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Length of the motion, s; of it the first minute is the baseline.
+/// Duration of the motion, s; the first minute is the baseline.
 const DURATION_S: f64 = 180.0;
 const BASELINE_S: f64 = 60.0;
 const START_NS: i64 = 1_793_606_400_000_000_000;
@@ -64,12 +65,12 @@ const START_NS: i64 = 1_793_606_400_000_000_000;
 struct Motion {
     robot: Arc<Robot>,
     frames: Vec<Frame>,
-    /// Joint side and motor side, one after the other.
+    /// Alternating messages of joint side and motor side.
     messages: Vec<[Vec<u8>; 2]>,
     hz: f64,
 }
 
-/// Processor time of a run, s a robot-second, and memory, bytes.
+/// Processor time of a run, s per second of robot time, and memory, bytes.
 struct Cost {
     frames_s: f64,
     jobs_s: f64,
@@ -123,7 +124,7 @@ fn four_joints() -> Arc<Robot> {
     Arc::new(robot_dir::load(&folder, None).expect("robot").robot)
 }
 
-/// An arm of seven joints, axes along z and y in turn.
+/// Arm with seven joints, axes alternating between z and y.
 fn seven_joints() -> Arc<Robot> {
     let mut urdf = String::from("<robot name=\"seven\"><link name=\"l0\"/>");
     let mut toml = String::new();
@@ -162,7 +163,7 @@ impl Motion {
             let time_ns = START_NS + (k as f64 / hz * 1e9) as i64;
             let t = k as f64 / hz;
             for i in 0..n {
-                // Two tones a joint, so that every pose is another one.
+                // Two frequencies per joint, so that all poses differ.
                 let tones = [(0.5, 0.9 + 0.13 * i as f64), (0.3, 0.37 + 0.07 * i as f64)];
                 let sum = |f: &dyn Fn(f64, f64) -> f64| tones.iter().map(|(a, w)| f(*a, *w)).sum();
                 q[i] = sum(&|a, w| a * (w * t).sin());
@@ -193,7 +194,7 @@ impl Motion {
         }
     }
 
-    /// Makes frames of the messages: processor time, s a robot-second.
+    /// Assembles frames from the messages; returns processor time, s per second of robot time.
     fn assemble(&self) -> f64 {
         let mut live =
             Live::new(&LiveOptions::of_joints(self.robot.joint_names())).expect("options");
@@ -221,7 +222,7 @@ impl Motion {
         began.elapsed().as_secs_f64() / DURATION_S
     }
 
-    /// Gives the frames to a monitor.
+    /// Passes the frames to a monitor.
     fn watch(&self) -> Cost {
         let robot = &self.robot;
         let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
@@ -272,7 +273,7 @@ impl Motion {
     }
 }
 
-/// A message of either side.
+/// Message of one side.
 fn encode(names: &[String], time_ns: i64, q: &[f64], theta: &[f64]) -> [Vec<u8>; 2] {
     let header = || Header::at(time_ns, "").expect("a stamp");
     let mut out = [Vec::new(), Vec::new()];

@@ -1,24 +1,23 @@
-//! A week of a simulated robot, in minutes:
+//! Simulation of one week of robot operation in minutes:
 //!
 //! `cargo run --release -p sinew-watch-core --example week -- [DAYS [SEED]]`
 //!
-//! A robot works two shifts of four hours from Monday to Friday, with a payload and contacts, and stands between them;
-//! at night it is switched off. Its ropes creep by the logarithm of time. On the third day at ten the elbow slips by
-//! 5 mrad; on the fifth at eight it is tensioned. Every night the monitor is killed, and starts from what was stored.
+//! A robot works two shifts of four hours from Monday to Friday, with a payload and contacts, and rests between them;
+//! at night it is switched off. Its ropes creep logarithmically. On the third day at 10:00 the elbow slips by 5 mrad;
+//! on the fifth at 8:00 it is re-tensioned. Every night the monitor is killed and restarts from its stored state.
 //!
-//! It prints how far every record was off, how often the truth was in its interval, what was an alarm and what wasn't,
-//! what the week took of a processor, and how much memory it held in the end.
+//! The output lists error and coverage of the records, the alarms, processor time and memory at the end.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 use sinew_log::Frame;
 use sinew_watch_core::alarm::Condition;
-use sinew_watch_core::command::What;
+use sinew_watch_core::command::CommandKind;
 use sinew_watch_core::journal::Event;
 use sinew_watch_core::{Instant, Record};
 use std::time::Duration;
-use support::{HZ, MONDAY_NS, Store, Watched, biorob_like, config, frames};
+use support::{HZ, Harness, MONDAY_NS, Store, biorob_like, config, frames};
 
 const ELBOW: usize = 2;
 const SLIP_RAD: f64 = 5e-3;
@@ -27,18 +26,18 @@ const DAY_S: f64 = 86_400.0;
 
 /// Creep of every tendon per e-fold of time, rad.
 const CREEP_RAD: [f64; 4] = [0.3e-3, 0.6e-3, 0.8e-3, 0.5e-3];
-/// Offset when the week begins, rad.
+/// Offset of each tendon at the start of the week, rad.
 const BEGAN_RAD: [f64; 4] = [2e-3, 6e-3, 8e-3, 3e-3];
 
-/// What the ropes do.
+/// Simulated ropes with creep, a slip and a re-tensioning.
 struct Ropes {
-    /// When the elbow slipped and was tensioned, s since the week began.
+    /// Times of the slip and of the re-tensioning of the elbow, s since the start of the week.
     slipped_s: f64,
     tensioned_s: f64,
 }
 
 impl Ropes {
-    /// Offsets since they were last tensioned, rad: they have crept for ten days before.
+    /// Offsets since the last tensioning, rad; ropes have crept for ten days before the week.
     fn offsets(&self, at_s: f64) -> [f64; 4] {
         let hours = |since_s: f64, at_s: f64| 1.0 + (at_s - since_s).max(0.0) / HOUR_S;
         let began_s = -10.0 * DAY_S;
@@ -55,7 +54,7 @@ impl Ropes {
         out
     }
 
-    /// The same as the motor's encoder has it: tensioning moves it back.
+    /// Adds the offsets to the motor positions; a re-tensioning removes them.
     fn shift(&self, frame: &mut Frame, at_s: f64) {
         for (theta, x) in frame.theta.iter_mut().zip(self.offsets(at_s)) {
             *theta += x;
@@ -63,12 +62,12 @@ impl Ropes {
     }
 }
 
-/// How far the records were off.
+/// Errors of the records.
 #[derive(Default)]
 struct Score {
-    told: usize,
+    conclusive: usize,
     inside: usize,
-    untold: usize,
+    inconclusive: usize,
     square: f64,
     worst: f64,
 }
@@ -80,7 +79,7 @@ fn main() {
     let days = arguments.next().unwrap_or(7);
     let seed = arguments.next().unwrap_or(1);
     let robot = biorob_like();
-    // A minute with an empty gripper, and an hour of work with a payload and contacts; nothing slips by itself.
+    // One minute with an empty gripper, and one hour of work with a payload and contacts, without slips.
     let all = frames(&robot, 700 + seed, 60.0 + HOUR_S, |text| {
         text.replace("rad = 0.010", "rad = 0.0")
             .replace("rad = 0.005", "rad = 0.0")
@@ -93,13 +92,16 @@ fn main() {
     };
     println!("simulated; memory {:.1} MB", memory_mb());
 
-    let mut watched = Watched::restored(config(&robot), Store::default(), at(0.0));
-    watched
-        .say(What::Tensioned { joints: vec![] }, "on Friday of last week")
-        .expect("said");
-    // The offsets at the week's beginning count from here on: the baseline was learned before.
-    watched.play(empty);
-    watched.pass(70.0);
+    let mut harness = Harness::restored(config(&robot), Store::default(), at(0.0));
+    harness
+        .command(
+            CommandKind::Tensioned { joints: vec![] },
+            "on Friday of last week",
+        )
+        .expect("command is valid");
+    // The offsets at the start of the week refer to this baseline.
+    harness.play(empty);
+    harness.pass(70.0);
     let (mut robot_s, mut step_s, mut job_s) = (0.0, Duration::ZERO, Duration::ZERO);
     for day in 0..days {
         let is_work = day % 7 < 5;
@@ -109,20 +111,22 @@ fn main() {
             if !is_work || (day == 0 && hour == 0) {
                 continue;
             }
-            idle(&mut watched, from_s);
+            idle(&mut harness, from_s);
             if from_s >= ropes.tensioned_s && from_s < ropes.tensioned_s + HOUR_S {
                 let joints = vec!["elbow".into()];
-                watched.say(What::Tensioned { joints }, "").expect("said");
-                hour_of(&mut watched, empty, &ropes, 60.0);
-                watched.pass(70.0);
+                harness
+                    .command(CommandKind::Tensioned { joints }, "")
+                    .expect("command is valid");
+                hour_of(&mut harness, empty, &ropes, 60.0);
+                harness.pass(70.0);
             }
             let began = cpu_s();
-            let took = hour_of(&mut watched, work, &ropes, HOUR_S - 600.0);
+            let took = hour_of(&mut harness, work, &ropes, HOUR_S - 600.0);
             robot_s += HOUR_S - 600.0;
             job_s += took;
             step_s += Duration::from_secs_f64((cpu_s() - began).max(0.0)).saturating_sub(took);
         }
-        let snapshot = watched.snapshot();
+        let snapshot = harness.snapshot();
         let alarms: Vec<String> = (snapshot.alarms.iter())
             .map(|a| {
                 format!(
@@ -139,9 +143,9 @@ fn main() {
             memory_mb(),
             alarms.join(", ")
         );
-        watched = watched.restart(60.0);
+        harness = harness.restart(60.0);
     }
-    report(&watched, &ropes);
+    report(&harness, &ropes);
     println!(
         "{robot_s:.0} s of work: {:.2} ms a robot-second in frames and ticks, {:.2} ms in jobs",
         1e3 * step_s.as_secs_f64() / robot_s,
@@ -156,46 +160,46 @@ fn at(s: f64) -> Instant {
     }
 }
 
-/// Seconds since the week began.
-fn since_s(watched: &Watched) -> f64 {
-    (watched.now.utc_ns - MONDAY_NS) as f64 * 1e-9
+/// Time since the start of the week, s.
+fn since_s(harness: &Harness) -> f64 {
+    (harness.now.utc_ns - MONDAY_NS) as f64 * 1e-9
 }
 
-/// Nothing comes until then; a tick a minute is enough.
-fn idle(watched: &mut Watched, until_s: f64) {
-    while since_s(watched) < until_s {
-        let left_s = until_s - since_s(watched);
-        watched.now = watched.now.after_s(left_s.min(60.0));
-        watched.tick();
+/// Advances time without data; one tick per minute is sufficient.
+fn idle(harness: &mut Harness, until_s: f64) {
+    while since_s(harness) < until_s {
+        let left_s = until_s - since_s(harness);
+        harness.now = harness.now.after_s(left_s.min(60.0));
+        harness.tick();
     }
 }
 
-/// Frames come, round and round, for so long; how long jobs took of it.
-fn hour_of(watched: &mut Watched, frames: &[Frame], ropes: &Ropes, for_s: f64) -> Duration {
+/// Plays the frames cyclically for `for_s` seconds; returns the processor time of the jobs.
+fn hour_of(harness: &mut Harness, frames: &[Frame], ropes: &Ropes, for_s: f64) -> Duration {
     let mut took = Duration::ZERO;
     let mut frame = frames[0].clone();
     let count = (for_s * HZ as f64) as usize;
     for k in 0..count {
-        watched.now = watched.now.after_s(1.0 / HZ as f64);
+        harness.now = harness.now.after_s(1.0 / HZ as f64);
         let source = &frames[k % frames.len()];
         frame.clone_from(source);
         frame.segment = (k / frames.len()) as u32;
-        frame.time_ns = watched.now.utc_ns;
-        ropes.shift(&mut frame, since_s(watched));
-        watched.monitor.frame(&frame, watched.now);
+        frame.time_ns = harness.now.utc_ns;
+        ropes.shift(&mut frame, since_s(harness));
+        harness.monitor.frame(&frame, harness.now);
         if k % 25 == 0 {
-            watched.monitor.tick(watched.now);
+            harness.monitor.tick(harness.now);
             let began = cpu_s();
-            watched.settle();
+            harness.settle();
             took += Duration::from_secs_f64((cpu_s() - began).max(0.0));
         }
     }
     took
 }
 
-fn report(watched: &Watched, ropes: &Ropes) {
+fn report(harness: &Harness, ropes: &Ropes) {
     let mut scores: Vec<(String, Score)> = Vec::new();
-    for record in &watched.store.records {
+    for record in &harness.store.records {
         let i = match scores.iter().position(|(name, _)| *name == record.joint) {
             Some(i) => i,
             None => {
@@ -208,19 +212,19 @@ fn report(watched: &Watched, ropes: &Ropes) {
             ropes.offsets(end_s(record))[joint_of(&record.joint)],
         );
     }
-    println!("| joint | records | RMSE, mrad | worst | inside 95 % | no offset |");
+    println!("| joint | records | RMSE (mrad) | maximum (mrad) | inside 95 % | inconclusive |");
     println!("|---|---|---|---|---|---|");
     for (name, score) in &scores {
         println!(
             "| {name} | {} | {:.2} | {:.2} | {:.1} % | {} |",
-            score.told + score.untold,
-            1e3 * (score.square / score.told.max(1) as f64).sqrt(),
+            score.conclusive + score.inconclusive,
+            1e3 * (score.square / score.conclusive.max(1) as f64).sqrt(),
             1e3 * score.worst,
-            100.0 * score.inside as f64 / score.told.max(1) as f64,
-            score.untold
+            100.0 * score.inside as f64 / score.conclusive.max(1) as f64,
+            score.inconclusive
         );
     }
-    let steps = watched.store.events(|event| match event {
+    let steps = harness.store.events(|event| match event {
         Event::Alarm { transition } if transition.key.condition != Condition::NoData => {
             let joint = transition.key.joint.clone().unwrap_or("robot".into());
             let condition = transition.key.condition;
@@ -234,8 +238,8 @@ fn report(watched: &Watched, ropes: &Ropes) {
     println!("alarms: {}", steps.join("; "));
     println!(
         "{} transactions, {} entries of the journal",
-        watched.store.transactions,
-        watched.store.journal.len()
+        harness.store.transactions,
+        harness.store.journal.len()
     );
 }
 
@@ -251,18 +255,18 @@ fn joint_of(name: &str) -> usize {
 impl Score {
     fn take(&mut self, record: &Record, truth_rad: f64) {
         let Some(offset) = record.offset() else {
-            self.untold += 1;
+            self.inconclusive += 1;
             return;
         };
         let error = offset.mean - truth_rad;
-        self.told += 1;
+        self.conclusive += 1;
         self.inside += usize::from(error.abs() < offset.half_width_95());
         self.square += error * error;
         self.worst = self.worst.max(error.abs());
     }
 }
 
-/// Resident memory, MB; 0 where the system doesn't say.
+/// Resident memory, MB; 0 if not available.
 fn memory_mb() -> f64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let pages = text

@@ -1,33 +1,33 @@
-//! What people tell the monitor. Nothing of it reaches the robot.
+//! Operator commands to the monitor; none of them reaches the robot.
 
 use crate::condition::AlarmKey;
 use serde::{Deserialize, Serialize};
 
-/// What somebody tells the monitor.
+/// Operator command to the monitor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Command {
-    /// Name of who says it.
+    /// Name of the operator.
     pub who: String,
-    /// What they add, in their words.
+    /// Free text of the operator.
     #[serde(default)]
     pub note: String,
-    /// What is said.
-    pub what: What,
+    /// Kind of command with its arguments.
+    pub what: CommandKind,
 }
 
-/// Bytes of a name, and of a note, at most.
-const NAME_MOST: usize = 200;
-const NOTE_MOST: usize = 4000;
+/// Maximum length of an operator name and of a note, bytes.
+const MAX_NAME_BYTES: usize = 200;
+const MAX_NOTE_BYTES: usize = 4000;
 
 impl Command {
-    /// Refuses a command that can't be, of a robot with tendons at these joints.
+    /// Rejects an invalid command; `names` are the joints with a tendon.
     pub(crate) fn check(&self, names: &[String]) -> Result<(), CommandError> {
         let Self { who, note, what } = self;
         if who.trim().is_empty() {
             return Err(CommandError::NoName);
         }
-        for (field, text, most) in [("who", who, NAME_MOST), ("note", note, NOTE_MOST)] {
+        for (field, text, most) in [("who", who, MAX_NAME_BYTES), ("note", note, MAX_NOTE_BYTES)] {
             if text.len() > most {
                 let length = text.len();
                 return Err(CommandError::TooLong {
@@ -37,107 +37,105 @@ impl Command {
                 });
             }
         }
-        if *what == What::Note && note.trim().is_empty() {
+        if *what == CommandKind::Note && note.trim().is_empty() {
             return Err(CommandError::NoNote);
         }
-        if let What::Tensioned { joints } | What::Replaced { joints } = what
+        if let CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } = what
             && let Some(joint) = joints.iter().find(|joint| !names.contains(joint))
         {
             return Err(CommandError::Joint {
                 joint: joint.clone(),
-                known: names.join(", "),
+                available: names.join(", "),
             });
         }
         Ok(())
     }
 }
 
-/// What is told.
+/// Kind of an operator command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum What {
-    /// Ropes were tensioned: what follows, with nothing in the gripper, is their new baseline.
+pub enum CommandKind {
+    /// Ropes were re-tensioned: the motion that follows, with an empty gripper, is their new baseline.
     Tensioned {
-        /// Of these joints; none: of all.
+        /// Names of the affected joints; empty: all joints.
         joints: Vec<String>,
     },
     /// Ropes were replaced by new ones, and tensioned.
     Replaced {
-        /// Of these joints; none: of all.
+        /// Names of the affected joints; empty: all joints.
         joints: Vec<String>,
     },
-    /// An alarm was seen.
+    /// Acknowledges an alarm.
     Acknowledge {
-        /// The alarm's joint and condition.
+        /// Joint and condition of the alarm.
         alarm: AlarmKey,
     },
-    /// An alarm is silenced for a while.
+    /// Shelves an alarm for a limited time.
     Shelve {
-        /// The alarm's joint and condition.
+        /// Joint and condition of the alarm.
         alarm: AlarmKey,
-        /// For so long, s; at most [`LONGEST_SHELF_S`].
+        /// Duration, s; greater than 0 and at most [`MAX_SHELF_S`].
         for_s: f64,
     },
-    /// It is no longer.
+    /// Ends the shelving of an alarm.
     Unshelve {
-        /// The alarm's joint and condition.
+        /// Joint and condition of the alarm.
         alarm: AlarmKey,
     },
-    /// A latched alarm whose condition is over is cleared; the note says why.
+    /// Resets a latched alarm whose condition has cleared; the note gives the reason.
     Reset {
-        /// The alarm's joint and condition.
+        /// Joint and condition of the alarm.
         alarm: AlarmKey,
     },
-    /// A note for the journal.
+    /// Adds a note to the journal.
     Note,
 }
 
-/// An alarm is shelved for at most a week.
-pub const LONGEST_SHELF_S: f64 = 7.0 * 86_400.0;
+/// Maximum duration for which an alarm can be shelved: 7 days, s.
+pub const MAX_SHELF_S: f64 = 7.0 * 86_400.0;
 
-/// Why a command was refused; nothing has changed then.
+/// Reason for which a command was rejected. A rejected command changes nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CommandError {
-    /// A joint without a tendon.
-    #[error("the robot has no tendon at '{joint}'; it has {known}")]
+    /// The named joint has no tendon.
+    #[error("no tendon at '{joint}'; tendons of this robot: {available}")]
     Joint {
-        /// The joint that was named.
+        /// Joint named in the command.
         joint: String,
-        /// Those there are.
-        known: String,
+        /// Comma-separated names of the joints with a tendon.
+        available: String,
     },
-    /// There is no such alarm now.
-    #[error("there is no such alarm now; it may have cleared")]
+    /// The alarm does not exist.
+    #[error("alarm not found; the alarm may have cleared")]
     NoAlarm,
-    /// A shelf of no, or of too long a time.
-    #[error(
-        "for_s = {for_s} s: an alarm is shelved for more than 0 s and at most 604800 s (7 days)"
-    )]
+    /// The duration of the shelving is outside the permitted range.
+    #[error("for_s = {for_s} s is invalid; expected more than 0 s and at most 604800 s (7 days)")]
     Shelf {
-        /// Time asked for, s.
+        /// Requested duration, s.
         for_s: f64,
     },
-    /// Its condition holds still.
+    /// The condition of the alarm is still active.
     #[error(
-        "the condition still holds; acknowledge or shelve the alarm, or say that the tendon was tensioned or replaced"
+        "the condition is still active; acknowledge or shelve the alarm, or record a re-tensioning or replacement"
     )]
     StillActive,
-    /// A reset or a note without a word.
-    #[error("say why, in the note")]
+    /// A reset or a note has no text.
+    #[error("note is missing: state the reason in `note`")]
     NoNote,
-    /// A command without the name of who gives it.
-    #[error("say who you are, in who")]
+    /// The name of the operator is missing.
+    #[error("name is missing: state your name in `who`")]
     NoName,
-    /// Longer than a note is.
-    #[error("{field} has {length} bytes; at most {most}")]
+    /// A text field is too long.
+    #[error("{field} has {length} bytes; expected at most {most} bytes")]
     TooLong {
         /// Name of the field.
         field: &'static str,
-        /// The length that it has, bytes.
+        /// Length of the text, bytes.
         length: usize,
-        /// The most there may be.
+        /// Maximum length, bytes.
         most: usize,
     },
 }

@@ -1,114 +1,126 @@
-//! What an alarm is about.
+//! Alarm conditions, severities and levels.
 
 use serde::{Deserialize, Serialize};
 
-/// What an alarm is about. Names, severities and states are those of ISA-18.2 and OPC UA part 9.
+/// Condition that an alarm reports. Names, severities and states follow ISA-18.2 and OPC UA part 9.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Condition {
-    /// The strain at which the owner wants the rope replaced is passed with 95 %.
+    /// A tendon transmits no torque: torn, off its pulley, or detached from its motor.
+    TransmissionLost,
+    /// The strain exceeds the replacement limit with a probability of at least 0.95.
     ReplaceLimit,
-    /// A jump with stiffness lost was confirmed.
-    StrandFailed,
-    /// A jump was confirmed by a second session.
-    Jump,
-    /// The elongation at which to tension again is passed with 95 %.
+    /// A step change with stiffness loss was confirmed.
+    #[serde(alias = "strand-failed")]
+    StrandFailure,
+    /// A step change was confirmed by a second session.
+    #[serde(alias = "jump")]
+    StepChange,
+    /// The elongation exceeds the re-tensioning limit with a probability of at least 0.95.
     RetensionLimit,
-    /// A limit may be passed within two weeks.
+    /// A limit may be exceeded within the warning time (default: 14 days).
     LimitNear,
-    /// A jump that isn't confirmed, or ten minutes of a provisional offset.
-    Suspicion,
-    /// The data can't be what they should: missing, swapped, degrees, lost.
+    /// A step change is suspected, or an offset has been provisional for too long (default: 10 min of motion).
+    #[serde(alias = "suspicion")]
+    SuspectedStep,
+    /// The data are invalid, e.g. channels missing, swapped or in degrees, or frames lost.
     Data,
-    /// What is learned can't be stored.
+    /// Results cannot be stored.
     Store,
-    /// The door that its messages come through is shut: the monitor hears nothing, whatever the robot does.
-    Door,
-    /// Nothing is received.
+    /// The transport of the robot's messages is disconnected: the monitor receives nothing, whatever the robot does.
+    #[serde(alias = "door")]
+    Transport,
+    /// No data are received.
     NoData,
 }
 
 impl Condition {
-    /// All, the most severe first.
-    pub const ALL: [Self; 10] = [
+    /// All conditions, in descending order of severity.
+    pub const ALL: [Self; 11] = [
+        Self::TransmissionLost,
         Self::ReplaceLimit,
-        Self::StrandFailed,
-        Self::Jump,
+        Self::StrandFailure,
+        Self::StepChange,
         Self::Store,
-        Self::Door,
+        Self::Transport,
         Self::RetensionLimit,
         Self::LimitNear,
-        Self::Suspicion,
+        Self::SuspectedStep,
         Self::Data,
         Self::NoData,
     ];
 
-    /// Severity, 1 to 1000.
+    /// Severity of the condition, 1 to 1000.
     pub fn severity(self) -> u16 {
         match self {
+            Self::TransmissionLost => 950,
             Self::ReplaceLimit => 900,
-            Self::StrandFailed => 800,
-            Self::Jump => 700,
+            Self::StrandFailure => 800,
+            Self::StepChange => 700,
             Self::Store => 650,
-            Self::Door => 620,
+            Self::Transport => 620,
             Self::RetensionLimit => 600,
             Self::LimitNear => 400,
-            Self::Suspicion | Self::Data => 300,
+            Self::SuspectedStep | Self::Data => 300,
             Self::NoData => 200,
         }
     }
 
-    /// Whether it stays until somebody tensions, replaces or resets: what happened to a rope is not undone by itself.
+    /// Whether the alarm latches until the tendon is re-tensioned or replaced, or the alarm is reset: damage to a rope
+    /// does not clear automatically.
     pub fn latches(self) -> bool {
-        matches!(self, Self::ReplaceLimit | Self::StrandFailed | Self::Jump)
+        matches!(
+            self,
+            Self::TransmissionLost | Self::ReplaceLimit | Self::StrandFailure | Self::StepChange
+        )
     }
 
-    /// Whether somebody has to have seen it, once it is over. A robot that is switched off every night
-    /// needs no look every morning, nor does a network that came up later than the monitor.
-    pub fn needs_look(self) -> bool {
-        !matches!(self, Self::NoData | Self::Door)
+    /// Whether an operator has to acknowledge the alarm after it has cleared. A robot that is switched off every night
+    /// needs no acknowledgement every morning, nor does a network that started later than the monitor.
+    pub fn needs_acknowledgement(self) -> bool {
+        !matches!(self, Self::NoData | Self::Transport)
     }
 
-    /// What `/diagnostics` shows.
+    /// Level that `/diagnostics` reports for this condition.
     pub fn level(self) -> Level {
         match self {
             Self::NoData => Level::Stale,
-            _ if self.latches() || matches!(self, Self::Store | Self::Door) => Level::Error,
+            _ if self.latches() || matches!(self, Self::Store | Self::Transport) => Level::Error,
             _ => Level::Warn,
         }
     }
 }
 
-/// How a tendon or a robot is, in the words and numbers of `diagnostic_msgs/DiagnosticStatus`.
+/// State of a tendon or a robot, with the names and numbers of `diagnostic_msgs/DiagnosticStatus`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Level {
-    /// Nothing to do.
+    /// Normal state: no action is required.
     #[default]
     Ok,
-    /// Look at it.
+    /// Warning: inspection recommended.
     Warn,
-    /// Something has to be done.
+    /// Error: action is required.
     Error,
-    /// Nothing is known now.
+    /// Stale: no current data.
     Stale,
 }
 
 impl Level {
-    /// Number of the message.
+    /// Value of the `level` field in `DiagnosticStatus`.
     pub fn number(self) -> u8 {
         self as u8
     }
 
-    /// The worst of several; all is well where there is none.
+    /// Returns the most urgent of several levels; [`Level::Ok`] if there are none.
     pub fn worst(levels: impl IntoIterator<Item = Self>) -> Self {
         let levels = levels.into_iter();
         levels.max_by_key(|l| l.urgency()).unwrap_or_default()
     }
 
-    /// For sorting, the worst first: an error before what is stale, that before a warning.
+    /// Rank for sorting by urgency: an error precedes a stale state, which precedes a warning.
     pub fn urgency(self) -> u8 {
         match self {
             Self::Error => 3,
@@ -119,12 +131,12 @@ impl Level {
     }
 }
 
-/// What tells an alarm of a robot from the others.
+/// Key that identifies an alarm of a robot.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AlarmKey {
-    /// Joint; `None`: the robot as a whole.
+    /// Name of the joint; `None`: the robot as a whole.
     pub joint: Option<String>,
-    /// What it is about.
+    /// Condition of the alarm.
     pub condition: Condition,
 }

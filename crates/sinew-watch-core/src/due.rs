@@ -1,29 +1,30 @@
-//! Which tendons pass a limit when: over all robots, from the trend of each tendon.
+//! Maintenance forecast over all robots, from the trend of each tendon.
 
 use crate::snapshot::{RobotSnapshot, TendonSnapshot};
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_trend::{JointTrend, Limit, LimitState, Passage, TrendVerdict};
 
-/// What is due over all robots: a tendon is, when its limit is passed or when the lower end of its interval lies within the time asked for.
+/// Maintenance due over all robots. A tendon is due if its limit is exceeded, or if the lower end of the interval of
+/// its first-passage time lies within the requested time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DueList {
-    /// When this was said, s since 1970 UTC: times to come count from here.
+    /// Time of the list, s since 1970 UTC; relative times refer to it.
     pub time_utc_s: f64,
-    /// What is due by then, s since 1970 UTC.
+    /// End of the requested time, s since 1970 UTC.
     pub until_utc_s: f64,
-    /// Tendons that are due: those first that have passed a limit, the farthest beyond it before the others; then by the day.
+    /// Tendons that are due: first those that have exceeded a limit, the largest exceedance first; then by date.
     pub due: Vec<DueTendon>,
-    /// Tendons that pass no limit by then.
+    /// Number of tendons that exceed no limit within the requested time.
     pub not_due: usize,
-    /// Tendons with a limit of which it can't be told yet: too few sessions, or no trend so far.
-    pub cannot_tell: usize,
-    /// Tendons without a limit.
+    /// Number of tendons with a limit but without a forecast: too few sessions, or no trend yet.
+    pub inconclusive: usize,
+    /// Number of tendons without a limit.
     pub without_limit: usize,
 }
 
-/// A tendon that is due, with the limit it passes first.
+/// Tendon that is due, with the limit that it exceeds first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DueTendon {
@@ -31,64 +32,65 @@ pub struct DueTendon {
     pub robot: String,
     /// Name of the joint.
     pub joint: String,
-    /// Its rope, as robot.toml names it.
+    /// Name of the rope in robot.toml.
     pub rope: Option<String>,
-    /// The limit that is passed first.
+    /// Limit that is exceeded first.
     pub limit: Limit,
-    /// The limit as an offset, rad.
+    /// Limit expressed as an offset, rad.
     pub limit_rad: f64,
-    /// What to do, by its trend.
+    /// Recommended action according to the trend.
     pub verdict: TrendVerdict,
-    /// What is known of the day.
+    /// State of the limit: exceeded, predicted or not predictable.
     pub state: LimitState,
-    /// Probability that the limit was passed already at the last session.
+    /// Probability that the limit was exceeded at the last session, 0…1.
     pub passed_probability: f64,
-    /// Probability that it is passed by `until_utc_s`; `None`: the forecast doesn't reach so far.
+    /// Probability that the limit is exceeded by `until_utc_s`, 0…1; `None`: beyond the forecast horizon.
     pub until_probability: Option<f64>,
-    /// Median of the time from `time_utc_s` until it is passed, s; negative: before. `None`: beyond the forecast. Of a limit that is passed
-    /// it is the last session's: when that was, isn't known.
+    /// Median of the time from `time_utc_s` until the limit is exceeded, s; negative: in the past. `None`: beyond the
+    /// forecast horizon. For an exceeded limit it is the time of the last session, because the time of the exceedance
+    /// is not available.
     pub after_s: Option<f64>,
     /// 2.5 % quantile of that time, s.
     pub after_low_s: Option<f64>,
-    /// 97.5 % quantile of that time, s; `None`: beyond the forecast, perhaps never.
+    /// 97.5 % quantile of that time, s; `None`: beyond the forecast horizon.
     pub after_high_s: Option<f64>,
-    /// The median as a date, s since 1970 UTC.
+    /// Median as a date, s since 1970 UTC.
     pub at_utc_s: Option<f64>,
-    /// The 2.5 % quantile as a date.
+    /// 2.5 % quantile as a date, s since 1970 UTC.
     pub at_low_utc_s: Option<f64>,
-    /// The 97.5 % quantile as a date.
+    /// 97.5 % quantile as a date, s since 1970 UTC.
     pub at_high_utc_s: Option<f64>,
-    /// Offset since the last tensioning, at the last session.
+    /// Offset since the last tensioning at the last session, rad.
     pub offset_rad: Gaussian,
-    /// The same as elongation, m.
+    /// Elongation since the last tensioning, m.
     pub elongation_m: Option<Gaussian>,
-    /// Strain since the first tensioning, as a fraction.
+    /// Strain since the first tensioning, ratio.
     pub strain_ratio: Option<Gaussian>,
-    /// Sessions the trend rests on.
+    /// Number of sessions that the trend is based on.
     pub sessions: usize,
-    /// Start of the first of them, s since 1970 UTC.
+    /// Start of the first session, s since 1970 UTC.
     pub first_utc_s: f64,
-    /// Start of the last of them, s since 1970 UTC.
+    /// Start of the last session, s since 1970 UTC.
     pub last_utc_s: f64,
-    /// Start of the creep's clock, tensioning or replacement, s since 1970 UTC.
+    /// Start of creep (tensioning or replacement), s since 1970 UTC.
     pub tensioned_utc_s: f64,
-    /// Whether somebody stated that; else it is the first session's.
-    pub tensioned_stated: bool,
+    /// Whether that time is specified; otherwise it is the start of the first session.
+    pub tensioned_specified: bool,
 }
 
-/// What a tendon's trend says of the time asked for.
-enum Found<'a> {
+/// Result for a tendon within the requested time.
+enum DueState<'a> {
     WithoutLimit,
-    CannotTell,
+    Inconclusive,
     NotDue,
     Due(&'a JointTrend, Passage),
 }
 
 impl DueList {
-    /// Of robots as they are known now.
+    /// Builds the list from the current state of the robots.
     ///
-    /// * `time_utc_s`: now, s since 1970 UTC.
-    /// * `within_s`: the time asked for, s from now.
+    /// * `time_utc_s`: present time, s since 1970 UTC.
+    /// * `within_s`: requested time from now, s.
     pub fn of<'a>(
         robots: impl IntoIterator<Item = &'a RobotSnapshot>,
         time_utc_s: f64,
@@ -99,17 +101,17 @@ impl DueList {
             until_utc_s: time_utc_s + within_s,
             due: Vec::new(),
             not_due: 0,
-            cannot_tell: 0,
+            inconclusive: 0,
             without_limit: 0,
         };
         let mut due = Vec::new();
         for robot in robots {
             for tendon in &robot.tendons {
-                match found(tendon, out.until_utc_s) {
-                    Found::WithoutLimit => out.without_limit += 1,
-                    Found::CannotTell => out.cannot_tell += 1,
-                    Found::NotDue => out.not_due += 1,
-                    Found::Due(trend, passage) => {
+                match due_state(tendon, out.until_utc_s) {
+                    DueState::WithoutLimit => out.without_limit += 1,
+                    DueState::Inconclusive => out.inconclusive += 1,
+                    DueState::NotDue => out.not_due += 1,
+                    DueState::Due(trend, passage) => {
                         let row = DueTendon::of((&robot.robot, tendon), trend, &passage, &out);
                         due.push((passage.rank(), row));
                     }
@@ -122,17 +124,17 @@ impl DueList {
     }
 }
 
-fn found(tendon: &TendonSnapshot, until_utc_s: f64) -> Found<'_> {
+fn due_state(tendon: &TendonSnapshot, until_utc_s: f64) -> DueState<'_> {
     if tendon.limits.is_empty() {
-        return Found::WithoutLimit;
+        return DueState::WithoutLimit;
     }
     let Some(trend) = tendon.trend.as_deref() else {
-        return Found::CannotTell;
+        return DueState::Inconclusive;
     };
     match Passage::first(&Passage::all(trend)) {
-        Some(first) if first.is_due(until_utc_s) => Found::Due(trend, *first),
-        Some(first) if first.state != LimitState::TooFewSessions => Found::NotDue,
-        _ => Found::CannotTell,
+        Some(first) if first.is_due(until_utc_s) => DueState::Due(trend, *first),
+        Some(first) if first.state != LimitState::TooFewSessions => DueState::NotDue,
+        _ => DueState::Inconclusive,
     }
 }
 
@@ -170,7 +172,7 @@ impl DueTendon {
             first_utc_s: trend.first_utc_s,
             last_utc_s: trend.last_utc_s,
             tensioned_utc_s: trend.tensioned_utc_s,
-            tensioned_stated: trend.tensioned_stated,
+            tensioned_specified: trend.tensioned_specified,
         }
     }
 }

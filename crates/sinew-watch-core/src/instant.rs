@@ -1,20 +1,20 @@
-//! When something reached the monitor, by two clocks.
+//! Time of arrival at the monitor, by two clocks.
 
 use serde::{Deserialize, Serialize};
 
-/// When something reached the monitor, by the two clocks of its computer.
+/// Time of arrival at the monitor, by the two clocks of its host.
 ///
-/// A robot's stamps are a third clock: they give time steps, and nothing else.
+/// The robot's time stamps are a third clock that gives only time differences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Instant {
-    /// A clock that never steps, ns from an unknown zero: staleness and delays.
+    /// Monotonic clock, ns from an arbitrary zero; used for staleness and delays.
     pub monotonic_ns: i64,
-    /// The civil clock, ns since 1970 UTC: dates of records. It may step.
+    /// Civil clock, ns since 1970 UTC; used for the dates of records. It may step.
     pub utc_ns: i64,
 }
 
 impl Instant {
-    /// Both clocks, `s` seconds later.
+    /// Returns both clocks advanced by `s` seconds.
     #[must_use]
     pub fn after_s(self, s: f64) -> Self {
         let ns = (s * 1e9) as i64;
@@ -24,7 +24,7 @@ impl Instant {
         }
     }
 
-    /// Time since `earlier` by the clock that never steps, s; 0 where that is later.
+    /// Returns the time since `earlier` by the monotonic clock, s; 0 if `earlier` is later.
     pub fn since_s(self, earlier: Self) -> f64 {
         self.monotonic_ns
             .saturating_sub(earlier.monotonic_ns)
@@ -32,7 +32,7 @@ impl Instant {
             * 1e-9
     }
 
-    /// The civil time, s since 1970.
+    /// Returns the civil time, s since 1970 UTC.
     pub fn utc_s(self) -> f64 {
         self.utc_ns as f64 * 1e-9
     }

@@ -1,129 +1,138 @@
-//! What happened, for people to read later.
+//! Journal of a robot: events and operator entries.
 
 use crate::alarm::Transition;
 use crate::command::Command;
 use serde::{Deserialize, Serialize};
 
-/// An entry of the journal.
+/// Entry of the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Entry {
-    /// When, s since 1970 UTC, by the monitor's clock at the time.
+    /// Time of the event by the monitor's civil clock, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// What happened.
+    /// Event of this entry.
     pub event: Event,
 }
 
-/// What happened to a robot, its alarms or its monitor.
+/// Event of a robot, its alarms or its monitor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "event", rename_all = "kebab-case")]
 pub enum Event {
-    /// The monitor began to watch the robot; `restored`: from what it had stored.
+    /// The monitor started.
     Started {
-        /// Whether there was something stored.
+        /// Whether the monitor restarted from stored state.
         restored: bool,
     },
-    /// Data came again, after so long.
+    /// Data are received again after an interruption.
     Back {
-        /// s; `None`: for the first time.
+        /// Duration of the interruption, s; `None`: first data since the start.
         after_s: Option<f64>,
     },
-    /// No data come any more.
+    /// No more data are received.
     Silent,
-    /// A session ended, and was recorded.
+    /// A session ended and was recorded.
     Session {
-        /// Time in motion, s.
+        /// Duration of motion in the session, s.
         duration_s: f64,
-        /// Why it ended.
+        /// Reason for the end of the session.
         end: SessionEnd,
     },
-    /// A new baseline was learned.
+    /// A new baseline was acquired.
     Baseline {
-        /// Distinct poses it rests on.
+        /// Number of distinct poses of the baseline.
         poses: u64,
     },
-    /// A baseline could not be learned yet.
-    BaselineWaits {
-        /// The reason.
-        why: BaselineWaits,
+    /// A baseline could not be acquired yet.
+    #[serde(alias = "baseline-waits")]
+    BaselinePending {
+        /// Reason for which the baseline is pending.
+        #[serde(alias = "why")]
+        reason: BaselineWaits,
     },
-    /// The civil clock stepped against the one that never does.
+    /// The civil clock stepped relative to the monotonic clock.
     ClockStep {
-        /// By so much, s.
+        /// Size of the step, s.
         by_s: f64,
     },
-    /// The robot's stamps do not run with time.
+    /// The robot's time stamps do not advance in real time.
     StampsNotTime {
-        /// Seconds of stamps in a second.
+        /// Rate of the time stamps relative to real time, s/s.
         rate: f64,
     },
-    /// Messages were dropped before the estimator, by a full queue.
+    /// Messages were dropped before the estimator because a queue was full.
     Dropped {
-        /// Messages that are missing.
+        /// Number of dropped messages.
         messages: u64,
     },
-    /// Motion was not estimated, because estimates take longer than the motion they are of.
+    /// Motion was not estimated because the estimator is slower than real time.
     Behind {
-        /// Time of it, s.
+        /// Duration of the motion, s.
         motion_s: f64,
     },
-    /// What was stored of the tendons doesn't belong to this robot any more, and is left alone.
-    BeliefLeft {
-        /// The reason.
-        why: String,
+    /// The stored state does not belong to this robot and is ignored.
+    #[serde(alias = "belief-left")]
+    StoredStateIgnored {
+        /// Reason for which the stored state is ignored.
+        #[serde(alias = "why")]
+        reason: String,
     },
-    /// Older entries or records were given up, because they could not be stored for too long.
+    /// Old entries or records were discarded because they could not be stored for too long.
     GivenUp {
-        /// Entries of the journal.
+        /// Number of discarded journal entries.
         entries: u64,
-        /// Records that were given up.
+        /// Number of discarded records.
         records: u64,
     },
-    /// An alarm took a step.
+    /// An alarm changed its state.
     Alarm {
-        /// The step the alarm took.
+        /// State transition of the alarm.
         #[serde(flatten)]
         transition: Transition,
     },
-    /// Somebody said something.
+    /// An operator gave a command.
     Command {
-        /// What was said.
+        /// Command of the operator.
         #[serde(flatten)]
         command: Command,
     },
-    /// The configuration was read again.
+    /// The configuration was reloaded.
     Reloaded,
 }
 
-/// Why a session ended.
+/// Reason for which the stored state is ignored if it belongs to another robot or another version of the program.
+pub(crate) const STATE_OF_ANOTHER_ROBOT: &str =
+    "its tendons or its format version differ from those of this robot and program";
+
+/// Reason for the end of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SessionEnd {
-    /// It was long enough.
+    /// The session reached its maximum duration of motion.
     Full,
-    /// The robot stood.
+    /// The robot was at rest.
     Stood,
-    /// Its data stopped.
+    /// No more data were received.
     Lost,
     /// The monitor stopped.
     Shutdown,
     /// The civil clock stepped.
     ClockStep,
-    /// Somebody tensioned or replaced a rope.
+    /// An operator recorded a re-tensioning or a replacement.
     Command,
-    /// It was the motion a baseline needed.
+    /// The baseline has the motion that it needs.
     Baseline,
 }
 
-/// Why a baseline waits.
+/// Reason for which a baseline is pending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum BaselineWaits {
-    /// Too few distinct poses so far.
+    /// The number of distinct poses is too low so far.
     FewPoses,
-    /// The estimator refused the data.
-    Refused,
+    /// The estimator rejected the data.
+    #[serde(alias = "refused")]
+    Rejected,
 }

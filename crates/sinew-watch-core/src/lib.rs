@@ -1,11 +1,11 @@
-//! What a monitor knows of a running robot: a state machine without sockets, clocks or threads.
+//! Monitor of a running robot: a state machine without sockets, clocks or threads.
 //!
-//! [`Monitor`] takes frames, ticks and commands, each with the [`Instant`] it came, and gives
-//! [`Transaction`]s to store and a [`RobotSnapshot`] to show. A week replays in minutes, and a step of a
-//! clock is a test. It listens only: nothing here commands a robot.
+//! [`Monitor`] receives frames, ticks and commands, each with the [`Instant`] of its arrival, and returns
+//! [`Transaction`]s to store and a [`RobotSnapshot`] to publish. A week can be replayed in minutes, and steps of a
+//! clock can be tested. The monitor is passive: nothing here commands a robot.
 //!
-//! Reading order: `instant`, `record`, `table`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (what goes
-//! in and out), then `monitor`, and `due` (what all robots come to).
+//! Reading order: `instant`, `record`, `table`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (inputs and
+//! outputs), then `monitor`, and `due` (maintenance list of all robots).
 
 pub mod alarm;
 pub mod command;
@@ -17,13 +17,15 @@ mod monitor;
 pub mod record;
 pub mod snapshot;
 pub mod table;
+#[cfg(test)]
+mod tests;
 pub mod transaction;
 
 pub use instant::Instant;
 pub use monitor::{
-    AlarmOptions, ClockChoice, Done, HORIZON_DAYS, History, Job, Monitor, MonitorConfig,
-    MonitorError, Stored, Times,
+    AlarmOptions, ClockChoice, HORIZON_DAYS, History, JobResult, Monitor, MonitorConfig,
+    MonitorError, QueuedJob, Stored, Times,
 };
 pub use record::Record;
 pub use snapshot::RobotSnapshot;
-pub use transaction::{Belief, Transaction};
+pub use transaction::{MonitorState, Transaction};

@@ -1,88 +1,94 @@
-//! What is kept of a session: one record per tendon, `sinew-record/1`.
+//! Result of a session: one record per tendon, schema `sinew-record/2`.
 
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 
-/// What one session said of one tendon. The same names stand in the database, in Arrow and in CSV.
+/// Result of one session for one tendon. Database, Arrow and CSV use the same column names.
 ///
-/// SI, and a standard deviation (`…_deviation_…`) beside what is estimated.
+/// Values are in SI units; each estimate has a standard deviation (`…_std_…`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Record {
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// Name in its URDF and robot.toml: robots of one type share what is learned of the type.
+    /// Robot name in URDF and robot.toml; robots of one type share the posterior of the type.
     pub robot_type: String,
     /// Name of the joint.
     pub joint: String,
-    /// Start of the session, s since 1970 UTC, by the monitor's clock.
+    /// Start of the session by the monitor's clock, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// Time of it in which the robot moved, s.
+    /// Duration of motion in the session, s.
     pub duration_s: f64,
-    /// Offset since the tendon was last tensioned, rad; `None`: it can't be told, and `reason` says why.
+    /// Offset since the last tensioning, rad; `None`: inconclusive, with the cause in `reason`.
     pub offset_rad: Option<f64>,
-    /// Its standard deviation, rad.
-    pub offset_deviation_rad: Option<f64>,
-    /// Elongation since then, m; `None` without an offset or tendon geometry.
+    /// Standard deviation of the offset, rad.
+    #[serde(alias = "offset_deviation_rad")]
+    pub offset_std_rad: Option<f64>,
+    /// Elongation since the last tensioning, m; `None` without an offset or tendon geometry.
     pub elongation_m: Option<f64>,
-    /// Its standard deviation, m.
-    pub elongation_deviation_m: Option<f64>,
-    /// Strain since the rope was new: elongation from before the last tensioning counts too.
+    /// Standard deviation of the elongation, m.
+    #[serde(alias = "elongation_deviation_m")]
+    pub elongation_std_m: Option<f64>,
+    /// Total strain since the rope was new, ratio; includes elongation from before the last tensioning.
     pub strain_ratio: Option<f64>,
-    /// Its standard deviation.
-    pub strain_deviation_ratio: Option<f64>,
-    /// Mean temperature, °C; `None`: not recorded.
+    /// Standard deviation of the strain, ratio.
+    #[serde(alias = "strain_deviation_ratio")]
+    pub strain_std_ratio: Option<f64>,
+    /// Mean temperature of the session, °C; `None`: not recorded.
     pub temperature_c: Option<f64>,
-    /// Stiffness over nominal, less 1.
+    /// Stiffness relative to nominal, minus 1.
     pub stiffness_ratio: Option<f64>,
-    /// Its standard deviation.
-    pub stiffness_deviation_ratio: Option<f64>,
-    /// What the offset counts from: name of the tendon's last tensioning; `None`: the encoders' zero.
+    /// Standard deviation of the relative stiffness.
+    #[serde(alias = "stiffness_deviation_ratio")]
+    pub stiffness_std_ratio: Option<f64>,
+    /// Reference of the offset: name of the last tensioning; `None`: encoder zero.
     pub baseline: Option<String>,
-    /// Where the frames came from: `dds:0/arm7`, `mcap:run.mcap`.
+    /// Source of the frames: `dds:0/arm7`, `mcap:run.mcap`.
     pub source: String,
-    /// Which clock its dates are of.
+    /// Clock of the time stamps in this record.
     pub clock: Clock,
-    /// Whether an offset was provisional at the end.
-    pub in_doubt: bool,
-    /// Why there is no offset.
+    /// Whether an offset was provisional at the end of the session.
+    #[serde(alias = "in_doubt")]
+    pub provisional: bool,
+    /// Reason for a missing offset.
+    #[serde(alias = "why")]
     pub reason: Option<NoOffset>,
-    /// Number of distinct poses.
+    /// Number of distinct poses in the session.
     pub poses: u64,
-    /// Frames that were used.
+    /// Number of frames used.
     pub frames: u64,
-    /// Frames that were lost, refused or incomplete.
+    /// Number of frames lost, rejected or incomplete.
     pub frames_lost: u64,
-    /// Version of the program.
+    /// Version of the program that made the record.
     pub sinew_version: String,
 }
 
 impl Record {
     /// Name and version of the schema.
-    pub const SCHEMA: &'static str = "sinew-record/1";
+    pub const SCHEMA: &'static str = "sinew-record/2";
 
-    /// The offset with its standard deviation, rad.
+    /// Returns the offset with its standard deviation, rad.
     pub fn offset(&self) -> Option<Gaussian> {
-        Some(Gaussian::new(self.offset_rad?, self.offset_deviation_rad?))
+        Some(Gaussian::new(self.offset_rad?, self.offset_std_rad?))
     }
 }
 
-/// Which clock a record's date is of.
+/// Clock of a record's time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
-    /// The monitor's civil clock.
+    /// Civil clock of the monitor.
     Utc,
-    /// The robot's stamps do not run with time: a simulation, or a recording played. No part of a trend.
+    /// Time stamps not in real time: a simulation or a replayed recording. Excluded from the trend.
     Stamp,
-    /// The civil clock stepped within the session: the date may be wrong. No part of a trend.
+    /// Civil clock that stepped within the session: the date may be wrong. Excluded from the trend.
     Stepped,
 }
 
 impl Clock {
-    /// Its word in a file.
-    pub fn word(self) -> &'static str {
+    /// Returns the name used in files.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Utc => "utc",
             Self::Stamp => "stamp",
@@ -91,26 +97,27 @@ impl Clock {
     }
 }
 
-/// Why a session has no offset of a tendon.
+/// Reason for which a session has no offset of a tendon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum NoOffset {
-    /// The interval is too wide to tell stretch from nothing.
+    /// The interval is too wide to distinguish an elongation from zero.
     TooWide,
-    /// The arm moved for too short a time.
+    /// The duration of motion is too short.
     TooShort,
-    /// The estimator refused the data.
-    Refused,
+    /// The estimator rejected the data.
+    #[serde(alias = "refused")]
+    Rejected,
 }
 
 impl NoOffset {
-    /// Its word in a file.
-    pub fn word(self) -> &'static str {
+    /// Returns the name used in files.
+    pub fn name(self) -> &'static str {
         match self {
             Self::TooWide => "too-wide",
             Self::TooShort => "too-short",
-            Self::Refused => "refused",
+            Self::Rejected => "rejected",
         }
     }
 }

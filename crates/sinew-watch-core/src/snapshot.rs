@@ -1,4 +1,4 @@
-//! What a robot's monitor says now.
+//! Current state of a robot as published by its monitor.
 
 use crate::alarm::{Alarm, Level, LimitOrigin};
 use crate::record::{Clock, NoOffset, Record};
@@ -6,169 +6,170 @@ use serde::{Deserialize, Serialize};
 use sinew_estimate::online::Provisional;
 use sinew_model::Gaussian;
 use sinew_model::offset::ForceEstimate;
-use sinew_trend::{JointTrend, PassageTimes};
+use sinew_trend::{FirstPassage, JointTrend};
 use std::sync::Arc;
 
-/// What is known of a robot now. Records, alarms and journal are those that are stored.
+/// Current state of a robot. Records, alarms and journal are those that are stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotSnapshot {
-    /// Name in the configuration.
+    /// Name of the robot in the configuration.
     pub robot: String,
-    /// Name in robot.toml.
+    /// Name of the robot in robot.toml.
     pub robot_type: String,
-    /// Where its frames come from.
+    /// Source of the frames.
     pub source: String,
-    /// When this was said, s since 1970 UTC.
+    /// Time of this snapshot, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// The worst of its tendons and of itself.
+    /// Most urgent level of the robot and its tendons.
     pub level: Level,
-    /// Whether data come.
+    /// Freshness of the received data.
     pub freshness: Freshness,
-    /// Frames of a second, over the last seconds.
+    /// Frame rate over the last seconds, Hz.
     pub rate_hz: f64,
-    /// Frames received since the monitor began.
+    /// Number of frames received since the monitor started.
     pub frames: u64,
-    /// Frames that were lost, refused or incomplete since then.
+    /// Number of frames lost, rejected or incomplete since the monitor started.
     pub frames_lost: u64,
-    /// What the estimator is at.
+    /// Operating mode of the estimator.
     pub learning: Learning,
-    /// The session under way; `None`: the robot stands, or nothing comes.
+    /// Current session; `None`: the robot is at rest, or no data are received.
     pub session: Option<SessionNow>,
-    /// Which clock records are of now.
+    /// Clock of the records made now.
     pub clock: Clock,
-    /// Temperature of the last frame that had one, °C.
+    /// Temperature of the last frame with a temperature, °C.
     pub temperature_c: Option<f64>,
-    /// A constant force from outside that pulls at the tool, such as a hose: offsets hold it. `None`: none is seen.
+    /// Constant external force at the tool, e.g. of a hose, N; estimated jointly with the offsets. `None`: none
+    /// detected.
     pub external_force: Option<ForceEstimate>,
-    /// Its tendons, in the order of joints.
+    /// Tendons of the robot, in the order of its joints.
     pub tendons: Vec<TendonSnapshot>,
-    /// Alarms of the robot and its tendons, the most severe first.
+    /// Alarms of the robot and its tendons, in descending order of severity.
     pub alarms: Vec<Alarm>,
-    /// Transactions that wait for the store.
+    /// Number of transactions waiting to be stored.
     pub waiting_to_be_stored: usize,
 }
 
-/// Whether data come.
+/// Freshness of the received data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Freshness {
-    /// None came since the monitor began.
+    /// No data since the monitor started.
     Never,
-    /// Data come.
+    /// Data are being received.
     Fresh,
-    /// The last came so long ago.
+    /// The last data are too old.
     Stale {
-        /// For so long, s.
+        /// Time since the last data, s.
         for_s: f64,
     },
 }
 
-/// What the estimator is at.
+/// Operating mode of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Learning {
-    /// It follows the tendons since their baseline.
+    /// Tendons are tracked relative to their baseline.
     Following,
-    /// There is no baseline: offsets are against the encoders' zero, and wide.
+    /// No baseline: offsets refer to the encoder zero and have wide intervals.
     NoBaseline,
-    /// A rope was tensioned: it learns the new baseline from motion with nothing in the gripper.
+    /// Baseline acquisition after a re-tensioning, from motion with an empty gripper.
     Baseline {
-        /// Motion so far, s.
+        /// Duration of motion so far, s.
         duration_s: f64,
-        /// Distinct poses so far.
+        /// Number of distinct poses so far.
         poses: u64,
-        /// Distinct poses it needs.
+        /// Required number of distinct poses.
         poses_needed: u64,
     },
 }
 
-/// A session under way.
+/// Session in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionNow {
-    /// When it began, s since 1970 UTC.
+    /// Start of the session, s since 1970 UTC.
     pub start_utc_s: f64,
-    /// Motion so far, s.
+    /// Duration of motion so far, s.
     pub duration_s: f64,
 }
 
-/// What is known of a tendon now.
+/// Current state of a tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonSnapshot {
     /// Name of the joint.
     pub joint: String,
-    /// The worst of its alarms.
+    /// Most urgent level of the tendon's alarms.
     pub level: Level,
-    /// Offset now, rad, from the online estimate; `None`: it is not known now, and `reason` says why.
+    /// Offset from the online estimator, rad; `None`: not available, with the cause in `reason`.
     pub offset_rad: Option<Gaussian>,
-    /// Why the offset is provisional, with times in s since 1970 UTC; `None`: it is settled, or not known.
+    /// Reason for which the offset is provisional, with times in s since 1970 UTC; `None`: settled or not available.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provisional: Option<Provisional>,
-    /// What a temperature that isn't known, now or when it was tensioned, adds to the deviation of `offset_rad`, rad; `None`: it is known,
-    /// or there is no offset.
+    /// Contribution of an unknown temperature, now or at the tensioning, to the standard deviation of `offset_rad`,
+    /// rad; `None`: the temperature is recorded, or there is no offset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unknown_temperature_rad: Option<f64>,
-    /// Elongation now since it was tensioned, m; `None` without an offset or tendon geometry.
+    /// Elongation since the last tensioning, m; `None` without an offset or tendon geometry.
     pub elongation_m: Option<Gaussian>,
-    /// Strain now since the rope was new, as a fraction.
+    /// Total strain since the rope was new, ratio.
     pub strain_ratio: Option<Gaussian>,
-    /// Why there is no offset now.
-    pub reason: Option<NotNow>,
-    /// When it was last tensioned, s since 1970 UTC.
+    /// Reason for a missing offset.
+    pub reason: Option<NoEstimateReason>,
+    /// Time of the last tensioning, s since 1970 UTC; `None`: not recorded.
     pub tensioned_utc_s: Option<f64>,
-    /// The last record that is stored. It may be old: it says when it was made.
+    /// Last stored record. It may be old; its `time_utc_s` gives the start of its session.
     pub last: Option<Record>,
-    /// Limits, with where they come from.
+    /// Limits of the tendon with their origin.
     pub limits: Vec<LimitNow>,
-    /// Its rope, as robot.toml names it.
+    /// Name of the rope in robot.toml.
     pub rope: Option<String>,
-    /// The trend of its records, without the series; `None`: none was computed yet.
+    /// Trend of the records, without the time series; `None`: not computed yet.
     #[serde(skip)]
     pub trend: Option<Arc<JointTrend>>,
-    /// When the trend passes its limits, as distributions.
+    /// First-passage times of the limits, as distributions.
     #[serde(skip)]
-    pub passages: Arc<[PassageTimes]>,
+    pub passages: Arc<[FirstPassage]>,
 }
 
-/// Why there is no offset now.
+/// Reason for which there is currently no offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum NotNow {
-    /// No data come.
+pub enum NoEstimateReason {
+    /// No data are received.
     NoData,
-    /// No window of the newest data has been solved yet.
+    /// No estimate from the newest data yet.
     Starting,
-    /// It can't tell stretch from nothing.
-    CannotTell {
-        /// The reason.
-        why: NoOffset,
+    /// The estimate is inconclusive: elongation is not distinguishable from zero.
+    Inconclusive {
+        /// Reason for the inconclusive estimate.
+        reason: NoOffset,
     },
-    /// A new baseline is learned first.
-    LearnsBaseline,
+    /// A new baseline is being acquired.
+    BaselineAcquisition,
 }
 
-/// A limit of a tendon, with where it comes from.
+/// Limit of a tendon with its origin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum LimitNow {
-    /// Tension again at this elongation.
+    /// Elongation at which the tendon is re-tensioned.
     Retension {
-        /// Elongation since the last tensioning, m.
+        /// Limit of the elongation since the last tensioning, m.
         elongation_m: f64,
-        /// Where it comes from.
+        /// Origin of the limit.
         origin: LimitOrigin,
     },
-    /// Replace at this strain.
+    /// Strain at which the rope is replaced.
     Replace {
-        /// As a fraction.
+        /// Limit of the total strain, ratio.
         strain_ratio: f64,
-        /// Where it comes from.
+        /// Origin of the limit.
         origin: LimitOrigin,
     },
 }

@@ -1,6 +1,6 @@
-//! What has to be stored before it is spoken of.
+//! Transactions that must be stored before they are published.
 
-use crate::alarm::{AlarmsStored, JumpKind};
+use crate::alarm::{AlarmsStored, StepKind};
 use crate::journal::Entry;
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
@@ -9,97 +9,98 @@ use sinew_estimate::baseline::Baseline;
 use sinew_model::Gaussian;
 use std::sync::Arc;
 
-/// What belongs together: records, what they taught, the alarms they changed, and how. Stored as a whole or
-/// not at all; the monitor speaks of it after [`committed`](crate::Monitor::committed).
+/// Records, the state they produced, the alarms they changed and the journal entries, stored as a whole or not at all.
+/// The monitor publishes them after [`committed`](crate::Monitor::committed).
 #[derive(Debug, Clone)]
 pub struct Transaction {
-    /// Number that rises from one to the next.
+    /// Number of the transaction, strictly increasing.
     pub id: u64,
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// Records of a session that ended.
+    /// Records of a completed session.
     pub records: Vec<Record>,
-    /// What is known now; `None`: as before.
-    pub belief: Option<Arc<Belief>>,
-    /// The alarms that aren't normal now; `None`: as before.
+    /// State of the monitor; `None`: unchanged.
+    pub state: Option<Arc<MonitorState>>,
+    /// Alarms that are not normal; `None`: unchanged.
     pub alarms: Option<AlarmsStored>,
-    /// Entries of the journal.
+    /// New entries of the journal.
     pub journal: Vec<Entry>,
 }
 
-/// What a robot's monitor goes on from after a restart.
+/// Persistent state from which the monitor of a robot resumes after a restart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Belief {
-    /// Version of this form.
+pub struct MonitorState {
+    /// Version of the stored format.
     pub version: u32,
-    /// The chain's last posterior; `None`: nothing learned yet.
+    /// Posterior of the last session; `None`: no estimate yet.
     pub baseline: Option<Baseline>,
-    /// When what it rests on ended, s since 1970 UTC; `None`: a baseline from a file, or nothing learned.
+    /// End of the data that the posterior is based on, s since 1970 UTC; `None`: a baseline from a file, or no estimate
+    /// yet.
     pub end_utc_s: Option<f64>,
-    /// A new baseline that is to be learned, since a rope was tensioned.
-    pub learns: Option<LearnsBaseline>,
-    /// Sessions so far.
+    /// Baseline being acquired after a re-tensioning; `None`: none.
+    pub learns: Option<BaselineAcquisition>,
+    /// Number of sessions so far.
     pub sessions: u64,
-    /// Tendons, in the order of the robot's elastic joints.
-    pub tendons: Vec<TendonBelief>,
+    /// State of each tendon, in the order of the robot's elastic joints.
+    pub tendons: Vec<TendonState>,
 }
 
-impl Belief {
-    /// Version that this program writes.
+impl MonitorState {
+    /// Version of the format that this program writes.
     pub const VERSION: u32 = 1;
 }
 
-/// A baseline on its way.
+/// Progress of a baseline acquisition.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct LearnsBaseline {
-    /// Joints whose ropes were tensioned; the others' offsets go on counting from before.
+pub struct BaselineAcquisition {
+    /// Names of the joints whose ropes were re-tensioned; the offsets of the others keep their reference.
     pub joints: Vec<String>,
-    /// Motion it rests on so far, s.
+    /// Duration of motion acquired so far, s.
     pub duration_s: f64,
-    /// Distinct poses so far, one after the other, rad.
+    /// Distinct poses so far, concatenated joint positions, rad.
     pub poses_rad: Vec<f64>,
 }
 
-/// What is kept of a tendon beside the posterior.
+/// State of a tendon in addition to the posterior.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TendonBelief {
+pub struct TendonState {
     /// Name of the joint.
     pub joint: String,
-    /// What its offset counts from: the last tensioning, or a baseline from a file; `None`: the encoders' zero.
+    /// Reference of the offset: the last tensioning, or a baseline from a file; `None`: encoder zero.
     pub since: Option<String>,
-    /// When it was tensioned since its rope is new, s since 1970 UTC; empty: nobody said.
+    /// Times of all tensionings since the rope was new, s since 1970 UTC; empty: none recorded.
     pub tensioned_utc_s: Vec<f64>,
-    /// When its rope was replaced, s since 1970 UTC; `None`: nobody said.
+    /// Time of the last replacement, s since 1970 UTC; `None`: not recorded.
     pub replaced_utc_s: Option<f64>,
-    /// Elongation from before it was last tensioned, since the rope was new, m.
+    /// Elongation between installation of the rope and the last tensioning, m.
     pub before_m: Gaussian,
-    /// Offset at the end of the last session that could tell, rad, since it was tensioned.
+    /// Offset since the last tensioning, at the end of the last conclusive session, rad.
     pub last_rad: Option<Gaussian>,
-    /// When that was, s since 1970 UTC.
+    /// End of that session, s since 1970 UTC.
     pub last_utc_s: Option<f64>,
-    /// A sudden change that waits for another session.
-    pub suspected: Option<Suspected>,
+    /// PendingEvent step change awaiting confirmation by another session.
+    pub suspected: Option<PendingEvent>,
 }
 
-/// A sudden change that waits for another session.
+/// PendingEvent step change awaiting confirmation by another session.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Suspected {
-    /// When, s since 1970 UTC.
+pub struct PendingEvent {
+    /// Time of the step change, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// Offset before, rad.
+    /// Offset before the step change, rad.
     pub before_rad: Gaussian,
-    /// By how much it changed, rad.
+    /// Size of the step change, rad.
     pub size_rad: Gaussian,
-    /// What it may be.
-    pub what: JumpKind,
-    /// What slipped, where the readings tell.
+    /// Probable kind of the step change.
+    pub what: StepKind,
+    /// Part that slipped, if the data identify it.
     pub cause: Option<Cause>,
-    /// Change of the stiffness, as a fraction.
+    /// Simultaneous relative change of stiffness; `None`: none detected.
     pub stiffness_ratio: Option<f64>,
-    /// Stiffness over nominal less 1 before that.
+    /// Stiffness relative to nominal, minus 1, before the step change.
     pub stiffness_before_ratio: f64,
-    /// Number of the session it was seen in.
+    /// Number of the session in which the step change was detected.
     pub session: u64,
-    /// Sessions since then that could tell an offset, but not whether it lasts.
+    /// Number of later sessions with an offset that neither confirm nor withdraw it.
     pub undecided: u32,
 }

@@ -1,7 +1,7 @@
-//! What is due over all robots is what the trend of each tendon's records says.
+//! Maintenance list: agreement with the trend of each tendon's records.
 
 use crate::limits::record;
-use crate::support::{MONDAY_NS, Store, Watched, biorob_like, config};
+use crate::support::{Harness, MONDAY_NS, Store, biorob_like, config};
 use sinew_model::robot::Robot;
 use sinew_trend::{LimitForecast, LimitState, TrendRequest, analyze, sort};
 use sinew_watch_core::due::{DueList, DueTendon};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 const DAY_S: f64 = 86_400.0;
 const NOW_S: f64 = MONDAY_NS as f64 * 1e-9;
 
-/// The shipped robot with limits at its elbow alone, of 20 mrad and of 0.3 % strain, which are 84 mrad.
+/// Shipped robot with limits at the elbow only: 20 mrad and 0.3 % strain (84 mrad).
 fn robot() -> Robot {
     let mut robot = (*biorob_like()).clone();
     let joints = robot.joint_names().to_vec();
@@ -25,7 +25,7 @@ fn robot() -> Robot {
     robot
 }
 
-/// The elbow's records: so many days up to yesterday, from an offset on and by so much a day, mrad.
+/// Daily records of the elbow up to yesterday, from an initial offset with a daily increase, mrad.
 fn records(days: u32, from_mrad: f64, daily_mrad: f64) -> History {
     let mut history = History::default();
     for day in 0..days {
@@ -36,8 +36,8 @@ fn records(days: u32, from_mrad: f64, daily_mrad: f64) -> History {
     history
 }
 
-/// What a monitor says that finds these records in its store.
-fn watched(name: &str, robot: &Arc<Robot>, history: &History) -> RobotSnapshot {
+/// Snapshot of a monitor whose store contains these records.
+fn snapshot_of(name: &str, robot: &Arc<Robot>, history: &History) -> RobotSnapshot {
     let mut config = config(robot);
     config.name = name.into();
     let mut store = Store::default();
@@ -46,12 +46,12 @@ fn watched(name: &str, robot: &Arc<Robot>, history: &History) -> RobotSnapshot {
         monotonic_ns: 0,
         utc_ns: MONDAY_NS,
     };
-    let mut watched = Watched::restored(config, store, now);
-    watched.pass(1.0);
-    watched.snapshot()
+    let mut snapshot_of = Harness::restored(config, store, now);
+    snapshot_of.pass(1.0);
+    snapshot_of.snapshot()
 }
 
-/// What `sinew trend` says of the same records.
+/// Limit forecasts of `sinew trend` for the same records.
 fn trend(robot: &Robot, history: &History) -> Vec<LimitForecast> {
     let catalogue = &sinew_rope::Catalogue::shipped().unwrap();
     let request = TrendRequest {
@@ -67,7 +67,7 @@ fn trend(robot: &Robot, history: &History) -> Vec<LimitForecast> {
     analyze(sorted, &request).unwrap().joints[0].limits.clone()
 }
 
-/// Whether a row says what a forecast says; a date less another loses digits that a time has.
+/// Asserts that a row agrees with a forecast; the difference of two dates loses digits.
 fn assert_same(row: &DueTendon, limit: &LimitForecast) {
     let last = |at: Option<f64>| at.map(|at| at - row.last_utc_s);
     let pairs = [
@@ -76,9 +76,9 @@ fn assert_same(row: &DueTendon, limit: &LimitForecast) {
         (last(row.at_high_utc_s), limit.after_high_s),
     ];
     for (found, wanted) in pairs {
-        let far = found.zip(wanted).map_or(0.0, |(a, b)| (a - b).abs());
+        let difference = found.zip(wanted).map_or(0.0, |(a, b)| (a - b).abs());
         assert!(
-            far < 1e-3 && found.is_some() == wanted.is_some(),
+            difference < 1e-3 && found.is_some() == wanted.is_some(),
             "{row:?}: {limit:?}"
         );
     }
@@ -94,7 +94,7 @@ fn assert_same(row: &DueTendon, limit: &LimitForecast) {
 }
 
 #[test]
-fn the_list_says_of_each_tendon_what_sinew_trend_says_of_its_records() {
+fn due_list_matches_trend_of_each_tendon() {
     let robot = Arc::new(robot());
     let mut unknown_rope = (*robot).clone();
     for transmission in unknown_rope.transmissions.iter_mut().flatten() {
@@ -104,7 +104,7 @@ fn the_list_says_of_each_tendon_what_sinew_trend_says_of_its_records() {
     }
     let unknown_rope = Arc::new(unknown_rope);
     let lives = [
-        ("far", &robot, records(40, 12.0, 0.6)),
+        ("difference", &robot, records(40, 12.0, 0.6)),
         ("just", &robot, records(40, 13.0, 0.2)),
         ("later", &robot, records(40, 12.0, 0.1)),
         ("near", &robot, records(40, 15.0, 0.1)),
@@ -114,26 +114,26 @@ fn the_list_says_of_each_tendon_what_sinew_trend_says_of_its_records() {
     ];
     let robots: Vec<RobotSnapshot> = lives
         .iter()
-        .map(|(name, robot, history)| watched(name, robot, history))
+        .map(|(name, robot, history)| snapshot_of(name, robot, history))
         .collect();
     let within_s = 40.0 * DAY_S;
     let list = DueList::of(&robots, NOW_S, within_s);
     let names: Vec<&str> = list.due.iter().map(|row| row.robot.as_str()).collect();
-    // The farthest beyond first, then by the day.
-    assert_eq!(names, ["far", "just", "near", "later"]);
+    // The largest exceedance first, then by date.
+    assert_eq!(names, ["difference", "just", "near", "later"]);
     assert_eq!(
         (list.time_utc_s, list.until_utc_s),
         (NOW_S, NOW_S + within_s)
     );
     let other_joints = 3 * lives.len();
     assert_eq!(
-        (list.not_due, list.cannot_tell, list.without_limit),
+        (list.not_due, list.inconclusive, list.without_limit),
         (1, 2, other_joints)
     );
     for row in &list.due {
         let (_, robot, history) = lives.iter().find(|life| life.0 == row.robot).unwrap();
         let limits = trend(robot, history);
-        // All of them come to the elongation first.
+        // All of them exceed the elongation limit first.
         assert_same(row, &limits[0]);
         assert_eq!(
             (row.joint.as_str(), row.rope.as_deref()),
@@ -147,10 +147,10 @@ fn the_list_says_of_each_tendon_what_sinew_trend_says_of_its_records() {
         );
         assert_eq!(
             row.state == LimitState::Passed,
-            ["far", "just"].contains(&&*row.robot)
+            ["difference", "just"].contains(&&*row.robot)
         );
     }
-    // That which isn't listed passes nothing by then, and what can't be told isn't.
+    // Tendons not listed exceed no limit in that time, or have no forecast.
     let of = |name: &str| lives.iter().find(|life| life.0 == name).unwrap();
     let (_, robot, history) = of("never");
     let low = trend(robot, history)[0]
@@ -162,45 +162,45 @@ fn the_list_says_of_each_tendon_what_sinew_trend_says_of_its_records() {
 }
 
 #[test]
-fn the_probability_is_that_of_the_day_asked_for() {
+fn due_probability_matches_requested_date() {
     let robot = Arc::new(robot());
-    let robots = [watched("near", &robot, &records(40, 15.0, 0.1))];
+    let robots = [snapshot_of("near", &robot, &records(40, 15.0, 0.1))];
     let row = |within_s: f64, time_utc_s: f64| {
         DueList::of(&robots, time_utc_s, within_s)
             .due
             .first()
             .cloned()
     };
-    let asked = row(60.0 * DAY_S, NOW_S).unwrap();
+    let reference = row(60.0 * DAY_S, NOW_S).unwrap();
     let until = |after_s: Option<f64>| {
         let found = row(after_s.unwrap() + 1.0, NOW_S).unwrap();
         found.until_probability.unwrap()
     };
     for (after_s, share) in [
-        (asked.after_low_s, 0.025),
-        (asked.after_s, 0.5),
-        (asked.after_high_s, 0.975),
+        (reference.after_low_s, 0.025),
+        (reference.after_s, 0.5),
+        (reference.after_high_s, 0.975),
     ] {
         assert!((until(after_s) - share).abs() < 2e-3, "{share}");
     }
-    // A day before its interval begins it isn't listed.
-    assert_eq!(row(asked.after_low_s.unwrap() - DAY_S, NOW_S), None);
-    // A robot that was silent until after its day: likely passed by now, and nobody has seen it.
-    let silent = row(DAY_S, asked.at_utc_s.unwrap() + 2.0 * DAY_S).unwrap();
+    // One day before the start of its interval, the tendon is not listed.
+    assert_eq!(row(reference.after_low_s.unwrap() - DAY_S, NOW_S), None);
+    // Robot without data until after the median: the limit is probably exceeded already.
+    let silent = row(DAY_S, reference.at_utc_s.unwrap() + 2.0 * DAY_S).unwrap();
     assert_eq!(silent.state, LimitState::Forecast);
     assert!(silent.after_s.unwrap() < -DAY_S && silent.until_probability.unwrap() > 0.5);
-    // Beyond the forecast nothing is said of the day.
+    // Beyond the forecast horizon there is no probability.
     let beyond = row(HORIZON_DAYS * DAY_S, NOW_S).unwrap();
     assert_eq!(beyond.until_probability, None);
 }
 
 #[test]
-fn no_robot_is_no_due_tendon() {
+fn due_list_without_robots_is_empty() {
     let none: [RobotSnapshot; 0] = [];
     let list = DueList::of(&none, NOW_S, DAY_S);
     assert!(list.due.is_empty());
     assert_eq!(
-        (list.not_due, list.cannot_tell, list.without_limit),
+        (list.not_due, list.inconclusive, list.without_limit),
         (0, 0, 0)
     );
 }

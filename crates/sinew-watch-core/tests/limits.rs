@@ -1,18 +1,18 @@
-//! Limits: of robot.toml or of the rope's maker, passed or near.
+//! Limits of robot.toml or the manufacturer, exceeded or near.
 
-use crate::support::{MONDAY_NS, Watched, biorob_like, config, later, longer, seconds, tensioned};
+use crate::support::{Harness, MONDAY_NS, biorob_like, config, later, longer, seconds, tensioned};
 use sinew_rope::Catalogue;
 use sinew_watch_core::alarm::{AlarmCause, AlarmKey, AlarmState, Condition, LimitOrigin};
 use sinew_watch_core::record::Clock;
 use sinew_watch_core::snapshot::LimitNow;
-use sinew_watch_core::{Belief, History, Instant, Record};
+use sinew_watch_core::{History, Instant, MonitorState, Record};
 use std::sync::Arc;
 
 const ELBOW: usize = 2;
 const DAY_S: f64 = 86_400.0;
 
-/// The shipped ropes, and the elbow's with a limit of its maker.
-fn with_maker_s_limit(percent: f64) -> Catalogue {
+/// Shipped ropes, with a manufacturer limit for the rope of the elbow.
+fn with_manufacturer_limit(percent: f64) -> Catalogue {
     let shipped = Catalogue::shipped().unwrap();
     let rope = shipped.find("liros-dc000-0301").unwrap();
     let line = format!(
@@ -27,11 +27,11 @@ fn with_maker_s_limit(percent: f64) -> Catalogue {
 }
 
 #[test]
-fn the_maker_s_limit_counts_where_robot_toml_has_none() {
+fn manufacturer_limit_used_without_robot_toml_limit() {
     let mut config = tensioned();
-    config.catalogue = Arc::new(with_maker_s_limit(0.1));
-    let mut watched = Watched::new(config);
-    let limits = watched.snapshot().tendons[ELBOW].limits.clone();
+    config.catalogue = Arc::new(with_manufacturer_limit(0.1));
+    let mut harness = Harness::new(config);
+    let limits = harness.snapshot().tendons[ELBOW].limits.clone();
     let replace = LimitNow::Replace {
         strain_ratio: 1e-3,
         origin: LimitOrigin::Catalogue,
@@ -44,19 +44,19 @@ fn the_maker_s_limit_counts_where_robot_toml_has_none() {
             ..
         }
     )));
-    // 25 mm times 40 mrad of 700 mm: 0.14 %.
-    watched.session(&longer(seconds(60, 120), ELBOW, 40e-3));
-    watched.pass(700.0);
-    let state = |watched: &Watched, joint| watched.alarm(Some(joint), Condition::ReplaceLimit);
-    assert_eq!(state(&watched, "elbow"), Some(AlarmState::Active));
-    assert_eq!(state(&watched, "shoulder_pitch"), None);
-    // It is over only with another rope.
-    watched.session(&later(seconds(120, 180), 1000.0));
-    watched.pass(700.0);
-    assert_eq!(state(&watched, "elbow"), Some(AlarmState::Latched));
+    // 25 mm × 40 mrad / 700 mm = 0.14 %.
+    harness.session(&longer(seconds(60, 120), ELBOW, 40e-3));
+    harness.pass(700.0);
+    let state = |harness: &Harness, joint| harness.alarm(Some(joint), Condition::ReplaceLimit);
+    assert_eq!(state(&harness, "elbow"), Some(AlarmState::Active));
+    assert_eq!(state(&harness, "shoulder_pitch"), None);
+    // Only a replacement clears the alarm.
+    harness.session(&later(seconds(120, 180), 1000.0));
+    harness.pass(700.0);
+    assert_eq!(state(&harness, "elbow"), Some(AlarmState::Latched));
 }
 
-/// A record of the elbow, so many days before Monday.
+/// Record of the elbow, `days_before` days before Monday.
 pub(crate) fn record(days_before: f64, offset_rad: f64) -> Record {
     Record {
         robot: "arm-7".into(),
@@ -65,18 +65,18 @@ pub(crate) fn record(days_before: f64, offset_rad: f64) -> Record {
         time_utc_s: MONDAY_NS as f64 * 1e-9 - days_before * DAY_S,
         duration_s: 600.0,
         offset_rad: Some(offset_rad),
-        offset_deviation_rad: Some(0.3e-3),
+        offset_std_rad: Some(0.3e-3),
         elongation_m: None,
-        elongation_deviation_m: None,
+        elongation_std_m: None,
         strain_ratio: None,
-        strain_deviation_ratio: None,
+        strain_std_ratio: None,
         temperature_c: Some(22.0),
         stiffness_ratio: None,
-        stiffness_deviation_ratio: None,
+        stiffness_std_ratio: None,
         baseline: Some("first minute".into()),
         source: "test".into(),
         clock: Clock::Utc,
-        in_doubt: false,
+        provisional: false,
         reason: None,
         poses: 20,
         frames: 10_000,
@@ -86,8 +86,8 @@ pub(crate) fn record(days_before: f64, offset_rad: f64) -> Record {
 }
 
 #[test]
-fn a_limit_that_will_be_passed_within_two_weeks_is_near() {
-    // 20 mrad is the limit; 0.1 mrad a day, from 30 days ago.
+fn limit_exceeded_within_14_days_raises_near_alarm() {
+    // Limit 20 mrad; increase of 0.1 mrad per day for 30 days.
     let mut store = crate::support::Store::default();
     let mut history = History::default();
     for day in 0..30 {
@@ -101,9 +101,9 @@ fn a_limit_that_will_be_passed_within_two_weeks_is_near() {
         monotonic_ns: 0,
         utc_ns: MONDAY_NS,
     };
-    let mut watched = Watched::restored(tensioned(), store, now);
-    watched.pass(700.0);
-    let alarms = watched.snapshot().alarms;
+    let mut harness = Harness::restored(tensioned(), store, now);
+    harness.pass(700.0);
+    let alarms = harness.snapshot().alarms;
     let key = AlarmKey {
         joint: Some("elbow".into()),
         condition: Condition::LimitNear,
@@ -113,22 +113,22 @@ fn a_limit_that_will_be_passed_within_two_weeks_is_near() {
         panic!("{alarms:?}");
     };
     assert!(*after_low_s <= 14.0 * DAY_S, "{} days", after_low_s / DAY_S);
-    let trend = watched.snapshot().tendons[ELBOW].trend.clone().unwrap();
+    let trend = harness.snapshot().tendons[ELBOW].trend.clone().unwrap();
     assert_eq!(trend.sessions, 30);
     assert!(trend.series.is_empty() && !trend.forecast.is_empty());
 }
 
 #[test]
-fn of_a_day_the_best_record_counts_and_none_with_a_wrong_date() {
+fn history_keeps_best_record_per_day_with_valid_date() {
     let mut history = History::default();
     assert!(history.push(&record(2.0, 1e-3)));
     let worse = Record {
-        offset_deviation_rad: Some(0.5e-3),
+        offset_std_rad: Some(0.5e-3),
         ..record(1.9, 1.2e-3)
     };
-    assert!(!history.push(&worse), "a wider one of the same day");
+    assert!(!history.push(&worse), "wider interval on the same day");
     let better = Record {
-        offset_deviation_rad: Some(0.2e-3),
+        offset_std_rad: Some(0.2e-3),
         ..record(1.8, 1.1e-3)
     };
     assert!(history.push(&better));
@@ -136,7 +136,10 @@ fn of_a_day_the_best_record_counts_and_none_with_a_wrong_date() {
         baseline: Some("tensioned".into()),
         ..record(1.75, 0.0)
     };
-    assert!(history.push(&tensioned), "a tensioning parts a day in two");
+    assert!(
+        history.push(&tensioned),
+        "a re-tensioning divides a day into two"
+    );
     for clock in [Clock::Stamp, Clock::Stepped] {
         assert!(!history.push(&Record {
             clock,
@@ -150,28 +153,28 @@ fn of_a_day_the_best_record_counts_and_none_with_a_wrong_date() {
 }
 
 #[test]
-fn a_belief_of_another_robot_is_left_alone_and_told() {
-    let mut watched = Watched::new(tensioned());
-    watched.session(seconds(60, 100));
-    let mut store = watched.store.clone();
+fn state_of_another_robot_is_ignored_and_reported() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(seconds(60, 100));
+    let mut store = harness.store.clone();
     let mut robot = (*biorob_like()).clone();
     if let Some(elbow) = &mut robot.transmissions[ELBOW] {
         elbow.stiffness_nm_per_rad = 25.0;
     }
     let other = config(&Arc::new(robot));
-    let again = Watched::restored(other, store.clone(), watched.now);
+    let again = Harness::restored(other, store.clone(), harness.now);
     let text = serde_json::to_string(&again.store.journal).unwrap();
     assert!(
-        text.contains("belief-left") && text.contains("stiffness_nm_per_rad"),
+        text.contains("stored-state-ignored") && text.contains("stiffness_nm_per_rad"),
         "{text}"
     );
-    if let Some(belief) = &mut store.stored.belief {
-        *belief = Belief {
+    if let Some(state) = &mut store.stored.state {
+        *state = MonitorState {
             version: 99,
-            ..belief.clone()
+            ..state.clone()
         };
     }
-    let again = Watched::restored(tensioned(), store, watched.now);
+    let again = Harness::restored(tensioned(), store, harness.now);
     let text = serde_json::to_string(&again.store.journal).unwrap();
-    assert!(text.contains("belief-left"), "{text}");
+    assert!(text.contains("stored-state-ignored"), "{text}");
 }

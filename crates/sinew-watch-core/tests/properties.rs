@@ -1,11 +1,11 @@
-//! Whatever comes in whatever order: what is stored agrees with itself, and what is shown with what is stored.
+//! Property tests: stored data are consistent, and snapshots agree with them, for any order of inputs.
 
-use crate::support::{HZ, Store, Watched, plain, tensioned};
+use crate::support::{HZ, Harness, Store, plain, tensioned};
 use proptest::prelude::*;
 use sinew_watch_core::alarm::{
-    Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition, TransitionWhy, Trouble,
+    Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition, DataFault, TransitionReason,
 };
-use sinew_watch_core::command::What;
+use sinew_watch_core::command::CommandKind;
 use sinew_watch_core::journal::Event;
 use sinew_watch_core::snapshot::Freshness;
 use sinew_watch_core::{Instant, Monitor};
@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 
 #[derive(Debug, Clone)]
 enum Op {
-    /// Frames come from here on, tenths of a second.
+    /// Frames from this index, units of 0.1 s.
     Frames(usize, usize),
     Pass(f64),
     StepUtc(f64),
-    Say(What, &'static str),
+    Say(CommandKind, &'static str),
     Troubles(bool),
     Dropped(u64),
     StoreFails(bool),
-    /// Jobs are left lying.
+    /// Jobs are not run.
     Idle(bool),
     Restart(f64),
 }
@@ -38,12 +38,12 @@ fn key() -> impl Strategy<Value = AlarmKey> {
 fn say() -> impl Strategy<Value = Op> {
     let joints = || prop::sample::subsequence(vec!["elbow".to_string(), "wrist".into()], 0..=2);
     let what = prop_oneof![
-        joints().prop_map(|joints| What::Tensioned { joints }),
-        joints().prop_map(|joints| What::Replaced { joints }),
-        key().prop_map(|alarm| What::Acknowledge { alarm }),
-        (key(), 1.0..1e5).prop_map(|(alarm, for_s)| What::Shelve { alarm, for_s }),
-        key().prop_map(|alarm| What::Reset { alarm }),
-        Just(What::Note),
+        joints().prop_map(|joints| CommandKind::Tensioned { joints }),
+        joints().prop_map(|joints| CommandKind::Replaced { joints }),
+        key().prop_map(|alarm| CommandKind::Acknowledge { alarm }),
+        (key(), 1.0..1e5).prop_map(|(alarm, for_s)| CommandKind::Shelve { alarm, for_s }),
+        key().prop_map(|alarm| CommandKind::Reset { alarm }),
+        Just(CommandKind::Note),
     ];
     let note = prop::sample::select(vec!["", "seen"]);
     (what, note).prop_map(|(what, note)| Op::Say(what, note))
@@ -63,7 +63,7 @@ fn op() -> impl Strategy<Value = Op> {
     ]
 }
 
-/// Two alarms that latch, from before.
+/// Store with two latched alarms.
 fn before() -> Store {
     let alarm = |joint: &str, condition, state| Alarm {
         key: AlarmKey {
@@ -73,14 +73,14 @@ fn before() -> Store {
         state,
         acknowledged: false,
         raised_utc_s: 1.79e9,
-        cause: AlarmCause::InDoubt { for_s: 1.0 },
+        cause: AlarmCause::Provisional { for_s: 1.0 },
         shelved_until_utc_s: None,
         shelved_for_s: None,
     };
     let mut store = Store::default();
     store.stored.alarms = AlarmsStored {
         alarms: vec![
-            alarm("elbow", Condition::Jump, AlarmState::Latched),
+            alarm("elbow", Condition::StepChange, AlarmState::Latched),
             alarm("wrist", Condition::ReplaceLimit, AlarmState::Active),
         ],
     };
@@ -92,7 +92,7 @@ fn states(alarms: &[Alarm]) -> BTreeMap<AlarmKey, AlarmState> {
     all.collect()
 }
 
-/// The alarms that the journal makes of those before it.
+/// Alarm states after replaying the journal.
 fn replayed(store: &Store) -> BTreeMap<AlarmKey, AlarmState> {
     let mut states = states(&before().stored.alarms.alarms);
     for entry in &store.journal {
@@ -102,12 +102,12 @@ fn replayed(store: &Store) -> BTreeMap<AlarmKey, AlarmState> {
         let from = states.remove(&transition.key).unwrap_or(AlarmState::Normal);
         assert_eq!(from, transition.from, "{transition:?}");
         if from == AlarmState::Latched && transition.to == AlarmState::Normal {
-            let TransitionWhy::Command { what, note, .. } = &transition.why else {
+            let TransitionReason::Command { what, note, .. } = &transition.reason else {
                 panic!("{transition:?}");
             };
             match what {
-                What::Tensioned { .. } | What::Replaced { .. } => {}
-                What::Reset { .. } => assert!(!note.is_empty()),
+                CommandKind::Tensioned { .. } | CommandKind::Replaced { .. } => {}
+                CommandKind::Reset { .. } => assert!(!note.is_empty()),
                 other => panic!("{other:?} cleared {transition:?}"),
             }
         }
@@ -118,107 +118,104 @@ fn replayed(store: &Store) -> BTreeMap<AlarmKey, AlarmState> {
     states
 }
 
-fn check(watched: &Watched) {
-    let stored = &watched.store.stored;
+fn check(harness: &Harness) {
+    let stored = &harness.store.stored;
     assert_eq!(
-        replayed(&watched.store),
+        replayed(&harness.store),
         states(&stored.alarms.alarms),
         "every step once"
     );
-    let snapshot = watched.snapshot();
+    let snapshot = harness.snapshot();
     for tendon in &snapshot.tendons {
         assert_eq!(tendon.offset_rad.is_some(), tendon.reason.is_none());
         if snapshot.freshness != Freshness::Fresh {
             assert_eq!(tendon.offset_rad, None, "an old number is no new one");
         }
-        let of_joint = watched.store.records.iter().rev();
+        let of_joint = harness.store.records.iter().rev();
         let last = of_joint.clone().find(|r| r.joint == tendon.joint);
         assert_eq!(tendon.last.as_ref(), last, "what is shown is stored");
     }
 }
 
-fn run(watched: Watched, op: &Op, works: &mut bool) -> Watched {
-    let mut watched = watched;
+fn run(harness: Harness, op: &Op, works: &mut bool) -> Harness {
+    let mut harness = harness;
     match op {
         Op::Frames(from, count) => {
             let tenth = HZ / 10;
             let all = plain();
             let from = from * tenth % (all.len() - 150 * tenth);
-            let mut now = watched.now;
+            let mut now = harness.now;
             for (k, frame) in all[from..from + count * tenth].iter().enumerate() {
-                watched.now = now.after_s(1.0 / HZ as f64);
-                now = watched.now;
-                watched.monitor.frame(frame, now);
+                harness.now = now.after_s(1.0 / HZ as f64);
+                now = harness.now;
+                harness.monitor.frame(frame, now);
                 if k % tenth == 0 {
-                    watched.monitor.tick(now);
+                    harness.monitor.tick(now);
                 }
             }
         }
         Op::Pass(s) => {
-            watched.now = watched.now.after_s(*s);
-            watched.monitor.tick(watched.now);
+            harness.now = harness.now.after_s(*s);
+            harness.monitor.tick(harness.now);
         }
-        Op::StepUtc(s) => watched.now.utc_ns += (s * 1e9) as i64,
+        Op::StepUtc(s) => harness.now.utc_ns += (s * 1e9) as i64,
         Op::Say(what, note) => {
             let command = sinew_watch_core::command::Command {
                 who: "ada".into(),
                 note: (*note).into(),
                 what: what.clone(),
             };
-            let _refused = watched.monitor.command(command, watched.now);
+            let _refused = harness.monitor.command(command, harness.now);
         }
         Op::Troubles(there) => {
-            let trouble = Trouble::Decode {
+            let trouble = DataFault::Decode {
                 topic: "/joint_states".into(),
-                why: "cut off".into(),
+                reason: "cut off".into(),
             };
             let troubles = [trouble];
-            let now: &[Trouble] = if *there { &troubles } else { &[] };
-            watched.monitor.troubles(now, watched.now);
+            let now: &[DataFault] = if *there { &troubles } else { &[] };
+            harness.monitor.transport_faults(now, harness.now);
         }
-        Op::Dropped(messages) => watched.monitor.dropped(*messages, watched.now),
-        Op::StoreFails(fails) => watched.store.fails = *fails,
+        Op::Dropped(messages) => harness.monitor.dropped(*messages, harness.now),
+        Op::StoreFails(fails) => harness.store.fails = *fails,
         Op::Idle(idle) => *works = !idle,
         Op::Restart(off_s) => {
-            let stored = watched.store.stored.clone();
-            watched = watched.restart(*off_s);
-            assert_eq!(
-                watched.store.stored.belief.is_some(),
-                stored.belief.is_some()
-            );
-            if let (Some(now), Some(then)) = (&watched.store.stored.belief, &stored.belief) {
+            let stored = harness.store.stored.clone();
+            harness = harness.restart(*off_s);
+            assert_eq!(harness.store.stored.state.is_some(), stored.state.is_some());
+            if let (Some(now), Some(then)) = (&harness.store.stored.state, &stored.state) {
                 assert_eq!(now.tendons, then.tendons, "a restart teaches nothing");
             }
         }
     }
-    watched
+    harness
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn what_is_stored_agrees_with_itself_and_what_is_shown_with_it(
+    fn stored_data_and_snapshot_are_consistent(
         ops in prop::collection::vec(op(), 1..40)
     ) {
         let now = Instant { monotonic_ns: 0, utc_ns: crate::support::MONDAY_NS };
-        let mut watched = Watched::restored(tensioned(), before(), now);
+        let mut harness = Harness::restored(tensioned(), before(), now);
         let mut works = true;
         for op in &ops {
-            watched = run(watched, op, &mut works);
+            harness = run(harness, op, &mut works);
             if works {
-                watched.settle();
+                harness.settle();
             } else {
-                watched.store();
+                harness.store();
             }
-            check(&watched);
+            check(&harness);
         }
-        // All that was left lying is done in the end, and it all ends.
-        watched.store.fails = false;
-        watched.monitor.shutdown(watched.now);
-        watched.settle();
-        check(&watched);
-        prop_assert_eq!(watched.snapshot().waiting_to_be_stored, 0);
-        prop_assert!(Monitor::job(&mut watched.monitor).is_none());
+        // All pending jobs are run at the end, and all sessions end.
+        harness.store.fails = false;
+        harness.monitor.shutdown(harness.now);
+        harness.settle();
+        check(&harness);
+        prop_assert_eq!(harness.snapshot().waiting_to_be_stored, 0);
+        prop_assert!(Monitor::job(&mut harness.monitor).is_none());
     }
 }

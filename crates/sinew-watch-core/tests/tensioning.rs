@@ -1,34 +1,34 @@
-//! Tensioned and replaced ropes: a new baseline, and what the others carry over it.
+//! Re-tensioned and replaced ropes: new baseline, and continuity of the other tendons.
 
-use crate::support::{Watched, biorob_like, config, later, longer, seconds, tensioned};
+use crate::support::{Harness, biorob_like, config, later, longer, seconds, tensioned};
 use sinew_log::Frame;
 use sinew_watch_core::alarm::{AlarmState, Condition};
-use sinew_watch_core::command::{CommandError, What};
+use sinew_watch_core::command::{CommandError, CommandKind};
 use sinew_watch_core::journal::{BaselineWaits, Event};
-use sinew_watch_core::snapshot::{Learning, NotNow};
+use sinew_watch_core::snapshot::{Learning, NoEstimateReason};
 
 const PITCH: usize = 1;
 const ELBOW: usize = 2;
 
-fn tension(joints: &[&str]) -> What {
-    What::Tensioned {
+fn tension(joints: &[&str]) -> CommandKind {
+    CommandKind::Tensioned {
         joints: joints.iter().map(|j| j.to_string()).collect(),
     }
 }
 
-/// Pitch and elbow so much longer, mrad.
-fn stretched(frames: &[Frame], pitch_mrad: f64, elbow_mrad: f64) -> Vec<Frame> {
+/// Frames with shoulder pitch and elbow elongated, mrad.
+fn elongated(frames: &[Frame], pitch_mrad: f64, elbow_mrad: f64) -> Vec<Frame> {
     let frames = longer(frames, PITCH, 1e-3 * pitch_mrad);
     longer(&frames, ELBOW, 1e-3 * elbow_mrad)
 }
 
-fn offset_mrad(watched: &Watched, joint: &str) -> (f64, f64) {
-    let offset = watched.last(joint).offset().expect("an offset");
+fn offset_mrad(harness: &Harness, joint: &str) -> (f64, f64) {
+    let offset = harness.last(joint).offset().expect("an offset");
     (1e3 * offset.mean, 1e3 * offset.half_width_95())
 }
 
-fn assert_near(watched: &Watched, joint: &str, truth_mrad: f64) {
-    let (mean, half) = offset_mrad(watched, joint);
+fn assert_near(harness: &Harness, joint: &str, truth_mrad: f64) {
+    let (mean, half) = offset_mrad(harness, joint);
     assert!(
         (mean - truth_mrad).abs() < half,
         "{joint}: {mean} ± {half}, {truth_mrad} in truth"
@@ -37,64 +37,67 @@ fn assert_near(watched: &Watched, joint: &str, truth_mrad: f64) {
 }
 
 #[test]
-fn one_rope_is_tensioned_and_the_others_go_on() {
-    let mut watched = Watched::new(tensioned());
-    watched.session(&stretched(seconds(60, 120), 8.0, 10.0));
-    assert_near(&watched, "shoulder_pitch", 8.0);
-    assert_near(&watched, "elbow", 10.0);
+fn retensioning_one_rope_keeps_other_references() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&elongated(seconds(60, 120), 8.0, 10.0));
+    assert_near(&harness, "shoulder_pitch", 8.0);
+    assert_near(&harness, "elbow", 10.0);
 
-    watched
-        .say(tension(&["elbow"]), "with the new spanner")
+    harness
+        .command(tension(&["elbow"]), "with the new spanner")
         .unwrap();
-    let snapshot = watched.snapshot();
+    let snapshot = harness.snapshot();
     assert!(matches!(
         snapshot.learning,
         Learning::Baseline { poses: 0, .. }
     ));
     let reasons: Vec<_> = snapshot.tendons.iter().map(|t| t.reason).collect();
-    assert_eq!(reasons, [Some(NotNow::NoData); 4]);
+    assert_eq!(reasons, [Some(NoEstimateReason::NoData); 4]);
     assert_eq!(
         snapshot.tendons[ELBOW].tensioned_utc_s,
-        Some(watched.now.utc_s())
+        Some(harness.now.utc_s())
     );
     assert_eq!(snapshot.tendons[PITCH].tensioned_utc_s, None);
 
-    // The baseline, in two parts.
-    watched.play(&stretched(seconds(0, 30), 8.0, 0.0));
-    let snapshot = watched.snapshot();
-    assert_eq!(snapshot.tendons[0].reason, Some(NotNow::LearnsBaseline));
-    watched.pass(70.0);
-    let waits = watched.store.events(|event| match event {
-        Event::BaselineWaits { why } => Some(*why),
+    // Baseline in two parts.
+    harness.play(&elongated(seconds(0, 30), 8.0, 0.0));
+    let snapshot = harness.snapshot();
+    assert_eq!(
+        snapshot.tendons[0].reason,
+        Some(NoEstimateReason::BaselineAcquisition)
+    );
+    harness.pass(70.0);
+    let waits = harness.store.events(|event| match event {
+        Event::BaselinePending { reason } => Some(*reason),
         _ => None,
     });
     assert_eq!(waits, [BaselineWaits::FewPoses]);
-    let Learning::Baseline { duration_s, .. } = watched.snapshot().learning else {
+    let Learning::Baseline { duration_s, .. } = harness.snapshot().learning else {
         panic!("learns");
     };
     assert!(duration_s > 15.0, "{duration_s}");
-    watched.session(&later(&stretched(seconds(30, 120), 8.0, 0.0), 100.0));
-    let learned = watched.store.events(|event| match event {
+    harness.session(&later(&elongated(seconds(30, 120), 8.0, 0.0), 100.0));
+    let learned = harness.store.events(|event| match event {
         Event::Baseline { poses } => Some(*poses),
         _ => None,
     });
     assert!(learned.len() == 1 && learned[0] >= 12, "{learned:?}");
 
-    watched.session(&stretched(seconds(120, 180), 9.0, 1.0));
-    // Pitch counts from before, elbow from its tensioning.
-    assert_near(&watched, "shoulder_pitch", 9.0);
-    assert_near(&watched, "elbow", 1.0);
-    let belief = watched.store.stored.belief.as_ref().unwrap();
-    let before = belief.tendons[ELBOW].before_m;
+    harness.session(&elongated(seconds(120, 180), 9.0, 1.0));
+    // Shoulder pitch keeps its reference; the elbow refers to its re-tensioning.
+    assert_near(&harness, "shoulder_pitch", 9.0);
+    assert_near(&harness, "elbow", 1.0);
+    let state = harness.store.stored.state.as_ref().unwrap();
+    let before = state.tendons[ELBOW].before_m;
     assert!(
-        (before.mean - 10e-3 * 0.025).abs() < 2.0 * before.deviation.max(2e-5),
+        (before.mean - 10e-3 * 0.025).abs() < 2.0 * before.std.max(2e-5),
         "{before:?}"
     );
-    // What the rope was longer before counts towards its replacement.
-    let record = watched.last("elbow");
+    // Earlier elongation counts towards the replacement limit.
+    let record = harness.last("elbow");
     let strain = record.strain_ratio.unwrap();
     assert!((strain - 11e-3 * 0.025 / 0.7).abs() < 1e-4, "{strain}");
-    assert_eq!(record.baseline, belief.tendons[ELBOW].since);
+    assert_eq!(record.baseline, state.tendons[ELBOW].since);
     assert!(
         record
             .baseline
@@ -102,124 +105,124 @@ fn one_rope_is_tensioned_and_the_others_go_on() {
             .is_some_and(|b| b.starts_with("tensioned 2026-11-02"))
     );
     assert_eq!(
-        watched.last("wrist").baseline.as_deref(),
+        harness.last("wrist").baseline.as_deref(),
         Some("first minute")
     );
 
-    // A new rope has no past.
+    // A new rope has no earlier elongation.
     let elbow = vec!["elbow".to_string()];
-    watched.say(What::Replaced { joints: elbow }, "").unwrap();
-    let tendon = &watched.store.stored.belief.as_ref().unwrap().tendons[ELBOW];
+    harness
+        .command(CommandKind::Replaced { joints: elbow }, "")
+        .unwrap();
+    let tendon = &harness.store.stored.state.as_ref().unwrap().tendons[ELBOW];
     assert_eq!(tendon.before_m.mean, 0.0);
-    assert_eq!(tendon.replaced_utc_s, Some(watched.now.utc_s()));
+    assert_eq!(tendon.replaced_utc_s, Some(harness.now.utc_s()));
 }
 
 #[test]
-fn a_tensioning_amid_a_session_hears_its_last_word_first() {
-    let mut watched = Watched::new(tensioned());
-    watched.play(&stretched(seconds(60, 100), 0.0, 6.0));
-    assert!(watched.store.records.is_empty());
-    watched.say(tension(&["elbow"]), "").unwrap();
-    assert_near(&watched, "elbow", 6.0);
-    let belief = watched.store.stored.belief.as_ref().unwrap();
-    let before = belief.tendons[ELBOW].before_m;
+fn retensioning_within_session_uses_its_result_first() {
+    let mut harness = Harness::new(tensioned());
+    harness.play(&elongated(seconds(60, 100), 0.0, 6.0));
+    assert!(harness.store.records.is_empty());
+    harness.command(tension(&["elbow"]), "").unwrap();
+    assert_near(&harness, "elbow", 6.0);
+    let state = harness.store.stored.state.as_ref().unwrap();
+    let before = state.tendons[ELBOW].before_m;
     assert!(
-        (before.mean - 6e-3 * 0.025).abs() < 3.0 * before.deviation,
+        (before.mean - 6e-3 * 0.025).abs() < 3.0 * before.std,
         "{before:?}"
     );
-    assert_eq!(belief.tendons[ELBOW].last_rad, None);
-    assert!(belief.tendons[PITCH].last_rad.is_some());
-    assert_eq!(belief.learns.as_ref().unwrap().joints, ["elbow"]);
+    assert_eq!(state.tendons[ELBOW].last_rad, None);
+    assert!(state.tendons[PITCH].last_rad.is_some());
+    assert_eq!(state.learns.as_ref().unwrap().joints, ["elbow"]);
 }
 
 #[test]
-fn limits_are_alarms_with_their_origin_and_tensioning_clears_them() {
-    let mut watched = Watched::new(tensioned());
-    // 25 mm times 30 mrad: 0.75 mm, where 0.5 mm is the limit.
-    watched.session(&stretched(seconds(60, 120), 0.0, 30.0));
+fn limit_alarms_name_origin_and_clear_on_retensioning() {
+    let mut harness = Harness::new(tensioned());
+    // 25 mm × 30 mrad = 0.75 mm exceeds the limit of 0.5 mm.
+    harness.session(&elongated(seconds(60, 120), 0.0, 30.0));
     assert_eq!(
-        watched.alarm(Some("elbow"), Condition::RetensionLimit),
+        harness.alarm(Some("elbow"), Condition::RetensionLimit),
         None
     );
-    watched.pass(600.0);
-    let state = watched.alarm(Some("elbow"), Condition::RetensionLimit);
+    harness.pass(600.0);
+    let state = harness.alarm(Some("elbow"), Condition::RetensionLimit);
     assert_eq!(state, Some(AlarmState::Active));
-    let alarms = watched.snapshot().alarms;
+    let alarms = harness.snapshot().alarms;
     let text = serde_json::to_string(&alarms).unwrap();
     assert!(text.contains(r#""origin":"robot-toml""#), "{text}");
     assert_eq!(
-        watched.alarm(Some("shoulder_pitch"), Condition::RetensionLimit),
+        harness.alarm(Some("shoulder_pitch"), Condition::RetensionLimit),
         None
     );
-    watched.say(tension(&["elbow"]), "").unwrap();
-    watched.pass(2000.0);
+    harness.command(tension(&["elbow"]), "").unwrap();
+    harness.pass(2000.0);
     assert_eq!(
-        watched.alarm(Some("elbow"), Condition::RetensionLimit),
+        harness.alarm(Some("elbow"), Condition::RetensionLimit),
         None
     );
 }
 
 #[test]
-fn without_a_baseline_no_limit_is_passed() {
-    let mut watched = Watched::new(config(&biorob_like()));
-    watched.session(&stretched(seconds(60, 120), 0.0, 40.0));
-    watched.pass(2000.0);
-    assert_eq!(watched.snapshot().learning, Learning::NoBaseline);
+fn limits_without_baseline_are_never_exceeded() {
+    let mut harness = Harness::new(config(&biorob_like()));
+    harness.session(&elongated(seconds(60, 120), 0.0, 40.0));
+    harness.pass(2000.0);
+    assert_eq!(harness.snapshot().learning, Learning::NoBaseline);
     assert_eq!(
-        watched.alarm(Some("elbow"), Condition::RetensionLimit),
+        harness.alarm(Some("elbow"), Condition::RetensionLimit),
         None
     );
-    assert_eq!(watched.last("elbow").baseline, None);
+    assert_eq!(harness.last("elbow").baseline, None);
 }
 
 #[test]
-fn commands_that_can_t_be_are_refused_and_change_nothing() {
-    let mut watched = Watched::new(tensioned());
-    let before = watched.store.journal.len();
-    let refused = watched.say(tension(&["knee"]), "").unwrap_err();
-    let known = "shoulder_yaw, shoulder_pitch, elbow, wrist".to_string();
+fn invalid_commands_are_rejected_without_effect() {
+    let mut harness = Harness::new(tensioned());
+    let before = harness.store.journal.len();
+    let error = harness.command(tension(&["knee"]), "").unwrap_err();
+    let available = "shoulder_yaw, shoulder_pitch, elbow, wrist".to_string();
     let joint = "knee".to_string();
-    assert_eq!(refused, CommandError::Joint { joint, known });
-    assert_eq!(watched.say(What::Note, "  "), Err(CommandError::NoNote));
+    assert_eq!(error, CommandError::Joint { joint, available });
+    assert_eq!(
+        harness.command(CommandKind::Note, "  "),
+        Err(CommandError::NoNote)
+    );
     let long = "x".repeat(5000);
     assert!(matches!(
-        watched.say(What::Note, &long),
+        harness.command(CommandKind::Note, &long),
         Err(CommandError::TooLong { .. })
     ));
-    assert_eq!(watched.store.journal.len(), before);
-    watched.say(What::Note, "greased the wrist").unwrap();
-    assert_eq!(watched.store.journal.len(), before + 1);
+    assert_eq!(harness.store.journal.len(), before);
+    harness
+        .command(CommandKind::Note, "greased the wrist")
+        .unwrap();
+    assert_eq!(harness.store.journal.len(), before + 1);
 }
 
-/// What waits then is motion for the baseline of the rope before: it has no last word on any tendon.
+/// The waiting motion belongs to the previous baseline and has no result for any tendon.
 #[test]
-fn a_rope_tensioned_while_a_baseline_is_learned_counts_once() {
-    let mut watched = Watched::new(tensioned());
-    watched.session(&stretched(seconds(60, 120), 8.0, 10.0));
-    watched.say(tension(&["elbow"]), "").unwrap();
-    watched.play(&stretched(seconds(0, 30), 8.0, 0.0));
-    watched.say(tension(&["shoulder_pitch"]), "").unwrap();
-    let then = watched
-        .store
-        .stored
-        .belief
-        .as_ref()
-        .unwrap()
-        .tendons
-        .clone();
-    watched.session(&later(seconds(0, 120), 100.0));
-    watched.session(&stretched(seconds(120, 180), 2.0, 1.0));
-    let now = &watched.store.stored.belief.as_ref().unwrap().tendons;
+fn retensioning_during_acquisition_counts_once() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&elongated(seconds(60, 120), 8.0, 10.0));
+    harness.command(tension(&["elbow"]), "").unwrap();
+    harness.play(&elongated(seconds(0, 30), 8.0, 0.0));
+    harness.command(tension(&["shoulder_pitch"]), "").unwrap();
+    let then = harness.store.stored.state.as_ref().unwrap().tendons.clone();
+    harness.session(&later(seconds(0, 120), 100.0));
+    harness.session(&elongated(seconds(120, 180), 2.0, 1.0));
+    let now = &harness.store.stored.state.as_ref().unwrap().tendons;
     for (joint, i) in [("shoulder_pitch", PITCH), ("elbow", ELBOW)] {
-        // Every session since counts from there, the rest of the one that taught the baseline as well.
-        let own = watched.store.records.iter().filter(|r| r.joint == joint);
+        // All later sessions use the new reference, including the rest of the session that gave the baseline.
+        let own = harness.store.records.iter().filter(|r| r.joint == joint);
         for record in own.skip(1) {
             assert_eq!(record.baseline, now[i].since, "{joint}: {record:?}");
         }
-        assert_eq!(watched.last(joint).baseline, now[i].since, "{joint}");
+        assert_eq!(harness.last(joint).baseline, now[i].since, "{joint}");
         assert_eq!(now[i].since, then[i].since, "{joint}");
         assert_eq!(now[i].before_m, then[i].before_m, "{joint}");
         assert!(now[i].last_rad.is_some(), "{joint}");
     }
-    assert_near(&watched, "shoulder_pitch", 2.0);
+    assert_near(&harness, "shoulder_pitch", 2.0);
 }

@@ -1,4 +1,4 @@
-"""What the monitor knows of every tendon, once a second: read by to_foxglove.py and to_rerun.py beside it."""
+"""State of every tendon in the monitor, once a second; used by to_foxglove.py and to_rerun.py."""
 
 import json
 import time
@@ -8,7 +8,7 @@ NUMBERS = ("offset_rad", "elongation_m", "strain_ratio")
 
 
 def get(monitor, path, token=None):
-    """An answer of the monitor's HTTP API."""
+    """Returns a response of the monitor's HTTP API."""
     request = urllib.request.Request(monitor + path)
     if token:
         request.add_header("authorization", f"Bearer {token}")
@@ -17,25 +17,25 @@ def get(monitor, path, token=None):
 
 
 def of_robot(robot):
-    """Per joint what is known now: numbers that aren't known are missing. SI, with standard deviations."""
+    """Yields the present values per joint; unavailable values are missing. SI units, with standard deviations."""
     for tendon in robot["tendons"]:
-        known = {"level": tendon["level"]}
+        values = {"level": tendon["level"]}
         for name in NUMBERS:
             value = tendon[name]
             if value is not None:
                 quantity, unit = name.split("_")
-                known |= {name: value["mean"], f"{quantity}_deviation_{unit}": value["deviation"]}
-        yield tendon["joint"], known
+                values |= {name: value["mean"], f"{quantity}_std_{unit}": value["std"]}
+        yield tendon["joint"], values
 
 
 def every_second(monitor, token=None):
-    """(time, robot, joint, what is known), as long as it is asked for; a monitor that restarts is waited for."""
+    """Yields (time, robot, joint, values) indefinitely; reconnects to a restarted monitor."""
     while True:
         try:
             for row in get(monitor, "/api/v1/fleet", token)["robots"]:
                 robot = get(monitor, f"/api/v1/robots/{row['robot']}", token)["robot"]
-                for joint, known in of_robot(robot):
-                    yield robot["time_utc_s"], row["robot"], joint, known
+                for joint, values in of_robot(robot):
+                    yield robot["time_utc_s"], row["robot"], joint, values
         except OSError as error:
-            print(f"{monitor}: {error}; tried again")
+            print(f"{monitor}: {error}; reconnecting")
         time.sleep(1.0)

@@ -3,8 +3,7 @@
     pip install rerun-sdk
     python to_rerun.py [MONITOR] [TOKEN]
 
-MONITOR is http://127.0.0.1:8642 where nothing else is said. The viewer opens by itself; RERUN_SAVE=FILE.rrd writes a file
-instead.
+MONITOR defaults to http://127.0.0.1:8642. The viewer starts automatically; RERUN_SAVE=FILE.rrd writes a file instead.
 """
 
 import os
@@ -19,9 +18,9 @@ def main(monitor="http://127.0.0.1:8642", token=None):
     rerun.init("sinew", spawn=not file)
     if file:
         rerun.save(file)
-    for time_utc_s, robot, joint, known in every_second(monitor, token):
+    for time_utc_s, robot, joint, values in every_second(monitor, token):
         rerun.set_time("utc", timestamp=time_utc_s)
-        for name, value in known.items():
+        for name, value in values.items():
             path = f"{robot}/{joint}/{name}"
             rerun.log(path, rerun.TextLog(value) if name == "level" else rerun.Scalars(value))
 

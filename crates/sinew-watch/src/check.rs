@@ -1,20 +1,22 @@
-//! `sinew watch --check`: everything a configuration names is looked at, and nothing is started or made.
+//! Check of a configuration (`sinew watch --check`): files, addresses and folders are tested, and nothing is started
+//! or created.
 
 use crate::config::{Address, Config, RobotSettings, WebSettings, Webhook};
-use crate::runtime::check_door;
+use crate::runtime::check_transport;
 use crate::store::{Place, Reader};
 use crate::{token, webhooks};
-use sinew_door::DoorError;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_files::Temporary;
 use sinew_log::Mapping;
+use sinew_transport::TransportError;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 
-/// What is wrong with what a configuration names, in sentences: key, value, why and what to do.
+/// Returns the faults of the files and addresses named by a configuration, one sentence each: key, value, reason and
+/// remedy.
 pub fn faults(config: &Config) -> Vec<String> {
     let mut faults = Vec::new();
     faults.extend(store(&config.store));
@@ -23,14 +25,14 @@ pub fn faults(config: &Config) -> Vec<String> {
         faults.extend(webhook(i, hook));
     }
     faults.extend(config.robots.iter().flat_map(robot_files));
-    faults.extend(doors(&config.robots));
+    faults.extend(transports(&config.robots));
     faults
 }
 
 fn robot_files(robot: &RobotSettings) -> Vec<String> {
     let name = &robot.name;
     let mut faults = Vec::new();
-    // Without a URDF the robot's own description is waited for.
+    // Without a URDF the description published by the robot is used.
     let loaded = robot_dir::load(&robot.dir, None);
     match loaded {
         Ok(_) | Err(robot_dir::RobotDirError::NoUrdf { .. }) => {}
@@ -45,74 +47,81 @@ fn robot_files(robot: &RobotSettings) -> Vec<String> {
     faults
 }
 
-/// Each door once, with all the robots behind it.
-fn doors(robots: &[RobotSettings]) -> Vec<String> {
+/// Checks each transport once, for all robots behind it.
+fn transports(robots: &[RobotSettings]) -> Vec<String> {
     let mut behind: BTreeMap<&Address, Vec<&RobotSettings>> = BTreeMap::new();
     for robot in robots {
-        behind.entry(&robot.door.address).or_default().push(robot);
+        behind
+            .entry(&robot.transport.address)
+            .or_default()
+            .push(robot);
     }
     let faults = behind.into_iter().filter_map(|(address, robots)| {
-        let error = check_door(address).err()?;
+        let error = check_transport(address).err()?;
         Some(format!(
             "{}: {}",
             names(&robots),
-            door_fault(address, &error)
+            transport_fault(address, &error)
         ))
     });
     faults.collect()
 }
 
-/// `arm-7, arm-8`; of many the first ones.
+/// Formats a list of robots: `arm-7, arm-8`; of many the first ones.
 fn names(robots: &[&RobotSettings]) -> String {
-    const SHOWN: usize = 3;
-    let first: Vec<&str> = robots.iter().take(SHOWN).map(|r| r.name.as_str()).collect();
-    match robots.len().saturating_sub(SHOWN) {
+    const MAX_NAMES: usize = 3;
+    let first: Vec<&str> = robots
+        .iter()
+        .take(MAX_NAMES)
+        .map(|r| r.name.as_str())
+        .collect();
+    match robots.len().saturating_sub(MAX_NAMES) {
         0 => first.join(", "),
         more => format!("{} and {more} more", first.join(", ")),
     }
 }
 
-fn door_fault(address: &Address, error: &DoorError) -> String {
+fn transport_fault(address: &Address, error: &TransportError) -> String {
     match (address, error) {
-        (Address::Mcap { path, .. }, DoorError::Io { source, .. }) => {
+        (Address::Mcap { path, .. }, TransportError::Io { source, .. }) => {
             let cure = match source.kind() {
                 ErrorKind::NotFound => {
-                    "start the recorder first, or name the file or folder that it writes"
+                    "start the recorder first, or set the file or folder that it writes"
                 }
-                _ => "let this user read it",
+                _ => "grant read permission to this user",
             };
             format!("mcap.path = {path:?}: {source}; {cure}")
         }
-        (Address::Mcap { path, .. }, DoorError::Content { why, .. }) => {
+        (Address::Mcap { path, .. }, TransportError::Content { reason, .. }) => {
             format!(
-                "mcap.path = {path:?}: can't be read: {why}; name the file that the recorder writes"
+                "mcap.path = {path:?}: cannot be read: {reason}; set the file that the recorder writes"
             )
         }
-        (Address::Dds { interfaces, .. }, DoorError::Refused { door, why })
+        (Address::Dds { interfaces, .. }, TransportError::Rejected { transport, reason })
             if !interfaces.is_empty() =>
         {
             format!(
-                "dds: {door} can't be joined: {why}; name an address of this computer in interfaces, or leave them out"
+                "dds: {transport} cannot connect: {reason}; set an address of this host in interfaces, or remove the key"
             )
         }
-        (Address::Dds { .. }, DoorError::Refused { door, why }) => {
-            format!("dds: {door} can't be joined: {why}; is there a network?")
+        (Address::Dds { .. }, TransportError::Rejected { transport, reason }) => {
+            format!("dds: {transport} cannot connect: {reason}; check the network")
         }
-        (Address::Zenoh { .. }, DoorError::Refused { door, why }) => format!(
-            "zenoh: {door} can't be joined: {why}; is the router running (ros2 run rmw_zenoh_cpp rmw_zenohd), and does connect name it?"
+        (Address::Zenoh { .. }, TransportError::Rejected { transport, reason }) => format!(
+            "zenoh: {transport} cannot connect: {reason}; start the router (ros2 run rmw_zenoh_cpp rmw_zenohd) and check its address in connect"
         ),
         (_, error) => error.to_string(),
     }
 }
 
-/// Whether what is learned can be kept there.
+/// Checks whether the store can be written.
 fn store(folder: &Path) -> Option<String> {
     let key = format!("store.dir = {folder:?}");
     if let Err(error) = can_write_in(folder) {
-        let why = format!(
-            "{error}; name a folder that the monitor's user can write, and check as that user"
+        let reason = format!(
+            "{error}; set a folder that the user of the monitor can write, and run the check as that user"
         );
-        return Some(format!("{key}: {why}"));
+        return Some(format!("{key}: {reason}"));
     }
     let place = Place::Folder(folder.into());
     if !folder.join("watch.db").exists() {
@@ -123,7 +132,7 @@ fn store(folder: &Path) -> Option<String> {
     Some(format!("{key}: {}: {}", place.file(), error.in_words()))
 }
 
-/// Whether a file can be made in a folder, or in what is there of the way to it.
+/// Tests whether a file can be created in a folder, or in its nearest existing parent.
 fn can_write_in(folder: &Path) -> std::io::Result<()> {
     let there = folder.ancestors().find(|path| path.exists());
     let there = match there {
@@ -132,22 +141,22 @@ fn can_write_in(folder: &Path) -> std::io::Result<()> {
         None => Path::new("."),
     };
     if !there.is_dir() {
-        let why = format!("{} is no folder", there.display());
-        return Err(std::io::Error::new(ErrorKind::NotADirectory, why));
+        let reason = format!("{} is not a folder", there.display());
+        return Err(std::io::Error::new(ErrorKind::NotADirectory, reason));
     }
     Temporary::create(there, "check").map(drop)
 }
 
-/// Whether the page can be had, and what others need for it.
+/// Checks the address of the page, its token and the webhooks.
 fn page(web: &WebSettings, store: &Path) -> Vec<String> {
     let mut faults = Vec::new();
     let Some(bind) = web.bind else { return faults };
     match TcpListener::bind(bind) {
-        // It may be the monitor's that runs.
+        // The address may belong to a running monitor.
         Ok(_) => {}
         Err(error) if error.kind() == ErrorKind::AddrInUse => {}
         Err(error) => faults.push(format!(
-            "web.bind = {bind}: can't listen there: {error}; name an address of this computer, and a port that is free"
+            "web.bind = {bind}: cannot listen: {error}; set an address of this host and a free port"
         )),
     }
     if web.needs_token() {
@@ -158,17 +167,17 @@ fn page(web: &WebSettings, store: &Path) -> Vec<String> {
 
 fn web_token(own: Option<&PathBuf>, store: &Path) -> Option<String> {
     match own {
-        // It is made at the first start.
+        // The token is created at the first start.
         None => {
-            let path = token::usual_place(store);
+            let path = token::default_place(store);
             let fault = token::read(&path).transpose()?.err()?;
-            Some(format!("web.bind needs a token: {fault}"))
+            Some(format!("web.bind requires a token: {fault}"))
         }
         Some(path) => match token::read(path) {
             Ok(Some(_)) => None,
             Ok(None) => Some(format!(
-                "web.token_file = {path:?}: it isn't there; write a token of {} characters or more into it, or leave token_file out, and one is made in the store",
-                token::SHORTEST
+                "web.token_file = {path:?}: file not found; write a token of at least {} characters into it, or remove token_file to create a token in the store",
+                token::MIN_CHARS
             )),
             Err(fault) => Some(format!("web.token_file: {fault}")),
         },

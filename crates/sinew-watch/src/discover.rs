@@ -1,46 +1,51 @@
-//! `sinew watch` without a configuration: what there is to watch, and what is missing for it.
+//! Discovery without a configuration (`sinew watch`): robots found, and missing files and settings.
 
-use sinew_door::{DomainFound, TopicFound};
 use sinew_estimate::init::{Init, InitGap};
 use sinew_estimate::robot_toml::robot_toml;
 use sinew_files::number::three_digits;
 use sinew_files::plain;
 use sinew_log::TopicUse;
 use sinew_log::live::RobotFound;
+use sinew_transport::{DomainFound, TopicFound};
 use std::fmt::Write as _;
 #[cfg(any(feature = "dds", feature = "zenoh"))]
 use std::time::Duration;
 
-/// Domains of DDS are looked for so long.
+/// Duration of the search for DDS domains.
 #[cfg(feature = "dds")]
-const LOOK: Duration = Duration::from_secs(10);
-/// Each domain is listened to so long.
+const SEARCH_TIME: Duration = Duration::from_secs(10);
+/// Duration of listening to each domain.
 #[cfg(any(feature = "dds", feature = "zenoh"))]
-const LISTEN: Duration = Duration::from_secs(5);
+const LISTEN_TIME: Duration = Duration::from_secs(5);
 
-/// Listens to every domain in which somebody speaks, and says what is there.
+/// Listens to every active domain and returns the topics, publishers and robots found.
 ///
 /// # Errors
-/// The network can't be used.
+/// Returns the reason as text if the network cannot be used.
 #[cfg(any(feature = "dds", feature = "zenoh"))]
-pub fn listen(say: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
-    let listen = LISTEN;
-    let clock = sinew_door::Clock::start();
+pub fn listen(report: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
+    let listen = LISTEN_TIME;
+    let clock = sinew_transport::Clock::start();
     let mut found = Vec::new();
-    let tell = |domain: u16, over: &str| {
+    let listen_to = |domain: u16, over: &str| {
         let length_s = listen.as_secs();
-        say(&format!("listens to domain {domain}{over}, {length_s} s …"));
+        report(&format!(
+            "Listening to domain {domain}{over} for {length_s} s …"
+        ));
     };
     #[cfg(feature = "dds")]
     {
-        use sinew_door::dds::{DdsOptions, active_domains, discover};
-        say(&format!("looks for ROS 2 domains, {} s …", LOOK.as_secs()));
-        let mut domains = active_domains(&[], LOOK);
+        use sinew_transport::dds::{DdsOptions, active_domains, discover};
+        report(&format!(
+            "Searching ROS 2 domains for {} s …",
+            SEARCH_TIME.as_secs()
+        ));
+        let mut domains = active_domains(&[], SEARCH_TIME);
         if !domains.contains(&0) {
             domains.insert(0, 0);
         }
         for domain in domains {
-            tell(domain, "");
+            listen_to(domain, "");
             let options = DdsOptions {
                 domain,
                 ..DdsOptions::default()
@@ -48,12 +53,12 @@ pub fn listen(say: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
             found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
         }
     }
-    // Domains behind the router of this computer. Without a router there is no network.
+    // Domains behind the router of this host. Without a router there is no Zenoh network.
     #[cfg(feature = "zenoh")]
     {
-        use sinew_door::zenoh::{ZenohOptions, active_domains, discover};
+        use sinew_transport::zenoh::{ZenohOptions, active_domains, discover};
         for domain in active_domains(&ZenohOptions::default()).unwrap_or_default() {
-            tell(domain, " over Zenoh");
+            listen_to(domain, " over Zenoh");
             let options = ZenohOptions {
                 domain,
                 ..ZenohOptions::default()
@@ -64,16 +69,16 @@ pub fn listen(say: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
     Ok(found)
 }
 
-/// Says that this build can't listen.
+/// Reports that this build has no network transport.
 ///
 /// # Errors
-/// Always.
+/// Always returns an error.
 #[cfg(not(any(feature = "dds", feature = "zenoh")))]
-pub fn listen(_say: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
-    Err("this sinew-watch was built without DDS and Zenoh; name a configuration, or build it with --features dds".into())
+pub fn listen(_report: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
+    Err("this sinew-watch was built without DDS and Zenoh; set a configuration file, or build it with --features dds".into())
 }
 
-/// What was found, and what to do next.
+/// Formats the robots found and the next steps.
 pub fn render(found: &[DomainFound]) -> String {
     let mut out = String::new();
     for domain in found.iter().filter(|d| !d.topics.is_empty()) {
@@ -81,18 +86,18 @@ pub fn render(found: &[DomainFound]) -> String {
         for robot in &domain.robots {
             of_robot(&mut out, domain, robot);
         }
-        for trouble in &domain.troubles {
-            let _ok = writeln!(out, "  {}", plain(&trouble.to_string()));
+        for fault in &domain.faults {
+            let _ok = writeln!(out, "  {}", plain(&fault.to_string()));
         }
     }
     let robots: usize = found.iter().map(|domain| domain.robots.len()).sum();
     if robots == 0 {
-        out += "\nNothing that looks like a robot was heard: a namespace with sensor_msgs/msg/JointState.\n\
-                Is its driver running, in this network, and is multicast allowed? Is ROS_DOMAIN_ID another?\n\
-                An MCAP that grows needs no network: mcap = { path = \"FILE\" } in the configuration.\n\
+        out += "\nNo robot found: no namespace with sensor_msgs/msg/JointState.\n\
+                Check that the driver runs in this network, that multicast is allowed, and the value of ROS_DOMAIN_ID.\n\
+                A growing MCAP file requires no network: set mcap = { path = \"FILE\" } in the configuration.\n\
                 sinew watch --demo shows what it would look like.\n";
     } else {
-        out += "\nWrite the configuration to watch.toml, fill in robot.toml, and run: sinew watch watch.toml\n";
+        out += "\nSave the configuration as watch.toml, complete robot.toml, and run: sinew watch watch.toml\n";
     }
     out
 }
@@ -100,8 +105,8 @@ pub fn render(found: &[DomainFound]) -> String {
 fn topics(out: &mut String, domain: &DomainFound) {
     let _ok = writeln!(
         out,
-        "{}, heard for {:.0} s:",
-        domain.door, domain.listened_s
+        "{}, received for {:.0} s:",
+        domain.transport, domain.listened_s
     );
     let name = |topic: &TopicFound| plain(&topic.topic.name);
     let widest =
@@ -111,7 +116,7 @@ fn topics(out: &mut String, domain: &DomainFound) {
     for topic in &domain.topics {
         let rate = topic.topic.rate_hz;
         let rate = rate.map_or("–".into(), |hz| format!("{} Hz", three_digits(hz)));
-        let used = match topic.topic.taken_for {
+        let used = match topic.topic.role {
             Some(TopicUse::JointSide) => "joint side",
             Some(TopicUse::MotorSide) => "motor side",
             Some(_) => "used",
@@ -126,7 +131,7 @@ fn topics(out: &mut String, domain: &DomainFound) {
     }
 }
 
-/// Namespaces make names: `/cell/arm7` is `cell-arm7`.
+/// Derives the name of a robot from its namespace: `/cell/arm7` becomes `cell-arm7`.
 fn name_of(robot: &RobotFound, init: Option<&Init>) -> String {
     let of_namespace = robot.namespace.trim_matches('/').replace('/', "-");
     let of_urdf = init.and_then(|init| init.robot.clone()).unwrap_or_default();
@@ -146,7 +151,7 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
     };
     let joints: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).collect();
     let joints = plain(&joints.join(", "));
-    let _ok = writeln!(out, "\n  A robot in {place}, with joints {joints}.");
+    let _ok = writeln!(out, "\n  Robot in {place} with joints {joints}.");
     for ambiguity in &robot.ambiguous {
         let several = plain(&ambiguity.candidates.join(", "));
         let key = match ambiguity.side {
@@ -155,7 +160,7 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
         };
         let _ok = writeln!(
             out,
-            "  Several topics could be one side: {several}. Name one with {key}."
+            "  Several topics match one side: {several}. Select one with {key}."
         );
     }
     let rate = domain
@@ -164,7 +169,7 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
         .find(|t| Some(&t.topic.name) == robot.joint_side.as_ref());
     let rate_hz = rate.and_then(|t| t.topic.rate_hz);
     let urdf = robot.robot_description.as_deref();
-    let source = format!("{}{}", domain.door, robot.namespace);
+    let source = format!("{}{}", domain.transport, robot.namespace);
     let init = Init::of_network(
         &source,
         urdf.map(|text| ("robot.urdf", text)),
@@ -176,7 +181,7 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
         Err(error) => {
             let _ok = writeln!(
                 out,
-                "  Its URDF can't be used: {}",
+                "  Published URDF is invalid: {}",
                 plain(&error.to_string())
             );
             return;
@@ -184,15 +189,15 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
     };
     missing(out, &init);
     let name = name_of(robot, Some(&init));
-    // A door's name is that of its key and its domain.
-    let (door, number) = domain.door.split_once(':').unwrap_or(("dds", "0"));
+    // The name of a transport consists of its key and its domain.
+    let (transport, number) = domain.transport.split_once(':').unwrap_or(("dds", "0"));
     let _ok = write!(
         out,
         "\n  watch.toml:\n\n    [[robot]]\n    name = \"{name}\"\n    dir = \"{name}\"\n    \
-         {door} = {{ domain = {number}, namespace = \"{}\" }}\n\n  {name}/robot.toml:\n\n",
+         {transport} = {{ domain = {number}, namespace = \"{}\" }}\n\n  {name}/robot.toml:\n\n",
         plain(&robot.namespace)
     );
-    // A URDF that is published needs no file.
+    // A published URDF needs no file.
     let text = match urdf {
         Some(_) => robot_toml(&init).replace(
             "urdf = \"robot.urdf\"",
@@ -205,18 +210,18 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
     }
 }
 
-/// What an estimate still needs.
+/// Lists the missing inputs of an estimate.
 fn missing(out: &mut String, init: &Init) {
     let mut stiffness = Vec::new();
     for gap in &init.missing {
         let line = match gap {
-            InitGap::Urdf => "No URDF is published: put one beside robot.toml.".to_owned(),
+            InitGap::Urdf => "No URDF published: add one next to robot.toml.".to_owned(),
             InitGap::MotorSide => {
-                "No motor positions are published: without them no tendon can be watched.".into()
+                "No motor positions published: tendons cannot be monitored without them.".into()
             }
             InitGap::LockedAt(joint) => {
                 format!(
-                    "{} isn't published: where does it stand? (locked_at_rad)",
+                    "{} is not published: set its position (locked_at_rad).",
                     plain(joint)
                 )
             }
@@ -231,7 +236,7 @@ fn missing(out: &mut String, init: &Init) {
     if !stiffness.is_empty() {
         let _ok = writeln!(
             out,
-            "  Without stiffness there is no estimate: stiffness_nm_per_rad of {}.",
+            "  Stiffness missing: set stiffness_nm_per_rad of {}.",
             stiffness.join(", ")
         );
     }
@@ -244,19 +249,19 @@ mod tests {
     use sinew_model::robot::RobotFile;
 
     fn found(robots: Vec<RobotFound>) -> DomainFound {
-        let topic = |name: &str, kind: &str, taken_for| TopicFound {
+        let topic = |name: &str, kind: &str, role| TopicFound {
             topic: TopicInfo {
                 name: name.into(),
                 kind: kind.into(),
                 messages: 500,
                 rate_hz: Some(100.0),
                 interfaces: Vec::new(),
-                taken_for,
+                role,
             },
             publishers: Vec::new(),
         };
         DomainFound {
-            door: "dds:3".into(),
+            transport: "dds:3".into(),
             listened_s: 5.0,
             topics: vec![
                 topic(
@@ -267,12 +272,12 @@ mod tests {
                 topic("/tf\u{1b}[2J", "tf2_msgs/msg/TFMessage", None),
             ],
             robots,
-            troubles: Vec::new(),
+            faults: Vec::new(),
         }
     }
 
     #[test]
-    fn a_robot_is_listed_with_what_it_lacks_and_files_to_fill_in() {
+    fn render_robot_lists_missing_inputs() {
         let robot = RobotFound {
             namespace: "/arm7".into(),
             joint_side: Some("/arm7/joint_states".into()),
@@ -287,8 +292,8 @@ mod tests {
         let text = render(&[found(vec![robot])]);
         for words in [
             "/arm7/joint_states  sensor_msgs/msg/JointState    100 Hz  joint side",
-            "A robot in /arm7, with joints elbow.",
-            "No URDF is published",
+            "Robot in /arm7 with joints elbow.",
+            "No URDF published",
             "stiffness_nm_per_rad of elbow",
             "dds = { domain = 3, namespace = \"/arm7\" }",
             "[joints.elbow]",
@@ -297,9 +302,9 @@ mod tests {
         }
         assert!(
             !text.contains('\u{1b}'),
-            "what a network says doesn't steer the terminal"
+            "terminal control characters are removed"
         );
-        // What is printed is a robot.toml.
+        // The output is a valid robot.toml.
         let toml: String = text
             .lines()
             .skip_while(|line| !line.contains("arm7/robot.toml"))
@@ -314,10 +319,10 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_an_answer_with_what_to_look_at() {
+    fn render_without_robot_suggests_checks() {
         let text = render(&[found(Vec::new())]);
         assert!(
-            text.contains("Nothing that looks like a robot") && text.contains("ROS_DOMAIN_ID"),
+            text.contains("No robot found") && text.contains("ROS_DOMAIN_ID"),
             "{text}"
         );
         assert!(render(&[]).contains("sinew watch --demo"));

@@ -1,6 +1,6 @@
-//! Bytes as digits.
+//! Hexadecimal representation of bytes.
 
-/// Two digits a byte.
+/// Formats bytes as two hexadecimal digits each.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }

@@ -1,10 +1,10 @@
-//! The monitor of running robots: listens, learns, keeps, alarms, shows.
+//! Monitor of running robots: receives messages, estimates, stores, raises alarms and shows the results.
 //!
-//! What is known of a robot is [`sinew_watch_core`]'s, a state machine; here are its clock, its threads, its disk
-//! and its web page.
+//! The state of a robot is kept by the state machine of [`sinew_watch_core`]; this crate adds the clock, threads,
+//! store and web page.
 //!
-//! Reading order: [`args`], [`config`] (what the owner asks for), [`check`], [`store`] (what is kept), [`runtime`]
-//! (threads), [`words`] (what is said), [`web`] and [`webhooks`] (to whom), [`months`], [`service`] (all of it).
+//! Reading order: [`args`], [`config`] (configuration), [`check`], [`store`] (storage), [`runtime`] (threads),
+//! [`words`] (texts), [`web`] and [`webhooks`] (output), [`months`], [`service`] (the program).
 
 pub mod args;
 pub mod check;
@@ -27,10 +27,10 @@ use config::Config;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Does what the program is asked for.
+/// Runs the program with its arguments.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// Returns the reason as text if an argument, file or address is invalid.
 pub fn run(args: &Args) -> Result<ExitCode, String> {
     if args.demo {
         let mut web = config::WebSettings::default();
@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<ExitCode, String> {
     let Some(file) = args.config.clone().or_else(usual) else {
         if args.check {
             return Err(format!(
-                "name the configuration to check; {} isn't there",
+                "no configuration to check: {} not found",
                 config::PLACE
             ));
         }
@@ -70,7 +70,7 @@ fn check_file(file: &Path) -> Result<ExitCode, String> {
         n => format!("{n} robots"),
     };
     if faults.is_empty() {
-        println!("{}: {robots}, nothing is wrong", file.display());
+        println!("{}: {robots}, no faults found", file.display());
     }
     Ok(ExitCode::from(u8::from(!faults.is_empty())))
 }

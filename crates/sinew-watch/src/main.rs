@@ -1,4 +1,4 @@
-//! `sinew-watch`: arguments in, the monitor runs.
+//! Entry point of `sinew-watch`.
 
 use clap::Parser as _;
 use sinew_watch::args::Args;

@@ -1,19 +1,20 @@
-//! Records of months that are over, as Parquet beside the database: for trends of fleets, and for other tools.
+//! Monthly Parquet files of records next to the database, for fleet trends and other tools.
 
 use crate::runtime::{Request, Runtime};
 use crate::store::{Place, Reader, StoreError};
+use crate::words;
 use sinew_files::date::{DAY_S, civil, day_number};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// It is looked so often whether a month is over.
-const EVERY: Duration = Duration::from_secs(3600);
-/// A month is over so long after its end, s: its last sessions are stored by then.
-const AFTER_S: f64 = 2.0 * 3600.0;
+/// Interval of the check for completed months.
+const CHECK_INTERVAL: Duration = Duration::from_secs(3600);
+/// Delay after the end of a month, s, within which its last sessions are stored.
+const MONTH_END_DELAY_S: f64 = 2.0 * 3600.0;
 
-/// Writes files of months that are over.
+/// Writer of the files of completed months.
 pub struct Months {
     folder: Option<PathBuf>,
     place: Place,
@@ -22,7 +23,7 @@ pub struct Months {
 }
 
 impl Months {
-    /// Of the store in this place; one in memory has none.
+    /// Creates the writer for the store in this place; an in-memory store writes no files.
     pub fn new(place: &Place) -> Self {
         Self {
             folder: place.folder().map(|folder| folder.join("records")),
@@ -32,7 +33,7 @@ impl Months {
         }
     }
 
-    /// Looks whether it is time, and writes on a thread of its own.
+    /// Checks whether it is time, and writes in a separate thread.
     pub fn look(&mut self, runtime: &Runtime) {
         let busy = self
             .running
@@ -45,7 +46,7 @@ impl Months {
         else {
             return;
         };
-        self.next = Instant::now() + EVERY;
+        self.next = Instant::now() + CHECK_INTERVAL;
         let (place, store) = (self.place.clone(), runtime.store());
         let health = std::sync::Arc::clone(runtime.health());
         let thread = std::thread::Builder::new().name("months".into());
@@ -53,21 +54,21 @@ impl Months {
             let since = SystemTime::now().duration_since(UNIX_EPOCH);
             let now_s = since.map_or(0.0, |since| since.as_secs_f64());
             if let Err(error) = write(&place, &folder, now_s, &store) {
-                health.say(&format!("records of the month: {}", error.in_words()));
+                health.log(&words::log::month_not_exported(&error.in_words()));
             }
         };
-        // Without a thread it is tried an hour later.
+        // Without a thread the export is repeated an hour later.
         self.running = thread.spawn(work).ok();
     }
 }
 
-/// `2026-11` of a time, s since 1970 UTC.
+/// Returns the month of a time in s since 1970 UTC, such as `2026-11`.
 fn month_of(utc_s: f64) -> String {
     let (year, month, _) = civil((utc_s / DAY_S).floor() as i64);
     format!("{year:04}-{month:02}")
 }
 
-/// When a month begins and ends, s since 1970 UTC.
+/// Returns start and end of a month, s since 1970 UTC.
 fn bounds(month: &str) -> Option<[f64; 2]> {
     let (year, of_year) = month.split_once('-')?;
     let (year, of_year): (i64, i64) = (year.parse().ok()?, of_year.parse().ok()?);
@@ -80,10 +81,10 @@ fn bounds(month: &str) -> Option<[f64; 2]> {
     Some([start(year, of_year)?, start(next_year, next)?])
 }
 
-/// Writes every month that is over by now and has records that are in no file yet; what was written.
+/// Writes every completed month with records that are in no file yet; returns the files written.
 ///
 /// # Errors
-/// [`StoreError`]; the months before are written.
+/// Returns a [`StoreError`] if reading or writing fails; the months before are written.
 pub fn write(
     place: &Place,
     folder: &Path,
@@ -91,7 +92,7 @@ pub fn write(
     store: &Sender<Request>,
 ) -> Result<Vec<PathBuf>, StoreError> {
     let reader = Reader::open(place)?;
-    let over = month_of(now_utc_s - AFTER_S);
+    let over = month_of(now_utc_s - MONTH_END_DELAY_S);
     let mut written = Vec::new();
     for pending in reader.not_exported()? {
         let Some(bounds) = bounds(&pending.month).filter(|_| pending.month < over) else {
@@ -108,7 +109,7 @@ pub fn write(
     Ok(written)
 }
 
-/// Name of this computer, as far as it fits into a file's.
+/// Returns the name of the host, reduced to characters allowed in file names.
 fn host() -> String {
     let limit = sinew_files::limits::ROPE_ENTRY;
     let name = sinew_files::read_text(Path::new("/etc/hostname"), &limit);
@@ -116,7 +117,7 @@ fn host() -> String {
     if name.is_empty() { "host".into() } else { name }
 }
 
-/// A name as part of a path.
+/// Replaces characters of a name that are not allowed in a path.
 fn escaped(name: &str) -> String {
     let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let text: String = name
@@ -131,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn months_have_their_bounds() {
+    fn month_bounds_are_calendar_months() {
         let [start, end] = bounds("2026-12").unwrap();
         assert_eq!(
             (month_of(start), month_of(end - 1.0)),

@@ -1,11 +1,11 @@
-//! What systemd is told: ready, alive, stopping. A datagram to `$NOTIFY_SOCKET`; nothing where there is none.
+//! Notification of systemd: ready, alive, stopping. Sends a datagram to `$NOTIFY_SOCKET`; does nothing without it.
 
 use std::time::Duration;
 
-/// Tells systemd something, such as `READY=1`.
+/// Notifies systemd of a state, such as `READY=1`.
 pub fn notify(what: &str) {
     if let Some(socket) = std::env::var_os("NOTIFY_SOCKET") {
-        // Who doesn't hear it kills this process in the end, and says so.
+        // Without the message systemd eventually stops the process and logs the reason.
         let _unheard = send(&socket, what.as_bytes());
     }
 }
@@ -29,7 +29,7 @@ fn send(_socket: &std::ffi::OsStr, _what: &[u8]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// How often systemd wants to be told that this process is alive; `None`: it doesn't.
+/// Returns the interval of the notifications that systemd expects; `None`: none expected.
 pub fn watchdog() -> Option<Duration> {
     let own = std::env::var("WATCHDOG_PID").ok();
     if own.is_some_and(|pid| pid != std::process::id().to_string()) {

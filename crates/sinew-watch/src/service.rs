@@ -1,4 +1,4 @@
-//! The program while it runs: signals, the web's thread, systemd, and files of records at the end of a month.
+//! Running program: signals, web thread, systemd notification, and monthly record files.
 
 use crate::config::{Config, WebSettings, Webhook};
 use crate::notify::{notify, watchdog};
@@ -6,7 +6,7 @@ use crate::runtime::{Runtime, Start, StartError};
 use crate::store::Place;
 use crate::web::guard::Guard;
 use crate::web::{self, App, Ticker, routes};
-use crate::{token, webhooks};
+use crate::{token, webhooks, words};
 use sinew_watch_core::journal::Entry;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
@@ -16,68 +16,68 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, watch};
 
-/// The program looks round so often.
-const ROUND: Duration = Duration::from_millis(500);
-/// Browsers are told so often.
+/// Duration of one loop of the program.
+const LOOP_TIME: Duration = Duration::from_millis(500);
+/// Interval of updates to browsers.
 const TICK: Duration = Duration::from_secs(1);
-/// systemd is told that the program is alive as long as every core thread goes round at least so often.
-const HANGS_AFTER: Duration = Duration::from_secs(10);
+/// Maximum time since the last loop of a core thread for which systemd is notified that the program is alive.
+const MAX_LOOP_AGE: Duration = Duration::from_secs(10);
 
-/// What the program is told while it runs.
+/// Signal to the running program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signal {
-    /// Read the configuration again.
+    /// Reload the configuration.
     Reload,
-    /// End the program.
+    /// Stop the program.
     End,
 }
 
-/// What the web's thread needs.
+/// Parameters of the web thread.
 pub struct WebStart {
-    /// Address and rules; `None`: no page.
+    /// Address and access control; `None`: no page.
     pub settings: WebSettings,
-    /// The token, where one is needed.
+    /// Access token, where one is required.
     pub token: Option<String>,
-    /// What the demonstration is.
+    /// Description of the demonstration; `None`: real robots.
     pub demo: Option<String>,
-    /// Where the store is.
+    /// Location of the store.
     pub place: Place,
-    /// Who is told of alarms.
+    /// Receivers of alarm notifications.
     pub webhooks: watch::Receiver<Vec<Webhook>>,
-    /// Steps of alarms.
+    /// Receiver of alarm transitions.
     pub steps: mpsc::Receiver<(String, Entry)>,
 }
 
-/// The web's thread: page, API, webhooks and signals.
+/// Web thread with page, API, webhooks and signals.
 pub struct Web {
-    /// Where the page is.
+    /// Address of the page.
     pub address: Option<SocketAddr>,
     ends: watch::Sender<bool>,
     thread: JoinHandle<()>,
 }
 
 impl Web {
-    /// Starts it; signals go to `signals`.
+    /// Starts the thread; signals go to `signals`.
     ///
     /// # Errors
-    /// The address can't be had, in words.
+    /// Returns the reason as text if the address cannot be used.
     pub fn start(
         start: WebStart,
         runtime: &Runtime,
         signals: Sender<Signal>,
     ) -> Result<Self, String> {
         let listener = start.settings.bind.map(|bind| {
-            let refuse = |e: std::io::Error| {
-                format!("{bind}: can't listen there: {e}; [web] bind names another address")
+            let error = |e: std::io::Error| {
+                format!("{bind}: cannot listen: {e}; set another address in [web] bind")
             };
-            let listener = TcpListener::bind(bind).map_err(refuse)?;
-            listener.set_nonblocking(true).map_err(refuse)?;
+            let listener = TcpListener::bind(bind).map_err(error)?;
+            listener.set_nonblocking(true).map_err(error)?;
             Ok::<_, String>(listener)
         });
         let listener = listener.transpose()?;
         let address = listener.as_ref().and_then(|l| l.local_addr().ok());
-        let (board, health) = (Arc::clone(runtime.board()), Arc::clone(runtime.health()));
-        let (clock, pace) = (runtime.clock(), runtime.pace());
+        let (registry, health) = (Arc::clone(runtime.registry()), Arc::clone(runtime.health()));
+        let (clock, clock_rate) = (runtime.clock(), runtime.clock_rate());
         let (ends, ended) = watch::channel(false);
         let tokio = tokio::runtime::Builder::new_current_thread()
             .enable_all()
@@ -91,11 +91,11 @@ impl Web {
                 start.webhooks,
                 Arc::clone(&health),
             ));
-            let mut ticker = Ticker::new(Arc::clone(&board), Arc::clone(&health), start.demo);
-            let now = move || pace.instant(clock.now()).utc_s();
+            let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), start.demo);
+            let now = move || clock_rate.instant(clock.now()).utc_s();
             let (tell, ticks) = watch::channel(Arc::new(ticker.tick(now())));
             let guard = Guard::new(&start.settings, start.token);
-            let app = App::new((board, health), guard, ticks, start.place);
+            let app = App::new((registry, health), guard, ticks, start.place);
             let mut ended_too = ended.clone();
             if let Some(listener) = listener
                 && let Ok(listener) = tokio::net::TcpListener::from_std(listener)
@@ -122,7 +122,7 @@ impl Web {
         })
     }
 
-    /// Ends the thread.
+    /// Stops the thread.
     pub fn end(self) {
         self.ends.send_replace(true);
         let _panicked = self.thread.join();
@@ -161,10 +161,10 @@ fn signals_of_the_system(signals: Sender<Signal>) {
     });
 }
 
-/// Watches what a configuration asks for, until it is told to end.
+/// Monitors the robots of a configuration until it is stopped.
 ///
 /// # Errors
-/// Why it didn't begin, in words.
+/// Returns the reason as text if the monitor cannot be started.
 pub fn run(file: &Path) -> Result<(), String> {
     let mut config = Config::read(file).map_err(|e| e.to_string())?;
     let place = Place::Folder(config.store.clone());
@@ -173,17 +173,17 @@ pub fn run(file: &Path) -> Result<(), String> {
     let token = match config.web.needs_token() {
         true => {
             let path = token::place(&config.web, &config.store);
-            let token = token::read_or_make(&path)?;
+            let token = token::read_or_create(&path)?;
             runtime
                 .health()
-                .say(&format!("the page needs the token in {}", path.display()));
+                .log(&words::log::token_file(path.display()));
             Some(token)
         }
         false => None,
     };
     runtime.configure(&config);
     let (hooks, wanted) = watch::channel(config.webhooks.clone());
-    let (signals, told) = channel();
+    let (sender, signals) = channel();
     let web = WebStart {
         settings: config.web.clone(),
         token,
@@ -192,13 +192,13 @@ pub fn run(file: &Path) -> Result<(), String> {
         webhooks: wanted,
         steps,
     };
-    let web = Web::start(web, &runtime, signals)?;
+    let web = Web::start(web, &runtime, sender)?;
     if let Some(address) = web.address {
-        runtime.health().say(&format!("http://{address}"));
+        runtime.health().log(&format!("http://{address}"));
     }
     notify("READY=1");
     let mut exports = crate::months::Months::new(&place);
-    until_told(&told, &mut runtime, |runtime, signal| {
+    run_until_stopped(&signals, &mut runtime, |runtime, signal| {
         if signal == Some(Signal::Reload) {
             reload(file, &mut config, runtime, &hooks);
         }
@@ -210,23 +210,23 @@ pub fn run(file: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Goes round until it is told to end; `each` is called at every round, with what it was told.
-pub fn until_told(
-    told: &Receiver<Signal>,
+/// Loops until it is stopped; calls `each` in every loop with the received signal.
+pub fn run_until_stopped(
+    signals: &Receiver<Signal>,
     runtime: &mut Runtime,
     mut each: impl FnMut(&mut Runtime, Option<Signal>),
 ) {
     let watchdog = watchdog();
-    let round = watchdog.map_or(ROUND, |every| every.min(ROUND));
+    let round = watchdog.map_or(LOOP_TIME, |every| every.min(LOOP_TIME));
     let mut fed = Instant::now();
     loop {
-        match told.recv_timeout(round) {
+        match signals.recv_timeout(round) {
             Ok(Signal::End) | Err(RecvTimeoutError::Disconnected) => return,
             Ok(signal) => each(runtime, Some(signal)),
             Err(RecvTimeoutError::Timeout) => each(runtime, None),
         }
         runtime.look();
-        let alive = runtime.health().silent_for() < HANGS_AFTER;
+        let alive = runtime.health().silent_for() < MAX_LOOP_AGE;
         if let Some(every) = watchdog
             && alive
             && fed.elapsed() >= every
@@ -237,7 +237,7 @@ pub fn until_told(
     }
 }
 
-/// Reads the configuration again; one that is wrong changes nothing.
+/// Reloads the configuration; an invalid one changes nothing.
 fn reload(
     file: &Path,
     config: &mut Config,
@@ -246,7 +246,7 @@ fn reload(
 ) {
     notify("RELOADING=1");
     match Config::read(file) {
-        Err(error) => runtime.health().say(&format!("not reloaded: {error}")),
+        Err(error) => runtime.health().log(&words::log::not_reloaded(error)),
         Ok(next) => {
             let kept: Vec<&str> = [
                 (next.web != config.web, "[web]"),
@@ -257,15 +257,13 @@ fn reload(
             .collect();
             if !kept.is_empty() {
                 let names = kept.join(" and ");
-                runtime
-                    .health()
-                    .say(&format!("{names} stays as it was until the next start"));
+                runtime.health().log(&words::log::needs_restart(&names));
             }
             runtime.configure(&next);
             hooks.send_replace(next.webhooks.clone());
             let (web, store) = (config.web.clone(), config.store.clone());
             *config = Config { web, store, ..next };
-            runtime.health().say("the configuration was read again");
+            runtime.health().log(&words::log::reloaded());
         }
     }
     notify("READY=1");

@@ -1,4 +1,4 @@
-//! The token that other computers need: made at the first start, readable by its owner alone.
+//! Access token for other hosts: created at the first start, readable by its owner only.
 
 use crate::config::WebSettings;
 use crate::hex::hex;
@@ -6,68 +6,70 @@ use sinew_files::{Temporary, folder_of};
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Bytes of a token that is made.
-const BYTES: usize = 32;
-/// A token that somebody wrote has at least so many characters, so that nobody guesses it.
-pub const SHORTEST: usize = 16;
-/// Characters of a token at most.
-const LONGEST: u64 = 4096;
+/// Number of random bytes of a created token.
+const TOKEN_BYTES: usize = 32;
+/// Minimum length of a token written by the user, characters, against guessing.
+pub const MIN_CHARS: usize = 16;
+/// Maximum length of a token, characters.
+const MAX_CHARS: u64 = 4096;
 
-/// Where the token is.
+/// Returns the path of the token file.
 pub fn place(settings: &WebSettings, store: &Path) -> PathBuf {
     let own = settings.token_file.clone();
-    own.unwrap_or_else(|| usual_place(store))
+    own.unwrap_or_else(|| default_place(store))
 }
 
-/// Where it is when nothing is said.
-pub fn usual_place(store: &Path) -> PathBuf {
+/// Returns the default path of the token file.
+pub fn default_place(store: &Path) -> PathBuf {
     store.join("web-token")
 }
 
-/// The token of a file, which is made where it isn't there.
+/// Reads the token of a file, which is created if missing.
 ///
 /// # Errors
-/// What is wrong with it, in words.
-pub fn read_or_make(path: &Path) -> Result<String, String> {
+/// Returns the reason as text if the file cannot be read or the token is invalid.
+pub fn read_or_create(path: &Path) -> Result<String, String> {
     match read(path)? {
         Some(token) => Ok(token),
-        None => make(path).map_err(|e| format!("{}: {e}", path.display())),
+        None => create(path).map_err(|e| format!("{}: {e}", path.display())),
     }
 }
 
-/// The token of a file; `None`: there is no such file.
+/// Reads the token of a file; `None`: the file does not exist.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// Returns the reason as text if the file cannot be read or the token is invalid.
 pub fn read(path: &Path) -> Result<Option<String>, String> {
-    let refuse = |why: String| format!("{}: {why}", path.display());
+    let invalid = |reason: String| format!("{}: {reason}", path.display());
     match std::fs::File::open(path) {
         Ok(file) => {
             let mut text = String::new();
-            let read = file.take(LONGEST + 1).read_to_string(&mut text);
-            read.map_err(|e| refuse(e.to_string()))?;
+            let read = file.take(MAX_CHARS + 1).read_to_string(&mut text);
+            read.map_err(|e| invalid(e.to_string()))?;
             let token = text.trim();
             match token.len() {
-                0..SHORTEST => Err(refuse(format!(
-                    "the token has {} characters; it needs {SHORTEST} at least. Remove the file, and one is made",
+                0..MIN_CHARS => Err(invalid(format!(
+                    "token has {} characters, expected at least {MIN_CHARS}; remove the file to create a new one",
                     token.len()
                 ))),
-                n if n as u64 > LONGEST => Err(refuse("too long for a token".into())),
+                n if n as u64 > MAX_CHARS => Err(invalid(format!(
+                    "token has more than {MAX_CHARS} characters; remove the file to create a new one"
+                ))),
                 _ => Ok(Some(token.to_owned())),
             }
         }
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(refuse(error.to_string())),
+        Err(error) => Err(invalid(error.to_string())),
     }
 }
 
-fn make(path: &Path) -> std::io::Result<String> {
-    let mut bytes = [0; BYTES];
+fn create(path: &Path) -> std::io::Result<String> {
+    let mut bytes = [0; TOKEN_BYTES];
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
     let token = hex(&bytes);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let (mut file, temporary) = Temporary::create(folder_of(path), &name)?;
-    // Before there is anything to read.
+    // Permissions are restricted before the content is written.
     #[cfg(unix)]
     file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o600))?;
     writeln!(file, "{token}")?;

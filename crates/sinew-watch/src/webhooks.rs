@@ -1,4 +1,4 @@
-//! Steps of alarms, posted to addresses of the owner's. Nothing waits for them: who doesn't answer misses some.
+//! Webhooks: alarm transitions posted to configured addresses. Nothing waits for them; a slow receiver misses some.
 
 use crate::config::Webhook;
 use crate::runtime::Health;
@@ -9,7 +9,7 @@ use hyper::header::{AUTHORIZATION, CONTENT_TYPE, HOST, USER_AGENT};
 use hyper::{Request, client::conn::http1};
 use hyper_util::rt::TokioIo;
 use serde::Serialize;
-use sinew_watch_core::alarm::{AlarmState, Condition, TransitionWhy};
+use sinew_watch_core::alarm::{AlarmState, Condition, TransitionReason};
 use sinew_watch_core::journal::{Entry, Event};
 use std::path::Path;
 use std::sync::Arc;
@@ -18,49 +18,49 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio::sync::{mpsc, watch};
 
-/// Posts that wait for one address, at most.
-const WAITING: usize = 100;
-/// So often one is tried; each time it is waited for twice as long, from a second on.
-const TRIES: u32 = 6;
-/// An answer is waited for so long.
-const WITHIN: Duration = Duration::from_secs(5);
-/// A token is no longer.
-const TOKEN_MOST: usize = 4096;
+/// Maximum number of waiting posts per address.
+const MAX_WAITING_POSTS: usize = 100;
+/// Maximum number of attempts; the pause doubles each time, starting at one second.
+const MAX_ATTEMPTS: u32 = 6;
+/// Maximum time to wait for a response.
+const MAX_ANSWER_TIME: Duration = Duration::from_secs(5);
+/// Maximum length of a token, characters.
+const MAX_TOKEN_CHARS: usize = 4096;
 
-/// What is posted: `sinew-webhook/1`.
+/// Body of a webhook: `sinew-webhook/2`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Post {
-    /// Name and version of this form.
+    /// Name and version of the format.
     pub schema: &'static str,
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// Joint; `None`: the robot as a whole.
+    /// Name of the joint; `null`: the robot as a whole.
     pub joint: Option<String>,
-    /// What the alarm is about.
+    /// Condition of the alarm.
     pub condition: Condition,
     /// Severity, 1 to 1000.
     pub severity: u16,
-    /// From this state.
+    /// State before the transition.
     pub from: AlarmState,
-    /// To this one.
+    /// State after the transition.
     pub to: AlarmState,
-    /// When, s since 1970 UTC.
+    /// Time of the transition, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// The reason.
-    pub why: TransitionWhy,
-    /// What happened, in words.
+    /// Reason of the transition.
+    pub reason: TransitionReason,
+    /// Description of the transition as text.
     pub text: String,
 }
 
 impl Post {
-    /// Of a step of an alarm; `None`: the entry is of something else.
+    /// Returns the body for an alarm transition; `None`: the entry is of another kind.
     pub fn of(robot: &str, entry: &Entry) -> Option<Self> {
         let Event::Alarm { transition } = &entry.event else {
             return None;
         };
         Some(Self {
-            schema: "sinew-webhook/1",
+            schema: "sinew-webhook/2",
             robot: robot.into(),
             joint: transition.key.joint.clone(),
             condition: transition.key.condition,
@@ -68,13 +68,13 @@ impl Post {
             from: transition.from,
             to: transition.to,
             time_utc_s: transition.time_utc_s,
-            why: transition.why.clone(),
+            reason: transition.reason.clone(),
             text: format!("{robot}: {}", words::entry(&entry.event)),
         })
     }
 }
 
-/// Posts steps of alarms as they come, to the addresses that are wanted at the time.
+/// Posts alarm transitions as they occur, to the addresses of the present configuration.
 pub async fn run(
     mut steps: mpsc::Receiver<(String, Entry)>,
     mut wanted: watch::Receiver<Vec<Webhook>>,
@@ -83,7 +83,7 @@ pub async fn run(
     let mut hooks = open(&wanted.borrow_and_update(), &health);
     while let Some((robot, entry)) = steps.recv().await {
         if wanted.has_changed().unwrap_or(false) {
-            // Those that go post what they have.
+            // Removed receivers post what is waiting.
             hooks = open(&wanted.borrow_and_update(), &health);
         }
         let Some(post) = Post::of(&robot, &entry) else {
@@ -101,7 +101,7 @@ pub async fn run(
 
 fn open(wanted: &[Webhook], health: &Arc<Health>) -> Vec<(Webhook, mpsc::Sender<Bytes>)> {
     let of_hook = |hook: &Webhook| {
-        let (sender, receiver) = mpsc::channel(WAITING);
+        let (sender, receiver) = mpsc::channel(MAX_WAITING_POSTS);
         tokio::spawn(deliver(hook.clone(), receiver, Arc::clone(health)));
         (hook.clone(), sender)
     };
@@ -112,21 +112,26 @@ async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Bytes>, health: Arc<He
     while let Some(body) = posts.recv().await {
         let mut wait = Duration::from_secs(1);
         let mut done = Err(String::new());
-        for attempt in 0..TRIES {
+        for attempt in 0..MAX_ATTEMPTS {
             if attempt > 0 {
                 tokio::time::sleep(wait).await;
                 wait *= 2;
             }
-            let posted = tokio::time::timeout(WITHIN, post(&hook, body.clone())).await;
-            done = posted.unwrap_or_else(|_late| Err(format!("no answer within {WITHIN:?}")));
+            let posted = tokio::time::timeout(MAX_ANSWER_TIME, post(&hook, body.clone())).await;
+            done =
+                posted.unwrap_or_else(|_late| Err(format!("no answer within {MAX_ANSWER_TIME:?}")));
             if done.is_ok() {
                 break;
             }
         }
         match done {
             Ok(()) => health.counts.webhooks.fetch_add(1, Ordering::Relaxed),
-            Err(why) => {
-                health.say(&format!("webhook {}: given up: {why}", hook.url()));
+            Err(reason) => {
+                health.log(&words::log::webhook_discarded(
+                    &hook.url(),
+                    MAX_ATTEMPTS,
+                    &reason,
+                ));
                 health.counts.webhooks_lost.fetch_add(1, Ordering::Relaxed)
             }
         };
@@ -134,14 +139,14 @@ async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Bytes>, health: Arc<He
 }
 
 async fn post(hook: &Webhook, body: Bytes) -> Result<(), String> {
-    let said = |e: &dyn std::fmt::Display| e.to_string();
+    let message = |e: &dyn std::fmt::Display| e.to_string();
     let host = hook.host.trim_start_matches('[').trim_end_matches(']');
     let stream = TcpStream::connect((host, hook.port))
         .await
-        .map_err(|e| said(&e))?;
+        .map_err(|e| message(&e))?;
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
         .await
-        .map_err(|e| said(&e))?;
+        .map_err(|e| message(&e))?;
     let runs = tokio::spawn(connection);
     let mut request = Request::post(&hook.path)
         .header(HOST, format!("{}:{}", hook.host, hook.port))
@@ -154,26 +159,26 @@ async fn post(hook: &Webhook, body: Bytes) -> Result<(), String> {
         let token = token(path)?;
         request = request.header(AUTHORIZATION, format!("Bearer {token}"));
     }
-    let request = request.body(Full::new(body)).map_err(|e| said(&e))?;
-    let answer = sender.send_request(request).await.map_err(|e| said(&e));
+    let request = request.body(Full::new(body)).map_err(|e| message(&e))?;
+    let answer = sender.send_request(request).await.map_err(|e| message(&e));
     runs.abort();
     match answer?.status() {
         status if status.is_success() => Ok(()),
-        status => Err(format!("it answered {status}")),
+        status => Err(format!("response {status}")),
     }
 }
 
-/// The token that goes along, from its file.
+/// Reads the bearer token from its file.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// Returns the reason as text if the file cannot be read or the token is invalid.
 pub fn token(path: &Path) -> Result<String, String> {
     let read = sinew_files::read_text(path, &sinew_files::limits::SETTINGS);
     let text = read.map_err(|e| e.to_string())?;
     match text.trim() {
-        "" => Err("it is empty; write the receiver's token into it".into()),
-        token if token.len() > TOKEN_MOST => Err(format!(
-            "the token has {} characters; {TOKEN_MOST} at most",
+        "" => Err("the file is empty; write the token of the receiver into it".into()),
+        token if token.len() > MAX_TOKEN_CHARS => Err(format!(
+            "the token has {} characters, limit {MAX_TOKEN_CHARS}",
             token.len()
         )),
         token => Ok(token.to_owned()),

@@ -1,4 +1,4 @@
-//! `--check` says of everything a configuration names what would go wrong, and leaves nothing behind.
+//! `--check` reports every fault of a configuration and creates nothing.
 
 use sinew_watch::check::faults;
 use sinew_watch::config::Config;
@@ -8,16 +8,16 @@ fn arm() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like")
 }
 
-/// What is wrong with a robot that is heard there.
-fn of(folder: &Path, head: &str, door: &str) -> Vec<String> {
+/// Faults of a configuration with one robot behind this transport.
+fn of(folder: &Path, head: &str, transport: &str) -> Vec<String> {
     let text = format!(
-        "{head}\n[[robot]]\nname = \"arm-7\"\ndir = {:?}\n{door}\n",
+        "{head}\n[[robot]]\nname = \"arm-7\"\ndir = {:?}\n{transport}\n",
         arm()
     );
     faults(&Config::parse(&text, "watch.toml", folder).unwrap())
 }
 
-/// One fault, which holds all these words.
+/// Panics unless there is exactly one fault that contains all these words.
 fn one(faults: &[String], words: &[&str]) {
     let [fault] = faults else {
         panic!("not one fault: {faults:?}, wanted {words:?}")
@@ -34,7 +34,7 @@ fn recording() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("demo/arm.mcap")
 }
 
-/// A folder with a recording that can be read.
+/// Folder with a readable recording.
 fn whole() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(recording(), folder.path().join("run.mcap")).unwrap();
@@ -42,12 +42,12 @@ fn whole() -> tempfile::TempDir {
 }
 
 #[test]
-fn a_configuration_that_works_has_no_fault_and_nothing_is_made() {
+fn check_valid_configuration_has_no_faults() {
     let folder = whole();
     assert_eq!(of(folder.path(), STORE, MCAP), Vec::<String>::new());
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 1, "{left:?}");
-    // A folder in which the recorder has not begun yet, and a file it has just made.
+    // Folder in which the recorder has not started yet, and file that it has just created.
     std::fs::create_dir(folder.path().join("runs")).unwrap();
     let runs = "mcap = { path = \"runs\" }";
     assert_eq!(of(folder.path(), STORE, runs), Vec::<String>::new());
@@ -56,7 +56,7 @@ fn a_configuration_that_works_has_no_fault_and_nothing_is_made() {
 }
 
 #[test]
-fn a_recording_that_is_not_there_or_is_none_is_named_with_what_to_do() {
+fn check_missing_or_invalid_recording_suggests_fix() {
     let folder = tempfile::tempdir().unwrap();
     let absent = of(folder.path(), STORE, MCAP);
     let path = folder.path().join("run.mcap").display().to_string();
@@ -67,20 +67,20 @@ fn a_recording_that_is_not_there_or_is_none_is_named_with_what_to_do() {
     for bytes in [&b"time,q\n0,1\n"[..], &[0x89, b'M', b'C', b'A', b'P', b'1']] {
         std::fs::write(folder.path().join("run.mcap"), bytes).unwrap();
         let other = of(folder.path(), STORE, MCAP);
-        one(&other, &["arm-7: mcap.path", "is no MCAP", "name the file"]);
+        one(&other, &["arm-7: mcap.path", "not an MCAP", "set the file"]);
     }
-    // A recording whose records break right after its head.
+    // Recording with corrupt records right after its header.
     let mut broken = std::fs::read(recording()).unwrap();
     broken.truncate(64);
     broken[8..].fill(0xff);
     std::fs::write(folder.path().join("run.mcap"), broken).unwrap();
-    one(&of(folder.path(), STORE, MCAP), &["can't be read"]);
+    one(&of(folder.path(), STORE, MCAP), &["cannot be read"]);
 }
 
 #[test]
-fn a_network_that_can_not_be_joined_is_named_once_for_all_its_robots() {
+fn check_unreachable_network_is_reported_once() {
     let folder = tempfile::tempdir().unwrap();
-    // 192.0.2.0/24 belongs to nobody (RFC 5737).
+    // 192.0.2.0/24 is not assigned (RFC 5737).
     let away = "dds = { domain = 7, interfaces = [\"192.0.2.7\"] }";
     let two = format!(
         "{away}\n[[robot]]\nname = \"arm-8\"\ndir = {:?}\n{away}",
@@ -91,7 +91,7 @@ fn a_network_that_can_not_be_joined_is_named_once_for_all_its_robots() {
         &[
             "arm-7, arm-8: dds",
             "192.0.2.7",
-            "name an address of this computer in interfaces",
+            "set an address of this host in interfaces",
         ],
     );
     one(
@@ -105,9 +105,9 @@ fn a_network_that_can_not_be_joined_is_named_once_for_all_its_robots() {
 }
 
 #[test]
-fn a_store_that_can_not_be_written_is_a_fault() {
+fn check_read_only_store_is_a_fault() {
     let folder = whole();
-    // Nobody, root neither, makes a folder below a file.
+    // Not even root can create a folder below a file.
     std::fs::write(folder.path().join("file"), "").unwrap();
     one(
         &of(folder.path(), "[store]\ndir = \"file/store\"\n", MCAP),
@@ -118,7 +118,7 @@ fn a_store_that_can_not_be_written_is_a_fault() {
     std::fs::write(&database, "a list of things\n".repeat(100)).unwrap();
     one(&of(folder.path(), STORE, MCAP), &["store.dir", "watch.db"]);
     std::fs::remove_file(&database).unwrap();
-    // One that another monitor has is that of the configuration checked before a reload.
+    // A store in use may belong to the running monitor before a reload.
     let held = sinew_watch::store::Store::open(sinew_watch::store::Place::Folder(
         folder.path().join("store"),
     ));
@@ -127,37 +127,37 @@ fn a_store_that_can_not_be_written_is_a_fault() {
 }
 
 #[test]
-fn a_page_for_other_computers_needs_a_token_that_can_be_read() {
+fn check_public_page_requires_readable_token() {
     let folder = whole();
     let open = |more: &str| format!("[web]\nbind = \"0.0.0.0:0\"\n{more}\n{STORE}");
-    // Without a file of the owner's, one is made in the store.
+    // Without a specified file, a token is created in the store.
     assert_eq!(of(folder.path(), &open(""), MCAP), Vec::<String>::new());
     let own = open("token_file = \"token\"");
     one(
         &of(folder.path(), &own, MCAP),
-        &["web.token_file", "isn't there", "or leave token_file out"],
+        &["web.token_file", "file not found", "or remove token_file"],
     );
     for text in ["", "short\n"] {
         std::fs::write(folder.path().join("token"), text).unwrap();
         one(
             &of(folder.path(), &own, MCAP),
-            &["web.token_file", "it needs 16 at least"],
+            &["web.token_file", "expected at least 16"],
         );
     }
     std::fs::write(folder.path().join("token"), "0123456789abcdef\n").unwrap();
     assert_eq!(of(folder.path(), &own, MCAP), Vec::<String>::new());
-    // This computer alone needs none.
+    // Access from this host only requires no token.
     std::fs::remove_file(folder.path().join("token")).unwrap();
     let here = format!("[web]\nbind = \"127.0.0.1:0\"\ntoken_file = \"token\"\n{STORE}");
     assert_eq!(of(folder.path(), &here, MCAP), Vec::<String>::new());
-    // A token that stands in the store already is read, too.
+    // An existing token in the store is also checked.
     std::fs::create_dir(folder.path().join("store")).unwrap();
     std::fs::write(folder.path().join("store/web-token"), "x").unwrap();
     one(&of(folder.path(), &open(""), MCAP), &["web-token"]);
 }
 
 #[test]
-fn an_address_of_another_computer_and_a_webhook_without_its_token_are_faults() {
+fn check_foreign_address_and_missing_token_are_faults() {
     let folder = whole();
     let away = format!(
         "[web]\nbind = \"192.0.2.7:8642\"\ntoken_file = \"token\"\n{STORE}\
@@ -173,7 +173,7 @@ fn an_address_of_another_computer_and_a_webhook_without_its_token_are_faults() {
     std::fs::write(folder.path().join("hook"), " \n").unwrap();
     let faults = of(folder.path(), &away, MCAP);
     assert!(faults[1].contains("is empty"), "{faults:?}");
-    // One that is taken may be that of the monitor which runs.
+    // An address in use may belong to the running monitor.
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let at = taken.local_addr().unwrap();
     let taken = format!("[web]\nbind = \"{at}\"\n{STORE}");

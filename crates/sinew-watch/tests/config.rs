@@ -1,4 +1,4 @@
-//! A configuration is read as a whole; what is wrong is told with file, line, key, value and cure.
+//! A configuration is read completely; errors name file, line, key, value and remedy.
 
 use sinew_watch::config::{Address, Config};
 use sinew_watch_core::alarm::{Condition, Delays};
@@ -11,7 +11,7 @@ fn parse(text: &str) -> Result<Config, String> {
 const ROBOT: &str = "[[robot]]\nname = \"arm-7\"\ndir = \"arm-7\"\n";
 
 #[test]
-fn what_is_left_out_is_safe_and_usual() {
+fn config_defaults_are_safe() {
     let config = parse(&format!("{ROBOT}dds = {{}}\n")).unwrap();
     assert_eq!(config.web.bind, "127.0.0.1:8642".parse().ok());
     assert!(!config.web.needs_token());
@@ -20,13 +20,13 @@ fn what_is_left_out_is_safe_and_usual() {
         panic!()
     };
     assert_eq!(robot.dir, PathBuf::from("/etc/sinew/arm-7"));
-    assert_eq!(robot.door.source(), "dds:0");
+    assert_eq!(robot.transport.source(), "dds:0");
     assert!(robot.stamps_are_real && robot.estimate.motor_torque);
     assert!(config.publish.diagnostics && config.publish.tendons && config.webhooks.is_empty());
 }
 
 #[test]
-fn every_key_is_read() {
+fn config_reads_every_key() {
     let config = parse(
         "[web]\nbind = \"0.0.0.0:80\"\nhost_names = [\"Cell-3.example.org\"]\ntoken_file = \"token\"\n\
          [store]\ndir = \"store\"\n[publish]\ntendons = false\n\
@@ -52,7 +52,10 @@ fn every_key_is_read() {
     assert_eq!(hook.url(), "http://[::1]:9000/hook?a=1");
     let robot = &config.robots[0];
     assert_eq!(
-        (robot.door.source().as_str(), robot.door.namespace.as_str()),
+        (
+            robot.transport.source().as_str(),
+            robot.transport.namespace.as_str()
+        ),
         ("dds:3/arm7", "/arm7")
     );
     assert_eq!(robot.times.stale_after_s, 3.0);
@@ -68,12 +71,24 @@ fn every_key_is_read() {
     assert_eq!(robot.alarms.delays(Condition::Data), data);
     assert_eq!(robot.alarms.near_s, 7.0 * 86_400.0);
     assert!(
-        matches!(&config.robots[1].door.address, Address::Mcap { from_start: true, path, .. } if path == Path::new("/etc/sinew/runs"))
+        matches!(&config.robots[1].transport.address, Address::Mcap { from_start: true, path, .. } if path == Path::new("/etc/sinew/runs"))
     );
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_place_and_its_cure() {
+fn config_former_alarm_keys_are_read() {
+    let delays = |alarm: &str| {
+        let config = parse(&format!("{ROBOT}dds = {{}}\n{alarm}\n")).unwrap();
+        config.robots[0].alarms.delays.clone()
+    };
+    let former = "alarm.door.raise_after_s = 9\nalarm.suspicion.raise_after_s = 8";
+    let present = "alarm.transport.raise_after_s = 9\nalarm.suspected_step.raise_after_s = 8";
+    assert_eq!(delays(former), delays(present));
+    assert_eq!(delays(former).len(), 2);
+}
+
+#[test]
+fn config_errors_name_place_and_fix() {
     for (text, words) in [
         ("", "watch.toml, line 1: robot is missing: add [[robot]]"),
         (
@@ -82,7 +97,7 @@ fn what_is_wrong_is_told_with_its_place_and_its_cure() {
         ),
         (
             ROBOT,
-            "line 1: robot[0]: dds is missing: where the robot is heard",
+            "line 1: robot[0]: dds is missing: set dds, zenoh or mcap",
         ),
         (
             "[[robot]]\ndir = \"a\"\ndds = {}\n",
@@ -102,11 +117,11 @@ fn what_is_wrong_is_told_with_its_place_and_its_cure() {
         ),
         (
             &format!("{ROBOT}dds = {{}}\nzenoh = {{}}\n"),
-            "it is heard at two places",
+            "dds, zenoh and mcap conflict",
         ),
         (
             &format!("{ROBOT}dds = {{}}\n{ROBOT}dds = {{}}\n"),
-            "two robots are called 'arm-7'",
+            "duplicate robot name 'arm-7'",
         ),
         (
             &format!("{ROBOT}dds = {{}}\nalarm.jump.raise_after = 3\n"),
@@ -114,11 +129,11 @@ fn what_is_wrong_is_told_with_its_place_and_its_cure() {
         ),
         (
             &format!("{ROBOT}dds = {{}}\nalarm.jump.raise_after_s = 3\n"),
-            "a jump has waited for a second session already",
+            "conflicts with the confirmation by a second session",
         ),
         (
-            &format!("{ROBOT}dds = {{}}\ntemperature_deviation_k = 3\n"),
-            "temperature_deviation_k says how sure temperature_c is",
+            &format!("{ROBOT}dds = {{}}\ntemperature_std_k = 3\n"),
+            "temperature_std_k requires temperature_c",
         ),
         (
             &format!("{ROBOT}dds = {{}}\nalarm.clear_below = 1.5\n"),
@@ -134,11 +149,11 @@ fn what_is_wrong_is_told_with_its_place_and_its_cure() {
         ),
         (
             &format!("[web]\nhost_names = [\"a/b\"]\n{ROBOT}dds = {{}}\n"),
-            "must be a name of this computer",
+            "must be a name of this host",
         ),
         (
             &format!("[[webhook]]\nurl = \"https://a/b\"\n{ROBOT}dds = {{}}\n"),
-            "for https put a proxy on this computer",
+            "for https, run a proxy on this host",
         ),
         (
             &format!("[[webhook]]\nurl = \"http://a b/\"\n{ROBOT}dds = {{}}\n"),

@@ -1,14 +1,14 @@
-//! Just enough of a browser for tests.
+//! Minimal HTTP client for tests.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
-/// An answer.
+/// Response with its status and body.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
-    /// Names in small letters.
+    /// Header names in lower case.
     pub(crate) headers: Vec<(String, String)>,
     pub(crate) body: Vec<u8>,
 }
@@ -28,7 +28,7 @@ impl Answer {
     }
 }
 
-/// Says exactly this, and reads the whole answer.
+/// Sends exactly these bytes and reads the whole response.
 pub(crate) fn raw(to: SocketAddr, request: &[u8]) -> Answer {
     let mut stream = TcpStream::connect(to).unwrap();
     stream
@@ -84,7 +84,7 @@ fn chunk(reader: &mut BufReader<TcpStream>) -> Option<Vec<u8>> {
     (length > 0).then_some(bytes)
 }
 
-/// Asks with headers, and with a body where there is one.
+/// Sends a request with headers, and a body if specified.
 pub(crate) fn ask(
     to: SocketAddr,
     method: &str,
@@ -111,13 +111,13 @@ pub(crate) fn get(to: SocketAddr, path: &str) -> Answer {
     ask(to, "GET", path, &[], None)
 }
 
-/// As the page posts.
+/// Posts like the page.
 pub(crate) fn post(to: SocketAddr, path: &str, body: &str) -> Answer {
     let headers = [("content-type", "application/json"), ("x-sinew", "1")];
     ask(to, "POST", path, &headers, Some(body))
 }
 
-/// The first events of a stream: their names and data.
+/// Returns names and data of the first events of a stream.
 pub(crate) fn events(to: SocketAddr, path: &str, count: usize) -> Vec<(String, String)> {
     let mut stream = TcpStream::connect(to).unwrap();
     stream

@@ -15,7 +15,7 @@ mod ship;
 mod store;
 mod web;
 
-/// Why a door to Zenoh is shut where no router is.
+/// Reason of the disconnection of a Zenoh transport without a router.
 const WITHOUT_ZENOH: &str = if cfg!(feature = "zenoh") {
     "no router or peer is connected"
 } else {

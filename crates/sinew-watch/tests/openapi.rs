@@ -1,6 +1,6 @@
-//! The API's description is that of its addresses and types, and every answer is what it says.
+//! The API description matches endpoints and types, and every response matches the description.
 //!
-//! `SINEW_WRITE=1 cargo test -p sinew-watch --all-features openapi` writes it anew.
+//! `SINEW_WRITE=1 cargo test -p sinew-watch --all-features openapi` regenerates it.
 
 use crate::checker::check;
 use crate::http::get;
@@ -11,7 +11,7 @@ use sinew_watch::web::routes::API;
 use std::path::Path;
 
 #[test]
-fn the_description_is_that_of_addresses_and_types() {
+fn openapi_matches_endpoints_and_types() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("openapi.json");
     let text = serde_json::to_string_pretty(&document()).unwrap() + "\n";
     if std::env::var_os("SINEW_WRITE").is_some() {
@@ -20,11 +20,11 @@ fn the_description_is_that_of_addresses_and_types() {
     let committed = std::fs::read_to_string(&path).unwrap();
     assert!(
         committed == text,
-        "openapi.json isn't what the types say: write it with SINEW_WRITE=1"
+        "openapi.json is outdated: regenerate it with SINEW_WRITE=1"
     );
 }
 
-/// What the description says of an answer.
+/// Schema of a response in the description.
 fn schema(document: &Value, path: &str) -> Option<Value> {
     let content = &document["paths"][path]["get"]["responses"]["200"]["content"];
     let schema = content["application/json"].get("schema")?.clone();
@@ -36,7 +36,7 @@ fn schema(document: &Value, path: &str) -> Option<Value> {
 }
 
 #[test]
-fn every_answer_is_what_the_description_says() {
+fn openapi_responses_match_schemas() {
     let running = Running::shared();
     let document = document();
     running.until(|r| get(r.at, "/api/v1/alarms").text().contains("limit-near"));

@@ -1,13 +1,13 @@
-//! From the messages of a recording that grows to records that are stored: the whole way, with its threads.
+//! From the messages of a growing recording to stored records, with all threads.
 
 use sinew_watch::config::Config;
-use sinew_watch::runtime::{Answer, Control, Runtime, Seen, Start};
-use sinew_watch::store::{JournalEntry, JournalQuery, Place, Reader, RecordQuery};
+use sinew_watch::runtime::{Answer, Control, RobotState, Runtime, Start};
+use sinew_watch::store::{JournalEntry, JournalFilter, Place, Reader, RecordQuery};
 use sinew_watch_core::RobotSnapshot;
 use sinew_watch_core::alarm::{AlarmCause, AlarmKey, Condition};
-use sinew_watch_core::command::{Command, What};
+use sinew_watch_core::command::{Command, CommandKind};
 use sinew_watch_core::journal::Event;
-use sinew_watch_core::snapshot::{Freshness, NotNow};
+use sinew_watch_core::snapshot::{Freshness, NoEstimateReason};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,17 +19,17 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// 40 s at 500 Hz of a stretched arm.
+/// 40 s at 500 Hz of an arm with elongated tendons.
 fn stretched() -> Vec<u8> {
     std::fs::read(repository().join("examples/01-stretched-arm/stretched-arm.mcap")).unwrap()
 }
 
-/// 24 s at 100 Hz of one that isn't.
+/// 24 s at 100 Hz of an arm without elongation.
 fn recording() -> Vec<u8> {
     std::fs::read(repository().join("crates/sinew-watch/demo/arm.mcap")).unwrap()
 }
 
-/// A robot that is heard through a file of the folder.
+/// Configuration with a robot that is received through a file of the folder.
 fn config(folder: &Path, more: &str) -> Config {
     let robot = repository().join("robots/biorob-like");
     let text = format!(
@@ -47,8 +47,8 @@ fn start(folder: &Path) -> Runtime {
 }
 
 fn seen(runtime: &Runtime) -> Option<Arc<RobotSnapshot>> {
-    match runtime.board().get("arm")?.seen() {
-        Seen::Watched(snapshot) => Some(snapshot),
+    match runtime.registry().get("arm")?.state() {
+        RobotState::Monitored(snapshot) => Some(snapshot),
         _ => None,
     }
 }
@@ -65,7 +65,7 @@ fn frames(runtime: &Runtime) -> u64 {
     seen(runtime).map_or(0, |robot| robot.frames)
 }
 
-/// Waits until no more frames come.
+/// Waits until no further frames arrive.
 fn all_frames(runtime: &Runtime) -> u64 {
     let mut last = (0, Instant::now());
     until("the end of the frames", || {
@@ -79,7 +79,7 @@ fn all_frames(runtime: &Runtime) -> u64 {
 }
 
 #[test]
-fn a_recording_that_grows_becomes_records_that_outlive_the_monitor() {
+fn recording_grows_and_records_survive_restart() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("run.mcap"), stretched()).unwrap();
     let mut runtime = start(folder.path());
@@ -88,7 +88,7 @@ fn a_recording_that_grows_becomes_records_that_outlive_the_monitor() {
         |r: &Runtime| seen(r).is_some_and(|robot| robot.tendons.iter().all(|t| t.last.is_some()));
     until("records", || has_records(&runtime));
     let robot = seen(&runtime).unwrap();
-    // What is shown as recorded is on the disk.
+    // Records that are shown are on the disk.
     let place = Place::Folder(folder.path().join("store"));
     let stored = Reader::open(&place)
         .unwrap()
@@ -109,7 +109,7 @@ fn a_recording_that_grows_becomes_records_that_outlive_the_monitor() {
         "{offset:?}"
     );
     runtime.end();
-    // Nothing comes any more: an old number is not shown as a new one.
+    // Without data an old value is not shown as a present one.
     std::fs::remove_file(folder.path().join("run.mcap")).unwrap();
     let mut runtime = start(folder.path());
     runtime.configure(&config(folder.path(), ""));
@@ -119,18 +119,18 @@ fn a_recording_that_grows_becomes_records_that_outlive_the_monitor() {
     for tendon in &again.tendons {
         assert_eq!(
             (tendon.offset_rad, tendon.reason),
-            (None, Some(NotNow::NoData))
+            (None, Some(NoEstimateReason::NoData))
         );
     }
     let last = |robot: &RobotSnapshot| robot.tendons[1].last.clone().map(|r| r.time_utc_s);
     assert!(last(&again) >= last(&robot));
     runtime.end();
     let reader = Reader::open(&place).unwrap();
-    assert!(reader.stored("arm").unwrap().belief.is_some());
+    assert!(reader.stored("arm").unwrap().state.is_some());
 }
 
 #[test]
-fn what_is_held_of_a_silent_robot_is_no_news_when_the_monitor_ends() {
+fn shutdown_discards_pending_frames_of_silent_robot() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
     let mut runtime = start(folder.path());
@@ -142,9 +142,9 @@ fn what_is_held_of_a_silent_robot_is_no_news_when_the_monitor_ends() {
     });
     runtime.end();
     let place = Place::Folder(folder.path().join("store"));
-    let asked = JournalQuery {
+    let asked = JournalFilter {
         most: 1000,
-        ..JournalQuery::default()
+        ..JournalFilter::default()
     };
     let newest_first = Reader::open(&place).unwrap().journal(&asked).unwrap();
     let silent = newest_first
@@ -156,7 +156,7 @@ fn what_is_held_of_a_silent_robot_is_no_news_when_the_monitor_ends() {
 }
 
 #[test]
-fn a_configuration_that_is_read_again_loses_no_sample() {
+fn reload_loses_no_sample() {
     let folder = tempfile::tempdir().unwrap();
     let (file, bytes) = (folder.path().join("run.mcap"), stretched());
     std::fs::write(&file, &bytes).unwrap();
@@ -177,7 +177,7 @@ fn a_configuration_that_is_read_again_loses_no_sample() {
         runtime.configure(&config(folder.path(), &more));
     }
     assert_eq!(all_frames(&runtime), undisturbed);
-    // A robot that is taken out ends its session, and is stored.
+    // A removed robot ends its session, which is stored.
     let other = config(
         folder.path(),
         "[[robot]]\nname = \"b\"\ndir = \"nowhere\"\ndds = {}\n",
@@ -185,9 +185,9 @@ fn a_configuration_that_is_read_again_loses_no_sample() {
     let mut only_b = other.clone();
     only_b.robots.remove(0);
     runtime.configure(&only_b);
-    assert!(runtime.board().get("arm").is_none());
+    assert!(runtime.registry().get("arm").is_none());
     assert!(
-        matches!(runtime.board().get("b").unwrap().seen(), Seen::NotWatched(why) if why.contains("nowhere"))
+        matches!(runtime.registry().get("b").unwrap().state(), RobotState::NotMonitored(reason) if reason.contains("nowhere"))
     );
     runtime.end();
     let place = Place::Folder(folder.path().join("store"));
@@ -198,9 +198,9 @@ fn a_configuration_that_is_read_again_loses_no_sample() {
     assert!(!stored.is_empty());
 }
 
-/// Another topic: the robot begins anew from what is stored, and what is said to it then is kept.
+/// With another topic the robot restarts from its stored state, and a pending command is kept.
 #[test]
-fn a_robot_that_begins_anew_goes_on_from_its_last_session() {
+fn restarted_robot_continues_from_last_session() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
     let mut runtime = start(folder.path());
@@ -215,9 +215,9 @@ fn a_robot_that_begins_anew_goes_on_from_its_last_session() {
     }
     runtime.end();
     let place = Place::Folder(folder.path().join("store"));
-    let asked = JournalQuery {
+    let asked = JournalFilter {
         most: 1000,
-        ..JournalQuery::default()
+        ..JournalFilter::default()
     };
     let journal = Reader::open(&place).unwrap().journal(&asked).unwrap();
     let began = |e: &&JournalEntry| matches!(e.entry.event, Event::Started { .. });
@@ -227,7 +227,7 @@ fn a_robot_that_begins_anew_goes_on_from_its_last_session() {
 }
 
 #[test]
-fn months_that_are_over_become_parquet_that_others_read() {
+fn completed_months_are_written_as_parquet() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
     let mut runtime = start(folder.path());
@@ -244,7 +244,7 @@ fn months_that_are_over_become_parquet_that_others_read() {
         .time_utc_s;
     let write =
         |now_s: f64| sinew_watch::months::write(&place, &records, now_s, &runtime.store()).unwrap();
-    assert!(write(time).is_empty(), "the month isn't over");
+    assert!(write(time).is_empty(), "the month is not complete");
     let written = write(time + 40.0 * 86_400.0);
     let [file] = &written[..] else {
         panic!("{written:?}")
@@ -255,98 +255,102 @@ fn months_that_are_over_become_parquet_that_others_read() {
         "{name}"
     );
     assert!(std::fs::read(file).unwrap().ends_with(b"PAR1"));
-    until("that it is remembered", || {
+    until("the file is recorded", || {
         write(time + 40.0 * 86_400.0).is_empty()
     });
     runtime.end();
 }
 
-/// Why the robot's door is shut, if that is an alarm.
-fn shut(runtime: &Runtime) -> Option<(String, String)> {
+/// Transport and reason of the robot's disconnection, if there is such an alarm.
+fn disconnection(runtime: &Runtime) -> Option<(String, String)> {
     let robot = seen(runtime)?;
     let alarm = robot
         .alarms
         .iter()
-        .find(|a| a.key.condition == Condition::Door)?;
+        .find(|a| a.key.condition == Condition::Transport)?;
     match &alarm.cause {
-        AlarmCause::Door { door, why } => Some((door.clone(), why.clone())),
+        AlarmCause::Transport { transport, reason } => Some((transport.clone(), reason.clone())),
         other => panic!("{other:?}"),
     }
 }
 
-/// A monitor whose recording isn't there: that is an alarm.
+/// Monitor whose recording is missing, which raises an alarm.
 fn start_without_recording(folder: &Path) -> Runtime {
     let mut runtime = start(folder);
     runtime.configure(&config(folder, ""));
-    until("the door's alarm", || {
+    until("the transport's alarm", || {
         runtime.look();
-        shut(&runtime).is_some()
+        disconnection(&runtime).is_some()
     });
     runtime
 }
 
 #[test]
-fn a_recording_that_is_not_there_is_a_fault_of_the_door_until_it_is() {
+fn missing_recording_raises_transport_alarm() {
     let folder = tempfile::tempdir().unwrap();
     let mut runtime = start_without_recording(folder.path());
-    let (door, why) = shut(&runtime).unwrap();
-    assert!(door.ends_with("run.mcap") && why.contains("No such file"));
-    let doors = runtime.health().doors();
-    assert!(doors.len() == 1 && doors[0].shut.as_deref() == Some(why.as_str()));
-    let metrics = sinew_watch::web::metrics::render(runtime.board(), runtime.health());
-    let line = format!("sinew_door_open{{door=\"{door}\"}} 0\n");
+    let (transport, reason) = disconnection(&runtime).unwrap();
+    assert!(transport.ends_with("run.mcap") && reason.contains("No such file"));
+    let transports = runtime.health().transports();
+    assert!(
+        transports.len() == 1 && transports[0].disconnected.as_deref() == Some(reason.as_str())
+    );
+    let metrics = sinew_watch::web::metrics::render(runtime.registry(), runtime.health());
+    let line = format!("sinew_transport_connected{{transport=\"{transport}\"}} 0\n");
     assert!(metrics.contains(&line), "{metrics}");
     let robot = seen(&runtime).unwrap();
-    let said = sinew_watch::words::robot(&robot);
-    assert_eq!(said, "the monitor can't listen to it");
-    // It is tried again.
+    let text = sinew_watch::words::robot(&robot);
+    assert_eq!(text, "Transport disconnected");
+    // The transport reconnects.
     std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
     until("frames", || frames(&runtime) > 100);
     until("the end of the alarm", || {
         runtime.look();
-        shut(&runtime).is_none()
+        disconnection(&runtime).is_none()
     });
-    assert_eq!(runtime.health().doors()[0].shut, None);
+    assert_eq!(runtime.health().transports()[0].disconnected, None);
     runtime.end();
 }
 
 #[test]
-fn who_has_his_answer_finds_what_he_said() {
+fn command_answer_follows_snapshot() {
     let folder = tempfile::tempdir().unwrap();
     let runtime = start_without_recording(folder.path());
-    let (core, robot) = runtime.board().address("arm").unwrap();
-    let slot = runtime.board().get("arm").unwrap();
+    let (core, robot) = runtime.registry().address("arm").unwrap();
+    let slot = runtime.registry().get("arm").unwrap();
     let alarm = AlarmKey {
         joint: None,
-        condition: Condition::Door,
+        condition: Condition::Transport,
     };
     let (sender, answers) = std::sync::mpsc::channel();
-    core.tell(Control::Command {
+    core.send(Control::Command {
         robot,
         command: Command {
             who: "a test".into(),
             note: String::new(),
-            what: What::Shelve {
+            what: CommandKind::Shelve {
                 alarm,
                 for_s: 3600.0,
             },
         },
-        // Called by who answers, before anything else goes on.
-        reply: Box::new(move |answer| sender.send((answer, slot.seen())).unwrap()),
+        // Called by the answering thread before it continues.
+        reply: Box::new(move |answer| sender.send((answer, slot.state())).unwrap()),
     });
     let (answer, seen) = answers.recv_timeout(LONGEST).unwrap();
     assert!(matches!(answer, Answer::Stored), "{answer:?}");
-    let Seen::Watched(robot) = seen else {
+    let RobotState::Monitored(robot) = seen else {
         panic!("not watched");
     };
     let mut alarms = robot.alarms.iter();
-    let door = alarms.find(|a| a.key.condition == Condition::Door).unwrap();
-    assert!(door.shelved_until_utc_s.is_some(), "{door:?}");
+    let transport = alarms
+        .find(|a| a.key.condition == Condition::Transport)
+        .unwrap();
+    assert!(transport.shelved_until_utc_s.is_some(), "{transport:?}");
     runtime.end();
 }
 
 #[test]
-fn a_door_that_can_not_be_opened_is_shown_as_shut_with_why() {
+fn transport_open_failure_reports_disconnected() {
     let folder = tempfile::tempdir().unwrap();
     let mut runtime = start(folder.path());
     let config = config(folder.path(), "");
@@ -359,34 +363,34 @@ fn a_door_that_can_not_be_opened_is_shown_as_shut_with_why() {
         .unwrap()
         .robots;
     runtime.configure(&other);
-    until("the door's alarm", || {
+    until("the transport's alarm", || {
         runtime.look();
-        shut(&runtime).is_some()
+        disconnection(&runtime).is_some()
     });
-    let (door, why) = shut(&runtime).unwrap();
+    let (transport, reason) = disconnection(&runtime).unwrap();
     assert!(
-        door == "zenoh:0" && why.contains(crate::WITHOUT_ZENOH),
-        "{door}: {why}"
+        transport == "zenoh:0" && reason.contains(crate::WITHOUT_ZENOH),
+        "{transport}: {reason}"
     );
-    // Another door, and the fault is over.
+    // With another transport the fault ends.
     std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
     runtime.configure(&config);
     until("the end of the alarm", || {
         runtime.look();
-        frames(&runtime) > 0 && shut(&runtime).is_none()
+        frames(&runtime) > 0 && disconnection(&runtime).is_none()
     });
     runtime.end();
 }
 
 #[test]
-fn a_topic_that_is_named_wrong_is_told_with_those_that_are_there() {
+fn misspelt_topic_alarm_lists_candidates() {
     for (named, key, there) in [
         (
             "joint_topic = \"/joint_state\"",
             "joint_topic",
             "/joint_states",
         ),
-        // With both sides named, no other topic is read.
+        // With both sides specified, no other topic is read.
         (
             "joint_topic = \"/joint_state\"\nmotor_topic = \"/dynamic_joint_states\"",
             "joint_topic",
@@ -409,12 +413,12 @@ fn a_topic_that_is_named_wrong_is_told_with_those_that_are_there() {
                 .alarms
                 .iter()
                 .filter(|a| a.key.condition == Condition::Data && a.key.joint.is_none());
-            data.next().map(sinew_watch::words::said)
+            data.next().map(sinew_watch::words::observation)
         };
         until("an alarm of the data", || said().is_some());
         let said = said().unwrap();
         assert!(
-            said.contains(&format!("{key} asks for /")) && said.contains(there),
+            said.contains(&format!(" of {key} not found")) && said.contains(there),
             "{named}: {said}"
         );
         runtime.end();

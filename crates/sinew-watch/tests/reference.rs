@@ -1,6 +1,6 @@
-//! The reference pages name every key, metric, column and address, and no other.
+//! The reference pages list exactly the existing keys, metrics, columns and addresses.
 //!
-//! `SINEW_WRITE=1 cargo test -p sinew-watch --all-features reference` writes their tables anew.
+//! `SINEW_WRITE=1 cargo test -p sinew-watch --all-features reference` regenerates their tables.
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -23,21 +23,21 @@ fn page(name: &str) -> PathBuf {
     root().join("docs/src/reference").join(name)
 }
 
-/// A key no reader knows.
+/// Key that does not exist.
 const UNKNOWN: &str = "zzz";
 
-/// The keys a section lists when it refuses one that it doesn't know.
+/// Keys that a section lists when it rejects an unknown one.
 fn listed(text: &str) -> BTreeSet<String> {
     let error = Config::parse(text, "watch.toml", Path::new("/"))
         .unwrap_err()
         .to_string();
     assert!(error.contains(UNKNOWN), "{text}: {error}");
-    let list = error.rsplit("known are ").next().unwrap();
+    let list = error.rsplit("valid keys: ").next().unwrap();
     list.split(", ").map(str::to_owned).collect()
 }
 
 #[test]
-fn the_reference_names_every_key_of_the_configuration() {
+fn reference_lists_every_configuration_key() {
     let robot = "[[robot]]\nname = \"a\"\ndir = \"a\"\n";
     let sections = [
         ("", format!("{UNKNOWN} = 1\n{robot}dds = {{}}\n")),
@@ -77,28 +77,33 @@ fn the_reference_names_every_key_of_the_configuration() {
         ),
         (
             "robot[].alarm.CONDITION.",
-            format!("{robot}dds = {{}}\nalarm = {{ jump = {{ {UNKNOWN} = 1 }} }}\n"),
+            format!("{robot}dds = {{}}\nalarm = {{ step_change = {{ {UNKNOWN} = 1 }} }}\n"),
         ),
     ];
     let conditions = [
         "replace_limit",
-        "strand_failed",
-        "jump",
+        "transmission_lost",
+        "strand_failure",
+        "step_change",
         "store",
-        "door",
+        "transport",
         "retension_limit",
         "limit_near",
-        "suspicion",
+        "suspected_step",
         "data",
         "no_data",
     ];
     let text = std::fs::read_to_string(page("watch.md")).unwrap();
     let mut known = BTreeSet::new();
     for (prefix, toml) in sections {
-        for key in listed(&toml) {
+        // Former names of conditions are still read, but not documented.
+        let present = |key: &String| {
+            !["door", "suspicion", "jump", "strand_failed", "doubt_s"].contains(&key.as_str())
+        };
+        for key in listed(&toml).into_iter().filter(present) {
             let key = match prefix == "robot[].alarm." && conditions.contains(&key.as_str()) {
                 true => {
-                    assert!(text.contains(&format!("`{key}`")), "{key} isn't named");
+                    assert!(text.contains(&format!("`{key}`")), "{key} is not listed");
                     "CONDITION".into()
                 }
                 false => key,
@@ -113,7 +118,7 @@ fn the_reference_names_every_key_of_the_configuration() {
     assert_eq!(documented, known);
 }
 
-/// Puts a table between a page's markers, or holds it against what is there.
+/// Writes a table between the markers of a page, or compares it with the present one.
 fn table(name: &str, table: &str) {
     const BEGIN: &str = "<!-- made by a test: begin -->\n";
     const END: &str = "<!-- made by a test: end -->\n";
@@ -130,13 +135,13 @@ fn published(path: &Path, text: &str) {
     let committed = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
         committed == text,
-        "{}: not what the code says; write it with SINEW_WRITE=1",
+        "{}: outdated; regenerate it with SINEW_WRITE=1",
         path.display()
     );
 }
 
 #[test]
-fn the_reference_names_every_metric() {
+fn reference_lists_every_metric() {
     let mut out = String::from("| metric | kind | meaning |\n|---|---|---|\n");
     for (name, kind, about) in ABOUT {
         writeln!(
@@ -150,7 +155,7 @@ fn the_reference_names_every_metric() {
 }
 
 #[test]
-fn the_reference_names_every_address() {
+fn reference_lists_every_address() {
     let mut out = String::from("| address | what |\n|---|---|\n");
     for endpoint in API {
         let method = endpoint.method.to_uppercase();
@@ -164,7 +169,7 @@ fn the_reference_names_every_address() {
     table("watch-api.md", &out);
 }
 
-/// A type's schema, as a document of its own.
+/// Schema of a type as a separate document.
 fn schema<T: JsonSchema>(title: &str) -> Value {
     let settings = SchemaSettings::draft2020_12().for_serialize();
     let mut schema = settings.into_generator().into_root_schema_for::<T>();
@@ -180,14 +185,14 @@ fn write_schema<T: JsonSchema>(title: &str, file: &str) -> Value {
 }
 
 #[test]
-fn the_reference_names_every_column_of_a_record() {
-    let schema = write_schema::<Record>(Record::SCHEMA, "record-1.json");
+fn reference_lists_every_record_column() {
+    let schema = write_schema::<Record>(Record::SCHEMA, "record-2.json");
     let mut out = String::from("| column | type | meaning |\n|---|---|---|\n");
     for column in COLUMNS {
         let of = &schema["properties"][column];
         let kind = match column {
             "poses" | "frames" | "frames_lost" => "whole number",
-            "in_doubt" => "true or false",
+            "provisional" => "true or false",
             _ if of["type"] == "number" || of["type"] == json!(["number", "null"]) => "number",
             _ => "text",
         };
@@ -206,5 +211,5 @@ fn the_reference_names_every_column_of_a_record() {
         .unwrap();
     }
     table("records.md", &out);
-    write_schema::<Post>("sinew-webhook/1", "webhook-1.json");
+    write_schema::<Post>("sinew-webhook/2", "webhook-2.json");
 }

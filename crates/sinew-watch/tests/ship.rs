@@ -1,6 +1,6 @@
-//! What is shipped beside the program agrees with it.
+//! Shipped files are consistent with the program.
 //!
-//! `SINEW_WRITE=1 cargo test -p sinew-watch ship` writes the manual page anew.
+//! `SINEW_WRITE=1 cargo test -p sinew-watch ship` regenerates the manual page.
 
 use clap::CommandFactory as _;
 use sinew_watch::args::Args;
@@ -18,7 +18,7 @@ fn text(name: &str) -> String {
 }
 
 #[test]
-fn the_manual_page_is_the_programs() {
+fn manual_page_matches_program() {
     let mut page = Vec::new();
     clap_mangen::Man::new(Args::command())
         .render(&mut page)
@@ -28,11 +28,11 @@ fn the_manual_page_is_the_programs() {
         std::fs::write(&path, &page).unwrap();
     }
     let found = std::fs::read(&path).unwrap_or_default();
-    assert!(found == page, "write it with SINEW_WRITE=1");
+    assert!(found == page, "regenerate it with SINEW_WRITE=1");
 }
 
 #[test]
-fn dashboard_and_alerts_ask_for_metrics_that_are_there() {
+fn dashboard_and_alerts_use_existing_metrics() {
     let known: BTreeSet<&str> = ABOUT.iter().map(|(name, ..)| *name).collect();
     for name in ["grafana.json", "prometheus-alerts.yml"] {
         let text = text(name);
@@ -47,31 +47,35 @@ fn dashboard_and_alerts_ask_for_metrics_that_are_there() {
 }
 
 #[test]
-fn the_dashboards_panels_lie_side_by_side() {
-    let board: serde_json::Value = serde_json::from_str(&text("grafana.json")).unwrap();
+fn dashboard_panels_do_not_overlap() {
+    let registry: serde_json::Value = serde_json::from_str(&text("grafana.json")).unwrap();
     let mut taken = BTreeSet::new();
     let mut ids = BTreeSet::new();
-    for panel in board["panels"].as_array().unwrap() {
+    for panel in registry["panels"].as_array().unwrap() {
         assert!(ids.insert(panel["id"].as_u64().unwrap()), "{panel}");
         let of = |name: &str| panel["gridPos"][name].as_u64().unwrap();
         assert!(of("x") + of("w") <= 24, "{panel}");
         for x in of("x")..of("x") + of("w") {
             for y in of("y")..of("y") + of("h") {
-                assert!(taken.insert((x, y)), "{} lies on another", panel["title"]);
+                assert!(
+                    taken.insert((x, y)),
+                    "{} overlaps another panel",
+                    panel["title"]
+                );
             }
         }
     }
 }
 
 #[test]
-fn the_first_configuration_is_one() {
+fn shipped_configuration_is_valid() {
     let config = Config::parse(&text("watch.toml"), "watch.toml", Path::new("/etc/sinew")).unwrap();
     assert_eq!(config.robots.len(), 1);
     assert!(!config.web.needs_token());
 }
 
 #[test]
-fn the_package_has_all_of_it() {
+fn debian_package_contains_shipped_files() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     let manifest = std::fs::read_to_string(manifest).unwrap();
     for entry in std::fs::read_dir(folder()).unwrap() {
@@ -79,7 +83,7 @@ fn the_package_has_all_of_it() {
         let of_its_own = ["Containerfile", "sinew-watch.service"].contains(&name.as_str());
         assert!(
             of_its_own || manifest.contains(&format!("\"ship/{name}\"")),
-            "{name}: no part of the Debian package"
+            "{name}: missing in the Debian package"
         );
     }
 }

@@ -1,14 +1,14 @@
-//! What is stored is there again, as a whole or not at all.
+//! Stored data are restored, completely or not at all.
 
 use sinew_model::Gaussian;
 use sinew_watch::store::{
-    COLUMNS, JournalQuery, Place, Reader, RecordQuery, Store, StoreError, VERSION,
+    COLUMNS, JournalFilter, Place, Reader, RecordQuery, Store, StoreError, VERSION,
 };
 use sinew_watch_core::alarm::{Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition};
 use sinew_watch_core::journal::{Entry, Event, SessionEnd};
 use sinew_watch_core::record::{Clock, NoOffset};
-use sinew_watch_core::transaction::{LearnsBaseline, TendonBelief};
-use sinew_watch_core::{Belief, Record, Transaction};
+use sinew_watch_core::transaction::{BaselineAcquisition, TendonState};
+use sinew_watch_core::{MonitorState, Record, Transaction};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,18 +20,18 @@ fn record(robot: &str, joint: &str, time_utc_s: f64) -> Record {
         time_utc_s,
         duration_s: 600.0,
         offset_rad: Some(0.012),
-        offset_deviation_rad: Some(0.0005),
+        offset_std_rad: Some(0.0005),
         elongation_m: Some(3.0e-4),
-        elongation_deviation_m: Some(1.25e-5),
+        elongation_std_m: Some(1.25e-5),
         strain_ratio: Some(4.3e-4),
-        strain_deviation_ratio: Some(1.8e-5),
+        strain_std_ratio: Some(1.8e-5),
         temperature_c: Some(23.5),
         stiffness_ratio: Some(-0.01),
-        stiffness_deviation_ratio: Some(0.004),
+        stiffness_std_ratio: Some(0.004),
         baseline: Some("2026-11-01".into()),
         source: "dds:0/arm7".into(),
         clock: Clock::Utc,
-        in_doubt: false,
+        provisional: false,
         reason: None,
         poses: 46,
         frames: 150_000,
@@ -40,18 +40,18 @@ fn record(robot: &str, joint: &str, time_utc_s: f64) -> Record {
     }
 }
 
-fn belief(mean: f64) -> Belief {
-    Belief {
-        version: Belief::VERSION,
+fn state_estimate(mean: f64) -> MonitorState {
+    MonitorState {
+        version: MonitorState::VERSION,
         baseline: None,
         end_utc_s: None,
-        learns: Some(LearnsBaseline {
+        learns: Some(BaselineAcquisition {
             joints: vec!["elbow".into()],
             duration_s: 12.5,
             poses_rad: vec![0.1 + 0.2, -1.0],
         }),
         sessions: 7,
-        tendons: vec![TendonBelief {
+        tendons: vec![TendonState {
             joint: "elbow".into(),
             since: Some("tensioned 2026-11-01".into()),
             tensioned_utc_s: vec![1_793_500_000.25],
@@ -68,12 +68,12 @@ fn alarm() -> Alarm {
     Alarm {
         key: AlarmKey {
             joint: Some("elbow".into()),
-            condition: Condition::Suspicion,
+            condition: Condition::SuspectedStep,
         },
         state: AlarmState::Active,
         acknowledged: false,
         raised_utc_s: 1_793_600_000.0,
-        cause: AlarmCause::InDoubt { for_s: 601.5 },
+        cause: AlarmCause::Provisional { for_s: 601.5 },
         shelved_until_utc_s: None,
         shelved_for_s: None,
     }
@@ -81,14 +81,14 @@ fn alarm() -> Alarm {
 
 fn transaction(robot: &str, id: u64) -> Transaction {
     let time_utc_s = 1_793_600_000.0 + 600.0 * id as f64;
-    let mut cannot_tell = record(robot, "wrist", time_utc_s);
-    (cannot_tell.offset_rad, cannot_tell.offset_deviation_rad) = (None, None);
-    cannot_tell.reason = Some(NoOffset::TooWide);
+    let mut inconclusive = record(robot, "wrist", time_utc_s);
+    (inconclusive.offset_rad, inconclusive.offset_std_rad) = (None, None);
+    inconclusive.reason = Some(NoOffset::TooWide);
     Transaction {
         id,
         robot: robot.into(),
-        records: vec![record(robot, "elbow", time_utc_s), cannot_tell],
-        belief: Some(Arc::new(belief(id as f64))),
+        records: vec![record(robot, "elbow", time_utc_s), inconclusive],
+        state: Some(Arc::new(state_estimate(id as f64))),
         alarms: Some(AlarmsStored {
             alarms: vec![alarm()],
         }),
@@ -107,7 +107,7 @@ fn open(folder: &Path) -> Store {
 }
 
 #[test]
-fn what_was_committed_is_there_after_opening_again() {
+fn committed_data_survive_reopening() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = open(folder.path());
     store
@@ -118,7 +118,7 @@ fn what_was_committed_is_there_after_opening_again() {
     let reader = open(folder.path()).reader().unwrap();
     let restored = reader.stored("a").unwrap();
     assert_eq!(restored.last_id, 2);
-    assert_eq!(restored.belief, Some(belief(2.0)));
+    assert_eq!(restored.state, Some(state_estimate(2.0)));
     assert_eq!(restored.alarms.alarms, [alarm()]);
     let query = RecordQuery {
         robot: Some("a".into()),
@@ -129,11 +129,25 @@ fn what_was_committed_is_there_after_opening_again() {
     assert_eq!(reader.records(&query).unwrap(), both);
     assert_eq!(reader.robots().unwrap(), ["a", "b"]);
     let never = reader.stored("c").unwrap();
-    assert_eq!((never.belief, never.last_id), (None, 0));
+    assert_eq!((never.state, never.last_id), (None, 0));
 }
 
 #[test]
-fn a_transaction_that_comes_twice_is_stored_once() {
+fn stored_alarm_of_former_condition_is_read() {
+    let former = r#"{
+        "key": { "joint": null, "condition": "door" }, "state": "active", "acknowledged": false, "raised_utc_s": 1.0,
+        "cause": { "kind": "door", "door": "dds:0", "why": "no network" },
+        "shelved_until_utc_s": null, "shelved_for_s": null
+    }"#;
+    let alarm: Alarm = serde_json::from_str(former).unwrap();
+    assert_eq!(alarm.key.condition, Condition::Transport);
+    assert!(
+        matches!(alarm.cause, AlarmCause::Transport { transport, reason } if transport == "dds:0" && reason == "no network")
+    );
+}
+
+#[test]
+fn duplicate_transaction_is_stored_once() {
     for place in [None, Some(Place::Memory(1))] {
         let folder = tempfile::tempdir().unwrap();
         let place = place.unwrap_or(Place::Folder(folder.path().into()));
@@ -145,9 +159,9 @@ fn a_transaction_that_comes_twice_is_stored_once() {
         let reader = store.reader().unwrap();
         assert_eq!(reader.records(&RecordQuery::default()).unwrap().len(), 4);
         let journal = reader
-            .journal(&JournalQuery {
+            .journal(&JournalFilter {
                 most: 10,
-                ..JournalQuery::default()
+                ..JournalFilter::default()
             })
             .unwrap();
         assert_eq!(journal.len(), 2);
@@ -156,7 +170,7 @@ fn a_transaction_that_comes_twice_is_stored_once() {
 }
 
 #[test]
-fn records_are_asked_for_by_robot_joint_and_time_and_the_newest_are_kept() {
+fn records_query_filters_and_limits_to_newest() {
     let mut store = Store::open(Place::Memory(2)).unwrap();
     for id in 1..=20 {
         store
@@ -184,7 +198,7 @@ fn records_are_asked_for_by_robot_joint_and_time_and_the_newest_are_kept() {
 }
 
 #[test]
-fn columns_are_the_keys_of_the_record() {
+fn columns_match_record_keys() {
     let value = serde_json::to_value(record("a", "elbow", 0.0)).unwrap();
     let mut keys: Vec<&str> = value
         .as_object()
@@ -199,7 +213,7 @@ fn columns_are_the_keys_of_the_record() {
 }
 
 #[test]
-fn a_second_monitor_is_refused_and_told_who_has_the_store() {
+fn second_monitor_error_names_process() {
     let folder = tempfile::tempdir().unwrap();
     let _first = open(folder.path());
     let error = Store::open(Place::Folder(folder.path().into())).unwrap_err();
@@ -211,7 +225,7 @@ fn a_second_monitor_is_refused_and_told_who_has_the_store() {
 }
 
 #[test]
-fn a_store_that_is_damaged_foreign_or_newer_is_refused_and_left_as_it_is() {
+fn damaged_foreign_or_newer_store_is_left_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("watch.db");
     let mut store = open(folder.path());
@@ -235,13 +249,13 @@ fn a_store_that_is_damaged_foreign_or_newer_is_refused_and_left_as_it_is() {
     );
     assert!(refused(b"not a database, but long enough for a header of one: 0123456789 0123456789 0123456789").is_damaged());
     let mut newer = whole.clone();
-    // user_version stands at byte 60 of the header.
+    // user_version is at byte 60 of the header.
     newer[60..64].copy_from_slice(&(VERSION as u32 + 1).to_be_bytes());
     assert!(matches!(
         refused(&newer),
         StoreError::Newer {
-            version: 2,
-            known: 1,
+            version: 3,
+            supported: 2,
             ..
         }
     ));
@@ -261,17 +275,17 @@ fn a_store_that_is_damaged_foreign_or_newer_is_refused_and_left_as_it_is() {
 }
 
 #[test]
-fn a_commit_that_fails_leaves_nothing_and_may_be_repeated() {
+fn failed_commit_stores_nothing_and_can_repeat() {
     let mut store = Store::open(Place::Memory(3)).unwrap();
     store.commit(&[transaction("a", 1)]).unwrap();
     let reader = store.reader().unwrap();
-    // A reader that is in the way of the in-memory database, longer than the writer waits.
+    // A reader blocks the in-memory database for longer than the writer waits.
     let before = reader.records(&RecordQuery::default()).unwrap();
     let error = reader.each_record(&RecordQuery::default(), |record| {
         Err(StoreError::Document {
             what: "a record",
             robot: record.robot,
-            why: "refused".into(),
+            reason: "refused".into(),
         })
     });
     assert!(matches!(error, Err(StoreError::Document { .. })));
@@ -283,7 +297,7 @@ fn a_commit_that_fails_leaves_nothing_and_may_be_repeated() {
 }
 
 #[test]
-fn others_may_read_while_it_is_written() {
+fn readers_see_whole_transactions_during_writes() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = open(folder.path());
     store.commit(&[transaction("a", 1)]).unwrap();

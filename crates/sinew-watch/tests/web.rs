@@ -1,4 +1,4 @@
-//! The page and the API of a monitor that runs: what they say, to whom, and what they refuse.
+//! Page and API of a running monitor: responses and access control.
 
 use crate::http::{ask, events, get, post, raw};
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use std::sync::mpsc::{Sender, channel};
 use std::time::{Duration, Instant};
 
-/// A demonstration on a port of its own.
+/// Demonstration on its own port.
 pub(crate) struct Running {
     pub(crate) at: SocketAddr,
     _signals: Sender<sinew_watch::service::Signal>,
@@ -31,7 +31,7 @@ impl Running {
             at,
             _signals: signals,
         };
-        // It ends with the process.
+        // Ends with the process.
         std::mem::forget(demo);
         running.until(|r| {
             let fleet = get(r.at, "/api/v1/fleet").json();
@@ -42,7 +42,7 @@ impl Running {
         running
     }
 
-    /// One for all tests: it ends with the process.
+    /// Shared by all tests; ends with the process.
     pub(crate) fn shared() -> &'static Self {
         static RUNNING: OnceLock<Running> = OnceLock::new();
         RUNNING.get_or_init(Self::start)
@@ -51,7 +51,7 @@ impl Running {
     pub(crate) fn until(&self, holds: impl Fn(&Self) -> bool) {
         let begun = Instant::now();
         while !holds(self) {
-            assert!(begun.elapsed() < Duration::from_secs(180), "it never came");
+            assert!(begun.elapsed() < Duration::from_secs(180), "timeout");
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -64,7 +64,7 @@ fn command(at: SocketAddr, what: Value, note: &str) -> (u16, Value) {
 }
 
 #[test]
-fn what_somebody_says_is_answered_when_it_is_stored() {
+fn command_is_answered_after_storing() {
     let running = Running::shared();
     let at = running.at;
     let (status, answer) = command(at, json!({ "kind": "note" }), "oiled the guides");
@@ -79,7 +79,7 @@ fn what_somebody_says_is_answered_when_it_is_stored() {
         now["robot"]["learning"]["kind"] == "baseline"
     });
     for (what, note, words) in [
-        (json!({ "kind": "note" }), "", "say why"),
+        (json!({ "kind": "note" }), "", "note is missing"),
         (
             json!({ "kind": "tensioned", "joints": ["knee"] }),
             "",
@@ -89,14 +89,14 @@ fn what_somebody_says_is_answered_when_it_is_stored() {
         (
             json!({ "kind": "shelve", "alarm": { "joint": null, "condition": "data" }, "for_s": 60.0 }),
             "",
-            "no such alarm",
+            "alarm not found",
         ),
     ] {
         let (status, answer) = command(at, what, note);
         let error = answer["error"].as_str().unwrap();
         assert!(status == 422 && error.contains(words), "{status} {error}");
     }
-    // demo-3 is switched off: its alarm can be seen and shelved, but not without end.
+    // demo-3 is switched off: its alarm can be acknowledged and shelved for a limited time.
     let key = json!({ "joint": null, "condition": "no-data" });
     let of_3 = |what: Value| {
         let body = json!({ "who": "a test", "what": what }).to_string();
@@ -122,14 +122,14 @@ fn what_somebody_says_is_answered_when_it_is_stored() {
 }
 
 #[test]
-fn who_asks_from_elsewhere_is_refused() {
+fn foreign_requests_are_rejected() {
     let running = Running::shared();
     let at = running.at;
     let note = json!({ "who": "x", "note": "x", "what": { "kind": "note" } }).to_string();
     let path = "/api/v1/robots/demo-1/commands";
     let json = ("content-type", "application/json");
     let own = ("x-sinew", "1");
-    // A name that somebody let point here: DNS rebinding.
+    // A foreign name that points to this host: DNS rebinding.
     for host in [
         "evil.example",
         "evil.example:8642",
@@ -198,28 +198,32 @@ fn who_asks_from_elsewhere_is_refused() {
 }
 
 #[test]
-fn browsers_are_told_every_second_and_only_what_changed() {
+fn event_stream_sends_changes_every_second() {
     let running = Running::shared();
-    let told = events(running.at, "/api/v1/events?robot=demo-1", 5);
-    let names: Vec<&str> = told.iter().map(|(name, _)| name.as_str()).collect();
+    let received = events(running.at, "/api/v1/events?robot=demo-1", 5);
+    let names: Vec<&str> = received.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["fleet", "robot", "change", "robot", "change"]);
-    let all: Value = serde_json::from_str(&told[0].1).unwrap();
+    let all: Value = serde_json::from_str(&received[0].1).unwrap();
     assert_eq!(all["robots"].as_array().unwrap().len(), 3);
-    let robot: Value = serde_json::from_str(&told[1].1).unwrap();
+    let robot: Value = serde_json::from_str(&received[1].1).unwrap();
     assert_eq!(robot["robot"]["robot"], "demo-1");
-    let of = |i: usize| -> Value { serde_json::from_str(&told[i].1).unwrap() };
+    let of = |i: usize| -> Value { serde_json::from_str(&received[i].1).unwrap() };
     let (first, second) = (of(2), of(4));
     assert!(second["time_utc_s"].as_f64() > first["time_utc_s"].as_f64());
-    assert!(told[2].1.len() < told[0].1.len(), "{}", told[2].1);
+    assert!(
+        received[2].1.len() < received[0].1.len(),
+        "{}",
+        received[2].1
+    );
 }
 
 #[test]
-fn records_are_there_as_json_csv_and_parquet() {
+fn records_are_served_as_json_csv_parquet() {
     let running = Running::shared();
     let at = running.at;
     let which = "?robot=demo-1&joint=elbow&most=50";
     let records = get(at, &format!("/api/v1/records{which}")).json();
-    assert_eq!(records["schema"], "sinew-record/1");
+    assert_eq!(records["schema"], "sinew-record/2");
     let records = records["records"].as_array().unwrap().clone();
     assert_eq!(records.len(), 50);
     let csv = get(at, &format!("/api/v1/records.csv{which}"));
@@ -242,7 +246,7 @@ fn records_are_there_as_json_csv_and_parquet() {
 }
 
 #[test]
-fn sessions_are_the_table_that_a_trend_is_made_of() {
+fn sessions_csv_is_input_of_trend() {
     let running = Running::shared();
     let at = running.at;
     let table = get(at, "/api/v1/robots/demo-1/sessions.csv");
@@ -251,7 +255,7 @@ fn sessions_are_the_table_that_a_trend_is_made_of() {
     let records = get(at, "/api/v1/records?robot=demo-1&most=100000").json();
     let records = records["records"].as_array().unwrap();
     assert!(rows.len() > 100, "{}", rows.len());
-    // Each is one of the records, and no day of a tendon is there twice since it was tensioned.
+    // Each row is one of the records, and each day of a tendon occurs once per tensioning.
     let mut days = std::collections::BTreeSet::new();
     for row in &rows {
         let offset = row.offset_rad.unwrap();
@@ -261,7 +265,7 @@ fn sessions_are_the_table_that_a_trend_is_made_of() {
             r["joint"] == row.joint.as_str()
                 && (r["time_utc_s"].as_f64().unwrap() - row.time_utc_s).abs() < 1e-3
                 && near("offset_rad", offset.mean)
-                && near("offset_deviation_rad", offset.deviation)
+                && near("offset_std_rad", offset.std)
         });
         assert!(same, "{row:?}");
         assert_eq!(row.robot.as_deref(), Some("biorob-like"));
@@ -275,19 +279,19 @@ fn sessions_are_the_table_that_a_trend_is_made_of() {
 }
 
 #[test]
-fn what_is_due_is_what_the_trends_of_the_tendons_say() {
+fn due_list_matches_tendon_trends() {
     let running = Running::shared();
     let at = running.at;
-    // Another test tensions a tendon of demo-2, of which nothing can be told then.
+    // Another test re-tensions a tendon of demo-2, which is inconclusive then.
     running.until(|r| {
         let list = get(r.at, "/api/v1/due").json();
-        list["cannot_tell"].as_u64().is_some_and(|n| n <= 1)
+        list["inconclusive"].as_u64().is_some_and(|n| n <= 1)
     });
     let list = get(at, "/api/v1/due?within_days=200").json();
     let rows = list["due"].as_array().unwrap();
     assert!(!rows.is_empty(), "{list}");
     let count = |key: &str| list[key].as_u64().unwrap();
-    let all = rows.len() as u64 + count("not_due") + count("cannot_tell") + count("without_limit");
+    let all = rows.len() as u64 + count("not_due") + count("inconclusive") + count("without_limit");
     assert_eq!(all, 12, "{list}");
     let span_s = list["until_utc_s"].as_f64().unwrap() - list["time_utc_s"].as_f64().unwrap();
     assert!((span_s - 200.0 * 86_400.0).abs() < 1.0);
@@ -298,7 +302,7 @@ fn what_is_due_is_what_the_trends_of_the_tendons_say() {
     for row in rows {
         let low = row["at_low_utc_s"].as_f64().unwrap();
         assert!(is_passed(row) || low <= list["until_utc_s"].as_f64().unwrap());
-        // demo-3 is switched off: its trends are those of before.
+        // demo-3 is switched off: its trends do not change.
         if row["robot"] != "demo-3" {
             continue;
         }
@@ -321,7 +325,7 @@ fn what_is_due_is_what_the_trends_of_the_tendons_say() {
         assert_eq!(row["offset_rad"], tendon["trend"]["offset_rad"]);
     }
     assert!(rows.iter().any(|row| row["robot"] == "demo-3"), "{list}");
-    // Longer, and no fewer are due.
+    // A longer horizon contains at least as many.
     let longer = get(at, "/api/v1/due?within_days=1095").json();
     assert!(longer["due"].as_array().unwrap().len() >= rows.len());
     for (asked, status) in [
@@ -341,7 +345,7 @@ fn what_is_due_is_what_the_trends_of_the_tendons_say() {
 }
 
 #[test]
-fn metrics_are_those_of_the_list_each_with_its_kind_once() {
+fn metrics_match_list_with_unique_types() {
     let running = Running::shared();
     running.until(|r| {
         get(r.at, "/metrics")
@@ -366,7 +370,7 @@ fn metrics_are_those_of_the_list_each_with_its_kind_once() {
     assert_eq!(once.len(), types.len());
     assert!(types.iter().all(|name| known.contains(&name.as_str())));
     assert!(samples.contains("sinew_robots"), "{text}");
-    // Base units and endings, as Prometheus wants them.
+    // Base units and suffixes as required by Prometheus.
     for (name, kind, about) in ABOUT {
         assert_eq!(name.ends_with("_total"), *kind == "counter", "{name}");
         assert!(about.ends_with('.') && !name.contains("_mrad"), "{name}");
@@ -374,7 +378,7 @@ fn metrics_are_those_of_the_list_each_with_its_kind_once() {
 }
 
 #[test]
-fn the_page_is_small_and_whole() {
+fn page_is_compressed_and_complete() {
     let running = Running::shared();
     let mut packed = 0;
     for path in ["/", "/app.js", "/app.css", "/icon.svg"] {

@@ -1,4 +1,4 @@
-//! Values of options, refused with their unit where they can't be.
+//! Parsers of option values; errors name the unit.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
@@ -9,7 +9,9 @@ use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use sinew_model::transmission::AnchorKind;
 use std::path::{Path, PathBuf};
 
-/// A finite number of `unit`.
+/// Parses a finite number.
+///
+/// * `unit`: unit named in the error.
 pub(crate) fn number(text: &str, unit: &str) -> Result<f64, String> {
     let value: f64 = text
         .trim()
@@ -22,7 +24,7 @@ pub(crate) fn number(text: &str, unit: &str) -> Result<f64, String> {
     }
 }
 
-/// Reads a number of `unit` above 0.
+/// Returns a parser of numbers above 0.
 pub(crate) fn positive(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match number(text, unit)? {
         value if value > 0.0 => Ok(value),
@@ -30,7 +32,7 @@ pub(crate) fn positive(unit: &'static str) -> impl Fn(&str) -> Result<f64, Strin
     }
 }
 
-/// Reads a number of `unit` of at least 0.
+/// Returns a parser of numbers of at least 0.
 pub fn not_negative(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match number(text, unit)? {
         value if value >= 0.0 => Ok(value),
@@ -38,33 +40,34 @@ pub fn not_negative(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> 
     }
 }
 
-/// A word, its help, and what it stands for.
+/// Value name, help text and value of an option.
 pub(crate) type Choice<T> = (&'static str, &'static str, T);
 
-/// Reads one of several words.
+/// Returns a parser of one of several value names.
 pub(crate) fn choice<T: Clone + Send + Sync>(
     of: &'static [Choice<T>],
 ) -> impl TypedValueParser<Value = T> {
     let words = of.iter().map(|c| PossibleValue::new(c.0).help(c.1));
     PossibleValuesParser::new(words).try_map(|word| {
         let chosen = of.iter().find(|c| c.0 == word);
-        chosen.map(|c| c.2.clone()).ok_or("is no such word")
+        chosen
+            .map(|c| c.2.clone())
+            .ok_or("is not one of the possible values")
     })
 }
 
-/// `recorded`, or a cut-off.
+/// Parses `recorded` or a cut-off in rad/s.
 pub(crate) fn velocity_filter(text: &str) -> Result<VelocityFilter, String> {
     if text.eq_ignore_ascii_case("recorded") {
         return Ok(VelocityFilter::Recorded);
     }
-    let cutoff_rad_per_s =
-        positive("rad/s")(text).map_err(|e| format!("{e}; or the word 'recorded'"))?;
+    let cutoff_rad_per_s = positive("rad/s")(text).map_err(|e| format!("{e}, or 'recorded'"))?;
     Ok(VelocityFilter::StateVariable { cutoff_rad_per_s })
 }
 
-/// `JOINT@SECONDS`: when a joint or its motor passes its mark.
+/// Parses the time of an index mark, `JOINT@SECONDS` or `JOINT:motor-mark@SECONDS`.
 pub(crate) fn touch(text: &str) -> Result<Touch, String> {
-    let form = "write JOINT@SECONDS or JOINT:motor-mark@SECONDS, such as elbow@12.35";
+    let form = "expected JOINT@SECONDS or JOINT:motor-mark@SECONDS, e.g. elbow@12.35";
     let (joint, time) = text.rsplit_once('@').ok_or(form)?;
     let (joint, kind) = match joint.rsplit_once(':') {
         Some((joint, "joint-mark")) => (joint, Some(AnchorKind::JointMark)),
@@ -84,9 +87,9 @@ pub(crate) fn touch(text: &str) -> Result<Touch, String> {
     }
 }
 
-/// `JOINT=RAD` or `JOINT=RAD@TIME`.
+/// Parses an injected offset, `JOINT=RAD` or `JOINT=RAD@SECONDS`.
 pub(crate) fn injection(text: &str) -> Result<Injection, String> {
-    let form = "write JOINT=RAD or JOINT=RAD@SECONDS, such as elbow=0.01@20";
+    let form = "expected JOINT=RAD or JOINT=RAD@SECONDS, e.g. elbow=0.01@20";
     let (joint, rest) = text.rsplit_once('=').ok_or(form)?;
     if joint.is_empty() {
         return Err(form.into());
@@ -96,9 +99,11 @@ pub(crate) fn injection(text: &str) -> Result<Injection, String> {
         None => (rest, None),
     };
     let offset_rad = number(offset, "rad")?;
-    // A motor that is off by half a turn is not stretched; degrees were meant.
+    // A larger offset is implausible; probably degrees were specified.
     if offset_rad.abs() > std::f64::consts::PI {
-        return Err(format!("{offset_rad} rad is more than half a turn"));
+        return Err(format!(
+            "{offset_rad} rad is more than half a turn; expected rad, not deg"
+        ));
     }
     let from_s = match from.map(|t| number(t, "s")).transpose()? {
         Some(t) if t < 0.0 => return Err(format!("{t} s is before the recording")),
@@ -111,13 +116,14 @@ pub(crate) fn injection(text: &str) -> Result<Injection, String> {
     })
 }
 
-/// Which estimate answers.
+/// Method of the estimate.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Method {
-    /// Absolute offsets, with an interval that holds stiffness, masses, friction, payload and
-    /// contact as far as they are unknown; without a baseline against the encoders' zero
+    /// Absolute offsets; the interval covers errors of stiffness, masses, friction, payload and
+    /// contact; relative to the encoder zero without a baseline
     Absolute,
-    /// The paper's equation: a reading, not a verdict; right in differences between like recordings
+    /// Uncorrected estimate of the paper without verdict; accurate for differences between
+    /// recordings with comparable motion
     Paper,
 }
 
@@ -130,30 +136,30 @@ impl From<Method> for sinew_estimate::Method {
     }
 }
 
-/// Where the elastic torque comes from.
+/// Sources of the elastic torque.
 pub(crate) const SOURCES: [Choice<TorqueSource>; 3] = [
     (
         "observer",
-        "Momentum observer: positions and the robot's masses",
+        "Momentum observer: positions and masses of the robot",
         TorqueSource::Observer,
     ),
     (
         "torque-sensor",
-        "Joint torque sensors in the recording",
+        "Recorded joint torque sensors",
         TorqueSource::TorqueSensor,
     ),
     (
         "motor",
-        "Motor torque in the recording, motor inertia and friction",
+        "Recorded motor torque, motor inertia and friction",
         TorqueSource::Motor,
     ),
 ];
 
-/// Lag treatment.
+/// Treatments of the lag of the observed torque.
 pub(crate) const LAGS: [Choice<Comparison>; 2] = [
     (
         "matched",
-        "theta - q passes the same filters as the torque",
+        "theta - q filtered like the torque",
         Comparison::Matched,
     ),
     (
@@ -163,7 +169,7 @@ pub(crate) const LAGS: [Choice<Comparison>; 2] = [
     ),
 ];
 
-/// What `effort` of the joint side is.
+/// Meanings of `effort` of the joint side.
 const EFFORTS: [Choice<JointEffort>; 3] = [
     (
         "tau-el",
@@ -178,11 +184,11 @@ const EFFORTS: [Choice<JointEffort>; 3] = [
     ("ignore", "Not used", JointEffort::Ignore),
 ];
 
-/// How a recording is read.
+/// Options for reading a recording.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Reading the recording")]
+#[command(next_help_heading = "Input")]
 pub(crate) struct Opening {
-    /// TOML file with other names, units and gear ratios of the recording
+    /// Mapping file (TOML): names, units and gear ratios of the recording
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
     /// Joint-side topic (sensor_msgs/JointState) [default: /joint_states]
@@ -192,21 +198,21 @@ pub(crate) struct Opening {
     /// [default: /dynamic_joint_states]
     #[arg(long, value_name = "TOPIC")]
     motor_topic: Option<String>,
-    /// Interface that holds the motor position [default: motor_position]
+    /// Interface with the motor position [default: motor_position]
     #[arg(long, value_name = "NAME")]
     motor_interface: Option<String>,
-    /// What the joint side's effort is [default: tau-el]
+    /// Meaning of the effort of the joint side [default: tau-el]
     #[arg(long, value_name = "WHAT", value_parser = choice(&EFFORTS))]
     joint_effort: Option<JointEffort>,
 }
 
 impl Opening {
-    /// The mapping file, if one was named.
+    /// Path of the mapping file.
     pub(crate) fn mapping(&self) -> Option<&Path> {
         self.mapping.as_deref()
     }
 
-    /// The options as they were given.
+    /// Returns the options as specified on the command line.
     pub(crate) fn given(&self) -> Vec<String> {
         let mapping = self.mapping.as_ref().map(|m| m.display().to_string());
         let words = [
@@ -226,7 +232,7 @@ impl Opening {
         out
     }
 
-    /// Reads the mapping file and puts the names in.
+    /// Returns the options for opening a recording, with the mapping file read.
     pub(crate) fn options(&self) -> Result<OpenOptions, LogError> {
         let mut options = OpenOptions {
             mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
@@ -247,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn injections_name_joint_offset_and_time() {
+    fn injection_parses_joint_offset_and_time() {
         let i = injection("left=elbow=-0.01@20.5").unwrap();
         assert_eq!(
             (i.joint.as_str(), i.offset_rad, i.from_s),
@@ -269,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn touches_name_joint_and_time() {
+    fn touch_parses_joint_and_time() {
         let t = touch("left@elbow@20.5").unwrap();
         assert_eq!((t.joint.as_str(), t.time_s), ("left@elbow", 20.5));
         let t = touch("elbow:motor-mark@3").unwrap();
@@ -289,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_refused_with_their_unit() {
+    fn invalid_value_error_names_unit() {
         for bad in ["-3", "0", "nan", "inf", "fast", ""] {
             assert!(positive("1/s")(bad).unwrap_err().contains("1/s"), "{bad}");
             assert!(velocity_filter(bad).unwrap_err().contains("rad/s"), "{bad}");

@@ -1,17 +1,18 @@
-//! Checks of output paths before long work begins.
+//! Checks of output paths before a computation starts.
 
-use crate::terminal::{Failure, asked, name_output, take_stdout};
+use crate::terminal::{Failure, is_specified, name_output, take_stdout};
 use sinew_files::{OutputError, folder_of, is_stdout, write_file};
 use sinew_log::{LogError, Table};
 use std::path::{Path, PathBuf};
 
-/// A file, if it was asked for, and what it is called on the command line.
+/// Name of an option and its file, if one is specified.
 pub type Named<'a> = (&'a str, Option<&'a Path>);
 
-/// Writes a text where a file was asked for.
+/// Writes a text if a file is specified.
 ///
 /// # Errors
-/// [`OutputError`].
+///
+/// Returns [`OutputError`] if the file cannot be written.
 pub(crate) fn write_text(
     path: Option<&Path>,
     text: impl FnOnce() -> String,
@@ -19,19 +20,22 @@ pub(crate) fn write_text(
     path.map_or(Ok(()), |path| write_file(path, text().as_bytes()))
 }
 
-/// Writes a table where a file was asked for.
+/// Writes a table if a file is specified.
 ///
 /// # Errors
-/// [`LogError`].
+///
+/// Returns [`LogError`] if the file cannot be written.
 pub fn write_table(path: Option<&Path>, table: impl FnOnce() -> Table) -> Result<(), LogError> {
     path.map_or(Ok(()), |path| table().write(path))
 }
 
-/// Refuses an output that has no folder to lie in or would replace an input or another output; a file that is
-/// replaced is named on stderr when the command has ended well, unless `quiet`.
+/// Checks that the folders of all outputs exist, and that no output replaces an input or another output.
+///
+/// Replaced files are listed on stderr at the end of the command, unless `quiet`.
 ///
 /// # Errors
-/// [`Failure::Refused`] naming the option and the path.
+///
+/// Returns [`Failure::Error`] with the option and the path.
 pub fn check_outputs(
     outputs: &[Named<'_>],
     inputs: &[Named<'_>],
@@ -39,22 +43,25 @@ pub fn check_outputs(
 ) -> Result<(), Failure> {
     for (i, (option, path)) in outputs.iter().enumerate() {
         let Some(path) = path else { continue };
-        let place = |why: String| Failure::Refused(format!("{option} {}: {why}", path.display()));
+        let place =
+            |reason: String| Failure::Error(format!("{option} {}: {reason}", path.display()));
         if is_stdout(path) {
             let taken = outputs[..i].iter().find(|o| o.1.is_some_and(is_stdout));
             let taken = taken.map(|o| o.0);
-            if let Some(other) = taken.or(asked("--json").then_some("--json")) {
-                return Err(place(format!("stdout is taken by {other}; name a file")));
+            if let Some(other) = taken.or(is_specified("--json").then_some("--json")) {
+                return Err(place(format!(
+                    "stdout is already used by {other}; specify a file"
+                )));
             }
             take_stdout();
             continue;
         }
         if path.is_dir() {
-            return Err(place("is a folder; name a file".into()));
+            return Err(place("is a folder; specify a file".into()));
         }
         let folder = folder_of(path);
         if !folder.is_dir() {
-            return Err(place(format!("folder {} does not exist", folder.display())));
+            return Err(place(format!("folder {} not found", folder.display())));
         }
         let others = inputs.iter().chain(&outputs[..i]);
         let is_same = |p: Option<&Path>| p.is_some_and(|p| same(p, path));
@@ -70,7 +77,7 @@ pub fn check_outputs(
     Ok(())
 }
 
-/// Whether two paths lead to the same file, also when it doesn't exist yet.
+/// Whether two paths refer to the same file, which need not exist.
 fn same(a: &Path, b: &Path) -> bool {
     let resolved = |p: &Path| -> Option<PathBuf> {
         if let Ok(path) = p.canonicalize() {

@@ -1,9 +1,8 @@
-//! The command line of Sinew: arguments in, tables and files out.
+//! Command line of Sinew.
 //!
-//! No physics and no format lives here. Exit codes: 0 done, 1 input refused, 2 usage, 3 finished,
-//! but data was lost or a threshold was passed. The result goes to stdout, everything else to
-//! stderr. The program `sinew` and the command in the Python wheel call [`run`]; the modules that are public are how
-//! every program of the project reads options, checks files and answers.
+//! Exit codes: 0 success, 1 invalid input, 2 invalid usage, 3 success with lost data or an exceeded limit. Results are
+//! written to stdout, everything else to stderr. The program `sinew` and the command of the Python package call [`run`].
+//! The public modules parse options, check files and write results for all programs of the project.
 
 pub mod args;
 mod commands;
@@ -11,19 +10,19 @@ pub mod files;
 pub mod terminal;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
-use commands::beside::Arguments;
+use commands::external::Arguments;
 use sinew_report::text;
 use std::ffi::OsString;
 use terminal::{Failure, Finish};
 
-/// How far the rope tendons of a robot have stretched, from its encoders alone
+/// Estimate the elongation of the rope tendons of a robot from its encoders
 #[derive(Debug, Parser)]
 #[command(
     version,
     max_term_width = 80,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 finished, but data was lost\n\
-                  or a threshold was passed.\n\n\
+    after_help = "Exit codes: 0 success, 1 invalid input, 2 invalid usage, 3 success, but data\n\
+                  lost or limit exceeded.\n\n\
                   Example:\n  sinew estimate monday.mcap --robot robots/biorob-like --report monday.html"
 )]
 struct Cli {
@@ -39,13 +38,13 @@ enum Command {
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
     Trend(Box<commands::trend::Trend>),
-    /// Watch running robots: listen, learn, keep, alarm, show (runs sinew-watch)
+    /// Monitor running robots: estimates, records, alarms, web page (runs sinew-watch)
     #[command(
         disable_help_flag = true,
         after_help = "Examples:\n  sinew watch --demo\n  sinew watch /etc/sinew/watch.toml"
     )]
     Watch(Arguments),
-    /// Ask the records of a whole fleet: what they hold, and which tendon is due (runs sinew-fleet)
+    /// Query the records of a fleet: tables, comparison, maintenance due (runs sinew-fleet)
     #[command(
         disable_help_flag = true,
         after_help = "Examples:\n  sinew fleet rows /srv/records\n  sinew fleet query /srv/records \"SELECT count(*) FROM records\"\n  sinew fleet due /srv/records --within 30"
@@ -53,7 +52,7 @@ enum Command {
     Fleet(Arguments),
     Excitation(commands::excitation::Excitation),
     Simulate(commands::simulate::Simulate),
-    /// Judge the absolute offset on many simulated recordings with known truth (runs sinew-bench)
+    /// Validate the absolute offset on simulated recordings with known truth (runs sinew-bench)
     #[command(
         disable_help_flag = true,
         after_help = "Examples:\n  sinew scenarios run --scenario S7 --n 200 --out s7.jsonl\n  sinew scenarios show S7"
@@ -103,9 +102,9 @@ impl Command {
     }
 }
 
-/// Runs the command line, the first argument being the program's name, and returns its exit code.
+/// Runs the command line and returns the exit code. Call it once per process.
 ///
-/// Once a process: what was asked for is kept for all of it.
+/// * `arguments`: arguments, starting with the name of the program.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     run_program(arguments, |cli: Cli| {
         cli.style.apply();
@@ -113,9 +112,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     })
 }
 
-/// Reads a program's command line, runs it, says how it ended, and returns the exit code.
+/// Parses the command line of a program, runs it, and returns the exit code. Call it once per process.
 ///
-/// Once a process: what was asked for is kept for all of it.
+/// * `arguments`: arguments, starting with the name of the program.
+/// * `run`: the program; its error is printed to stderr.
 pub fn run_program<P: Parser>(
     arguments: impl IntoIterator<Item = OsString>,
     run: impl FnOnce(P) -> Result<Finish, Failure>,
@@ -124,22 +124,22 @@ pub fn run_program<P: Parser>(
     terminal::set_arguments(arguments.clone());
     let result = match P::try_parse_from(arguments) {
         Ok(program) => run(program),
-        // Wrong usage; nobody is left to tell where stderr is closed.
+        // Invalid usage. A closed stderr is ignored.
         Err(error) if error.use_stderr() => {
             let _ = error.print();
             return 2;
         }
-        // What --help and --version ask for is an answer like any other.
+        // Output of --help and --version.
         Err(error) => terminal::answer(&error.to_string()).map(|()| Finish::Complete),
     };
     terminal::end();
     match result {
         Ok(Finish::Complete) => 0,
         Ok(Finish::Lossy) => 3,
-        Ok(Finish::Refused) => 1,
-        // The reader has gone (`sinew … | head`): nothing is left to say, and nobody to say it to.
+        Ok(Finish::InvalidInput) => 1,
+        // The reader closed the pipe (`sinew … | head`).
         Err(Failure::ReaderGone) => 0,
-        Err(Failure::Refused(message)) => {
+        Err(Failure::Error(message)) => {
             terminal::complain(terminal::Word::Error, &message);
             1
         }

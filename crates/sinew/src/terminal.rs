@@ -1,9 +1,10 @@
-//! What goes to stdout and stderr, and how a command ends.
+//! Output to stdout and stderr, and exit states of commands.
 
 use crate::text::plain;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sinew_files::JsonDocument;
+use sinew_report::Message;
 use sinew_report::text::{Look, Tone, WIDTH, painted, set_look};
 use std::error::Error;
 use std::ffi::OsString;
@@ -13,14 +14,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
-/// How every command speaks.
+/// Output options of all commands.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Terminal")]
 pub struct Style {
-    /// Say on stderr what was read from where, and how long each part took
+    /// Print data sources and computation times to stderr
     #[arg(long, short, global = true)]
     verbose: bool,
-    /// Colour [default: auto: on a terminal, unless NO_COLOR is set]
+    /// Use of colour [default: auto, i.e. on a terminal unless NO_COLOR is set]
     #[arg(
         long,
         global = true,
@@ -31,7 +32,7 @@ pub struct Style {
     color: Colour,
 }
 
-/// When to colour.
+/// Use of colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "lower")]
 enum Colour {
@@ -54,26 +55,26 @@ static VERBOSE: AtomicBool = AtomicBool::new(false);
 static COLOUR_STDERR: AtomicBool = AtomicBool::new(false);
 
 impl Style {
-    /// Takes hold for the rest of the run.
+    /// Applies the options to the whole process.
     pub fn apply(self) {
         let _ = STYLE.set(self);
         VERBOSE.store(self.verbose, Ordering::Relaxed);
-        let unwanted = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-        let on_stderr = self.color.on(!unwanted && console::colors_enabled_stderr());
+        let disabled = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+        let on_stderr = self.color.on(!disabled && console::colors_enabled_stderr());
         COLOUR_STDERR.store(on_stderr, Ordering::Relaxed);
-        let stated = std::env::var("COLUMNS").ok();
-        let stated = stated.and_then(|n| n.parse().ok());
-        let seen = || console::Term::stdout().size_checked();
+        let specified = std::env::var("COLUMNS").ok();
+        let specified = specified.and_then(|n| n.parse().ok());
+        let detected = || console::Term::stdout().size_checked();
         set_look(Look {
-            columns: stated.unwrap_or_else(|| seen().map_or(WIDTH, |(_, n)| usize::from(n))),
-            colour: self.color.on(!unwanted && console::colors_enabled()),
+            columns: specified.unwrap_or_else(|| detected().map_or(WIDTH, |(_, n)| usize::from(n))),
+            colour: self.color.on(!disabled && console::colors_enabled()),
         });
     }
 }
 
 static STYLE: OnceLock<Style> = OnceLock::new();
 
-/// How this program speaks, as another one is told.
+/// Returns the output options as arguments for another program.
 pub(crate) fn style_arguments() -> Vec<OsString> {
     let mut arguments = Vec::new();
     let Some(style) = STYLE.get() else {
@@ -88,30 +89,30 @@ pub(crate) fn style_arguments() -> Vec<OsString> {
     arguments
 }
 
-/// How a command that finished has finished.
+/// Exit state of a finished command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Finish {
     /// Exit code 0.
     Complete,
-    /// Exit code 3: data was lost, or a threshold was passed.
+    /// Exit code 3: data lost, or limit exceeded.
     Lossy,
-    /// Exit code 1: what was asked for is shown, and the input can't be used.
-    Refused,
+    /// Exit code 1: the result is shown, but the input is invalid.
+    InvalidInput,
 }
 
 impl Finish {
-    /// `Lossy` if so.
+    /// Returns `Lossy` if data was lost or a limit exceeded, else `Complete`.
     pub fn lossy(lossy: bool) -> Self {
         if lossy { Self::Lossy } else { Self::Complete }
     }
 }
 
-/// Why a command did not finish.
+/// Reason for which a command did not finish.
 #[derive(Debug)]
 pub enum Failure {
-    /// Exit code 1, with one message.
-    Refused(String),
-    /// Whoever read our output has closed it.
+    /// Exit code 1 with an error message.
+    Error(String),
+    /// The reader closed the output.
     ReaderGone,
 }
 
@@ -125,29 +126,33 @@ impl<E: Error> From<E> for Failure {
             }
             source = error.source();
         }
-        Self::Refused(error.to_string())
+        Self::Error(error.to_string())
     }
 }
 
 static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// What the program was called with.
+/// Stores the arguments of the program.
 pub fn set_arguments(arguments: Vec<OsString>) {
-    // The first call counts.
+    // Later calls have no effect.
     let _ = ARGUMENTS.set(arguments);
 }
 
-/// Whether an option was given, for what is the same in every command.
-pub fn asked(option: &str) -> bool {
+/// Whether an option is specified on the command line.
+pub fn is_specified(option: &str) -> bool {
     let arguments = ARGUMENTS.get();
     arguments.is_some_and(|all| all.iter().any(|argument| argument == option))
 }
 
-/// Writes the result to stdout, or to stderr where a file was asked for on stdout.
+/// Writes the result to stdout, or to stderr if an output file uses stdout.
+///
+/// # Errors
+///
+/// Returns [`Failure`] if stdout cannot be written.
 pub fn answer(text: &str) -> Result<(), Failure> {
     let fail = |e: std::io::Error| match e.kind() {
         ErrorKind::BrokenPipe => Failure::ReaderGone,
-        _ => Failure::Refused(format!("can't write to stdout: {e}")),
+        _ => Failure::Error(format!("cannot write to stdout: {e}")),
     };
     if STDOUT_TAKEN.load(Ordering::Relaxed) {
         let _ = stderr().write_all(text.as_bytes());
@@ -159,60 +164,76 @@ pub fn answer(text: &str) -> Result<(), Failure> {
         .map_err(fail)
 }
 
-/// A file was asked for on stdout: answers go to stderr.
+/// Reserves stdout for an output file; results go to stderr.
 pub fn take_stdout() {
     STDOUT_TAKEN.store(true, Ordering::Relaxed);
 }
 
 static STDOUT_TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// Writes the result to stdout: one JSON document where that was asked for, else words.
+/// Writes the result to stdout, as JSON document or as text.
+///
+/// # Errors
+///
+/// Returns [`Failure`] if stdout cannot be written.
 pub fn answer_as<D: JsonDocument>(
     json: bool,
     document: &D,
-    words: impl FnOnce(&D) -> String,
+    text: impl FnOnce(&D) -> String,
 ) -> Result<(), Failure> {
     answer(&match json {
         true => document.to_json()?,
-        false => words(document),
+        false => text(document),
     })
 }
 
-/// Why somebody is told something on stderr.
+/// Kind of a message on stderr.
 #[derive(Debug, Clone, Copy)]
 pub enum Word {
-    /// The command did not do it.
+    /// The command failed.
     Error,
-    /// It did, but look at this.
+    /// The result may be affected.
     Warning,
-    /// What else is known of it.
+    /// Additional information.
     Note,
 }
 
-/// Writes `word: text` to stderr; a closed stderr is nobody's loss.
+/// Writes a message with its code to stderr, `warning[few-poses]: text`.
+pub fn complain_coded(word: Word, message: &Message) {
+    print_message(word, &plain(&message.tag()));
+}
+
+/// Writes a message without a code to stderr, `warning: text`.
 pub fn complain(word: Word, text: &str) {
+    print_message(word, &format!(": {text}"));
+}
+
+/// Writes a message to stderr; a closed stderr is ignored.
+///
+/// * `text`: text after the word, starting with the code or the colon.
+fn print_message(word: Word, text: &str) {
     let (word, tone) = match word {
-        Word::Error => ("error:", Tone::Alarm),
-        Word::Warning => ("warning:", Tone::Caution),
-        Word::Note => ("note:", Tone::Head),
+        Word::Error => ("error", Tone::Alarm),
+        Word::Warning => ("warning", Tone::Caution),
+        Word::Note => ("note", Tone::Head),
     };
     let word = match COLOUR_STDERR.load(Ordering::Relaxed) {
         true => painted(tone, word),
         false => word.to_owned(),
     };
-    let _ = writeln!(stderr(), "{word} {text}");
+    let _ = writeln!(stderr(), "{word}{text}");
 }
 
 static OUTPUTS: Mutex<Vec<(String, PathBuf)>> = Mutex::new(Vec::new());
 
-/// What an output is called on the command line, for when it replaces a file.
+/// Stores the option of an output file, for the message that it replaced a file.
 pub fn name_output(option: &str, path: &Path) {
     if let Ok(mut outputs) = OUTPUTS.lock() {
         outputs.push((option.to_owned(), path.to_path_buf()));
     }
 }
 
-/// Says which files were replaced.
+/// Prints which files were replaced.
 pub fn end() {
     let outputs = OUTPUTS.lock().map(|outputs| outputs.clone());
     let outputs = outputs.unwrap_or_default();
@@ -223,31 +244,31 @@ pub fn end() {
             Some((option, _)) => {
                 complain(
                     Word::Note,
-                    &format!("{option} replaced {shown}, which was there"),
+                    &format!("{option} replaced the existing file {shown}"),
                 );
             }
-            // A file beside one that was asked for.
-            None if !asked("--quiet") => {
-                complain(Word::Note, &format!("replaced {shown}, which was there"));
+            // A file written in addition to a specified one.
+            None if !is_specified("--quiet") => {
+                complain(Word::Note, &format!("replaced the existing file {shown}"));
             }
             None => {}
         }
     }
 }
 
-/// A note for who asked for more with `--verbose`.
+/// Prints a note if `--verbose` is specified.
 pub fn note(text: impl FnOnce() -> String) {
     if VERBOSE.load(Ordering::Relaxed) {
         complain(Word::Note, &text());
     }
 }
 
-/// Progress on stderr, only where somebody watches.
+/// Progress bar on stderr, shown on a terminal only.
 #[derive(Debug)]
 pub struct Bar(ProgressBar, Instant);
 
 impl Bar {
-    /// A bar over `0..1` with a word in front.
+    /// Makes a bar with a label.
     pub fn new(word: &str, quiet: bool) -> Self {
         const STEPS: u64 = 1000;
         let target = if quiet || !stderr().is_terminal() {
@@ -264,7 +285,7 @@ impl Bar {
         Self(bar, Instant::now())
     }
 
-    /// Shows how much is done.
+    /// Sets the completed part of the total.
     pub fn set(&self, done: f64, total: f64) {
         let length = self.0.length().unwrap_or(0) as f64;
         let share = (done / total).clamp(0.0, 1.0);
@@ -273,8 +294,8 @@ impl Bar {
         }
     }
 
-    /// Changes the word in front.
-    pub fn say(&self, word: &str) {
+    /// Changes the label.
+    pub fn set_label(&self, word: &str) {
         if self.0.message() != word {
             self.0.set_message(word.to_string());
         }

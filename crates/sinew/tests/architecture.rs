@@ -1,4 +1,4 @@
-//! ARCHITECTURE.md says what is there, and the walls between the crates stand.
+//! ARCHITECTURE.md lists all crates, and the dependencies between them follow the layers.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ fn read(path: &str) -> String {
 }
 
 #[test]
-fn every_crate_is_mentioned_and_every_path_exists() {
+fn architecture_lists_every_crate_and_valid_paths() {
     let page = read("ARCHITECTURE.md");
     for entry in std::fs::read_dir(root().join("crates")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
@@ -41,7 +41,7 @@ fn every_crate_is_mentioned_and_every_path_exists() {
 }
 
 #[test]
-fn crates_see_only_whom_they_may() {
+fn crate_dependencies_follow_layers() {
     const BELOW: [(&str, &[&str]); 17] = [
         ("sinew-files", &[]),
         ("sinew-model", &["sinew-files"]),
@@ -72,7 +72,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-trend",
             ],
         ),
-        ("sinew-door", &["sinew-files", "sinew-log"]),
+        ("sinew-transport", &["sinew-files", "sinew-log"]),
         (
             "sinew-watch-core",
             &[
@@ -93,7 +93,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-rope",
                 "sinew-trend",
                 "sinew-estimate",
-                "sinew-door",
+                "sinew-transport",
                 "sinew-watch-core",
             ],
         ),
@@ -170,7 +170,7 @@ fn crates_see_only_whom_they_may() {
 }
 
 #[test]
-fn files_are_read_and_written_in_one_place() {
+fn file_access_is_in_one_crate() {
     // Unbounded reads, and writes that can be half done: `sinew-files` has what stands for them.
     const ONLY_THERE: [&str; 9] = [
         "fs::read(",

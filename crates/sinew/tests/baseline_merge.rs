@@ -1,4 +1,4 @@
-//! Baselines put together and gone on from, through the command line.
+//! Command line of merged baselines.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -41,7 +41,7 @@ coulomb_nm = 0.0
 "#;
 
 #[test]
-fn baselines_are_put_together_and_gone_on_from() {
+fn merged_baseline_is_valid_prior() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();
     let robot = ["--robot", "robots/biorob-like"];
@@ -56,7 +56,7 @@ fn baselines_are_put_together_and_gone_on_from() {
         done(&[&["simulate", &toml, "--out", &log][..], &robot].concat());
         done(&[&["baseline", &log, "--quiet", "--out", &out][..], &robot].concat());
     }
-    let (a, b, known) = (at("a.baseline"), at("b.baseline"), at("arm.known"));
+    let (a, b, known) = (at("a.baseline"), at("b.baseline"), at("arm.prior"));
     let merge = [&["baseline", "merge", &a, &b, "--out", &known][..], &robot].concat();
     let text = done(&merge);
     assert!(text.contains("2 files, 2 recordings"), "{text}");
@@ -93,7 +93,7 @@ fn baselines_are_put_together_and_gone_on_from() {
     let old = std::fs::read_to_string(&a).unwrap();
     std::fs::write(
         at("old.baseline"),
-        old.replace("\"version\":4", "\"version\":2"),
+        old.replace("\"version\":5", "\"version\":2"),
     )
     .unwrap();
     let old = [
@@ -107,6 +107,6 @@ fn baselines_are_put_together_and_gone_on_from() {
     refused(
         &[&old[..], &robot].concat(),
         1,
-        &["old.baseline", "version 2", "version 4"],
+        &["old.baseline", "version 2", "version 4 to 5"],
     );
 }

@@ -1,4 +1,4 @@
-//! What the first command of the README compiles, counted: crates and their lines don't depend on the machine.
+//! Build size of the first README command in crates and lines, which do not depend on the machine.
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,9 +8,9 @@ use std::process::Command;
 /// Crates at most, ours included.
 const CRATES_MOST: usize = 140;
 /// Lines of Rust and C in their source folders at most.
-const LINES_MOST: usize = 1_895_000;
+const LINES_MOST: usize = 1_875_000;
 
-/// What cargo prints.
+/// Output of cargo.
 fn cargo(arguments: &[&str]) -> String {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -27,7 +27,7 @@ fn cargo(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Lines of the sources below a folder, tests and examples left out.
+/// Counts the lines of the sources below a folder, without tests and examples.
 fn lines_below(folder: &Path) -> usize {
     let mut lines = 0;
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
@@ -37,7 +37,7 @@ fn lines_below(folder: &Path) -> usize {
             if !["tests", "benches", "examples", "target", "fuzz"].contains(&name.as_str()) {
                 lines += lines_below(&path);
             }
-        } else if [".rs", ".c", ".h"].iter().any(|end| name.ends_with(end)) {
+        } else if name != "tests.rs" && [".rs", ".c", ".h"].iter().any(|end| name.ends_with(end)) {
             let bytes = std::fs::read(&path).unwrap();
             lines += bytes.iter().filter(|b| **b == b'\n').count();
         }
@@ -46,7 +46,7 @@ fn lines_below(folder: &Path) -> usize {
 }
 
 #[test]
-fn the_main_job_compiles_no_more_than_its_budget() {
+fn main_job_build_stays_within_budget() {
     let arguments = [
         "tree",
         "-p",

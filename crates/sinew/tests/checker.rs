@@ -1,9 +1,9 @@
-//! The part of JSON Schema that schemas made from our types use. A keyword it doesn't know is a failed test,
+//! The part of JSON Schema that schemas made from our types use. A keyword that it does not support is a failed test,
 //! and a key that no schema names is a fault.
 
 use serde_json::{Map, Value};
 
-/// What is wrong with a value, place by place.
+/// Lists the errors of a value with their locations.
 pub(crate) fn check(schema: &Value, value: &Value) -> Vec<String> {
     let mut faults = Vec::new();
     Checker { root: schema }.value(schema, value, "", &mut faults);
@@ -106,7 +106,7 @@ impl Checker<'_> {
             }
             "oneOf" | "anyOf" => {
                 let mut nearest: Option<Vec<String>> = None;
-                // Keys beside the branches are named beside them.
+                // Keys outside the branches are listed next to them.
                 let beside = schema.get("properties").and_then(Value::as_object);
                 let value = &without(value, beside);
                 for rule in rule.as_array().into_iter().flatten() {

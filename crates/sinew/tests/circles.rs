@@ -1,4 +1,4 @@
-//! No files import each other in a circle larger than a parent and its child; nor do folders beside each other.
+//! Files form no import cycle larger than a parent and its child; neither do sibling folders.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,7 +15,7 @@ struct Import {
     is_public: bool,
 }
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Default)]
 struct File {
     /// Names of its items.
@@ -168,7 +168,7 @@ impl Crate {
         Self(files)
     }
 
-    /// Where a path begins, and what is left of it; none where it leads out of the crate.
+    /// Returns the start of a path and its remainder; `None` if it leaves the crate.
     fn start(&self, from: &Place, path: &[String]) -> Option<(Place, Place)> {
         let ups = path.iter().take_while(|word| *word == "super").count();
         match path.first()?.as_str() {
@@ -186,7 +186,7 @@ impl Crate {
         }
     }
 
-    /// The file in which what a path names stands, re-exports followed.
+    /// Returns the file that defines the target of a path, following re-exports.
     fn file_of(&self, from: &Place, path: &[String], depth: usize) -> Option<Place> {
         const DEEPEST: usize = 12;
         let (mut at, rest) = self.start(from, path)?;
@@ -219,7 +219,7 @@ impl Crate {
         Some(at)
     }
 
-    /// Which file needs which; a parent that names its child's items for others needs nothing.
+    /// Returns the dependencies between files; a re-export of a child's item is no dependency.
     fn needs(&self) -> BTreeSet<(Place, Place)> {
         let mut all = BTreeSet::new();
         for (place, file) in &self.0 {
@@ -239,7 +239,7 @@ impl Crate {
         all
     }
 
-    /// Every circle among what stands side by side in one folder, a folder and its files counting as one.
+    /// Returns all cycles among the entries of a folder, where a folder and its files count as one.
     fn circles(&self) -> Vec<String> {
         let needs = self.needs();
         let folders: BTreeSet<&[String]> = (self.0.keys())
@@ -263,7 +263,7 @@ impl Crate {
     }
 }
 
-/// What is left when who needs nobody, and whom nobody needs, has gone, again and again.
+/// Removes entries without dependencies or dependents repeatedly, and returns the rest.
 fn in_circles(needs: &BTreeSet<(&str, &str)>) -> Vec<String> {
     let mut left = needs.clone();
     loop {
@@ -304,7 +304,7 @@ fn sources() -> Vec<PathBuf> {
 }
 
 #[test]
-fn no_files_import_each_other_in_a_circle() {
+fn modules_have_no_import_cycles() {
     let mut found = Vec::new();
     let mut files = 0;
     for folder in sources() {
@@ -318,7 +318,7 @@ fn no_files_import_each_other_in_a_circle() {
 }
 
 #[test]
-fn a_circle_is_found_through_a_name_that_is_handed_on() {
+fn import_cycle_through_reexport_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("lib.rs", "mod a; mod b; mod c; pub use a::A;");

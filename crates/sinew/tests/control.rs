@@ -50,7 +50,7 @@ rad = 0.010
 "#;
 
 #[test]
-fn an_estimate_brings_the_joints_back() {
+fn correction_reduces_position_error() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();
     let robot = "robots/biorob-like";
@@ -81,7 +81,7 @@ fn an_estimate_brings_the_joints_back() {
     ]);
     std::fs::write(at("since.json"), since).unwrap();
 
-    // The same robot goes on working, stretched from the start, and is told.
+    // The same robot continues with elongated tendons and a specified offset.
     let told = WORK
         .replace("shape = \"step\"\nat_s = 30.0\n", "")
         .replace("duration_s = 60.0", "duration_s = 20.0")
@@ -132,7 +132,7 @@ fn an_estimate_brings_the_joints_back() {
 }
 
 #[test]
-fn what_cannot_be_corrected_is_refused_before_anything_is_written() {
+fn invalid_correction_errors_before_writing() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();
     std::fs::write(at("plain.toml"), WORK).unwrap();

@@ -11,7 +11,7 @@ fn sinew(args: &[&str], dir: &Path) -> Output {
         .expect("the program starts")
 }
 
-/// Ends with this code; what it said.
+/// Runs a command, checks its exit code, and returns its output.
 #[track_caller]
 fn ends(code: i32, args: &[&str], dir: &Path) -> String {
     let output = sinew(args, dir);
@@ -21,7 +21,7 @@ fn ends(code: i32, args: &[&str], dir: &Path) -> String {
     said
 }
 
-/// Words whatever the lines.
+/// Words of a text, independent of line breaks.
 fn unwrapped(said: &str) -> String {
     said.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -59,7 +59,7 @@ fn filled(text: &str) -> String {
 }
 
 #[test]
-fn a_recording_becomes_a_robot_that_the_estimate_takes_once_the_stiffness_is_filled_in() {
+fn init_from_recording_is_valid_with_stiffness() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let (scenario, robot) = (
@@ -98,7 +98,7 @@ fn a_recording_becomes_a_robot_that_the_estimate_takes_once_the_stiffness_is_fil
 
     // Nothing is overwritten unasked; what is replaced is named.
     let said = ends(1, &["init", "s.mcap", "--out", "bot"], dir);
-    assert!(said.contains("bot/robot.toml is there already"), "{said}");
+    assert!(said.contains("bot/robot.toml already exists"), "{said}");
     let said = ends(0, &["init", "s.mcap", "--out", "bot", "--force"], dir);
     assert!(said.contains("replaced bot/robot.toml"), "{said}");
 
@@ -125,7 +125,7 @@ fn a_recording_becomes_a_robot_that_the_estimate_takes_once_the_stiffness_is_fil
 }
 
 #[test]
-fn a_urdf_becomes_a_robot_with_its_joints_beside_it() {
+fn init_from_urdf_writes_next_to_it() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let from = root().join("examples/05-your-own-robot/pan-tilt.urdf");
@@ -146,7 +146,7 @@ fn a_urdf_becomes_a_robot_with_its_joints_beside_it() {
 }
 
 #[test]
-fn transmissions_of_a_urdf_become_tendons() {
+fn init_urdf_transmissions_become_tendons() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let from = root().join("examples/05-your-own-robot/pan-tilt.urdf");
@@ -195,16 +195,16 @@ fn transmissions_of_a_urdf_become_tendons() {
 }
 
 #[test]
-fn a_recording_without_urdf_or_with_other_names_says_what_it_needs() {
+fn init_incomplete_recording_lists_missing_values() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let nod = path("examples/05-your-own-robot/nod.csv");
     let said = ends(0, &["init", &nod, "--out", "a"], dir);
-    assert!(said.contains("a URDF with the masses"), "{said}");
+    assert!(said.contains("URDF with masses"), "{said}");
     let urdf = path("examples/05-your-own-robot/pan-tilt.urdf");
     let said = ends(0, &["init", &nod, "--urdf", &urdf, "--out", "b"], dir);
     assert!(
-        said.contains("wrote b/pan-tilt.urdf") && !said.contains("a URDF"),
+        said.contains("wrote b/pan-tilt.urdf") && !said.contains("URDF with masses"),
         "{said}"
     );
 
@@ -239,7 +239,7 @@ fn a_recording_without_urdf_or_with_other_names_says_what_it_needs() {
 }
 
 #[test]
-fn what_is_impossible_is_exit_code_1_and_what_is_odd_3() {
+fn check_impossible_exits_1_implausible_exits_3() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     for file in ["robot.toml", "biorob-like.urdf"] {
@@ -256,31 +256,31 @@ fn what_is_impossible_is_exit_code_1_and_what_is_odd_3() {
             "'{words}' is not in:\n{said}"
         );
     };
-    let length = "tendon.length_mm = 0.52 mm: usual are 15.0 to \
-                  10000 mm. Was it meant in m? Then write 520 mm";
+    let length = "tendon.length_mm = 0.52 mm: usual range 15.0 to \
+                  10000 mm; if specified in m, write 520 mm";
     check("length_mm = 700.0", "length_mm = 0.52", 1, length);
     check(
         "liros-dc000-0301",
         "liros-dc000-031",
         3,
-        "it has liros-dc000-0301, ",
+        "similar: liros-dc000-0301, ",
     );
     check(
         "pretension_n = 40.0",
         "pretension_n = 4000.0",
         3,
-        "89.9 % of the rope's breaking load; usual are at most 20.0 %",
+        "89.9 % of the breaking load; usual at most 20.0 %",
     );
 }
 
 #[test]
-fn a_urdf_named_as_the_robot_is_answered_with_the_folder() {
+fn urdf_as_robot_error_names_folder() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let from = root().join("robots/biorob-like/biorob-like.urdf");
     std::fs::copy(from, dir.join("arm.urdf")).expect("copied");
     let said = ends(1, &["robot", "check", "arm.urdf"], dir);
-    let words = "arm.urdf is a URDF, which knows no stiffness; name the folder of robot.toml instead: sinew init arm.urdf writes one";
+    let words = "arm.urdf is a URDF, which contains no stiffness; specify the folder of robot.toml instead: sinew init arm.urdf creates one";
     assert!(unwrapped(&said).contains(words), "{said}");
     let urdf = path("robots/biorob-like/biorob-like.urdf");
     let said = ends(1, &["robot", "check", &urdf], dir);

@@ -15,7 +15,7 @@ fn repository() -> PathBuf {
 /// Longer than any of these inputs takes on a slow machine, s.
 const PATIENCE_S: f64 = 60.0;
 
-/// Runs `sinew` with 2 GB of address space; its exit code and what it says on stderr.
+/// Runs `sinew` with 2 GB of address space, and returns its exit code and stderr.
 #[track_caller]
 fn bounded(dir: &Path, line: &str) -> (i32, String) {
     let begun = Instant::now();
@@ -51,7 +51,7 @@ fn write(dir: &Path, name: &str, text: impl AsRef<[u8]>) {
     std::fs::write(dir.join(name), text).unwrap();
 }
 
-/// A file of so many bytes that takes no place on the disk.
+/// Makes a sparse file of a given size in bytes.
 fn sparse(dir: &Path, name: &str, bytes: u64) {
     let file = std::fs::File::create(dir.join(name)).unwrap();
     file.set_len(bytes).unwrap();
@@ -77,7 +77,7 @@ fn chain(dir: &Path, joints: usize) {
 }
 
 #[test]
-fn robots_without_end_are_refused() {
+fn oversized_robots_are_rejected() {
     let dir = tempfile::tempdir().unwrap();
     let robot = "urdf = \"r.urdf\"\n[joints.j0]\nstiffness_nm_per_rad = 100\n";
     write(dir.path(), "robot.toml", robot);
@@ -96,7 +96,7 @@ fn robots_without_end_are_refused() {
     }
     let most = limits::URDF_JOINTS.length();
     chain(dir.path(), most);
-    // A chain of such links looks odd.
+    // A chain of such links is implausible.
     assert_eq!(bounded(dir.path(), "robot check .").0, 3);
     for joints in [most + 1, 8000] {
         chain(dir.path(), joints);
@@ -118,7 +118,7 @@ fn robots_without_end_are_refused() {
 }
 
 #[test]
-fn simulations_without_end_are_refused() {
+fn oversized_simulations_are_rejected() {
     let dir = tempfile::tempdir().unwrap();
     let scenario = repository().join("examples/scenarios/stretched-arm.toml");
     let robot = repository()
@@ -175,7 +175,7 @@ fn simulations_without_end_are_refused() {
 }
 
 #[test]
-fn a_baseline_without_end_is_refused() {
+fn oversized_baseline_is_rejected() {
     let dir = tempfile::tempdir().unwrap();
     let robot = repository()
         .join("robots/biorob-like")
@@ -195,7 +195,7 @@ fn a_baseline_without_end_is_refused() {
 }
 
 #[test]
-fn recordings_that_lie_about_lengths_end_well() {
+fn recordings_with_wrong_lengths_terminate() {
     let dir = tempfile::tempdir().unwrap();
     let robot = repository()
         .join("robots/biorob-like")
@@ -241,7 +241,7 @@ fn recordings_that_lie_about_lengths_end_well() {
     ] {
         let mut lies = whole.clone();
         lies[place..place + bytes.len()].copy_from_slice(bytes);
-        // No checksum: the lie is believed until it is looked at.
+        // Without checksum the wrong length is used until it is checked.
         lies[chunk + 9 + 24..][..4].fill(0);
         write(dir.path(), "b.mcap", &lies);
         for command in [
@@ -318,7 +318,7 @@ fn workbook(rows: &str, texts: &str) -> Vec<u8> {
 
 #[cfg(feature = "sheets")]
 #[test]
-fn workbooks_take_no_more_memory_than_their_cells() {
+fn workbook_memory_is_bounded_by_cells() {
     let dir = tempfile::tempdir().unwrap();
     let text = |place: &str, text: &str| {
         format!("<c r=\"{place}\" t=\"inlineStr\"><is><t>{text}</t></is></c>")
@@ -362,7 +362,7 @@ fn workbooks_take_no_more_memory_than_their_cells() {
 }
 
 #[test]
-fn creep_tests_without_end_are_refused() {
+fn oversized_creep_tests_are_rejected() {
     let dir = tempfile::tempdir().unwrap();
     write(
         dir.path(),
@@ -376,7 +376,7 @@ fn creep_tests_without_end_are_refused() {
 }
 
 #[test]
-fn the_manual_lists_every_bound() {
+fn manual_lists_every_limit() {
     let path = repository().join("docs/src/reference/limits.md");
     let page = std::fs::read_to_string(&path).unwrap();
     let mut table = String::from("| what | most | why |\n|---|---|---|\n");

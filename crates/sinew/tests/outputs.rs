@@ -1,4 +1,4 @@
-//! What is over time can be had as CSV and as Parquet, with the same numbers.
+//! Time series as CSV and Parquet contain identical numbers.
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
@@ -6,7 +6,7 @@ use std::fs::File;
 use std::path::Path;
 use std::process::Command;
 
-/// What a command prints that ends well, or with a limit passed.
+/// Returns the output of a command that succeeds, or exceeds a limit.
 fn ok(args: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
     command
@@ -68,7 +68,7 @@ fn both(folder: &Path, command: &[&str], option: &str) -> Vec<Vec<String>> {
     one
 }
 
-/// A column's cells, the header left out.
+/// Returns the cells of a column without header.
 fn column<'a>(table: &'a [Vec<String>], name: &str) -> Vec<&'a str> {
     let at = table[0].iter().position(|found| found == name);
     let at = at.unwrap_or_else(|| panic!("no {name} in {:?}", table[0]));
@@ -76,7 +76,7 @@ fn column<'a>(table: &'a [Vec<String>], name: &str) -> Vec<&'a str> {
 }
 
 #[test]
-fn series_are_the_same_as_csv_and_as_parquet() {
+fn series_csv_equals_parquet() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let creep = "examples/06-creep-test/rope-C.csv";
@@ -129,7 +129,7 @@ fn series_are_the_same_as_csv_and_as_parquet() {
 }
 
 #[test]
-fn the_estimate_over_time_has_both_methods_and_utc() {
+fn series_has_both_methods_and_utc() {
     let folder = tempfile::tempdir().unwrap();
     let log = "examples/01-stretched-arm/stretched-arm.mcap";
     let estimate = ["estimate", log, "--robot", "robots/biorob-like", "--quiet"];
@@ -151,7 +151,7 @@ fn the_estimate_over_time_has_both_methods_and_utc() {
         // A reading is no verdict: it has no interval.
         assert_eq!(methods[at] == "absolute", !half[at].is_empty(), "{at}");
     }
-    // The last block is what the answer says, to what the last 0.2 s add.
+    // The last block equals the result up to the last 0.2 s.
     let joint = &document["session"]["joints"][0];
     let name = joint["name"].as_str().unwrap();
     let joints = column(&table, "joint");
@@ -166,22 +166,22 @@ fn the_estimate_over_time_has_both_methods_and_utc() {
     assert_eq!(frames[0][..2], ["time_ns", "time_s"]);
 }
 
-/// With `--live` the online estimate answers, too: at the end, over time, and when it was provisional.
+/// With `--online` the online estimate answers, too: at the end, over time, and when it was provisional.
 #[test]
-fn a_recording_is_gone_over_as_beside_the_robot() {
+fn live_option_reports_online_estimate() {
     let folder = tempfile::tempdir().unwrap();
     let log = "examples/01-stretched-arm/stretched-arm.mcap";
     let robot = "robots/biorob-like";
-    let estimate = ["estimate", log, "--robot", robot, "--quiet", "--live"];
+    let estimate = ["estimate", log, "--robot", robot, "--quiet", "--online"];
     let table = both(folder.path(), &estimate, "--series");
     let (methods, joints) = (column(&table, "method"), column(&table, "joint"));
     let of = |method: &str| methods.iter().filter(|m| **m == method).count();
-    assert_eq!(of("live"), of("absolute"));
+    assert_eq!(of("online"), of("absolute"));
     let document: serde_json::Value =
         serde_json::from_str(&ok(&[&estimate[..], &["--json"]].concat())).unwrap();
-    let live = &document["session"]["live"];
-    let tendon = &live["joints"][2];
-    let last = (0..methods.len()).rfind(|&k| methods[k] == "live" && joints[k] == "elbow");
+    let online = &document["session"]["online"];
+    let tendon = &online["joints"][2];
+    let last = (0..methods.len()).rfind(|&k| methods[k] == "online" && joints[k] == "elbow");
     let mean: f64 = column(&table, "offset_rad")[last.unwrap()].parse().unwrap();
     assert_eq!(tendon["name"], "elbow");
     assert!((tendon["offset_rad"]["mean"].as_f64().unwrap() - mean).abs() < 1e-9);
@@ -191,12 +191,12 @@ fn a_recording_is_gone_over_as_beside_the_robot() {
         "{text}"
     );
     assert!(text.contains("was provisional from "), "{text}");
-    // Not unless asked.
+    // Only if requested.
     assert!(!ok(&estimate[..5]).contains("Online estimate"));
 }
 
 #[test]
-fn a_simulated_recording_is_the_same_as_mcap_and_as_parquet() {
+fn simulated_mcap_equals_parquet() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = "examples/scenarios/stretched-arm.toml";
     let mut answers = Vec::new();
@@ -219,7 +219,7 @@ fn a_simulated_recording_is_the_same_as_mcap_and_as_parquet() {
     assert_eq!(answers[0], answers[1]);
 }
 
-/// A folder with three recordings of which the second isn't one.
+/// A folder with three recordings, the second of which is invalid.
 fn recordings() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let scenario = "examples/scenarios/stretched-arm.toml";
@@ -251,7 +251,7 @@ fn run(args: &[&str]) -> std::process::Output {
 }
 
 #[test]
-fn many_recordings_are_a_row_each_and_a_bad_one_does_not_stop_them() {
+fn each_continues_after_failed_recording() {
     let folder = recordings();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let robot = ["--robot", "robots/biorob-like"];
@@ -274,7 +274,7 @@ fn many_recordings_are_a_row_each_and_a_bad_one_does_not_stop_them() {
     );
     assert!(found[1]["error"].as_str().unwrap().contains("run_2.mcap"));
 
-    // Each is what it is alone: none knows of another.
+    // Each result equals that of a single recording.
     let alone = ok(&["estimate", names[2], robot[0], robot[1], "--json"]);
     let alone: serde_json::Value = serde_json::from_str(&alone).unwrap();
     assert_eq!(found[2]["estimate"]["session"], alone["session"]);
@@ -292,7 +292,7 @@ fn many_recordings_are_a_row_each_and_a_bad_one_does_not_stop_them() {
 }
 
 #[test]
-fn a_batch_of_bad_recordings_is_refused_and_several_need_each() {
+fn each_all_failed_exits_1_several_logs_require_each() {
     let folder = tempfile::tempdir().unwrap();
     let bad = ["a.mcap", "b.mcap"].map(|name| {
         let path = folder.path().join(name);
@@ -306,7 +306,7 @@ fn a_batch_of_bad_recordings_is_refused_and_several_need_each() {
         String::from_utf8_lossy(&output.stdout).into_owned(),
         String::from_utf8_lossy(&output.stderr).into_owned(),
     );
-    assert!(told.contains("none of 2 recordings"), "{told}");
+    assert!(told.contains("(2 failed)"), "{told}");
     assert!(said.contains("0 of 2 recordings estimated"), "{said}");
     for line in said.lines() {
         assert!(line.chars().count() <= 80, "{line}");
@@ -363,7 +363,7 @@ fn tendons(path: &Path, topic: &str) -> Vec<(i64, Vec<Entry>)> {
 }
 
 #[test]
-fn topics_hold_the_series_at_the_recordings_own_times() {
+fn topics_equal_series_with_recording_times() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let log = "examples/01-stretched-arm/stretched-arm.mcap";
@@ -426,7 +426,7 @@ fn topics_hold_the_series_at_the_recordings_own_times() {
 }
 
 #[test]
-fn a_file_that_is_replaced_is_named_unless_quiet() {
+fn replaced_file_is_reported_unless_quiet() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("curve.csv");
     let path = path.to_str().unwrap();
@@ -444,7 +444,7 @@ fn a_file_that_is_replaced_is_named_unless_quiet() {
         assert_eq!(output.status.code(), Some(0));
         String::from_utf8(output.stderr).unwrap()
     };
-    let replaces = format!("--series replaced {path}");
+    let replaces = format!("--series replaced the existing file {path}");
     assert!(!told(&[]).contains(&replaces));
     assert!(told(&[]).contains(&replaces));
     assert_eq!(told(&["--quiet"]), "");

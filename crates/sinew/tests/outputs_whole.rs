@@ -1,4 +1,4 @@
-//! Outputs are whole or not there, whatever happens to a run and wherever they go.
+//! Output files are complete or absent after an interruption, for every destination.
 
 use crate::skipped::skipped;
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// `sinew simulate` of some seconds into `out`, with output kept.
+/// Returns a `sinew simulate` command of some seconds that writes `out`.
 fn simulate(dir: &Path, out: &str, seed: &str, seconds: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
     command.current_dir(dir).arg("simulate");
@@ -26,7 +26,7 @@ fn simulate(dir: &Path, out: &str, seed: &str, seconds: &str) -> Command {
     command
 }
 
-/// What the shell makes of a line in which `$0` is the program.
+/// Runs a shell command in which `$0` is the program.
 fn shell(dir: &Path, line: &str) -> Output {
     let mut command = Command::new("sh");
     command.current_dir(dir).args(["-c", line]);
@@ -51,7 +51,7 @@ fn ended_well(output: &Output) -> String {
 }
 
 #[test]
-fn of_two_runs_of_one_output_the_last_whole_one_wins() {
+fn concurrent_runs_last_complete_output_wins() {
     for out in ["a.csv", "a.mcap"] {
         let dir = tempfile::tempdir().unwrap();
         let alone: Vec<[Vec<u8>; 2]> = ["1", "2"]
@@ -81,7 +81,7 @@ fn of_two_runs_of_one_output_the_last_whole_one_wins() {
 }
 
 #[test]
-fn a_killed_run_leaves_no_half_file_and_the_next_one_cleans_up() {
+fn killed_run_leaves_no_partial_file() {
     for out in ["a.csv", "a.mcap"] {
         let dir = tempfile::tempdir().unwrap();
         // A file of the user's that looks as temporary files of others do.
@@ -106,7 +106,7 @@ fn a_killed_run_leaves_no_half_file_and_the_next_one_cleans_up() {
 }
 
 #[test]
-fn an_interrupted_run_leaves_nothing() {
+fn interrupted_run_leaves_no_file() {
     // A shell's background job has SIGINT ignored, and so has what it starts.
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
@@ -133,7 +133,7 @@ fn an_interrupted_run_leaves_nothing() {
 }
 
 #[test]
-fn a_link_is_followed_and_what_is_replaced_is_told() {
+fn link_is_followed_replaced_file_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     fs::create_dir(dir.path().join("far")).unwrap();
     for there in [false, true] {
@@ -145,7 +145,7 @@ fn a_link_is_followed_and_what_is_replaced_is_told() {
             .unwrap();
         let said = ended_well(&output);
         assert_eq!(
-            said.contains("--out replaced link.csv, which was there\n"),
+            said.contains("--out replaced the existing file link.csv\n"),
             there,
             "{said}"
         );
@@ -162,7 +162,7 @@ fn a_link_is_followed_and_what_is_replaced_is_told() {
 }
 
 #[test]
-fn pipes_and_devices_are_written_through() {
+fn pipes_and_devices_are_written_directly() {
     let dir = tempfile::tempdir().unwrap();
     ended_well(&simulate(dir.path(), "b.csv", "1", "0.1").output().unwrap());
     ended_well(&simulate(dir.path(), "b.mcap", "1", "0.1").output().unwrap());
@@ -191,7 +191,7 @@ fn pipes_and_devices_are_written_through() {
 }
 
 #[test]
-fn stdout_can_be_named_and_is_taken_once() {
+fn stdout_is_used_by_one_output_only() {
     let dir = tempfile::tempdir().unwrap();
     ended_well(&simulate(dir.path(), "a.mcap", "1", "1").output().unwrap());
     let robot = repository()
@@ -220,7 +220,7 @@ fn stdout_can_be_named_and_is_taken_once() {
         let output = shell(dir.path(), &format!("{estimate} {twice}"));
         assert_eq!(output.status.code(), Some(1));
         assert!(
-            text(&output.stderr).contains("stdout is taken by"),
+            text(&output.stderr).contains("stdout is already used by"),
             "{twice}"
         );
     }
@@ -230,11 +230,11 @@ fn stdout_can_be_named_and_is_taken_once() {
     );
     assert_eq!(text(&gone.stderr), "0\n");
     let folder = shell(dir.path(), &format!("{estimate} --csv ."));
-    assert!(text(&folder.stderr).contains("is a folder; name a file"));
+    assert!(text(&folder.stderr).contains("is a folder; specify a file"));
 }
 
 #[test]
-fn a_full_stdout_is_an_error() {
+fn full_stdout_is_error() {
     let dir = tempfile::tempdir().unwrap();
     for what in [
         "--help",
@@ -246,10 +246,10 @@ fn a_full_stdout_is_an_error() {
         let full = shell(dir.path(), &format!("\"$0\" {what} >/dev/full"));
         assert_eq!(full.status.code(), Some(1), "{what}");
         assert!(
-            text(&full.stderr).contains("can't write to stdout"),
+            text(&full.stderr).contains("cannot write to stdout"),
             "{what}"
         );
-        // As Python's DEVNULL opens it: nobody's loss.
+        // Opened as by Python's DEVNULL; no error.
         let null = shell(dir.path(), &format!("\"$0\" {what} 1<>/dev/null"));
         assert_eq!(null.status.code(), Some(0), "{what}");
     }
@@ -264,7 +264,7 @@ fn a_full_stdout_is_an_error() {
         let said = text(&full.stderr);
         assert_eq!(full.status.code(), Some(1), "{said}");
         assert!(
-            said.starts_with(&format!("error: can't write {out}: ")),
+            said.starts_with(&format!("error: cannot write {out}: ")),
             "{said}"
         );
     }
@@ -272,7 +272,7 @@ fn a_full_stdout_is_an_error() {
 }
 
 #[test]
-fn a_file_limit_leaves_nothing() {
+fn file_size_limit_leaves_no_file() {
     let dir = tempfile::tempdir().unwrap();
     for out in ["a.csv", "a.mcap"] {
         let scenario = repository().join("examples/scenarios/stretched-arm.toml");
@@ -286,7 +286,7 @@ fn a_file_limit_leaves_nothing() {
             ),
         );
         let said = text(&output.stderr);
-        // The system's own end for it, SIGXFSZ, as the shell tells it.
+        // Terminated by SIGXFSZ, as reported by the shell.
         assert_eq!(output.status.code(), Some(128 + 25), "{said}");
         assert_eq!(names(dir.path()), BTreeSet::new());
     }

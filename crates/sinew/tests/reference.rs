@@ -1,7 +1,7 @@
 //! The reference pages name every key that a file may have, and no other.
 //!
 //! Readers refuse an unknown key and list the keys they know. So each section of each kind of file is
-//! given a key that nobody knows, and what the refusal lists is held against the page.
+//! given an unknown key, and the keys listed in the error are compared with the page.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// What a command says when it refuses its input.
+/// Returns the error of a command for invalid input.
 fn refusal(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
         .args(arguments)
@@ -29,13 +29,16 @@ fn refusal(arguments: &[&str]) -> String {
 
 /// The keys a refusal lists: the names after the last word that begins a list.
 fn listed(refusal: &str) -> BTreeSet<String> {
-    const BEGIN: [&str; 6] = [
+    const BEGIN: [&str; 9] = [
+        " available: ",
         "one of ",
         "expected ",
         " takes ",
         " are ",
         " has ",
         " known: ",
+        " keys: ",
+        " columns: ",
     ];
     let from = BEGIN
         .iter()
@@ -113,7 +116,7 @@ fn file(name: &str, text: &str) -> (tempfile::TempDir, String) {
     (folder, path)
 }
 
-/// A section's text: what must stand before and in it, and the unknown key at its end.
+/// Text of a section: required text before and in it, and the unknown key at its end.
 fn with(before: &str) -> String {
     format!("{before}{UNKNOWN} = 1\n")
 }
@@ -177,12 +180,18 @@ fn mapping_files() {
         ("time", with("[time]\ncolumn = \"time_s\"\n")),
         ("joints.NAME", with(joints)),
         ("motors.NAME", with(&format!("{joints}[motors.m]\n"))),
+        ("tendons.NAME", with(&format!("{joints}[tendons.t]\n"))),
         ("mcap", with("[mcap]\n")),
     ];
     let quantities = ["q", "theta", "dq", "tau_el", "tau_m", "tau_ext"];
     let sources = quantities.map(|quantity| format!("joints.tilt.{quantity}"));
-    let motors = ["motors.m.theta", "motors.m.tau_m", "temperature"];
-    for source in sources.iter().map(String::as_str).chain(motors) {
+    let others = [
+        "motors.m.theta",
+        "motors.m.tau_m",
+        "tendons.t.tension",
+        "temperature",
+    ];
+    for source in sources.iter().map(String::as_str).chain(others) {
         let column = "column = \"a\"";
         sections.push(("SOURCE", with(&format!("[{source}]\n{column}\n"))));
         let sum = format!("[{source}]\nsum = [{{ {column}, {UNKNOWN} = 1 }}]\n");
@@ -190,7 +199,7 @@ fn mapping_files() {
     }
     agree(
         "mapping.md",
-        &["joints.NAME", "motors.NAME"],
+        &["joints.NAME", "motors.NAME", "tendons.NAME"],
         &sections,
         |text| {
             let (_folder, path) = file("mapping.toml", text);
@@ -240,8 +249,7 @@ fn rope_entries() {
     let sources = "[sources]\ns = \"somewhere\"\n";
     let value = "value = 1.0, origin = \"measured\", source = \"s\"";
     let law = format!("[law]\ntoe_percent = {{ {value} }}\n");
-    let holds =
-        "[holds]\nload_share = [0.01, 0.1]\ntemperature_c = [20.0, 30.0]\nduration_s = 1.0\n";
+    let tested_range = "[tested_range]\nload_share = [0.01, 0.1]\ntemperature_c = [20.0, 30.0]\nduration_s = 1.0\n";
     let correlation = "[correlation]\nparameters = [\"toe_percent\"]\nmatrix = [[1.0]]\n";
     let known = |key: &str| format!("{rope}{sources}{key} = {{ {value}, {UNKNOWN} = 1 }}\n");
     agree(
@@ -261,7 +269,10 @@ fn rope_entries() {
                 "endurance",
                 format!("{rope}{sources}[endurance]\n{UNKNOWN} = {{ {value} }}\n"),
             ),
-            ("holds", with(&format!("{rope}{sources}{law}{holds}"))),
+            (
+                "tested_range",
+                with(&format!("{rope}{sources}{law}{tested_range}")),
+            ),
             (
                 "correlation",
                 with(&format!("{rope}{sources}{law}{correlation}")),
@@ -327,6 +338,7 @@ fn scenario_files() {
                 "[random_contacts]\nfraction = 0.1\nlink = \"tool\"\nforce_n = 1\nduration_s = 1",
             ),
         ),
+        ("co_contraction", section("[co_contraction]\ntension_n = 1")),
         ("offsets[]", offset("shape = \"constant\"")),
         ("offsets[]", offset("shape = \"step\"\nat_s = 1")),
         (
@@ -368,6 +380,7 @@ fn scenario_files() {
         "encoder",
         "motor_torque",
         "torque_sensor",
+        "tension_sensor",
         "temperature",
         "record",
         "faults",
@@ -424,7 +437,7 @@ fn columns_of_a_recording() {
     let all = columns("recordings.md", 2);
     let names = all.iter().map(|(name, _)| name.replace("JOINT", "tilt"));
     let names: Vec<String> = names.filter(|name| !name.starts_with("time_")).collect();
-    assert_eq!(names.len(), 7, "{names:?}");
+    assert_eq!(names.len(), 8, "{names:?}");
     for time in ["time_s", "time_ms", "time_us", "time_ns"] {
         assert!(all.iter().any(|(name, _)| name == time), "{time}");
         let row = |t: u32| format!("{t}{}\n", ",0.5".repeat(names.len()));
@@ -438,6 +451,7 @@ fn columns_of_a_recording() {
         let joint = said.lines().find(|l| l.starts_with("tilt")).expect(&said);
         assert_eq!(joint.matches("yes").count(), 6, "{said}");
         assert!(said.contains("temperature: yes"), "{said}");
+        assert!(said.contains("tension recorded: TENDON\n"), "{said}");
     }
 }
 

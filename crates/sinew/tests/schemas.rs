@@ -1,7 +1,7 @@
 //! Every JSON document has a published schema made from its type, every command's output agrees with it, and
 //! every key is in the reference.
 //!
-//! `SINEW_WRITE=1 cargo test -p sinew --all-features schemas` writes `docs/schema/` and the reference anew.
+//! `SINEW_WRITE=1 cargo test -p sinew --all-features schemas` rewrites `docs/schema/` and the reference.
 
 use crate::checker::check;
 use crate::skipped::skipped;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// A document's schema: its name, and what its type says.
+/// Name and schema of a document.
 struct Published {
     name: &'static str,
     /// Name of the type.
@@ -46,7 +46,7 @@ impl Published {
         }
     }
 
-    /// `sinew/estimate/1` is in `estimate-1.json`.
+    /// `sinew/estimate/2` is in `estimate-2.json`.
     fn file(&self) -> PathBuf {
         let name = self.name.trim_start_matches("sinew/").replace('/', "-");
         repository().join("docs/schema").join(name + ".json")
@@ -74,7 +74,7 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_rope::bench::BenchRun>(),
         Published::of::<sinew_creep::AnalyzeReport>(),
         Published::of::<sinew_creep::FitReport>(),
-        Published::of::<sinew_creep::WithheldReport>(),
+        Published::of::<sinew_creep::HoldOutReport>(),
         Published::of::<sinew_creep::ShiftReport>(),
         Published::of::<sinew_creep::CompareReport>(),
         Published::of::<sinew_creep::Plan>(),
@@ -82,12 +82,12 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_bench::paper::PaperFigure>(),
         Published::of::<sinew_bench::year::YearReport>(),
         Published::of::<sinew_bench::scenarios::ScenarioReport>(),
-        Published::of::<sinew_bench::scenarios::CourseReport>(),
+        Published::of::<sinew_bench::scenarios::TrajectoryReport>(),
         Published::of::<sinew_sim::control::Simulated>(),
     ]
 }
 
-/// Commands whose JSON is held against its schema; OUT is an empty folder.
+/// Commands whose JSON is compared with its schema; OUT is an empty folder.
 fn outputs() -> Vec<&'static str> {
     const ARM: &str = "examples/01-stretched-arm/stretched-arm.mcap --robot robots/biorob-like";
     let lines = "
@@ -99,7 +99,7 @@ fn outputs() -> Vec<&'static str> {
         estimate --each ARM --json
         baseline ARM --to 20 --out OUT/arm.baseline --json
         baseline ARM --from 20 --out OUT/later.baseline --json
-        estimate ARM --baseline OUT/arm.baseline --live --json
+        estimate ARM --baseline OUT/arm.baseline --online --json
         baseline merge OUT/arm.baseline OUT/later.baseline --fleet --robot robots/biorob-like --out OUT/known --json
         trend examples/10-trend/sessions.csv --robot robots/biorob-like --tensioned 2026-03-02 --json
         trend examples/10-trend/sessions.csv --json
@@ -115,7 +115,7 @@ fn outputs() -> Vec<&'static str> {
         bench simulate B --json
         creep analyze examples/06-creep-test/rope-A.csv --json
         creep fit examples/06-creep-test/rope-A.csv --json
-        creep fit examples/06-creep-test/rope-A.csv --withhold 0.33 --json
+        creep fit examples/06-creep-test/rope-A.csv --hold-out 0.33 --json
         creep compare examples/06-creep-test/rope-A.csv examples/06-creep-test/rope-B.csv --json
         creep plan liros-dc000-0301 --tension 60 --length 700 --at 30d --loads 60 --temperatures 23 --durations 85min --check 1 --json
         excitation --robot robots/biorob-like --poses 3 --candidates 2 --seed 4 --json
@@ -149,7 +149,7 @@ fn published(path: &Path, text: &str) {
 }
 
 #[test]
-fn the_schemas_are_those_of_the_types() {
+fn schemas_match_types() {
     let documents = documents();
     let names: BTreeSet<_> = documents.iter().map(|d| d.name).collect();
     assert_eq!(names.len(), documents.len(), "a name is there twice");
@@ -161,7 +161,7 @@ fn the_schemas_are_those_of_the_types() {
     let files = files.map(|file| file.unwrap().path());
     let of_types: BTreeSet<_> = documents.iter().map(Published::file).collect();
     // The monitor's own types are checked by its tests: crates/sinew-watch/tests/reference.rs.
-    let of_the_monitor = ["record-1.json", "webhook-1.json"];
+    let of_the_monitor = ["record-2.json", "webhook-2.json"];
     let nobodys: Vec<_> = files
         .filter(|file| {
             !of_types.contains(file) && !of_the_monitor.iter().any(|f| file.ends_with(f))
@@ -216,7 +216,7 @@ fn rows_of<'a>(
     within: &mut Vec<&'a str>,
 ) {
     let name = schema["$ref"].as_str();
-    // What is a document by itself has its own table.
+    // Documents have separate tables.
     if name.is_some_and(|name| within.contains(&name) || is_document(name)) {
         return;
     }
@@ -307,7 +307,7 @@ fn kind_of(schema: &Value, root: &Value) -> String {
 }
 
 #[test]
-fn every_command_prints_what_its_schema_says() {
+fn command_json_matches_schema() {
     let documents = documents();
     let folder = tempfile::tempdir().unwrap();
     let mut seen = BTreeSet::new();
@@ -337,7 +337,7 @@ fn every_command_prints_what_its_schema_says() {
         let document = document.unwrap_or_else(|| panic!("{line}: {name} is not published"));
         let faults = check(&document.schema, &value);
         assert!(faults.is_empty(), "sinew {line}: {faults:#?}");
-        // The check sees a key that isn't there and one that is too many.
+        // The check sees a key that is missing and one that is too many.
         let mut spoiled = value.clone();
         spoiled
             .as_object_mut()
@@ -348,21 +348,24 @@ fn every_command_prints_what_its_schema_says() {
         seen.insert(document.name);
     }
     // Creep at several temperatures comes with ../shared only.
-    if !seen.contains("sinew/creep-shift/1") {
+    if !seen.contains("sinew/creep-shift/2") {
         skipped("creep-shift needs ../shared");
-        seen.insert("sinew/creep-shift/1");
+        seen.insert("sinew/creep-shift/2");
     }
     // The laboratory's own are checked by its tests: crates/sinew-bench/tests/command.rs.
     seen.extend([
-        "sinew/paper/1",
-        "sinew/scenarios/1",
-        "sinew/course/1",
-        "sinew/trend-simulate/1",
+        "sinew/paper/2",
+        "sinew/scenarios/2",
+        "sinew/trajectory/2",
+        "sinew/trend-simulate/2",
     ]);
-    let unseen: Vec<_> = documents
+    let unobservable: Vec<_> = documents
         .iter()
         .map(|d| d.name)
         .filter(|n| !seen.contains(n))
         .collect();
-    assert!(unseen.is_empty(), "no command was tried for {unseen:?}");
+    assert!(
+        unobservable.is_empty(),
+        "no command was tried for {unobservable:?}"
+    );
 }

@@ -71,7 +71,7 @@ fn sinew(dir: &Path, args: &[&str]) -> String {
 }
 
 #[test]
-fn a_joint_that_slides_is_shown_in_mm_and_newtons() {
+fn prismatic_joint_is_shown_in_mm_and_newtons() {
     let folder = tempfile::tempdir().expect("a folder");
     let dir = folder.path();
     for (name, text) in [
@@ -107,7 +107,7 @@ fn a_joint_that_slides_is_shown_in_mm_and_newtons() {
             ],
         );
         assert!(text.contains("lift (mm, N)"), "{text}");
-        // Lines may end anywhere; what is said of the lift is said in its own units.
+        // Lines may break anywhere; sentences about the lift use its units.
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         for sentence in text.split("lift: ").skip(1) {
             let sentence = &sentence[..sentence.find(['.', ';']).unwrap_or(sentence.len())];
@@ -137,11 +137,11 @@ fn a_joint_that_slides_is_shown_in_mm_and_newtons() {
         (&true.into(), None)
     );
     // 0.4 mm, in m, within what is claimed.
-    let [mean, deviation] =
-        ["mean", "deviation"].map(|key| joints[0]["offset_rad"][key].as_f64().expect("a number"));
+    let [mean, std] =
+        ["mean", "std"].map(|key| joints[0]["offset_rad"][key].as_f64().expect("a number"));
     assert!(
-        (mean - 0.4e-3).abs() < 1.96 * deviation && deviation < 2e-3,
-        "{mean} {deviation}"
+        (mean - 0.4e-3).abs() < 1.96 * std && std < 2e-3,
+        "{mean} {std}"
     );
     let plan = sinew(
         dir,
@@ -160,7 +160,7 @@ fn a_joint_that_slides_is_shown_in_mm_and_newtons() {
     );
     let plan = plan.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        plan.contains("the joint holds 20.0 N;") && plan.contains("mm lower"),
+        plan.contains("joint torque 20.0 N;") && plan.contains("sag of the joint"),
         "{plan}"
     );
     // A robot of joints that slide alone has their units in the heads.

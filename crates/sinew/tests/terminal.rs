@@ -1,4 +1,4 @@
-//! What a terminal sees: width, colour, notes, completions, manual pages.
+//! Terminal output: width, colour, notes, completions, manual pages.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -28,7 +28,7 @@ const ESTIMATE: [&str; 4] = [
 ];
 
 #[test]
-fn tables_are_as_wide_as_the_terminal() {
+fn tables_fit_terminal_width() {
     let widest = |columns: &str| {
         let text = told(&sinew(&["rope", "list"], &[("COLUMNS", columns)]).stdout);
         text.lines().map(|l| l.chars().count()).max().unwrap()
@@ -36,14 +36,14 @@ fn tables_are_as_wide_as_the_terminal() {
     let (narrow, usual, wide) = (widest("60"), widest("80"), widest("200"));
     assert!(narrow <= 60 && usual <= 80 && wide <= 200);
     assert!(narrow < usual, "{narrow}, {usual}");
-    // Eight columns and nobody's terminal: nothing panics.
+    // Eight columns without a terminal do not panic.
     assert!(widest("8") > 0);
     let named = told(&sinew(&["rope", "list"], &[("COLUMNS", "200")]).stdout);
     assert!(named.contains("gottifredi-maffioli-sk99-ultra"), "{named}");
 }
 
 #[test]
-fn colour_is_for_terminals_or_for_who_asks() {
+fn colour_on_terminal_or_if_requested() {
     let coloured = |more: &[&str], set: &[(&str, &str)]| {
         let output = sinew(&[&ESTIMATE[..], more].concat(), set);
         let seen = |bytes: &[u8]| bytes.contains(&0x1b);
@@ -65,7 +65,7 @@ fn colour_is_for_terminals_or_for_who_asks() {
 }
 
 #[test]
-fn verbose_names_every_source_and_the_time_it_took() {
+fn verbose_lists_sources_and_times() {
     let notes = |more: &[&str]| told(&sinew(&[&ESTIMATE[..], more].concat(), &[]).stderr);
     let quiet = notes(&[]);
     assert!(!quiet.contains("note:"), "{quiet}");
@@ -73,7 +73,7 @@ fn verbose_names_every_source_and_the_time_it_took() {
     for part in [
         "note: q from /joint_states position",
         "note: theta from /dynamic_joint_states motor_position",
-        "URDF from",
+        ", URDF ",
         "note: estimating: ",
     ] {
         assert!(said.contains(part), "'{part}' is not in {said}");
@@ -81,7 +81,7 @@ fn verbose_names_every_source_and_the_time_it_took() {
 }
 
 #[test]
-fn shells_know_every_command() {
+fn completions_contain_every_command() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let output = sinew(&["completions", shell], &[]);
         let script = told(&output.stdout);

@@ -18,7 +18,7 @@ fn sinew(args: &[&str]) -> Output {
 const SESSIONS: &str = "examples/10-trend/sessions.csv";
 
 #[test]
-fn a_confirmed_jump_ends_with_3_and_the_table_fits() {
+fn confirmed_step_exits_3_table_fits_80_columns() {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("trend.html");
     let csv = folder.path().join("trend.csv");
@@ -45,7 +45,7 @@ fn a_confirmed_jump_ends_with_3_and_the_table_fits() {
         assert!(line.chars().count() <= 80, "{line}");
     }
     assert!(
-        text.contains("2026-05-05: jump") && text.contains("strand"),
+        text.contains("2026-05-05: step change") && text.contains("strand"),
         "{text}"
     );
     assert!(
@@ -59,7 +59,7 @@ fn a_confirmed_jump_ends_with_3_and_the_table_fits() {
 }
 
 #[test]
-fn json_names_what_happened_and_files_may_come_in_pieces() {
+fn trend_json_lists_events_of_split_files() {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(root().join(SESSIONS)).unwrap();
     let (head, rows) = text.split_once('\n').unwrap();
@@ -87,7 +87,7 @@ fn json_names_what_happened_and_files_may_come_in_pieces() {
     assert_eq!(whole, ask(&[a.to_str().unwrap(), b.to_str().unwrap()]));
     let elbow = &whole["joints"].as_array().unwrap()[1];
     assert_eq!(elbow["name"], "elbow");
-    assert_eq!(elbow["events"][0]["kind"], "jump");
+    assert_eq!(elbow["events"][0]["kind"], "step-change");
     // 2026-05-05, some time of the day.
     let day = elbow["events"][0]["time_utc_s"].as_f64().unwrap() / 86_400.0;
     assert_eq!(day.floor(), 20_578.0);
@@ -96,23 +96,29 @@ fn json_names_what_happened_and_files_may_come_in_pieces() {
 }
 
 #[test]
-fn a_year_that_may_be_mistyped_is_asked_about() {
+fn implausible_tensioning_year_is_noted() {
     let output = sinew(&["trend", SESSIONS, "--tensioned", "2025-03-01"]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned()
         + &String::from_utf8_lossy(&output.stderr);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("366 days after the tensioning on 2025-03-01; is the year right?"),
+        said.contains(
+            "366 days after the tensioning on 2025-03-01; earlier creep unknown; check the year"
+        ),
         "{said}"
     );
 }
 
 #[test]
-fn what_is_wrong_is_refused_with_its_place() {
+fn invalid_input_error_names_location() {
     for (args, code, words) in [
         (vec!["trend"], 2, "Usage"),
         (vec!["trend", "no-such.csv"], 1, "no-such.csv"),
-        (vec!["trend", SESSIONS, "--tensioned", "soon"], 2, "no date"),
+        (
+            vec!["trend", SESSIONS, "--tensioned", "soon"],
+            2,
+            "not a date",
+        ),
         (
             vec!["trend", SESSIONS, "--tensioned", "knee=2026-03-02"],
             1,

@@ -1,10 +1,10 @@
-//! `sinew watch`, `sinew fleet` and the studies run programs of their own, or say how to get them.
+//! `sinew watch`, `sinew fleet` and the studies run other programs, or state how to install them.
 
 use std::path::Path;
 use std::process::Command;
 
 #[test]
-fn a_missing_program_is_told_with_how_to_install_it() {
+fn missing_program_error_states_installation() {
     // A build of the whole workspace puts the monitor beside: away from there.
     let folder = tempfile::tempdir().unwrap();
     let sinew = folder.path().join("sinew");
@@ -14,7 +14,7 @@ fn a_missing_program_is_told_with_how_to_install_it() {
         ("fleet", "fleet"),
         ("scenarios", "crates/sinew-bench"),
         ("paper", "crates/sinew-bench"),
-        ("trend simulate-year", "crates/sinew-bench"),
+        ("trend simulate", "crates/sinew-bench"),
     ] {
         let output = Command::new(&sinew)
             .args(command.split(' '))
@@ -31,10 +31,10 @@ fn a_missing_program_is_told_with_how_to_install_it() {
 
 #[cfg(unix)]
 #[test]
-fn a_program_beside_or_in_path_is_given_every_argument() {
+fn external_program_receives_all_arguments() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
-    // Away from whatever lies beside the program built.
+    // Outside the folder of the built program.
     let sinew = folder.path().join("bin/sinew");
     std::fs::create_dir(folder.path().join("bin")).unwrap();
     std::fs::copy(env!("CARGO_BIN_EXE_sinew"), &sinew).unwrap();
@@ -66,8 +66,8 @@ fn a_program_beside_or_in_path_is_given_every_argument() {
             "paper --verbose --color never fig6",
         ),
         (
-            "trend simulate-year --robots 3",
-            "simulate-year --color auto --robots 3",
+            "trend simulate --robots 3",
+            "trend-simulate --color auto --robots 3",
         ),
     ] {
         let file = folder.path().join("bin/sinew-bench");

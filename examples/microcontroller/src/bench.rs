@@ -1,17 +1,17 @@
-//! The test bench: samples from a file of the host and figures into one, by semihosting. A product has encoders here.
+//! Test bench: reads samples from a file of the host and writes results to another, by semihosting. A product reads encoders.
 
 use alloc::vec::Vec;
 use cortex_m_semihosting::{debug, syscall};
-use sinew_model::feeder::Reading;
+use sinew_model::feeder::RobotSample;
 
-/// A file of the host.
+/// File of the host, accessed by semihosting.
 pub struct File(usize);
 
 impl File {
     /// Opens `name`, which ends with a zero byte.
     pub fn open(name: &'static [u8], mode: Mode) -> Self {
         let length = name.len() - 1;
-        // SAFETY: as ARM's semihosting has it: name, mode, length.
+        // SAFETY: the arguments specified by ARM semihosting: name, mode, length.
         let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode as usize, length) };
         if handle == usize::MAX {
             fail();
@@ -21,11 +21,11 @@ impl File {
 
     /// Fills `bytes`; `false` at the end of the file.
     pub fn read(&mut self, bytes: &mut [u8]) -> bool {
-        // SAFETY: as ARM's semihosting has it: handle, memory, length; it answers how much is missing.
+        // SAFETY: the arguments specified by ARM semihosting: handle, memory, length; it returns the number of missing bytes.
         unsafe { syscall!(READ, self.0, bytes.as_mut_ptr(), bytes.len()) == 0 }
     }
 
-    /// Writes `bytes`.
+    /// Writes `bytes` to the file; a failure ends the program.
     pub fn write(&mut self, bytes: &[u8]) {
         // SAFETY: as above.
         if unsafe { syscall!(WRITE, self.0, bytes.as_ptr(), bytes.len()) } != 0 {
@@ -34,14 +34,14 @@ impl File {
     }
 }
 
-/// How a file is opened.
+/// Mode in which a file is opened.
 #[derive(Clone, Copy)]
 pub enum Mode {
     Read = 1,
     Write = 5,
 }
 
-/// Ends the program: qemu's exit status says so.
+/// Ends the program with the exit status of a failure.
 pub fn fail() -> ! {
     debug::exit(debug::EXIT_FAILURE);
     loop {
@@ -49,7 +49,7 @@ pub fn fail() -> ! {
     }
 }
 
-/// Samples of a recording, one after the other: time, segment, temperature, then `q`, `theta`, `tau_m`, little endian.
+/// Samples of a recording, in sequence: time, segment, temperature, then `q`, `theta`, `tau_m`, little endian.
 pub struct Samples {
     file: File,
     bytes: Vec<u8>,
@@ -67,8 +67,8 @@ impl Samples {
         }
     }
 
-    /// The next one.
-    pub fn next(&mut self) -> Option<Reading<'_>> {
+    /// Reads the next sample; `None` at the end of the file.
+    pub fn next(&mut self) -> Option<RobotSample<'_>> {
         if !self.file.read(&mut self.bytes) {
             return None;
         }
@@ -80,7 +80,7 @@ impl Samples {
             *value = f64::from_le_bytes(*bytes);
         }
         let [q, theta, tau_m] = &self.values;
-        Some(Reading {
+        Some(RobotSample {
             time_ns: i64::from_le_bytes(*time),
             segment: u32::from_le_bytes(*segment),
             q,
@@ -89,6 +89,7 @@ impl Samples {
             tau_el: &[],
             tau_m,
             tau_ext: &[],
+            tension: &[],
             temperature_c: f64::from_le_bytes(*temperature),
         })
     }

@@ -1,10 +1,10 @@
-//! The board that qemu has: a serial line, a timer, memory that is counted.
+//! Board emulated by qemu: serial line, timer, counted memory.
 
 use core::alloc::{GlobalAlloc, Layout};
 use core::sync::atomic::{AtomicUsize, Ordering};
 use embedded_alloc::LlffHeap;
 
-/// The first UART of ARM's MPS2 boards (CMSDK APB UART).
+/// First UART of ARM's MPS2 boards (CMSDK APB UART).
 pub struct Uart;
 
 const UART: *mut u32 = 0x4000_4000 as *mut u32;
@@ -12,15 +12,15 @@ const UART: *mut u32 = 0x4000_4000 as *mut u32;
 const DATA: usize = 0;
 const STATE: usize = 1;
 const CONTROL: usize = 2;
-/// Of the baud rate.
+/// Divider of the baud rate.
 const DIVIDER: usize = 4;
 const STATE_FULL: u32 = 1;
 const CONTROL_SEND: u32 = 1;
 
 impl Uart {
-    /// Switches it on. Baud rates mean nothing under qemu.
+    /// Enables the UART. The baud rate has no effect under qemu.
     pub fn start() -> Self {
-        // SAFETY: the registers of this board; nobody else uses them.
+        // SAFETY: registers of this board, used only here.
         unsafe {
             UART.add(DIVIDER).write_volatile(16);
             UART.add(CONTROL).write_volatile(CONTROL_SEND);
@@ -41,7 +41,7 @@ impl Uart {
     }
 }
 
-/// The first CMSDK APB timer: counts down at the board's 25 MHz.
+/// First CMSDK APB timer, which counts down at the board's 25 MHz.
 pub struct Timer;
 
 const TIMER: *mut u32 = 0x4000_0000 as *mut u32;
@@ -51,9 +51,9 @@ const VALUE: usize = 1;
 const RELOAD: usize = 2;
 
 impl Timer {
-    /// Starts it, over the whole of 32 bits.
+    /// Starts the timer with a range of 32 bits.
     pub fn start() -> Self {
-        // SAFETY: the registers of this board; nobody else uses them.
+        // SAFETY: registers of this board, used only here.
         unsafe {
             TIMER.add(RELOAD).write_volatile(u32::MAX);
             TIMER.add(VALUE).write_volatile(u32::MAX);
@@ -62,14 +62,14 @@ impl Timer {
         Self
     }
 
-    /// Ticks so far; goes round.
+    /// Ticks since the start, modulo 2³².
     pub fn ticks(&self) -> u32 {
         // SAFETY: as above.
         !unsafe { TIMER.add(VALUE).read_volatile() }
     }
 }
 
-/// A heap that counts.
+/// Heap that counts its calls and bytes.
 pub struct Heap {
     inner: LlffHeap,
     used: AtomicUsize,
@@ -87,30 +87,30 @@ impl Heap {
         }
     }
 
-    /// Memory it hands out.
+    /// Sets the memory of the heap.
     ///
     /// # Safety
-    /// Once, and of memory that nobody else uses.
+    /// Called once, with memory that is not used otherwise.
     pub unsafe fn start(&self, at: usize, bytes: usize) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { self.inner.init(at, bytes) }
     }
 
-    /// Bytes in use, the most that were, and calls so far.
+    /// Returns the bytes in use, their maximum, and the number of calls.
     pub fn counts(&self) -> [usize; 3] {
         [&self.used, &self.most, &self.calls].map(|x| x.load(Ordering::Relaxed))
     }
 }
 
-// SAFETY: hands on to a heap that is one, and counts.
+// SAFETY: forwards to a valid allocator, and counts.
 unsafe impl GlobalAlloc for Heap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // What this heap takes from its memory: multiples of eight.
+        // The heap allocates multiples of eight bytes.
         let size = layout.size().next_multiple_of(8);
         self.calls.fetch_add(1, Ordering::Relaxed);
         let used = self.used.fetch_add(size, Ordering::Relaxed) + size;
         self.most.fetch_max(used, Ordering::Relaxed);
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { self.inner.alloc(layout) }
     }
 
@@ -118,7 +118,7 @@ unsafe impl GlobalAlloc for Heap {
         self.calls.fetch_add(1, Ordering::Relaxed);
         let size = layout.size().next_multiple_of(8);
         self.used.fetch_sub(size, Ordering::Relaxed);
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { self.inner.dealloc(at, layout) }
     }
 }
@@ -133,7 +133,7 @@ unsafe extern "C" {
     static __ebss: u32;
 }
 
-/// Bytes of flash that the program takes, and of memory for its statics.
+/// Bytes of flash of the program, and of memory for its statics.
 pub fn sizes() -> [usize; 2] {
     let at = |x: *const u32| x as usize;
     let data = at(&raw const __edata) - at(&raw const __sdata);
@@ -143,15 +143,15 @@ pub fn sizes() -> [usize; 2] {
 
 const PAINT: u32 = 0xC0DE_57AC;
 
-/// Paints the stack that is free now.
+/// Fills the free stack with a pattern.
 #[inline(never)]
 pub fn paint_stack() {
-    /// Left alone below the stack pointer: what this function itself uses.
-    const OWN: usize = 128;
-    let end = cortex_m::register::msp::read() as usize - OWN;
+    /// Bytes below the stack pointer that this function itself may use, excluded from the pattern.
+    const FRAME_BYTES: usize = 128;
+    let end = cortex_m::register::msp::read() as usize - FRAME_BYTES;
     let mut at = &raw mut __sheap;
     while (at as usize) < end {
-        // SAFETY: between the statics and the stack in use there is nothing: the heap is a static.
+        // SAFETY: the memory between the statics and the used stack is free, because the heap is a static.
         unsafe {
             at.write_volatile(PAINT);
             at = at.add(1);
@@ -159,7 +159,7 @@ pub fn paint_stack() {
     }
 }
 
-/// Bytes of stack used since it was painted, from its very beginning.
+/// Maximum bytes of stack in use since it was filled, counted from its start.
 #[inline(never)]
 pub fn stack_used() -> usize {
     let mut at = &raw const __sheap;

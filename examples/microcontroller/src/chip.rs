@@ -1,20 +1,20 @@
-//! What a product has: a robot, the paper's observer, blocks, and a line to the host. No hardware here.
+//! Part of a product: robot, observer of the paper, blocks, and messages to the host. Independent of the hardware.
 
-use sinew_model::feeder::{Feeder, FeederOptions, Reading};
+use sinew_model::feeder::{Feeder, FeederOptions, RobotSample};
 use sinew_model::offset::{FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver};
 use sinew_model::wire::{BlockSender, RobotImage};
 
-/// Everything that runs on the chip.
+/// State of the estimators on the chip.
 pub struct Chip {
-    /// The paper's offset, sample by sample: what a controller on the chip may use at once.
+    /// Offset observer of the paper, per sample, for a controller on the chip.
     offset: Feeder<OffsetObserver>,
     features: Feeder<FeatureObserver>,
-    /// Bytes on their way to the host.
+    /// Queue of the bytes for the host.
     pub sender: BlockSender,
 }
 
 impl Chip {
-    /// From the image of a robot. All memory is taken here; `None` where the image is none.
+    /// Creates the estimators from the image of a robot and allocates all memory; `None` if the image is invalid.
     pub fn new(image: &[u8]) -> Option<Self> {
         let robot = RobotImage::read(image).ok()?;
         let (arm, springs) = (&robot.arm, &robot.transmissions);
@@ -27,21 +27,21 @@ impl Chip {
         })
     }
 
-    /// Joints of the robot.
+    /// Number of joints of the robot.
     pub fn joints(&self) -> usize {
         self.offset.observer().delta_e().len()
     }
 
-    /// The paper's observer takes a sample; what it reads now, rad, or `None` where the sample was refused.
+    /// Advances the observer of the paper; returns the offset of each joint, rad, or `None` if the sample was rejected.
     #[inline(never)]
-    pub fn observe(&mut self, reading: &Reading<'_>) -> Option<&[f64]> {
+    pub fn observe(&mut self, reading: &RobotSample<'_>) -> Option<&[f64]> {
         self.offset.take(reading).output()?;
         Some(self.offset.observer().delta_e())
     }
 
-    /// The block being made takes a sample; a complete one goes to the sender. Whether one did.
+    /// Adds a sample to the current block and queues a complete block; returns whether a block was queued.
     #[inline(never)]
-    pub fn collect(&mut self, reading: &Reading<'_>) -> bool {
+    pub fn collect(&mut self, reading: &RobotSample<'_>) -> bool {
         let complete = self.features.take(reading).output() == Some(true);
         complete && self.sender.put(self.features.observer().block()) == Ok(true)
     }

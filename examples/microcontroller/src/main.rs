@@ -1,7 +1,7 @@
 //! Sinew on a Cortex-M: the paper's observer and blocks on the chip, blocks over a serial line to a host that estimates.
 //!
-//! `chip` is what a product has, `board` what this one has, `bench` a test bench in place of encoders. Built and run by
-//! `check` beside this folder.
+//! `chip` is the part of a product, `board` the emulated hardware, `bench` a test bench in place of encoders. The script
+//! `check` in the parent folder builds and runs the program.
 
 #![no_std]
 #![no_main]
@@ -16,10 +16,10 @@ use bench::{File, Mode, Samples, fail};
 use board::{Heap, Timer, Uart};
 use chip::Chip;
 
-/// The robot, as the host wrote it.
+/// Image of the robot, written by the host.
 static ROBOT: &[u8] = include_bytes!(env!("SINEW_ROBOT_IMAGE"));
 
-/// Enough for nine joints.
+/// Size of the heap, bytes; sufficient for nine joints.
 const HEAP_BYTES: usize = 96 * 1024;
 
 #[global_allocator]
@@ -33,7 +33,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     static mut MEMORY: [u64; HEAP_BYTES / 8] = [0; HEAP_BYTES / 8];
-    // SAFETY: the only one who knows of it.
+    // SAFETY: the memory is used only here.
     unsafe { HEAP.start(MEMORY.as_mut_ptr() as usize, HEAP_BYTES) };
     board::paint_stack();
 
@@ -55,7 +55,7 @@ fn main() -> ! {
         let start = timer.ticks();
         let read = chip.observe(&reading);
         observe.add(start, timer.ticks());
-        // What the controller on the chip would use. NaN stands for "refused".
+        // Output for a controller on the chip. NaN marks a rejected sample.
         for i in 0..reading.q.len() {
             let offset = read.and_then(|x| x.get(i)).copied().unwrap_or(f64::NAN);
             offsets.write(&offset.to_le_bytes());
@@ -65,7 +65,7 @@ fn main() -> ! {
         blocks += u32::from(chip.collect(&reading));
         collect.add(start, timer.ticks());
 
-        // The line takes what it can; under qemu that is everything.
+        // Sends as many bytes as the line accepts; under qemu all of them.
         while let [byte, ..] = *chip.sender.pending() {
             if !line.send(byte) {
                 break;
@@ -94,7 +94,7 @@ fn main() -> ! {
         collect.mean(),
         collect.most,
         blocks,
-        chip.sender.left_out(),
+        chip.sender.skipped(),
         chip.sender.frame_bytes_max() as u32,
     ];
     let mut file = File::open(b"chip.figures\0", Mode::Write);
@@ -105,7 +105,7 @@ fn main() -> ! {
     fail()
 }
 
-/// Ticks of many calls.
+/// Sum, maximum and number of tick counts.
 #[derive(Default)]
 struct Ticks {
     sum: u64,

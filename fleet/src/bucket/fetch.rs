@@ -16,43 +16,43 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// Files that are fetched at a time.
-const TOGETHER: usize = 8;
-/// A connection that takes longer is none.
-const CONNECT: Duration = Duration::from_secs(5);
-/// A bucket that doesn't list a page within this time doesn't answer.
-const ANSWER: Duration = Duration::from_secs(30);
-/// A file takes so long at most, before its rest is asked for anew.
-const FILE: Duration = Duration::from_secs(120);
-/// How often a request is sent again, and for how long.
-const AGAIN: (usize, Duration) = (2, Duration::from_secs(10));
+/// Number of files fetched concurrently.
+const MAX_CONCURRENT_FILES: usize = 8;
+/// Timeout of a connection attempt.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+/// Timeout of one page of a bucket listing.
+const LIST_TIMEOUT: Duration = Duration::from_secs(30);
+/// Timeout of a file transfer before the remainder is requested again.
+const FILE_TIMEOUT: Duration = Duration::from_secs(120);
+/// Number of retries of a request, and their total duration.
+const RETRIES: (usize, Duration) = (2, Duration::from_secs(10));
 
-/// What was fetched.
+/// Result of a fetch: temporary folder, number of files and bytes.
 pub(super) struct Fetched {
     pub(super) folder: TempDir,
     pub(super) files: usize,
     pub(super) bytes: u64,
 }
 
-/// A bucket, and what is known of the way to it.
+/// Connection to a bucket.
 struct Bucket<'a> {
     store: AmazonS3,
     address: &'a Address,
-    /// What is asked, for people.
+    /// Endpoint for messages.
     endpoint: String,
-    /// Whether the environment has any credentials, or says that none are needed.
+    /// Whether the environment provides credentials or specifies that none are needed.
     has_credentials: bool,
 }
 
-/// Copies what is needed of a folder.
+/// Copies the required files of a folder.
 ///
 /// # Errors
-/// [`FleetError`].
+/// Returns [`FleetError`] if the bucket cannot be read or a file cannot be written.
 pub(super) fn fetch(address: &Address, needed: Needed) -> Result<Fetched, FleetError> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
-        .map_err(|e| FleetError::Engine(format!("can't start: {e}")))?;
+        .map_err(|e| FleetError::Engine(format!("cannot start the network runtime: {e}")))?;
     let folder = tempfile::Builder::new()
         .prefix("sinew-fleet-")
         .tempdir()
@@ -69,7 +69,7 @@ pub(super) fn fetch(address: &Address, needed: Needed) -> Result<Fetched, FleetE
     })
 }
 
-/// Whether the environment names credentials, or says that none are needed.
+/// Whether the environment provides credentials or specifies that none are needed.
 fn has_credentials(builder: &AmazonS3Builder) -> bool {
     use AmazonS3ConfigKey as K;
     let keys = [
@@ -90,23 +90,23 @@ impl<'a> Bucket<'a> {
         let endpoint =
             of(AmazonS3ConfigKey::S3Endpoint).or_else(|| of(AmazonS3ConfigKey::Endpoint));
         let has_credentials = has_credentials(&builder);
-        // Whoever names an address without TLS means it.
+        // An explicit http:// endpoint permits plain HTTP.
         let plain = endpoint.as_ref().is_some_and(|e| e.starts_with("http://"));
         let options = ClientOptions::new()
             .with_allow_http(plain)
-            .with_connect_timeout(CONNECT)
-            .with_timeout(FILE);
+            .with_connect_timeout(CONNECT_TIMEOUT)
+            .with_timeout(FILE_TIMEOUT);
         let store = builder
             .with_client_options(options)
             .with_retry(RetryConfig {
-                max_retries: AGAIN.0,
-                retry_timeout: AGAIN.1,
+                max_retries: RETRIES.0,
+                retry_timeout: RETRIES.1,
                 ..RetryConfig::default()
             })
             .build()
             .map_err(|e| FleetError::Bucket {
                 address: address.clone(),
-                said: e.to_string(),
+                message: e.to_string(),
             })?;
         Ok(Self {
             store,
@@ -116,14 +116,14 @@ impl<'a> Bucket<'a> {
         })
     }
 
-    /// Copies; how many files and bytes.
+    /// Copies the required files and returns their number and bytes.
     async fn copy(&self, needed: Needed, to: &Path) -> Result<(usize, u64), FleetError> {
-        let prefix = Key::parse(&self.address.prefix).map_err(|e| self.said(&e.into()))?;
+        let prefix = Key::parse(&self.address.prefix).map_err(|e| self.store_error(&e.into()))?;
         let mut listed = self.store.list(Some(&prefix));
         let mut objects: Vec<(ObjectMeta, PathBuf)> = Vec::new();
         let mut is_empty = true;
         loop {
-            let next = tokio::time::timeout(ANSWER, listed.try_next()).await;
+            let next = tokio::time::timeout(LIST_TIMEOUT, listed.try_next()).await;
             let next = next.map_err(|_| self.silent())?;
             let object = match next {
                 Ok(Some(object)) => object,
@@ -147,7 +147,7 @@ impl<'a> Bucket<'a> {
         );
         stream::iter(objects)
             .map(|(object, place)| self.file(object, place))
-            .buffer_unordered(TOGETHER)
+            .buffer_unordered(MAX_CONCURRENT_FILES)
             .try_collect::<()>()
             .await?;
         Ok((files, bytes))
@@ -180,15 +180,15 @@ impl<'a> Bucket<'a> {
         }
     }
 
-    /// Why a folder can't be listed. A listing's error has no kind, so a file is asked for: where nothing can be listed, one that
-    /// isn't there is in a bucket that isn't there.
+    /// Determines why a folder cannot be listed. Listing errors have no kind; therefore a file is requested, which reveals a
+    /// missing bucket.
     async fn unlisted(&self, error: Error, prefix: &Key) -> FleetError {
-        let known = self.wrong(error);
-        if !matches!(known, FleetError::Bucket { .. }) {
-            return known;
+        let error = self.wrong(error);
+        if !matches!(error, FleetError::Bucket { .. }) {
+            return error;
         }
         let probe = prefix.clone().join(SIDES[0]);
-        match tokio::time::timeout(ANSWER, self.store.head(&probe)).await {
+        match tokio::time::timeout(LIST_TIMEOUT, self.store.head(&probe)).await {
             Ok(Err(Error::NotFound { .. })) => FleetError::NoBucket {
                 address: self.address.clone(),
                 endpoint: self.endpoint.clone(),
@@ -196,11 +196,11 @@ impl<'a> Bucket<'a> {
             Ok(Err(Error::PermissionDenied { .. } | Error::Unauthenticated { .. })) => {
                 FleetError::Forbidden(self.address.clone())
             }
-            _ => known,
+            _ => error,
         }
     }
 
-    /// What the store refused.
+    /// Classifies an error of the store.
     fn wrong(&self, error: Error) -> FleetError {
         let address = self.address.clone();
         match error {
@@ -209,19 +209,19 @@ impl<'a> Bucket<'a> {
             }
             _ if !self.has_credentials => FleetError::NoCredentials(address),
             error if is_unreachable(&error) => self.silent(),
-            error => self.said(&error),
+            error => self.store_error(&error),
         }
     }
 
-    fn said(&self, error: &Error) -> FleetError {
+    fn store_error(&self, error: &Error) -> FleetError {
         FleetError::Bucket {
             address: self.address.clone(),
-            said: error.to_string(),
+            message: error.to_string(),
         }
     }
 }
 
-/// Whether nobody answered.
+/// Whether the endpoint did not respond.
 fn is_unreachable(error: &(dyn std::error::Error + 'static)) -> bool {
     let mut at = Some(error);
     while let Some(error) = at {
@@ -234,9 +234,9 @@ fn is_unreachable(error: &(dyn std::error::Error + 'static)) -> bool {
 }
 
 impl Needed {
-    /// Where a file goes in the copy, by its parts below the folder; `None`: it isn't needed.
+    /// Returns the path of a file in the copy from its components below the folder; `None` if it is not needed.
     fn place(self, parts: &[&str]) -> Option<PathBuf> {
-        // What hides is no part of a folder; nor may a name lead out of the copy.
+        // Hidden files are not part of a folder, and no name may point outside the copy.
         let plain =
             |part: &&str| !part.is_empty() && !part.starts_with('.') && !part.contains('\\');
         if !parts.iter().all(plain) {
@@ -262,7 +262,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_a_command_reads_is_copied_and_nothing_outside() {
+    fn copy_selects_needed_files_inside_folder() {
         let place = |needed: Needed, key: &str| {
             let parts: Vec<&str> = key.split('/').collect();
             needed.place(&parts).is_some()

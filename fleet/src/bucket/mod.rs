@@ -1,7 +1,7 @@
-//! Folders in a bucket (S3): what a command needs of one is copied to this computer first.
+//! Folders in a bucket (S3): the files a command needs are copied to this computer first.
 //!
-//! Every question reads the keys of all files, and most read all rows, some robots at a time. So a file is fetched once and whole,
-//! not in ranges once per part of the question.
+//! Every query reads the keys of all files, and most queries read all rows, a few robots at a time. A file is therefore
+//! fetched once and whole, not in ranges for each part of the query.
 
 #[cfg(feature = "s3")]
 mod fetch;
@@ -12,41 +12,42 @@ use crate::args::{Args, Command};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// What a command needs of a folder.
+/// Set of files that a command needs from a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Needed {
-    /// Files of records, the tables beside them, and the robot types.
+    /// Files of records, side tables and robot types.
     Records,
-    /// Baselines.
+    /// Baseline files only.
     Baselines,
 }
 
-/// The folder a command reads.
+/// Returns the folder that a command reads.
 fn folder_of(command: &mut Command) -> Option<(&mut PathBuf, Needed)> {
     let source = match command {
-        Command::Rows(asked) => &mut asked.source,
-        Command::Query(asked) => &mut asked.source,
-        Command::Due(asked) => &mut asked.source,
-        Command::Compare(asked) => &mut asked.source,
-        Command::Outliers(asked) => &mut asked.source,
-        Command::Report(asked) => &mut asked.source,
-        Command::Pool(asked) => {
-            let needed = match asked.creep {
+        Command::Rows(request) => &mut request.source,
+        Command::Query(request) => &mut request.source,
+        Command::Due(request) => &mut request.source,
+        Command::Compare(request) => &mut request.source,
+        Command::Outliers(request) => &mut request.source,
+        Command::Report(request) => &mut request.source,
+        Command::Pool(request) => {
+            let needed = match request.creep {
                 true => Needed::Records,
                 false => Needed::Baselines,
             };
-            return Some((&mut asked.folder, needed));
+            return Some((&mut request.folder, needed));
         }
         Command::Simulate(_) => return None,
     };
     Some((&mut source.folder, Needed::Records))
 }
 
-/// Copies the folder of a command, where it lies in a bucket, and lets the command read the copy. It is gone when what is
-/// returned is dropped.
+/// Copies the folder of a command from a bucket and redirects the command to the copy, which is deleted when the returned
+/// value is dropped.
 ///
 /// # Errors
-/// [`FleetError`].
+///
+/// Returns [`FleetError`] if the bucket cannot be read or the program was built without S3 support.
 pub(crate) fn copy(args: &mut Args) -> Result<Option<TempDir>, FleetError> {
     let Some((folder, needed)) = folder_of(&mut args.command) else {
         return Ok(None);
@@ -80,14 +81,14 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn an_address_is_read_as_it_is_written() {
+    fn address_round_trip() {
         let read = |text: &str| Address::of(Path::new(text)).map(|a| a.to_string());
         assert_eq!(read("s3://fleet/a/b/").as_deref(), Some("s3://fleet/a/b"));
         assert_eq!(read("s3://fleet").as_deref(), Some("s3://fleet"));
         assert_eq!(read("fleet/s3"), None);
         for wrong in ["s3://", "s3:///a", "gs://fleet/a"] {
-            let said = folder_or_address(wrong.into()).unwrap_err();
-            assert!(said.contains("s3://BUCKET/FOLDER"), "{wrong}: {said}");
+            let message = folder_or_address(wrong.into()).unwrap_err();
+            assert!(message.contains("s3://BUCKET/FOLDER"), "{wrong}: {message}");
         }
         assert!(folder_or_address("a://b c".into()).is_err());
         assert!(folder_or_address("./a:/b".into()).is_ok());

@@ -1,14 +1,14 @@
-//! Groups that nothing tells from something else: a batch that is in use at one site only, where no other is.
+//! Confounded groups: groups that cannot be distinguished from another factor, for example a batch used at one site only.
 
 use super::factor::{DesignGroup, Factor, level};
 use crate::args::By;
 use crate::gather::CreepingTendon;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Says of each group what it is tied to.
+/// Determines the factors with which each group is confounded.
 ///
-/// Groups and levels of another factor are joined where a tendon has both. A group can be held against another of its family
-/// only if a way leads there: through a level both have, or through levels and groups between.
+/// Groups and levels of another factor are joined where a tendon has both. Two groups of a family are comparable only if
+/// a path connects them through common levels and groups.
 pub(super) fn tie(
     groups: &mut [DesignGroup],
     tendons: &[&CreepingTendon],
@@ -38,14 +38,14 @@ pub(super) fn tie(
             if alone && has_family {
                 let own = names.iter().zip(group_of).filter(|(_, of)| **of == g);
                 let levels: BTreeSet<&str> = own.map(|(name, _)| name.as_str()).collect();
-                let told = levels.into_iter().collect::<Vec<_>>().join("; ");
-                groups[g].tied_to.push((factor, told));
+                let text = levels.into_iter().collect::<Vec<_>>().join("; ");
+                groups[g].tied_to.push((factor, text));
             }
         }
     }
 }
 
-/// Of each group which part of the net of groups and levels it is in.
+/// Connected component of each group in the graph of groups and levels.
 fn components(groups: usize, group_of: &[usize], levels: &[String]) -> Vec<usize> {
     let mut component: Vec<usize> = (0..groups).collect();
     let mut of_level: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();

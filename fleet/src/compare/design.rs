@@ -1,4 +1,4 @@
-//! Which columns a tendon has part in: its group, and what groups are to be freed of.
+//! Design matrix of a comparison: the columns of each tendon, for its group and for the factors to be adjusted for.
 
 use super::factor::{BAND_K, DesignGroup, Factor, GroupKey, band, level, numbered};
 use super::values::{drawn_in, logarithms, spreads};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Prior deviation of kinds of tendon, and of covariates, over the logarithm.
 const KIND: f64 = 10.0;
 const COVARIATE: f64 = 1.0;
-/// Scale of what groups, and other factors, differ by.
+/// Scale of the differences between groups, and of the other factors.
 const GROUP_SCALE: f64 = 0.2;
 
 /// The model of a comparison.
@@ -20,11 +20,11 @@ pub(crate) struct Design {
     /// Groups, by key; a column each from `first_group` on.
     pub(super) groups: Vec<DesignGroup>,
     pub(super) first_group: usize,
-    /// Of each family the mean over its tendons of all columns but the groups', and but those of what is part of a group:
-    /// where its groups are shown.
+    /// Mean over the tendons of each family of all columns except those of the groups and of factors within groups;
+    /// groups are evaluated there.
     pub(super) middles: BTreeMap<Option<String>, Vec<f64>>,
     pub(crate) unit: CreepUnit,
-    /// Of each tendon the logarithm of its creep, as it is.
+    /// Logarithm of the creep of each tendon.
     pub(crate) logarithms: Vec<f64>,
     pub(super) freed_of: Vec<Factor>,
     pub(super) without_group: usize,
@@ -43,7 +43,7 @@ fn key(tendon: &CreepingTendon, by: By) -> Option<GroupKey> {
     Some(GroupKey { family, name })
 }
 
-/// What is taken out of the comparison beside robots: kinds of tendons, then factors with levels of their own.
+/// Factors to be adjusted for besides robots: kinds of tendons, then factors with their own levels.
 fn others(by: By) -> (Factor, &'static [Factor]) {
     match by {
         By::Rope => (Factor::Joint, &[Factor::Batch, Factor::Site]),
@@ -60,7 +60,7 @@ impl Design {
         Self::keyed(keyed.collect(), all.len(), by)
     }
 
-    /// All tendons, by batch; those whose batch nobody names are one of their rope.
+    /// All tendons grouped by batch; tendons without a specified batch form one group per rope.
     pub(crate) fn by_any_batch(all: &[CreepingTendon]) -> Self {
         let unknown = |t: &CreepingTendon| GroupKey {
             family: t.fit.rope.clone(),
@@ -181,8 +181,8 @@ impl Design {
             .flatten();
         for (family, sums) in &mut middles {
             let own = first_group..first_group + group_count;
-            let left_out = own.chain(part_of_group.clone().unwrap_or(0..0));
-            left_out.for_each(|column| sums[column] = 0.0);
+            let excluded = own.chain(part_of_group.clone().unwrap_or(0..0));
+            excluded.for_each(|column| sums[column] = 0.0);
             sums.iter_mut().for_each(|x| *x /= sizes[family]);
         }
         let mut groups: Vec<DesignGroup> = (group_numbers.into_keys())
@@ -217,10 +217,10 @@ impl Design {
     }
 }
 
-/// Values about their mean, in `unit`; 0 where they aren't known.
+/// Deviations of the values from their mean, in `unit`; 0 for a missing value.
 fn centred(values: &[Option<f64>], unit: f64) -> Vec<f64> {
-    let known: Vec<f64> = values.iter().flatten().copied().collect();
-    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let finite: Vec<f64> = values.iter().flatten().copied().collect();
+    let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
     let of = |v: &Option<f64>| v.map_or(0.0, |v| (v - mean) / unit);
     values.iter().map(of).collect()
 }

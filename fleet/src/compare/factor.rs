@@ -1,4 +1,4 @@
-//! What tendons may differ by, and the groups they are in.
+//! Factors by which tendons may differ, and their groups.
 
 use crate::gather::CreepingTendon;
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Width of a band of temperatures, K.
 pub(super) const BAND_K: f64 = 10.0;
 
-/// What tendons may differ by.
+/// Factor by which tendons may differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
     /// Type of the robot and joint: load, length, pulleys, guides.
@@ -15,22 +15,22 @@ pub enum Factor {
     Kind,
     /// Batch of the rope.
     Batch,
-    /// Site.
+    /// Site of the robot.
     Site,
     /// Site, for each rope apart: ropes answer to a site each in its own way.
     SiteOfRope,
-    /// Robot.
+    /// Robot of the tendon.
     Robot,
-    /// Mean temperature.
+    /// Mean temperature of the tendon.
     Temperature,
 }
 
-/// A group: what it is compared within, and its name. Either may be unknown.
+/// Group, with the set within which it is compared, and its name. Either may be unknown.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GroupKey {
     /// Groups are compared with others of this: a batch with those of its rope.
     pub family: Option<String>,
-    /// Its name, or the lower end of its band in °C.
+    /// Name of the group, or the lower limit of its temperature band, °C.
     pub name: String,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct DesignGroup {
     pub(super) key: GroupKey,
     pub(super) tendons: usize,
     pub(super) robots: usize,
-    /// What it can't be told from.
+    /// Factors and levels with which the group is confounded.
     pub(super) tied_to: Vec<(Factor, String)>,
 }
 
@@ -50,16 +50,20 @@ pub(super) fn band(tendon: &CreepingTendon) -> Option<String> {
     Some(format!("{:.0}", (celsius / BAND_K).floor() * BAND_K))
 }
 
-/// The level of a factor a tendon has; what isn't known is a level too.
+/// Returns the level of a factor for a tendon; "unknown" is a level, too.
 pub(super) fn level(tendon: &CreepingTendon, factor: Factor) -> String {
-    let known = |text: &Option<String>| text.clone().unwrap_or_default();
+    let text_of = |text: &Option<String>| text.clone().unwrap_or_default();
     let joint = || format!("{}, {}", tendon.robot_type, tendon.joint);
     match factor {
         Factor::Joint => joint(),
-        Factor::Kind => format!("{}, {}", joint(), known(&tendon.fit.rope)),
-        Factor::Batch => format!("{}, {}", known(&tendon.fit.rope), known(&tendon.fit.batch)),
-        Factor::Site => known(&tendon.site),
-        Factor::SiteOfRope => format!("{}, {}", known(&tendon.site), known(&tendon.fit.rope)),
+        Factor::Kind => format!("{}, {}", joint(), text_of(&tendon.fit.rope)),
+        Factor::Batch => format!(
+            "{}, {}",
+            text_of(&tendon.fit.rope),
+            text_of(&tendon.fit.batch)
+        ),
+        Factor::Site => text_of(&tendon.site),
+        Factor::SiteOfRope => format!("{}, {}", text_of(&tendon.site), text_of(&tendon.fit.rope)),
         Factor::Robot => tendon.robot.clone(),
         Factor::Temperature => band(tendon).unwrap_or_default(),
     }

@@ -1,49 +1,49 @@
-//! `compare`: which rope, batch, site or temperature creeps more, and whether that can be told.
+//! `compare`: which rope, batch, site or temperature creeps more, and whether the difference is significant.
 
 mod apart;
 pub(crate) mod design;
 mod factor;
-mod judge;
 pub(crate) mod show;
 pub(crate) mod values;
+mod verdict;
 
 pub use factor::{Factor, GroupKey};
-pub use judge::{Group, Verdict};
+pub use verdict::{Group, Verdict};
 
 use crate::FleetError;
 use crate::args::{By, Compare};
 use crate::creep::Ages;
 use crate::engine::Engine;
-use crate::gather::{Gathered, gather};
+use crate::gather::{FleetTable, gather};
 use crate::hierarchy::sample;
-use crate::rows::tell_refused;
+use crate::rows::report_rejected;
 use design::Design;
 use std::process::ExitCode;
 
-/// What the groups of a fleet come to.
+/// Result of a comparison of groups.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// What was compared.
+    /// Grouping key of the comparison.
     pub by: By,
-    /// Ages of the ropes over which they were.
+    /// Range of rope ages for the creep rate.
     pub ages: Ages,
-    /// Groups, the worst first within each family.
+    /// Groups, largest creep first within each family.
     pub groups: Vec<Group>,
-    /// What creep is given in.
+    /// Unit of the creep.
     pub unit: CreepUnit,
-    /// What differences were freed of.
+    /// Factors for which the differences are adjusted.
     pub freed_of: Vec<Factor>,
-    /// What tendons of a kind and group differ by, of one robot or of several, as a factor: one standard deviation, median.
+    /// Typical ratio between tendons of one kind and group: exponential of the median standard deviation of the logarithm.
     pub tendon_factor: f64,
-    /// Tendons that were compared.
+    /// Number of compared tendons.
     pub tendons: usize,
-    /// Tendons with too few sessions of these ages.
+    /// Number of tendons with too few sessions at these ages.
     pub too_few: usize,
-    /// Tendons of which nobody says to which group they belong.
+    /// Number of tendons without a specified group.
     pub without_group: usize,
-    /// Tendons whose age counts from their first session, as nobody says when their rope was fitted.
+    /// Number of tendons whose age counts from their first session because the rope installation is not recorded.
     pub undated: usize,
-    /// Ratio of what four chains say, where they differ too much for any claim.
+    /// Ratio of between-chain to within-chain estimates if the four chains have not converged; no verdict is given then.
     pub apart: Option<f64>,
 }
 
@@ -54,47 +54,49 @@ impl Comparison {
     }
 }
 
-/// What creep is given in.
+/// Unit of the creep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CreepUnit {
     /// Strain of the rope per decade of time.
     Strain,
-    /// Offset of the joint per decade of time, rad: some robot type isn't described.
+    /// Offset of the joint per decade of time, rad, because a robot type has no description.
     Offset,
 }
 
 /// Compares the groups of a fleet.
 ///
 /// # Errors
-/// [`FleetError`]; [`FleetError::NoGroups`] where fewer than two can be told apart by what lies beside the records.
-pub fn compare(engine: &mut Engine, asked: &Compare) -> Result<Comparison, FleetError> {
-    let gathered = gather(engine, &asked.robots, asked.ages)?;
-    compared(&gathered, asked)
+///
+/// Returns [`FleetError::NoGroups`] if the metadata distinguish fewer than two groups, and [`FleetError`] if the records
+/// cannot be read.
+pub fn compare(engine: &mut Engine, request: &Compare) -> Result<Comparison, FleetError> {
+    let gathered = gather(engine, &request.robots, request.ages)?;
+    compared(&gathered, request)
 }
 
 /// Compares groups of tendons that were gathered.
 ///
 /// # Errors
 /// As [`compare`].
-pub fn compared(gathered: &Gathered, asked: &Compare) -> Result<Comparison, FleetError> {
-    let design = Design::of(&gathered.tendons, asked.by);
+pub fn compared(gathered: &FleetTable, request: &Compare) -> Result<Comparison, FleetError> {
+    let design = Design::of(&gathered.tendons, request.by);
     let groups = design.groups.len();
     if groups < 2 {
         return Err(FleetError::NoGroups {
-            by: asked.by,
+            by: request.by,
             groups,
             tendons: gathered.tendons.len(),
             too_few: gathered.too_few,
-            ages: asked.ages,
+            ages: request.ages,
         });
     }
-    let draws = sample(&design.hierarchy, asked.seed).ok_or(FleetError::NoDraws)?;
-    let mut tendon: Vec<f64> = draws.deviations.iter().map(|d| d[0].hypot(d[1])).collect();
+    let draws = sample(&design.hierarchy, request.seed).ok_or(FleetError::NoDraws)?;
+    let mut tendon: Vec<f64> = draws.stds.iter().map(|d| d[0].hypot(d[1])).collect();
     let middle = sinew_model::statistics::upper_median(&mut tendon).unwrap_or(f64::NAN);
     Ok(Comparison {
-        by: asked.by,
-        ages: asked.ages,
-        groups: judge::groups(&design, &draws, asked.least),
+        by: request.by,
+        ages: request.ages,
+        groups: verdict::groups(&design, &draws, request.least),
         unit: design.unit,
         freed_of: design.freed_of.clone(),
         tendon_factor: middle.exp(),
@@ -102,7 +104,7 @@ pub fn compared(gathered: &Gathered, asked: &Compare) -> Result<Comparison, Flee
         too_few: gathered.too_few,
         without_group: design.without_group,
         undated: design.undated,
-        apart: (!draws.have_come_together()).then_some(draws.disagreement),
+        apart: (!draws.have_converged()).then_some(draws.disagreement),
     })
 }
 
@@ -110,16 +112,16 @@ pub fn compared(gathered: &Gathered, asked: &Compare) -> Result<Comparison, Flee
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Compare) -> Result<ExitCode, FleetError> {
-    let mut engine = Engine::open(&asked.source)?;
-    let found = compare(&mut engine, asked)?;
-    print!("{}", show::text(&found, asked));
-    if let Some(path) = &asked.csv {
+pub fn command(request: &Compare) -> Result<ExitCode, FleetError> {
+    let mut engine = Engine::open(&request.source)?;
+    let found = compare(&mut engine, request)?;
+    print!("{}", show::text(&found, request));
+    if let Some(path) = &request.csv {
         show::csv(&found, path)?;
     }
-    let refused = tell_refused(&engine.folder);
+    let rejected = report_rejected(&engine.folder);
     Ok(match found.worse().next() {
         Some(_) => ExitCode::from(3),
-        None => refused,
+        None => rejected,
     })
 }

@@ -21,7 +21,7 @@ pub(crate) fn three(x: f64) -> String {
     format!("{x:.*}", decimals.clamp(0.0, 6.0) as usize)
 }
 
-/// A ratio as what is more or less, %.
+/// Formats a ratio as a relative difference, %.
 fn more(ratio: f64) -> String {
     match 100.0 * (ratio - 1.0) {
         percent if !percent.is_finite() => "–".into(),
@@ -56,7 +56,7 @@ pub(crate) fn verdict(verdict: &Verdict) -> &'static str {
     match verdict {
         Verdict::Worse => "worse",
         Verdict::Better => "better",
-        Verdict::CantTell => "can't tell",
+        Verdict::Inconclusive => "inconclusive",
         Verdict::TiedTo(_) => "tied",
         Verdict::Alone => "alone",
     }
@@ -92,7 +92,7 @@ pub(crate) fn row(group: &Group, found: &Comparison) -> Vec<String> {
     ]
 }
 
-/// What creep is given in, for people.
+/// Unit of the creep, for messages.
 pub(crate) fn unit(unit: CreepUnit) -> &'static str {
     match unit {
         CreepUnit::Strain => "µm/m per decade",
@@ -115,11 +115,17 @@ pub(crate) fn head(found: &Comparison) -> [&'static str; 5] {
         By::Site => "site",
         By::Temperature => "temperature",
     };
-    [what, "tendons", unit(found.unit), "more by %", ""]
+    [
+        what,
+        "tendons",
+        unit(found.unit),
+        "difference (%)",
+        "verdict",
+    ]
 }
 
-/// The comparison.
-pub(super) fn text(found: &Comparison, asked: &Compare) -> String {
+/// Formats the comparison as text.
+pub(super) fn text(found: &Comparison, request: &Compare) -> String {
     let head = head(found);
     let mut out = String::new();
     for together in found.groups.chunk_by(|a, b| a.key.family == b.key.family) {
@@ -129,73 +135,76 @@ pub(super) fn text(found: &Comparison, asked: &Compare) -> String {
         out += &table(&head, together.iter().map(|g| row(g, found)).collect(), 1);
         out.push('\n');
     }
-    for note in notes(found, asked.least) {
+    for note in notes(found, request.least) {
         out += &paragraph(&note, 2);
     }
     out
 }
 
-/// What the table rests on, a sentence or two each.
+/// Notes on the basis of the table, one or two sentences each.
 pub(crate) fn notes(found: &Comparison, least: f64) -> Vec<String> {
     let worse = found.worse().count();
     let mut out = vec![format!(
-        "{worse} of {} are worse: they creep more than the middle one of the others, by more than {:.0} %. The chance that \
-         any verdict here is wrong is 5 % at most, all groups together.",
+        "{worse} of {} groups are worse: they creep more than the median of the others, by more than {:.0} %. The probability that \
+         any verdict of this comparison is wrong is at most 5 %.",
         found.groups.len(),
         100.0 * least
     )];
     let unit = match found.unit {
         CreepUnit::Strain => "in µm per metre of rope",
         CreepUnit::Offset => {
-            "in mrad of the joint, as not every robot type is described: use --robot DIR"
+            "in mrad of the joint, because a robot type has no description: set --robot DIR"
         }
     };
     out.push(format!(
-        "Creep is growth per decade of time from day {} to day {} of a rope, {unit}, of a typical tendon. One tendon of a \
-         group creeps {:.1} times as much as the next, as a standard deviation.",
+        "Creep is growth per decade of time from day {} to day {} of a rope, {unit}, of a typical tendon. Tendons of a \
+         group differ by a factor of {:.1} (one standard deviation).",
         found.ages.from_days, found.ages.to_days, found.tendon_factor
     ));
     let words: Vec<&str> = found.freed_of.iter().map(|f| word(*f)).collect();
-    out.push(format!("Differences are freed of: {}.", words.join(", ")));
+    out.push(format!(
+        "Differences are adjusted for: {}.",
+        words.join(", ")
+    ));
     if matches!(found.by, By::Temperature | By::RopeTemperature) {
-        out.push("Whatever else differs between warm and cold sites is in it.".into());
+        out.push("Other differences between warm and cold sites are included.".into());
     }
     for group in &found.groups {
         if let Verdict::TiedTo(ties) = &group.verdict {
-            let told: Vec<String> = (ties.iter())
+            let factors: Vec<String> = (ties.iter())
                 .map(|(factor, levels)| match levels.is_empty() {
                     true => format!("its {}", word(*factor)),
                     false => format!("its {} ({})", word(*factor), plain(levels)),
                 })
                 .collect();
             out.push(format!(
-                "{} can't be told from {}: no other group shares it.",
+                "{} is confounded with {}: no other group shares it.",
                 name(group, found.by),
-                told.join(" and ")
+                factors.join(" and ")
             ));
         }
     }
     if found.too_few > 0 {
         out.push(format!(
-            "{} tendons have too few sessions of these ages; --ages names others.",
+            "{} tendons have too few sessions at these ages; set other ages with --ages.",
             found.too_few
         ));
     }
     if found.without_group > 0 {
         out.push(format!(
-            "{} tendons belong to no group that is named.",
+            "{} tendons have no specified group.",
             found.without_group
         ));
     }
     if found.undated > 0 {
         out.push(format!(
-            "{} ropes count from their first session, as events.csv doesn't say when they were fitted.",
+            "{} ropes are dated by their first session, because events.csv does not contain their installation.",
             found.undated
         ));
     }
     if let Some(ratio) = found.apart {
         out.push(format!(
-            "The draws have not come together (ratio {ratio:.2}), so nothing is claimed. Fewer groups, or more tendons, would help.",
+            "The chains have not converged (ratio {ratio:.2}); no verdicts are given. Use fewer groups or more tendons.",
         ));
     }
     out
@@ -243,9 +252,7 @@ pub(super) fn csv(found: &Comparison, path: &Path) -> Result<(), FleetError> {
         let mut cells = vec![
             text(family(group, found.by)),
             text(Some(name(group, found.by))),
-            text(Some(
-                verdict(&group.verdict).replace('\'', "").replace(' ', "-"),
-            )),
+            text(Some(verdict(&group.verdict).replace(' ', "-"))),
             text(ties),
             Cell::Integer(group.tendons as i64),
             Cell::Integer(group.robots as i64),

@@ -1,4 +1,4 @@
-//! What the model takes of each tendon: the logarithm of its creep, how sure it is, and how far others of its kind stray.
+//! Observations of the model: logarithm of the creep of each tendon, its variance, and the usual scatter of its kind.
 
 use super::CreepUnit;
 use super::factor::{Factor, level, numbered};
@@ -6,16 +6,16 @@ use crate::gather::CreepingTendon;
 use sinew_model::statistics::quantile;
 use std::collections::BTreeMap;
 
-/// A tendon that strays further from the middle of its kind is taken for one at this many times what is usual.
-const FAR: f64 = 3.5;
-/// Kinds of few tendons are drawn towards the mean of all, as if so many more of it were there.
-const MORE: f64 = 10.0;
+/// Limit of the deviation from the median of a kind, in units of its usual scatter; larger deviations are clipped.
+const MAX_DEVIATION: f64 = 3.5;
+/// Prior weight of the mean of all kinds for kinds of few tendons, as a number of tendons.
+const SHRINKAGE_TENDONS: f64 = 10.0;
 
-/// Of each tendon the logarithm of its creep per decade, and the variance of that.
+/// Logarithm of the creep per decade of each tendon, and its variance.
 ///
-/// `c = e^z` is known to `s`. Where `c` is above `2 s`, `z` is its logarithm, known to `s/c`. Else `e^z` is taken for a straight
-/// line about `z₀`, the most probable `z` with what is usual for its kind as a prior: `z₀ + (c − e^z₀) e^−z₀`, known to
-/// `s e^−z₀`. A tendon that isn't known, or doesn't creep, hardly counts so.
+/// `c = e^z` has the standard deviation `s`. For `c > 2 s`, `z = ln c` with standard deviation `s/c`. Otherwise `e^z` is
+/// linearised at `z₀`, the most probable `z` with the usual value of its kind as prior: `z₀ + (c − e^z₀) e^−z₀` with standard
+/// deviation `s e^−z₀`. A tendon with unknown or no creep therefore has little weight.
 pub(super) fn logarithms(
     tendons: &[&CreepingTendon],
     kinds: &[usize],
@@ -24,20 +24,17 @@ pub(super) fn logarithms(
         true => CreepUnit::Strain,
         false => CreepUnit::Offset,
     };
-    let known: Vec<(f64, f64)> = (tendons.iter())
+    let creeps: Vec<(f64, f64)> = (tendons.iter())
         .map(|t| {
             let factor = match unit {
                 CreepUnit::Strain => t.strain_per_rad.unwrap_or(1.0),
                 CreepUnit::Offset => 1.0,
             };
-            (
-                factor * t.creep.per_decade_rad,
-                factor * t.creep.deviation_rad,
-            )
+            (factor * t.creep.per_decade_rad, factor * t.creep.std_rad)
         })
         .collect();
     let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for (&(c, s), &kind) in known.iter().zip(kinds) {
+    for (&(c, s), &kind) in creeps.iter().zip(kinds) {
         by_kind.entry(kind).or_default().push(c.max(s).ln());
     }
     let mut usual = BTreeMap::new();
@@ -46,7 +43,7 @@ pub(super) fn logarithms(
         let half_width = 0.5 * (quantile(&logs, 0.84) - quantile(&logs, 0.16));
         usual.insert(kind, (quantile(&logs, 0.5), half_width.max(0.3)));
     }
-    let values = known.iter().zip(kinds);
+    let values = creeps.iter().zip(kinds);
     let values = values.map(|(&(c, s), kind)| {
         let (middle, width) = usual[kind];
         let at = match c > 2.0 * s {
@@ -59,8 +56,8 @@ pub(super) fn logarithms(
     (values.collect(), unit)
 }
 
-/// Values no further from the middle of their kind than [`FAR`] times what is usual there: a tendon that strays by more doesn't
-/// decide what its group is.
+/// Values clipped to [`MAX_DEVIATION`] times the usual scatter around the median of their kind, so that an outlier does not
+/// determine its group.
 pub(super) fn drawn_in(values: &[f64], kinds: &[usize]) -> Vec<f64> {
     let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (value, kind) in values.iter().zip(kinds) {
@@ -72,13 +69,16 @@ pub(super) fn drawn_in(values: &[f64], kinds: &[usize]) -> Vec<f64> {
     let widths = widths(values, kinds);
     let one = |((value, kind), width): ((&f64, &usize), f64)| {
         let middle = quantile(&by_kind[kind], 0.5);
-        value.clamp(middle - FAR * width, middle + FAR * width)
+        value.clamp(
+            middle - MAX_DEVIATION * width,
+            middle + MAX_DEVIATION * width,
+        )
     };
     values.iter().zip(kinds).zip(widths).map(one).collect()
 }
 
-/// Of each tendon the standard deviation of its kind, over that of all; among tendons of one kind, site and batch, so that what
-/// these differ by is no part of it. Kinds of few are drawn towards that of all.
+/// Standard deviation of the kind of each tendon relative to that of all, within kind, site and batch. Kinds of few tendons
+/// are shrunk towards the value of all.
 pub(super) fn spreads(values: &[f64], kinds: &[usize], tendons: &[&CreepingTendon]) -> Vec<f64> {
     let mut cells: BTreeMap<_, Vec<f64>> = BTreeMap::new();
     for ((value, kind), tendon) in values.iter().zip(kinds).zip(tendons) {
@@ -99,15 +99,16 @@ pub(super) fn spreads(values: &[f64], kinds: &[usize], tendons: &[&CreepingTendo
         .fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]);
     let mean = all[0] / all[1];
     let of = |kind: &usize| match mean > 0.0 {
-        true => ((sums[kind][0] / mean + MORE) / (sums[kind][1] + MORE)).sqrt(),
+        true => ((sums[kind][0] / mean + SHRINKAGE_TENDONS) / (sums[kind][1] + SHRINKAGE_TENDONS))
+            .sqrt(),
         false => 1.0,
     };
     kinds.iter().map(of).collect()
 }
 
-/// Of each tendon how far those of its kind usually depart, measurements aside.
+/// Usual deviation of the kind of each tendon, without measurement errors.
 ///
-/// * `departures`: of each tendon how far it does, and the variance of the measurement.
+/// * `departures`: deviation of each tendon, and the variance of its measurement.
 pub(crate) fn usual_widths(departures: &[(f64, f64)], tendons: &[CreepingTendon]) -> Vec<f64> {
     let names: Vec<String> = tendons.iter().map(|t| level(t, Factor::Kind)).collect();
     let numbers = numbered(names.iter().cloned());
@@ -116,13 +117,13 @@ pub(crate) fn usual_widths(departures: &[(f64, f64)], tendons: &[CreepingTendon]
     let mut variances: Vec<f64> = departures.iter().map(|d| d.1).collect();
     variances.sort_by(f64::total_cmp);
     let measured = quantile(&variances, 0.5);
-    // What is left of a width beside the measurements' is at least half of it.
+    // The width without measurement errors is at least half of the total.
     let own = |w: f64| (w * w - measured).max(0.25 * w * w).sqrt();
     widths(&alone, &kinds).into_iter().map(own).collect()
 }
 
-/// Of each value half of what the middle 68 % of its kind span. Kinds of few are drawn towards the mean of all, as if ten more
-/// of it were there.
+/// Half of the central 68 % range of the kind of each value. Kinds of few tendons are shrunk towards the mean of all
+/// with the weight of ten tendons.
 fn widths(values: &[f64], kinds: &[usize]) -> Vec<f64> {
     let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (value, kind) in values.iter().zip(kinds) {
@@ -139,7 +140,7 @@ fn widths(values: &[f64], kinds: &[usize]) -> Vec<f64> {
     let mean = all / values.len().max(1) as f64;
     let of = |kind: &usize| {
         let (square, n) = squares[kind];
-        ((square * n + mean * MORE) / (n + MORE)).sqrt()
+        ((square * n + mean * SHRINKAGE_TENDONS) / (n + SHRINKAGE_TENDONS)).sqrt()
     };
     kinds.iter().map(of).collect()
 }
@@ -166,13 +167,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_creep_that_is_known_well_is_its_logarithm() {
+    fn logarithms_precise_creep_is_logarithm() {
         let z = most_probable(5.0, 0.01, 0.0, 1.0);
         assert!((z - 5.0_f64.ln()).abs() < 1e-4, "{z}");
     }
 
     #[test]
-    fn a_creep_that_isnt_known_stays_near_what_is_usual() {
+    fn logarithms_imprecise_creep_stays_near_kind() {
         let z = most_probable(-3.0, 50.0, 1.0, 0.8);
         assert!((z - 1.0).abs() < 0.05, "{z}");
         // None at all, and known well: far below, yet a number.

@@ -5,21 +5,21 @@
 pub(super) struct Bin {
     pub(super) log_age: f64,
     pub(super) offset_rad: f64,
-    pub(super) warmer_k: f64,
+    pub(super) temperature_difference_k: f64,
     pub(super) variance: f64,
     pub(super) piece: usize,
 }
 
-/// The line.
+/// Fitted straight line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line {
     /// Offset per decade, rad.
     pub(super) slope: f64,
-    /// Its standard deviation, rad.
-    pub(super) slope_deviation: f64,
+    /// Standard deviation of the slope, rad.
+    pub(super) slope_std: f64,
 }
 
-/// Weighted least squares; the pieces' zeros are taken out first. `None`: no slope can be told.
+/// Fits the line by weighted least squares after elimination of the zeros of the pieces; `None` if the slope is not determined.
 pub(super) fn fit(bins: &[Bin], drift_rad_per_k: f64) -> Option<Line> {
     let pieces = 1 + bins.iter().map(|b| b.piece).max()?;
     let mut middles = vec![[0.0; 3]; pieces];
@@ -27,7 +27,7 @@ pub(super) fn fit(bins: &[Bin], drift_rad_per_k: f64) -> Option<Line> {
     for bin in bins {
         let w = 1.0 / bin.variance;
         weights[bin.piece] += w;
-        let values = [bin.log_age, bin.warmer_k, bin.offset_rad];
+        let values = [bin.log_age, bin.temperature_difference_k, bin.offset_rad];
         for (sum, value) in middles[bin.piece].iter_mut().zip(values) {
             *sum += w * value;
         }
@@ -42,7 +42,7 @@ pub(super) fn fit(bins: &[Bin], drift_rad_per_k: f64) -> Option<Line> {
         let [age, warmer, offset] = middles[bin.piece];
         [
             bin.log_age - age,
-            bin.warmer_k - warmer,
+            bin.temperature_difference_k - warmer,
             bin.offset_rad - offset,
         ]
     };
@@ -66,10 +66,7 @@ pub(super) fn fit(bins: &[Bin], drift_rad_per_k: f64) -> Option<Line> {
     let occupied = weights.iter().filter(|w| **w > 0.0).count();
     let freedom = bins.len().checked_sub(occupied + 1).filter(|n| *n >= 2)?;
     let scatter = (chi / freedom as f64).max(1.0);
-    let slope_deviation = (scatter * bb / determinant).sqrt();
-    let told = slope.is_finite() && slope_deviation > 0.0 && slope_deviation.is_finite();
-    told.then_some(Line {
-        slope,
-        slope_deviation,
-    })
+    let slope_std = (scatter * bb / determinant).sqrt();
+    let is_determined = slope.is_finite() && slope_std > 0.0 && slope_std.is_finite();
+    is_determined.then_some(Line { slope, slope_std })
 }

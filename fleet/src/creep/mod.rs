@@ -1,7 +1,7 @@
-//! How fast a tendon's rope creeps: elongation per decade of time, from its sessions.
+//! Creep rate of a tendon's rope: elongation per decade of time, from its sessions.
 //!
-//! Ropes creep by about as much from day 1 to day 10 as from day 10 to day 100, but no rope does so exactly. So ropes are
-//! compared over the same ages, and what a tendon grows by per decade within them needs no rope's law.
+//! The creep of ropes from day 1 to day 10 is about that from day 10 to day 100, but not exactly. Ropes are therefore compared over
+//! the same range of ages; the growth per decade within that range requires no creep law.
 
 mod line;
 mod steps;
@@ -11,26 +11,26 @@ use sinew_files::date::DAY_S;
 use sinew_model::statistics::quantile;
 use sinew_trend::SessionRecord;
 
-/// Share of the ages, in decades, that may be without sessions at their beginning and at their end.
+/// Largest share of the age range, in decades, without sessions at its beginning and at its end.
 const MISSING_SHARES: [f64; 2] = [0.3, 0.15];
-/// Sessions without which nothing is said.
-const LEAST_SESSIONS: usize = 10;
-/// Bins per decade of age: each weighs about alike, so that the last months don't outweigh the first weeks.
+/// Minimum number of sessions of an estimate.
+const MIN_SESSIONS: usize = 10;
+/// Bins per decade of age. Equal weights of the bins keep the last months from outweighing the first weeks.
 const BINS_PER_DECADE: f64 = 10.0;
-/// What a mean of many sessions is still off by: creep comes in steps of work, rad.
+/// Standard deviation of a mean of many sessions that does not average out, rad; creep proceeds in steps of work.
 const BIN_RAD: f64 = 0.07e-3;
 
-/// Ages of a rope, days since it was fitted.
+/// Range of rope ages, days since installation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ages {
-    /// From.
+    /// Lower limit of the range, days.
     pub from_days: f64,
-    /// To.
+    /// Upper limit of the range, days.
     pub to_days: f64,
 }
 
 impl Ages {
-    /// Whether sessions of these ages, in logarithms, reach over nearly all of it.
+    /// Whether sessions from `first` to `last`, decimal logarithms of the age, cover nearly the whole range.
     fn are_covered(&self, first: f64, last: f64) -> bool {
         let [from, to] = [self.from_days.log10(), self.to_days.log10()];
         let [begin, end] = MISSING_SHARES.map(|share| share * (to - from));
@@ -38,34 +38,34 @@ impl Ages {
     }
 }
 
-/// How fast a rope creeps.
+/// Creep rate of a rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Creep {
     /// Offset per decade of time since the rope was fitted, rad.
     pub per_decade_rad: f64,
-    /// Its standard deviation, rad.
-    pub deviation_rad: f64,
+    /// Standard deviation of the creep per decade, rad.
+    pub std_rad: f64,
     /// Mean temperature, °C; `None`: not recorded.
     pub temperature_c: Option<f64>,
     /// Age of the rope at the first and last session, days.
     pub age_days: [f64; 2],
-    /// Sessions.
+    /// Number of sessions.
     pub sessions: usize,
-    /// Sudden changes that were left out.
+    /// Number of excluded step changes.
     pub steps: usize,
-    /// Whether the day the rope was fitted on is known; else age counts from the first session.
+    /// Whether the installation date of the rope is known; otherwise the age counts from the first session.
     pub is_dated: bool,
 }
 
-/// A session as the fit takes it.
+/// Data point of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     /// Logarithm to the base of 10 of the rope's age in days.
     log_age: f64,
     offset_rad: f64,
-    /// Over the mean; 0 where it isn't known.
-    warmer_k: f64,
-    /// Sessions of one piece count from one zero: a tensioning begins the next, and so does a sudden change.
+    /// Difference to the mean temperature, K; 0 if not recorded.
+    temperature_difference_k: f64,
+    /// Piece with a common zero; a tensioning or a step change begins the next piece.
     piece: usize,
 }
 
@@ -75,9 +75,9 @@ struct Point {
 /// age of the rope, `α` a drift with temperature that is 0 ± `drift_rad_per_k` before. Medians of bins of a tenth of
 /// a decade, weighted; the deviation is by their scatter about the line, or what sessions scatter by if that is more.
 ///
-/// * `fitted_utc_s`: when the rope was fitted; `None`: a day before the first session.
+/// * `fitted_utc_s`: installation time of the rope; `None`: one day before the first session.
 ///
-/// `None`: fewer than 10 sessions of these ages, or they leave too much of the ages out.
+/// Returns `None` if fewer than 10 sessions have these ages or if they leave too large a part of the range uncovered.
 pub fn creep(
     sessions: &[SessionRecord],
     fitted_utc_s: Option<f64>,
@@ -91,9 +91,9 @@ pub fn creep(
         s.time_utc_s > since && (ages.from_days..=ages.to_days).contains(&age_days(s))
     };
     let sessions: Vec<&SessionRecord> = sessions.iter().filter(within).collect();
-    let known: Vec<f64> = sessions.iter().filter_map(|s| s.temperature_c).collect();
-    let temperature_c =
-        (2 * known.len() > sessions.len()).then(|| known.iter().sum::<f64>() / known.len() as f64);
+    let temperatures: Vec<f64> = sessions.iter().filter_map(|s| s.temperature_c).collect();
+    let temperature_c = (2 * temperatures.len() > sessions.len())
+        .then(|| temperatures.iter().sum::<f64>() / temperatures.len() as f64);
     let mut points = Vec::with_capacity(sessions.len());
     let (mut piece, mut baseline) = (0, None::<&Option<String>>);
     for session in &sessions {
@@ -104,16 +104,16 @@ pub fn creep(
         let Some(offset) = session.offset_rad else {
             continue;
         };
-        let warmer = session.temperature_c.zip(temperature_c);
+        let difference = session.temperature_c.zip(temperature_c);
         points.push(Point {
             log_age: age_days(session).log10(),
             offset_rad: offset.mean,
-            warmer_k: warmer.map_or(0.0, |(t, mean)| t - mean),
+            temperature_difference_k: difference.map_or(0.0, |(t, mean)| t - mean),
             piece,
         });
     }
     let (first, last) = (points.first()?.log_age, points.last()?.log_age);
-    if points.len() < LEAST_SESSIONS || !ages.are_covered(first, last) {
+    if points.len() < MIN_SESSIONS || !ages.are_covered(first, last) {
         return None;
     }
     let scatter_rad = scatter(&points)?;
@@ -121,7 +121,7 @@ pub fn creep(
     let line = line::fit(&bins(&points, scatter_rad), drift_rad_per_k)?;
     Some(Creep {
         per_decade_rad: line.slope,
-        deviation_rad: line.slope_deviation,
+        std_rad: line.slope_std,
         temperature_c,
         age_days: [first, last].map(|log| 10.0_f64.powf(log)),
         sessions: points.len(),
@@ -130,7 +130,7 @@ pub fn creep(
     })
 }
 
-/// What a session differs by from the next beside what they share, rad: by the median of the differences.
+/// Standard deviation of a single session, rad, from the median difference of consecutive sessions.
 fn scatter(points: &[Point]) -> Option<f64> {
     /// A normal distribution's standard deviation over its median absolute deviation.
     const NORMAL: f64 = 1.4826;
@@ -145,7 +145,7 @@ fn scatter(points: &[Point]) -> Option<f64> {
 
 /// Medians of a piece's sessions of about one age.
 fn bins(points: &[Point], scatter_rad: f64) -> Vec<Bin> {
-    /// Variance of a median over that of a mean.
+    /// Ratio of the variance of a median to that of a mean.
     const MEDIAN: f64 = 1.57;
     let place = |p: &Point| (p.piece, (p.log_age * BINS_PER_DECADE).floor());
     let together = points.chunk_by(|a, b| place(a) == place(b));
@@ -158,7 +158,7 @@ fn bins(points: &[Point], scatter_rad: f64) -> Vec<Bin> {
             Bin {
                 log_age: mean(|p| p.log_age),
                 offset_rad: quantile(&offsets, 0.5),
-                warmer_k: mean(|p| p.warmer_k),
+                temperature_difference_k: mean(|p| p.temperature_difference_k),
                 variance: BIN_RAD * BIN_RAD + MEDIAN.min(n) * scatter_rad * scatter_rad / n,
                 piece: of[0].piece,
             }

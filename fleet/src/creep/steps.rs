@@ -1,40 +1,43 @@
-//! Sudden changes: a strand that fails is no creep.
+//! Detection of step changes, which are not creep, for example a strand failure.
 
 use super::Point;
 use sinew_model::statistics::quantile;
 
-/// Sessions before and after a change that are held against each other.
-const SESSIONS: usize = 6;
-/// A change is sudden from so many standard deviations on.
-const DEVIATIONS: f64 = 6.0;
-/// Changes looked for in a tendon.
-const MOST: usize = 4;
+/// Number of sessions compared before and after a change.
+const WINDOW_SESSIONS: usize = 6;
+/// Threshold of a step change, in standard deviations.
+const MIN_STEP_STD: f64 = 6.0;
+/// Maximum number of step changes of a tendon.
+const MAX_STEPS: usize = 4;
 
-/// Begins a new piece at each sudden change; how many there were.
+/// Begins a new piece at each step change and returns their number.
 ///
-/// Lines through the sessions before and after are drawn on to the moment between. What they differ by there is held
-/// against what sessions scatter by, and against what such lines of this tendon differ by anywhere: a rope that creeps
-/// by steps of work has many.
+/// Lines through the sessions before and after a time are extrapolated to it. Their difference is compared with the scatter
+/// of the sessions and with the usual difference of such lines of this tendon, which is large for ropes that creep in steps of
+/// work.
 pub(super) fn part(points: &mut [Point], scatter_rad: f64) -> usize {
-    for found in 0..MOST {
+    for found in 0..MAX_STEPS {
         let Some(at) = largest(points, scatter_rad) else {
             return found;
         };
         points[at..].iter_mut().for_each(|p| p.piece += 1);
     }
-    MOST
+    MAX_STEPS
 }
 
-/// Where the change is largest, if it is sudden.
+/// Finds the largest change, if it is a step change.
 fn largest(points: &[Point], scatter_rad: f64) -> Option<usize> {
-    let last = points.len().checked_sub(SESSIONS)?;
+    let last = points.len().checked_sub(WINDOW_SESSIONS)?;
     let points = &calmed(points);
-    let steps: Vec<(usize, f64)> = (SESSIONS..=last)
-        .filter(|&at| points[at - SESSIONS].piece == points[at + SESSIONS - 1].piece)
+    let steps: Vec<(usize, f64)> = (WINDOW_SESSIONS..=last)
+        .filter(|&at| points[at - WINDOW_SESSIONS].piece == points[at + WINDOW_SESSIONS - 1].piece)
         .filter_map(|at| {
             let moment = 0.5 * (points[at - 1].log_age + points[at].log_age);
-            let [before, after] = [&points[at - SESSIONS..at], &points[at..at + SESSIONS]]
-                .map(|some| drawn_on(some, moment));
+            let [before, after] = [
+                &points[at - WINDOW_SESSIONS..at],
+                &points[at..at + WINDOW_SESSIONS],
+            ]
+            .map(|some| drawn_on(some, moment));
             let ((y0, v0), (y1, v1)) = (before?, after?);
             Some((at, (y1 - y0).abs() / (v0 + v1).sqrt()))
         })
@@ -44,10 +47,10 @@ fn largest(points: &[Point], scatter_rad: f64) -> Option<usize> {
     // Of a normal distribution half lies within 0.6745 standard deviations.
     let usual = scatter_rad.max(quantile(&sizes, 0.5) / 0.6745);
     let (at, size) = steps.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (size > DEVIATIONS * usual).then_some(at)
+    (size > MIN_STEP_STD * usual).then_some(at)
 }
 
-/// Each session as the middle one of itself and its neighbours: one that is off by itself is no change.
+/// Median of each session and its neighbours, which removes single outliers.
 fn calmed(points: &[Point]) -> Vec<Point> {
     let middle = |i: usize| {
         let near = &points[i.saturating_sub(1)..points.len().min(i + 2)];

@@ -8,7 +8,7 @@ const AGES: Ages = Ages {
     to_days: 300.0,
 };
 
-/// Days 1 to `days` of a rope that creeps by 5 mrad per decade; `more`: what a day reads beside, rad.
+/// Days 1 to `days` of a rope that creeps by 5 mrad per decade, with an additional offset `more` in rad per day.
 fn life(days: u32, more: impl Fn(f64) -> f64) -> Vec<SessionRecord> {
     (1..=days)
         .map(|day| {
@@ -34,24 +34,24 @@ fn found(sessions: &[SessionRecord]) -> Creep {
 
 /// Within three stated deviations of 5 mrad, and those small.
 fn is_five(creep: &Creep) -> bool {
-    (creep.per_decade_rad - 5e-3).abs() < 3.0 * creep.deviation_rad && creep.deviation_rad < 0.3e-3
+    (creep.per_decade_rad - 5e-3).abs() < 3.0 * creep.std_rad && creep.std_rad < 0.3e-3
 }
 
 #[test]
-fn a_rope_that_grows_by_5_mrad_per_decade_reads_so() {
+fn creep_5_mrad_per_decade_is_estimated() {
     let creep = found(&life(365, |_| 0.0));
     assert!(is_five(&creep) && creep.steps == 0, "{creep:?}");
     assert!((creep.age_days[1] - 300.0).abs() < 1e-6);
 }
 
 #[test]
-fn a_failed_strand_is_no_creep() {
+fn creep_excludes_strand_failure() {
     let creep = found(&life(365, |day| if day > 200.0 { 3e-3 } else { 0.0 }));
     assert!(is_five(&creep) && creep.steps == 1, "{creep:?}");
 }
 
 #[test]
-fn a_tensioning_begins_a_new_zero_and_not_a_new_rope() {
+fn creep_tensioning_resets_zero_not_age() {
     let mut sessions = life(365, |day| if day > 40.0 { -9e-3 } else { 0.0 });
     for session in &mut sessions[40..] {
         session.baseline = Some("tensioned".into());
@@ -61,7 +61,7 @@ fn a_tensioning_begins_a_new_zero_and_not_a_new_rope() {
 }
 
 #[test]
-fn a_season_that_the_joint_drifts_with_is_no_creep() {
+fn creep_excludes_seasonal_drift() {
     let warmer = |day: f64| 7.0 * (day / 58.0).sin();
     let mut sessions = life(365, |day| 0.1e-3 * warmer(day));
     for (session, day) in sessions.iter_mut().zip(1..) {
@@ -71,7 +71,7 @@ fn a_season_that_the_joint_drifts_with_is_no_creep() {
 }
 
 #[test]
-fn sessions_that_are_off_by_themselves_hardly_count() {
+fn creep_is_robust_to_outliers() {
     let creep = found(&life(
         365,
         |day| if day % 30.0 == 0.0 { 20e-3 } else { 0.0 },
@@ -80,7 +80,7 @@ fn sessions_that_are_off_by_themselves_hardly_count() {
 }
 
 #[test]
-fn what_was_before_a_new_rope_is_not_its() {
+fn creep_ignores_sessions_before_replacement() {
     let sessions = life(400, |day| if day > 100.0 { -50e-3 } else { 0.0 });
     let fitted = FITTED_UTC_S + 100.5 * DAY_S;
     let creep = creep(&sessions, Some(fitted), AGES, DRIFT).unwrap();
@@ -88,7 +88,7 @@ fn what_was_before_a_new_rope_is_not_its() {
 }
 
 #[test]
-fn a_few_days_tell_nothing() {
+fn creep_few_days_returns_none() {
     assert_eq!(
         creep(&life(9, |_| 0.0), Some(FITTED_UTC_S), AGES, DRIFT),
         None
@@ -96,7 +96,7 @@ fn a_few_days_tell_nothing() {
 }
 
 #[test]
-fn a_rope_that_is_too_young_for_the_ages_is_left_out() {
+fn creep_recently_installed_rope_returns_none() {
     assert_eq!(
         creep(&life(120, |_| 0.0), Some(FITTED_UTC_S), AGES, DRIFT),
         None

@@ -1,8 +1,8 @@
-//! A tendon that may come near its limit, by the trend of `sinew trend`.
+//! Trend of a tendon that may approach its limit, identical to that of `sinew trend`.
 
 use super::{screen, state};
-use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
+use crate::metadata::{FleetMetadata, tendon_of};
 use crate::sessions::{Sessions, thinned};
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
@@ -10,35 +10,35 @@ use sinew_model::transmission::Tendon;
 use sinew_trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
 use std::cmp::Ordering;
 
-/// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
+/// Tolerated drift with temperature relative to the tolerance of robot.toml.
 const DRIFT_FACTOR: f64 = 1.25;
 
-/// A tendon that was followed.
+/// Result of a tracked tendon.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Followed {
-    /// Robot.
+pub struct TrackedTendon {
+    /// Name of the robot.
     pub robot: String,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Site, rope and batch, where they are known.
+    /// Site of the robot, if specified.
     pub site: Option<String>,
-    /// Rope and batch.
+    /// Rope and batch, if specified.
     pub fit: Fitted,
-    /// What to do.
+    /// Recommended action.
     pub verdict: TrendVerdict,
     /// Offset since the last tensioning.
     pub offset_rad: Gaussian,
-    /// The same as elongation.
+    /// Elongation since the last tensioning, m.
     pub elongation_m: Option<Gaussian>,
     /// Last session, s since 1970.
     pub last_utc_s: f64,
-    /// Offset at the end of the days asked for; `None`: beyond a year after the last session.
+    /// Offset at the end of the requested days; `None` if more than a year after the last session.
     pub ahead: Option<ForecastPoint>,
-    /// Its limits.
+    /// First-passage times of the limits.
     pub passages: Vec<Passage>,
 }
 
-impl Followed {
+impl TrackedTendon {
     fn of(
         trend: &JointTrend,
         sessions: &Sessions,
@@ -61,12 +61,12 @@ impl Followed {
         }
     }
 
-    /// The limit that is passed first.
+    /// Returns the limit that is exceeded first.
     pub fn worst(&self) -> Option<&Passage> {
         Passage::first(&self.passages)
     }
 
-    /// What has passed its limit comes first, the farthest beyond it before the others; then the earlier, the worse.
+    /// Orders exceeded limits first, by their exceedance, then the others by date.
     pub(super) fn worse_first(&self, other: &Self) -> Ordering {
         let key = |of: &Self| {
             let worst = of.worst();
@@ -77,38 +77,38 @@ impl Followed {
     }
 }
 
-/// What became of a tendon.
+/// Result of the evaluation of a tendon.
 pub(super) enum Outcome {
     OutOfReach,
     NoLimit,
     UnknownType(String),
-    Refused(String, String, String),
-    Followed {
-        found: Box<Followed>,
-        /// To go on from, for who keeps it.
+    Failed(String, String, String),
+    Tracked {
+        found: Box<TrackedTendon>,
+        /// Stored state for the next run.
         kept: Vec<u8>,
-        /// Whether it went on from what was kept.
-        went_on: bool,
-        /// Whether a fleet says how fast its rope creeps.
-        creep_known: bool,
+        /// Whether the trend resumed from the stored state.
+        is_resumed: bool,
+        /// Whether a fleet provides the reference creep of the rope.
+        has_reference_creep: bool,
     },
 }
 
-/// Screens tendons and follows them.
+/// Evaluates tendons: bound first, trend only where necessary.
 pub(super) struct Followers<'a> {
-    pub(super) beside: &'a Beside,
+    pub(super) metadata: &'a FleetMetadata,
     pub(super) now_utc_s: f64,
     pub(super) within_s: f64,
     pub(super) screen: bool,
-    /// Whether trends are kept.
+    /// Whether trends are stored.
     pub(super) keeps: bool,
 }
 
 impl Followers<'_> {
-    /// Screens a tendon and follows it, if it isn't out of reach, from where it was kept.
-    pub(super) fn look(&self, sessions: &Sessions, kept: Option<&Vec<u8>>) -> Outcome {
+    /// Evaluates a tendon and tracks it, unless its limit is out of reach, from its stored state.
+    pub(super) fn evaluate(&self, sessions: &Sessions, kept: Option<&Vec<u8>>) -> Outcome {
         let (name, joint) = &sessions.tendon;
-        let Some(robot) = self.beside.robot(sessions) else {
+        let Some(robot) = self.metadata.robot(sessions) else {
             return Outcome::UnknownType(sessions.robot_type.clone());
         };
         let tendon = tendon_of(robot, joint);
@@ -122,30 +122,36 @@ impl Followers<'_> {
             return Outcome::OutOfReach;
         }
         let rows = thinned(&sessions.rows);
-        let refused = |why: String| Outcome::Refused(name.clone(), joint.clone(), why);
+        let failed = |reason: String| Outcome::Failed(name.clone(), joint.clone(), reason);
         let kept = kept.and_then(|bytes| state::trend_of(bytes));
-        let followed = match self.beside.trend(sessions, Some(robot), rows, kept) {
+        let followed = match self.metadata.trend(sessions, Some(robot), rows, kept) {
             Ok(followed) => followed,
-            Err(error) => return refused(error.to_string()),
+            Err(error) => return failed(error.to_string()),
         };
         let kept = match self.keeps.then(|| state::encoded(&followed.kept)) {
             None => Vec::new(),
             Some(Ok(bytes)) => bytes,
-            Some(Err(error)) => return refused(error.to_string()),
+            Some(Err(error)) => return failed(error.to_string()),
         };
-        let fit = self.beside.fit(&sessions.tendon);
-        let site = self.beside.sites.get(name).cloned();
+        let fit = self.metadata.fit(&sessions.tendon);
+        let site = self.metadata.sites.get(name).cloned();
         let until_utc_s = self.now_utc_s + self.within_s;
         let ahead = followed.offset_after((until_utc_s - followed.trend.last_utc_s).max(0.0));
-        Outcome::Followed {
-            found: Box::new(Followed::of(&followed.trend, sessions, fit, site, ahead)),
+        Outcome::Tracked {
+            found: Box::new(TrackedTendon::of(
+                &followed.trend,
+                sessions,
+                fit,
+                site,
+                ahead,
+            )),
             kept,
-            went_on: followed.went_on,
-            creep_known: self.beside.is_creep_known(sessions, robot),
+            is_resumed: followed.is_resumed,
+            has_reference_creep: self.metadata.has_reference_creep(sessions, robot),
         }
     }
 
-    /// Whether no limit can be passed within the days asked for.
+    /// Whether no limit can be exceeded within the requested days.
     fn is_out_of_reach(&self, robot: &Robot, tendon: &Tendon, sessions: &Sessions) -> bool {
         let drift = DRIFT_FACTOR * robot.tolerances.drift_rad_per_k();
         let bound = screen::bound_rad(&sessions.rows, self.now_utc_s, self.within_s, drift);
@@ -165,11 +171,11 @@ impl Followers<'_> {
     }
 }
 
-/// What earlier baselines had come to at most, rad: a strain counts from the first.
+/// Upper bound of the offsets accumulated with earlier baselines, rad; a strain counts from the first.
 fn before_rad(rows: &[SessionRecord]) -> f64 {
     let mut largest: Vec<(&Option<String>, f64)> = Vec::new();
     for row in rows {
-        let offset = row.offset_rad.map_or(0.0, |o| o.mean + 3.0 * o.deviation);
+        let offset = row.offset_rad.map_or(0.0, |o| o.mean + 3.0 * o.std);
         match largest.last_mut() {
             Some(last) if *last.0 == row.baseline => last.1 = last.1.max(offset),
             _ => largest.push((&row.baseline, offset.max(0.0))),
@@ -186,8 +192,8 @@ mod tests {
     use sinew_trend::{Limit, LimitState};
 
     #[test]
-    fn the_farthest_beyond_its_limit_is_the_worst() {
-        let of = |robot: &str, state, mrad: f64, day: Option<f64>| Followed {
+    fn worse_first_orders_by_exceedance_then_date() {
+        let of = |robot: &str, state, mrad: f64, day: Option<f64>| TrackedTendon {
             robot: robot.into(),
             joint: "elbow".into(),
             site: None,
@@ -213,7 +219,7 @@ mod tests {
             of("later", LimitState::Forecast, 19.9, Some(30.0)),
             of("far", LimitState::Passed, 46.0, Some(0.5)),
         ];
-        all.sort_by(Followed::worse_first);
+        all.sort_by(TrackedTendon::worse_first);
         let names = all.map(|f| f.robot);
         assert_eq!(names, ["far", "just", "soon", "later", "never"]);
     }

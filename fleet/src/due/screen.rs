@@ -1,17 +1,17 @@
-//! Which tendons can't come near a limit: a bound in closed form, so that only the others need the whole trend.
+//! Upper bound of an offset in closed form, which rules out tendons far from a limit without a full trend.
 //!
-//! Offsets of the last sessions since the present baseline are taken as a line, `y_i = a + b (t_i − t_n)`, each weighed by
-//! its stated deviation. After `H` the offset is held to be below
+//! Offsets of the last sessions since the present baseline are fitted by a line, `y_i = a + b (t_i − t_n)`, weighted by their
+//! reported standard deviations. After `H` the offset is bounded by
 //!
 //! ```text
 //! max(a + 3 σ_a, y of each of the last sessions) + 3 σ + (max(b, 0) + 3 σ_b + 3 σ_α |dT/dt|) H
-//! σ_a, σ_b  deviations of level and slope, by the scatter about the line
-//! σ         stated deviation of a session: what all sessions since a baseline share doesn't average out
-//! σ_α       what isn't known of the drift with temperature: a season looks like creep, or hides it
+//! σ_a, σ_b  standard deviations of level and slope, from the scatter about the line
+//! σ         reported standard deviation of a session: the error common to all sessions since a baseline does not average out
+//! σ_α       standard deviation of the drift with temperature: seasonal drift resembles or hides creep
 //! ```
 //!
-//! The largest session is in it, so that what jumped yesterday is never called far. Creep slows down with time, so a line is
-//! a bound; a robot that is used harder from tomorrow on isn't foreseen, by the whole trend neither.
+//! The bound contains the largest session, so that it covers a recent step change. Creep slows down with time; a line is therefore a
+//! bound. Heavier use in future is not foreseen, nor is it by the full trend.
 
 use sinew_files::date::DAY_S;
 use sinew_trend::SessionRecord;
@@ -19,22 +19,22 @@ use sinew_trend::SessionRecord;
 /// Sessions looked at, and the days they may lie back.
 const SESSIONS: usize = 28;
 const DAYS: f64 = 45.0;
-/// Fewer say nothing of a slope.
-const LEAST_SESSIONS: usize = 10;
-/// Days they must span.
+/// Minimum number of sessions of a slope.
+const MIN_SESSIONS: usize = 10;
+/// Minimum time span of these sessions, days.
 const LEAST_SPAN_DAYS: f64 = 10.0;
-/// Sessions whose largest counts.
+/// Number of recent sessions whose largest offset is used.
 const LARGEST_OF: usize = 10;
-/// Deviations that are added to everything.
+/// Number of standard deviations that are added to each term.
 const FACTOR: f64 = 3.0;
 
-/// The rule, for who reads a list.
-pub const RULE: &str = "largest of the last 10 sessions or level of the last 28 by regression, plus slope times \
-                        days, each with 3 standard deviations";
+/// Text of the bound in the output.
+pub const RULE: &str = "the larger of the largest offset of the last 10 sessions and the regression level of the \
+                        last 28, plus slope times days; each term with 3 standard deviations";
 
-/// A bound on the offset after `horizon_s` from `now_utc_s`, rad; `None`: too little is known for one.
+/// Returns an upper bound of the offset `horizon_s` after `now_utc_s`, rad; `None` if the data are insufficient.
 ///
-/// * `sessions`: of one tendon, in the order of time, of each day one.
+/// * `sessions`: of one tendon, in chronological order, one per day.
 /// * `drift_rad_per_k`: standard deviation of the drift with temperature.
 pub fn bound_rad(
     sessions: &[SessionRecord],
@@ -49,42 +49,38 @@ pub fn bound_rad(
         .take(SESSIONS)
         .collect();
     let span_s = last.time_utc_s - own.last()?.time_utc_s;
-    if own.len() < LEAST_SESSIONS || span_s < LEAST_SPAN_DAYS * DAY_S {
+    if own.len() < MIN_SESSIONS || span_s < LEAST_SPAN_DAYS * DAY_S {
         return None;
     }
     let offsets: Vec<(f64, f64, f64)> = (own.iter())
         .filter_map(|s| {
             let offset = s.offset_rad?;
-            Some((
-                s.time_utc_s - last.time_utc_s,
-                offset.mean,
-                offset.deviation,
-            ))
+            Some((s.time_utc_s - last.time_utc_s, offset.mean, offset.std))
         })
         .collect();
     let line = Line::through(&offsets)?;
-    let warmth: Option<Vec<(f64, f64, f64)>> = (own.iter())
+    let temperatures: Option<Vec<(f64, f64, f64)>> = (own.iter())
         .map(|s| Some((s.time_utc_s - last.time_utc_s, s.temperature_c?, 1.0)))
         .collect();
     // Without temperatures a season is unknown: nothing is ruled out by what may be one.
-    let warming = Line::through(&warmth?)?;
-    let warming_per_s = warming.slope.abs() + warming.slope_deviation;
+    let warming = Line::through(&temperatures?)?;
+    let warming_per_s = warming.slope.abs() + warming.slope_std;
     let largest = offsets.iter().take(LARGEST_OF).map(|o| o.1);
-    let level = largest.fold(line.level + FACTOR * line.level_deviation, f64::max);
+    let level = largest.fold(line.level + FACTOR * line.level_std, f64::max);
     let widest = offsets.iter().map(|o| o.2).fold(0.0, f64::max);
-    let pace =
-        line.slope.max(0.0) + FACTOR * (line.slope_deviation + drift_rad_per_k * warming_per_s);
+    let creep_rate =
+        line.slope.max(0.0) + FACTOR * (line.slope_std + drift_rad_per_k * warming_per_s);
     let ahead_s = (now_utc_s - last.time_utc_s).max(0.0) + horizon_s;
-    let bound = level + FACTOR * widest + pace * ahead_s;
+    let bound = level + FACTOR * widest + creep_rate * ahead_s;
     bound.is_finite().then_some(bound)
 }
 
 /// A weighted line, at time 0.
 struct Line {
     level: f64,
-    level_deviation: f64,
+    level_std: f64,
     slope: f64,
-    slope_deviation: f64,
+    slope_std: f64,
 }
 
 impl Line {
@@ -102,16 +98,11 @@ impl Line {
         let scatter = chi / freedom as f64;
         let out = Self {
             level: y - slope * t,
-            level_deviation: (scatter * (1.0 / w + t * t / tt)).sqrt(),
+            level_std: (scatter * (1.0 / w + t * t / tt)).sqrt(),
             slope,
-            slope_deviation: (scatter / tt).sqrt(),
+            slope_std: (scatter / tt).sqrt(),
         };
-        let finite = [
-            out.level,
-            out.level_deviation,
-            out.slope,
-            out.slope_deviation,
-        ];
+        let finite = [out.level, out.level_std, out.slope, out.slope_std];
         finite.iter().all(|x| x.is_finite()).then_some(out)
     }
 }
@@ -121,7 +112,7 @@ mod tests {
     use super::*;
     use sinew_model::Gaussian;
 
-    /// Thirty days at 2 mrad that grow by 0.01 mrad a day; `last`: what the last one says, rad.
+    /// Thirty days at 2 mrad that grow by 0.01 mrad a day; `last_rad`: offset of the last one, rad.
     fn month(last_rad: f64) -> Vec<SessionRecord> {
         (0..30)
             .map(|day| {
@@ -144,24 +135,24 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_line_goes_on_and_leaves_three_deviations_of_a_session() {
+    fn bound_steady_line_extrapolates_plus_three_std() {
         // 2 mrad, 0.01 mrad a day for 30 days, 3 · 0.1 mrad: an exact line scatters by nothing.
         let found = bound(&month(2e-3), 30.0).unwrap();
         assert!((found - 2.6e-3).abs() < 1e-9, "{found}");
     }
 
     #[test]
-    fn what_jumped_in_the_last_session_is_never_called_far() {
+    fn bound_covers_step_in_last_session() {
         assert!(bound(&month(16e-3), 30.0).unwrap() > 16e-3);
     }
 
     #[test]
-    fn a_session_that_was_low_doesnt_pull_the_bound_below_the_others() {
+    fn bound_is_not_below_other_sessions() {
         assert!(bound(&month(-20e-3), 30.0).unwrap() > 2e-3);
     }
 
     #[test]
-    fn a_silent_robot_is_bounded_from_its_last_session_on() {
+    fn bound_counts_from_last_session() {
         let sessions = month(2e-3);
         let last = sessions.last().unwrap().time_utc_s;
         let [now, later] = [0.0, 100.0]
@@ -179,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_season_that_may_hide_creep_widens_the_bound() {
+    fn bound_includes_seasonal_drift() {
         let steady = bound(&month(2e-3), 30.0).unwrap();
         let mut sessions = month(2e-3);
         for (day, session) in sessions.iter_mut().enumerate() {

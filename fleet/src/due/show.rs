@@ -1,6 +1,6 @@
-//! The list for people, and as a table for other programs.
+//! Output of `due`: text and table.
 
-use super::{DueList, Followed, Passage, StateUnused, rope_of, screen};
+use super::{DueList, Passage, StateUnused, TrackedTendon, rope_of, screen};
 use crate::FleetError;
 use crate::args::Due;
 use crate::words;
@@ -15,11 +15,11 @@ use std::path::Path;
 pub(crate) const HEAD: [&str; 7] = [
     "robot",
     "joint",
-    "to do",
-    "limit mm",
-    "now mm",
-    "in days",
-    "95 % days",
+    "action",
+    "limit (mm)",
+    "elongation (mm)",
+    "days",
+    "95 % (days)",
 ];
 
 /// Days from the fleet's last session, for people.
@@ -28,16 +28,16 @@ fn days(at_utc_s: Option<f64>, now_utc_s: f64) -> String {
     days.map_or("> 365".into(), |days| format!("{days:.0}"))
 }
 
-/// What to do at a limit.
-fn action(followed: &Followed, passage: &Passage) -> &'static str {
+/// Recommended action at a limit.
+fn action(followed: &TrackedTendon, passage: &Passage) -> &'static str {
     match (followed.verdict, passage.limit) {
         (TrendVerdict::Inspect, _) => "inspect",
-        (_, Limit::Retension { .. }) => "tension",
+        (_, Limit::Retension { .. }) => "re-tension",
         (_, Limit::Replace { .. }) => "replace",
     }
 }
 
-pub(crate) fn row(followed: &Followed, passage: &Passage, now_utc_s: f64) -> Vec<String> {
+pub(crate) fn row(followed: &TrackedTendon, passage: &Passage, now_utc_s: f64) -> Vec<String> {
     let radius_m = followed
         .elongation_m
         .map(|e| e.mean / followed.offset_rad.mean);
@@ -47,7 +47,7 @@ pub(crate) fn row(followed: &Followed, passage: &Passage, now_utc_s: f64) -> Vec
     let limit = radius_m.filter(|r| r.is_finite());
     let [median, low, high] = passage.at_utc_s.map(|at| days(at, now_utc_s));
     let (median, interval) = match passage.state {
-        LimitState::Passed => ("passed".into(), "–".into()),
+        LimitState::Passed => ("exceeded".into(), "–".into()),
         _ => (median, format!("{low} … {high}")),
     };
     vec![
@@ -63,48 +63,51 @@ pub(crate) fn row(followed: &Followed, passage: &Passage, now_utc_s: f64) -> Vec
     ]
 }
 
-/// The list.
-pub(super) fn text(list: &DueList, asked: &Due) -> String {
-    let due: Vec<&Followed> = list.due(asked.within_days).collect();
+/// Formats the list as text.
+pub(super) fn text(list: &DueList, request: &Due) -> String {
+    let due: Vec<&TrackedTendon> = list.due(request.within_days).collect();
     let rows = due
         .iter()
-        .take(asked.rows)
+        .take(request.rows)
         .filter_map(|f| Some(row(f, f.worst()?, list.now_utc_s)));
     let mut out = match due.is_empty() {
         true => String::new(),
         false => table(&HEAD, rows.collect(), 3) + "\n",
     };
-    if due.len() > asked.rows {
+    if due.len() > request.rows {
         out += &format!(
             "… {} more; --rows N shows more, --csv FILE writes all\n\n",
-            due.len() - asked.rows
+            due.len() - request.rows
         );
     }
-    let within = format!("{} days of {}", asked.within_days, day_of(list.now_utc_s));
+    let within = format!("{} days of {}", request.within_days, day_of(list.now_utc_s));
     out += &paragraph(
         &format!(
-            "{} of {} tendons may pass a limit within {within}: they have, or the lower end of the interval lies within.",
+            "{} of {} tendons may exceed a limit within {within}: exceeded already, or the lower end of the interval is earlier.",
             due.len(),
             list.tendons
         ),
         2,
     );
-    let mut from = match (&asked.state, list.went_on) {
-        (Some(path), n) => format!(", {n} of them from where {} left them", path.display()),
+    let mut from = match (&request.state, list.resumed) {
+        (Some(path), n) => format!(", {n} of them resumed from {}", path.display()),
         (None, _) => String::new(),
     };
-    if let Some(path) = &asked.creep {
-        from += &match list.creep_known {
+    if let Some(path) = &request.creep {
+        from += &match list.with_reference_creep {
             0 => format!(
-                ", none of them begun with {}: no line of it has their type, joint and rope",
+                ", none of them with the reference creep of {}: no row has their type, joint and rope",
                 path.display()
             ),
-            n => format!(", {n} of them begun with {}", path.display()),
+            n => format!(
+                ", {n} of them with the reference creep of {}",
+                path.display()
+            ),
         };
     }
     out += &paragraph(
         &format!(
-            "{} were followed by the whole trend{}. {} can't reach a limit within these days, by a bound: {}.",
+            "{} were tracked by the full trend{}. {} cannot reach a limit within these days, because an upper bound is below it: {}.",
             list.followed.len(),
             plain(&from),
             list.out_of_reach,
@@ -114,9 +117,9 @@ pub(super) fn text(list: &DueList, asked: &Due) -> String {
     );
     if list.without_limit > 0 {
         let types = match list.unknown_types.is_empty() {
-            true => "robot.toml states none".to_owned(),
+            true => "robot.toml specifies none".to_owned(),
             false => format!(
-                "describe {} with --robot DIR or in types/",
+                "specify {} with --robot DIR or in types/",
                 plain(&list.unknown_types.join(", "))
             ),
         };
@@ -125,36 +128,36 @@ pub(super) fn text(list: &DueList, asked: &Due) -> String {
             2,
         );
     }
-    for (robot, joint, why) in &list.refused {
-        out += &paragraph(&plain(&format!("{robot}, {joint}: no trend: {why}")), 2);
+    for (robot, joint, reason) in &list.failed {
+        out += &paragraph(&plain(&format!("{robot}, {joint}: no trend: {reason}")), 2);
     }
     out
 }
 
-/// Says why tendons were followed anew though a file was there.
-pub(crate) fn tell_unused(list: &DueList, state: Option<&Path>) {
+/// Reports why the stored state was not used.
+pub(crate) fn report_unused_state(list: &DueList, state: Option<&Path>) {
     let (Some(unused), Some(path)) = (&list.state_unused, state) else {
         return;
     };
     let path = plain(&path.display().to_string());
     match unused {
         StateUnused::Version(version) => eprintln!(
-            "{path}: written by version {}; every tendon was followed anew, and the file written anew",
+            "{path}: written by version {}; every trend was estimated again and the file replaced",
             plain(version)
         ),
         StateUnused::Damaged => eprintln!(
-            "{path}: damaged; tendons beyond the damage were followed anew, and the file written anew"
+            "{path}: damaged; trends after the damage were estimated again and the file replaced"
         ),
     }
 }
 
-/// Writes every tendon that was followed, a row per limit.
-pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetError> {
+/// Writes every tracked tendon, one row per limit.
+pub(super) fn csv(list: &DueList, request: &Due, path: &Path) -> Result<(), FleetError> {
     let texts = ["robot", "joint", "site", "rope", "batch", "limit", "state"];
     let numbers = [
         "last_utc_s",
         "offset_rad",
-        "offset_deviation_rad",
+        "offset_std_rad",
         "limit_rad",
         "at_utc_s",
         "at_low_utc_s",
@@ -169,8 +172,8 @@ pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetE
     columns.push(("is_due".into(), CellKind::Flag));
     let mut writer = TableWriter::create(path, &columns)?;
     let text = |of: &str| Cell::Text(of.to_owned());
-    let known = |of: Option<&str>| of.map_or(Cell::Empty, text);
-    let until_utc_s = list.now_utc_s + asked.within_days * DAY_S;
+    let maybe = |of: Option<&str>| of.map_or(Cell::Empty, text);
+    let until_utc_s = list.now_utc_s + request.within_days * DAY_S;
     for followed in &list.followed {
         for passage in &followed.passages {
             let [at, low, high] = passage.at_utc_s;
@@ -182,14 +185,14 @@ pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetE
             writer.row(&[
                 text(&followed.robot),
                 text(&followed.joint),
-                known(followed.site.as_deref()),
-                known(rope_of(&followed.fit)),
-                known(followed.fit.batch.as_deref()),
+                maybe(followed.site.as_deref()),
+                maybe(rope_of(&followed.fit)),
+                maybe(followed.fit.batch.as_deref()),
                 text(words::limit(passage.limit)),
                 text(words::state(passage.state)),
                 Cell::Number(followed.last_utc_s),
                 Cell::Number(followed.offset_rad.mean),
-                Cell::Number(followed.offset_rad.deviation),
+                Cell::Number(followed.offset_rad.std),
                 Cell::Number(passage.limit_rad),
                 Cell::from(at.unwrap_or(f64::NAN)),
                 Cell::from(low.unwrap_or(f64::NAN)),

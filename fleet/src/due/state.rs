@@ -1,52 +1,52 @@
-//! How far each tendon was followed, kept in a file: tomorrow's question follows what is new since.
+//! File of the trends of all tendons, from which the next run resumes.
 //!
-//! A line that says what the file is and which version of the program wrote it. Then of each tendon, by robot and joint: how many bytes
-//! follow, their checksum, and the tendon with its trend as [postcard](https://docs.rs/postcard). It is read and written some robots at a
-//! time, so that memory is bounded by them.
+//! The first line identifies the file and the version of the program that wrote it. One entry per tendon follows, ordered by robot and
+//! joint: number of bytes, checksum, and the tendon with its trend as [postcard](https://docs.rs/postcard). Robots are read and
+//! written in batches, which bounds the memory.
 
 use crate::FleetError;
 use crate::folder::sides::Tendon;
 use sinew_files::AtomicFile;
-use sinew_trend::KeptTrend;
+use sinew_trend::LoadedTrend;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 use twox_hash::XxHash64;
 
-/// What the first line says, before the version.
+/// First line of the file before the version.
 const MAGIC: &str = "sinew-fleet due 1 ";
-/// The version.
+/// Version of the program.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// No tendon takes more, bytes: thousands of filters have less than 4 MB.
-const MOST_BYTES: usize = 64_000_000;
-/// Of a tendon, before what it holds: how many bytes, and their checksum.
+/// Maximum size of an entry, bytes; thousands of filters take less than 4 MB.
+const MAX_BYTES: usize = 64_000_000;
+/// Size of the header of an entry, bytes: length and checksum.
 const HEAD_BYTES: usize = 16;
 
-/// Why tendons are followed anew though a file was there.
+/// Reason why a stored state is not used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StateUnused {
     /// Another version of the program wrote it.
     Version(String),
-    /// It ends early, or isn't what was written.
+    /// File truncated or corrupt.
     Damaged,
 }
 
-/// A file of trends: the old one is read while the new one is written.
+/// State file: the old one is read while the new one is written.
 pub(super) struct State {
     path: PathBuf,
     old: Option<BufReader<File>>,
-    /// The next tendon of the old one.
+    /// Next tendon of the old file.
     next: Option<(Tendon, Vec<u8>)>,
     new: AtomicFile,
     pub(super) unused: Option<StateUnused>,
 }
 
 impl State {
-    /// Opens a file, which may not be there.
+    /// Opens a file, which may be missing.
     ///
     /// # Errors
-    /// [`FleetError::NoState`] for a file that is something else.
+    /// Returns [`FleetError::NoState`] for a file of another kind.
     pub(super) fn open(path: &Path) -> Result<Self, FleetError> {
         let old = match File::open(path) {
             Ok(file) => Some(BufReader::new(file)),
@@ -98,7 +98,7 @@ impl State {
         Ok(())
     }
 
-    /// What is known of robots whose names come after all that were asked for before.
+    /// Returns the stored trends of robots up to the last of `robots`, in the order of their names.
     pub(super) fn of(&mut self, robots: &[String]) -> BTreeMap<Tendon, Vec<u8>> {
         let mut out = BTreeMap::new();
         let Some(last) = robots.last() else {
@@ -126,7 +126,7 @@ impl State {
         }
     }
 
-    /// Writes what is known of a tendon, in the order of their names.
+    /// Writes the trend of a tendon; tendons are in the order of their names.
     pub(super) fn keep(&mut self, tendon: &Tendon, trend: &[u8]) -> Result<(), FleetError> {
         let name = encoded(tendon)?;
         let whole = [&name, trend].concat();
@@ -136,7 +136,7 @@ impl State {
         Ok(self.new.append(&whole)?)
     }
 
-    /// The new file takes the old one's place.
+    /// Replaces the old file by the new one.
     pub(super) fn finish(self) -> Result<Option<StateUnused>, FleetError> {
         self.new.finish()?;
         Ok(self.unused)
@@ -154,7 +154,7 @@ fn next(old: &mut BufReader<File>) -> Option<Option<(Tendon, Vec<u8>)>> {
         let bytes = head[at..at + 8].try_into();
         bytes.map_or(u64::MAX, u64::from_le_bytes)
     });
-    let length = usize::try_from(length).ok().filter(|n| *n <= MOST_BYTES)?;
+    let length = usize::try_from(length).ok().filter(|n| *n <= MAX_BYTES)?;
     let mut whole = vec![0; length];
     old.read_exact(&mut whole).ok()?;
     if XxHash64::oneshot(0, &whole) != checksum {
@@ -165,7 +165,7 @@ fn next(old: &mut BufReader<File>) -> Option<Option<(Tendon, Vec<u8>)>> {
 }
 
 /// A trend from its bytes; `None`: they are none.
-pub(super) fn trend_of(bytes: &[u8]) -> Option<KeptTrend> {
+pub(super) fn trend_of(bytes: &[u8]) -> Option<LoadedTrend> {
     postcard::from_bytes(bytes).ok()
 }
 

@@ -1,48 +1,48 @@
-//! A folder of records: which files, what is in them twice, what can't be read.
+//! Folder of records: its files, duplicate sessions and unreadable files.
 
 mod scan;
 pub mod sides;
 
-pub use scan::{RecordFile, Refused, Trouble};
+pub use scan::{FileError, RecordFile, RejectedFile};
 
 use crate::FleetError;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Tables that may lie beside the records, as CSV.
+/// Names of the optional side tables (CSV) in the folder of the records.
 pub const SIDES: [&str; 3] = ["robots", "tendons", "events"];
 
 /// Ending of a file of records.
 pub(crate) const RECORDS: &str = "parquet";
 /// Ending of a baseline.
 pub(crate) const BASELINES: &str = "baseline";
-/// Folder of the robot types, beside the records.
+/// Folder of the robot types, in the folder of the records.
 pub(crate) const TYPES: &str = "types";
 
-/// What a folder holds.
+/// Content of a folder of records.
 #[derive(Debug, Clone, Default)]
 pub struct Folder {
-    /// The folder.
+    /// Path of the folder.
     pub path: PathBuf,
-    /// Files that no other file overlaps, whose rows ascend strictly by robot, joint and time: nothing is twice.
+    /// Files without overlap with another file, whose rows ascend strictly by robot, joint and time: no duplicates.
     pub clean: Vec<RecordFile>,
-    /// Files in which a session may be twice, or be in another file as well.
-    pub doubtful: Vec<RecordFile>,
-    /// Files that were refused.
-    pub refused: Vec<Refused>,
+    /// Files that may contain duplicate sessions, within the file or with another file.
+    pub ambiguous: Vec<RecordFile>,
+    /// Files that were rejected.
+    pub rejected: Vec<RejectedFile>,
 }
 
 impl Folder {
-    /// Looks at every file's keys. A file that can't be read loses only itself.
+    /// Reads the keys of every file. An unreadable file does not affect the others.
     ///
     /// # Errors
-    /// A folder that can't be read, or has no file of records.
+    /// Returns [`FleetError`] if the folder cannot be read or contains no file of records.
     pub fn open(path: &Path) -> Result<Self, FleetError> {
         Self::look(path, false)
     }
 
-    /// The same, and reads all of every file: what is damaged beyond its keys is found too.
+    /// Reads every column of every file, which also detects damage outside the keys.
     ///
     /// # Errors
     /// As [`Folder::open`].
@@ -54,7 +54,7 @@ impl Folder {
         let mut found = Vec::new();
         find(path, RECORDS, &mut found)?;
         found.sort_unstable();
-        let looked: Vec<Result<RecordFile, Refused>> = (found.into_par_iter())
+        let scanned: Vec<Result<RecordFile, RejectedFile>> = (found.into_par_iter())
             .map(|file| scan::scan(&file, whole))
             .collect();
         let mut out = Self {
@@ -62,20 +62,20 @@ impl Folder {
             ..Self::default()
         };
         let mut files = Vec::new();
-        for file in looked {
+        for file in scanned {
             match file {
                 Ok(file) if file.rows == 0 => {}
                 Ok(file) => files.push(file),
-                Err(refused) => out.refused.push(refused),
+                Err(rejected) => out.rejected.push(rejected),
             }
         }
-        if files.is_empty() && out.refused.is_empty() {
+        if files.is_empty() && out.rejected.is_empty() {
             return Err(FleetError::NoRecords(path.into()));
         }
         let overlaps = overlapping(&files);
         for (file, overlaps) in files.into_iter().zip(overlaps) {
             match overlaps || !file.ascends {
-                true => out.doubtful.push(file),
+                true => out.ambiguous.push(file),
                 false => out.clean.push(file),
             }
         }
@@ -84,7 +84,7 @@ impl Folder {
 
     /// All files that can be read.
     pub fn files(&self) -> impl Iterator<Item = &RecordFile> {
-        self.clean.iter().chain(&self.doubtful)
+        self.clean.iter().chain(&self.ambiguous)
     }
 
     /// Names of the robots.
@@ -106,13 +106,13 @@ impl Folder {
     }
 }
 
-/// A table beside the records of a folder, if it is there.
+/// Path of a side table, if present.
 pub(crate) fn side(folder: &Path, name: &str) -> Option<PathBuf> {
     let path = folder.join(format!("{name}.csv"));
     path.is_file().then_some(path)
 }
 
-/// What versions are ordered by: `0.10.0` is later than `0.9.2`, and than its own `0.10.0-rc.1`.
+/// Sort key of a version: `0.10.0` is later than `0.9.2` and than its own `0.10.0-rc.1`.
 fn order_of(version: &str) -> (Vec<u64>, bool, String) {
     let (numbers, rest) = match version.split_once('-') {
         Some((numbers, rest)) => (numbers, rest),
@@ -122,7 +122,7 @@ fn order_of(version: &str) -> (Vec<u64>, bool, String) {
     (numbers.collect(), rest.is_empty(), rest.to_owned())
 }
 
-/// Files of a folder and its folders whose names end so, but for those that hide.
+/// Finds the files with an extension in a folder and its subfolders, without hidden ones.
 pub(crate) fn find(
     folder: &Path,
     ending: &str,
@@ -138,7 +138,7 @@ pub(crate) fn find(
         if entry.file_name().to_string_lossy().starts_with('.') {
             continue;
         }
-        // A link to a folder above would never end.
+        // Links to folders are not followed; one to a parent folder would never end.
         if entry.file_type().map_err(wrong)?.is_dir() {
             find(&path, ending, found)?;
         } else if path.extension().is_some_and(|e| e == ending) && path.is_file() {
@@ -148,7 +148,7 @@ pub(crate) fn find(
     Ok(())
 }
 
-/// Of each file whether another one may hold the same session: robots, and times, in common.
+/// Whether another file may contain the same session, for each file: common robots and overlapping times.
 fn overlapping(files: &[RecordFile]) -> Vec<bool> {
     let mut out = vec![false; files.len()];
     let mut order: Vec<usize> = (0..files.len()).collect();

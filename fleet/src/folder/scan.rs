@@ -1,4 +1,4 @@
-//! One file of records: whose it is, whether it ascends, whether it can be read.
+//! Scan of one file of records: robots, order of the rows, readability.
 
 use datafusion::arrow::array::{Array, AsArray as _, RecordBatch};
 use datafusion::arrow::compute::cast;
@@ -10,87 +10,87 @@ use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-/// Columns without which a row is no record.
+/// Required columns of a record.
 const KEYS: [&str; 3] = ["robot", "joint", "time_utc_s"];
 const VERSION: &str = "sinew_version";
 
-/// A file of records.
+/// Readable file of records.
 #[derive(Debug, Clone)]
 pub struct RecordFile {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Whether robot, joint and time ascend strictly: no session is in it twice.
+    /// Whether robot, joint and time ascend strictly, which excludes duplicate sessions.
     pub ascends: bool,
-    /// Robots.
+    /// Names of the robots.
     pub robots: BTreeSet<String>,
-    /// First and last time, s since 1970.
+    /// First and last time stamp, s since 1970.
     pub times_utc_s: [f64; 2],
-    /// Versions of the program.
+    /// Versions of the program that wrote the records.
     pub versions: BTreeSet<String>,
-    /// Its columns.
+    /// Schema of the file.
     pub schema: SchemaRef,
 }
 
-/// A file that was refused.
+/// Rejected file of records.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refused {
-    /// The file.
+pub struct RejectedFile {
+    /// Path of the file.
     pub path: PathBuf,
-    /// Why.
-    pub trouble: Trouble,
+    /// Reason of the rejection.
+    pub error: FileError,
 }
 
-/// Why a file was refused.
+/// Reason for the rejection of a file of records.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Trouble {
-    /// It isn't Parquet, is cut off or damaged: what the reader says.
+pub enum FileError {
+    /// Not Parquet, truncated or damaged, with the message of the reader.
     Damaged(String),
-    /// It is no table of records: a column that is missing.
+    /// Missing column.
     NoColumn(&'static str),
-    /// A column that can't be what it is called.
+    /// Column of an incompatible type.
     WrongType(String),
-    /// A row without robot, joint or time.
+    /// Row without robot, joint or time.
     NoKey,
 }
 
-impl std::fmt::Display for Trouble {
+impl std::fmt::Display for FileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Damaged(why) => write!(f, "damaged: {why}"),
-            Self::NoColumn(name) => write!(f, "no records: it has no column '{name}'"),
-            Self::WrongType(why) => write!(f, "column {why}"),
-            Self::NoKey => write!(f, "a row without robot, joint or time"),
+            Self::Damaged(reason) => write!(f, "damaged: {reason}"),
+            Self::NoColumn(name) => write!(f, "not a file of records: column '{name}' missing"),
+            Self::WrongType(reason) => write!(f, "column {reason}"),
+            Self::NoKey => write!(f, "a row has no robot, joint or time"),
         }
     }
 }
 
-/// Looks at a file: its keys, or all of it.
-pub(super) fn scan(path: &Path, whole: bool) -> Result<RecordFile, Refused> {
-    // A damaged file may lead the reader to a panic; it loses only itself.
-    let looked = catch_unwind(AssertUnwindSafe(|| read(path, whole)));
-    let damaged = || Err(Trouble::Damaged("the reader gave up".into()));
-    looked
+/// Scans a file: its keys, or all columns.
+pub(super) fn scan(path: &Path, whole: bool) -> Result<RecordFile, RejectedFile> {
+    // A damaged file may cause a panic in the reader, which must not affect other files.
+    let scanned = catch_unwind(AssertUnwindSafe(|| read(path, whole)));
+    let damaged = || Err(FileError::Damaged("internal error of the reader".into()));
+    scanned
         .unwrap_or_else(|_| damaged())
-        .map_err(|trouble| Refused {
+        .map_err(|error| RejectedFile {
             path: path.into(),
-            trouble,
+            error,
         })
 }
 
-fn damaged(error: impl std::fmt::Display) -> Trouble {
-    Trouble::Damaged(error.to_string())
+fn damaged(error: impl std::fmt::Display) -> FileError {
+    FileError::Damaged(error.to_string())
 }
 
-fn read(path: &Path, whole: bool) -> Result<RecordFile, Trouble> {
+fn read(path: &Path, whole: bool) -> Result<RecordFile, FileError> {
     let file = File::open(path).map_err(damaged)?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(damaged)?;
     let schema = builder.schema().clone();
     if let Some(missing) = KEYS.iter().find(|k| schema.index_of(k).is_err()) {
-        return Err(Trouble::NoColumn(missing));
+        return Err(FileError::NoColumn(missing));
     }
-    crate::columns::check_types(&schema).map_err(Trouble::WrongType)?;
+    crate::columns::check_types(&schema).map_err(FileError::WrongType)?;
     let mask = match whole {
         true => ProjectionMask::all(),
         false => {
@@ -110,28 +110,29 @@ fn read(path: &Path, whole: bool) -> Result<RecordFile, Trouble> {
     };
     let mut last: Option<(String, String, f64)> = None;
     for batch in rows {
-        take(&batch.map_err(damaged)?, &mut out, &mut last)?;
+        scan_batch(&batch.map_err(damaged)?, &mut out, &mut last)?;
     }
     Ok(out)
 }
 
-/// Takes the keys of some rows.
-fn take(
+/// Evaluates the keys of a batch of rows.
+fn scan_batch(
     batch: &RecordBatch,
     out: &mut RecordFile,
     last: &mut Option<(String, String, f64)>,
-) -> Result<(), Trouble> {
+) -> Result<(), FileError> {
     let column = |name: &str, to: &DataType| {
         let column = batch.column_by_name(name);
         column.map(|c| cast(c, to).map_err(damaged)).transpose()
     };
-    let need = |name: &'static str, to: &DataType| column(name, to)?.ok_or(Trouble::NoColumn(name));
+    let need =
+        |name: &'static str, to: &DataType| column(name, to)?.ok_or(FileError::NoColumn(name));
     let robots = need("robot", &DataType::Utf8)?;
     let joints = need("joint", &DataType::Utf8)?;
     let times = need("time_utc_s", &DataType::Float64)?;
     let versions = column(VERSION, &DataType::Utf8)?;
     if robots.null_count() + joints.null_count() + times.null_count() > 0 {
-        return Err(Trouble::NoKey);
+        return Err(FileError::NoKey);
     }
     let (robots, joints) = (robots.as_string::<i32>(), joints.as_string::<i32>());
     let times = times.as_primitive::<Float64Type>();
@@ -139,12 +140,12 @@ fn take(
     for i in 0..batch.num_rows() {
         let key = (robots.value(i), joints.value(i), times.value(i));
         if !key.2.is_finite() {
-            return Err(Trouble::NoKey);
+            return Err(FileError::NoKey);
         }
         if before.is_none_or(|b| b.0 != key.0) && !out.robots.contains(key.0) {
             out.robots.insert(key.0.to_owned());
         }
-        // Written so that a time that is no number ends the order too.
+        // The comparison is false for NaN, which ends the order too.
         let ascends = before.is_none_or(|b| {
             (b.0, b.1) < (key.0, key.1) || (b.0, b.1) == (key.0, key.1) && b.2 < key.2
         });

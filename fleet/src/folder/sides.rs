@@ -1,4 +1,4 @@
-//! What somebody wrote beside the records: which rope a tendon has, and what was done to it when.
+//! Side tables: ropes, sites and maintenance events of the tendons.
 
 use super::side;
 use crate::FleetError;
@@ -9,22 +9,22 @@ use sinew_trend::Stated;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A robot and a joint.
+/// Robot and joint of a tendon.
 pub type Tendon = (String, String);
 
-/// Rope and batch of a tendon, as far as `tendons.csv` names them.
+/// Rope and batch of a tendon, if specified in `tendons.csv`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Fitted {
-    /// Name in the catalogue.
+    /// Name of the rope in the catalogue.
     pub rope: Option<String>,
-    /// Batch.
+    /// Production batch of the rope.
     pub batch: Option<String>,
 }
 
 /// Reads `tendons.csv`: robot, joint, rope, batch.
 ///
 /// # Errors
-/// The place of what is wrong.
+/// Returns the location of the invalid value.
 pub fn fitted(folder: &Path) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
     let mut out = BTreeMap::new();
     let Some(path) = side(folder, "tendons") else {
@@ -43,7 +43,7 @@ pub fn fitted(folder: &Path) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
             batch: text("batch"),
         };
         if out.insert(key, fitted).is_some() {
-            let problem = "this tendon has a line already: one rope at a time";
+            let problem = "duplicate row of this tendon; one rope at a time";
             return Err(row
                 .here(Fault::NotAllowed, problem)
                 .cure("keep the present one")
@@ -56,7 +56,7 @@ pub fn fitted(folder: &Path) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
 /// Site of each robot that `robots.csv` names one for.
 ///
 /// # Errors
-/// The place of what is wrong.
+/// Returns the location of the invalid value.
 pub fn sites(folder: &Path) -> Result<BTreeMap<String, String>, FleetError> {
     let Some(path) = side(folder, "robots") else {
         return Ok(BTreeMap::new());
@@ -75,7 +75,7 @@ pub fn sites(folder: &Path) -> Result<BTreeMap<String, String>, FleetError> {
 /// Reads `events.csv`: robot, joint, time_utc_s, event (`tensioned`, `replaced`, `broken` or `installed`).
 ///
 /// # Errors
-/// The place of what is wrong.
+/// Returns the location of the invalid value.
 pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError> {
     let mut out: BTreeMap<Tendon, Vec<Stated>> = BTreeMap::new();
     let Some(path) = side(folder, "events") else {
@@ -102,7 +102,7 @@ pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError
             "tensioned" => false,
             // After a break a rope is put in, and none replaced: until then `sinew trend survival` counts none.
             "replaced" | "installed" => true,
-            // For `sinew trend survival`: a trend begins anew with the rope that takes its place.
+            // A broken rope matters to `sinew trend survival` only; here the trend begins again with its replacement.
             "broken" => continue,
             _ => {
                 return Err(
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rope_that_broke_is_no_tensioning_and_other_words_are_refused() {
+    fn events_broken_rope_is_ignored_unknown_is_invalid() {
         let folder = tempfile::tempdir().unwrap();
         let write = |last: &str| {
             let rows = format!(
@@ -140,10 +140,10 @@ mod tests {
         write("installed");
         assert_eq!(events(folder.path()).unwrap(), read);
         write("snapped");
-        let refused = events(folder.path()).unwrap_err().to_string();
+        let error = events(folder.path()).unwrap_err().to_string();
         assert!(
-            refused.contains("tensioned, replaced, broken or installed"),
-            "{refused}"
+            error.contains("tensioned, replaced, broken or installed"),
+            "{error}"
         );
     }
 }

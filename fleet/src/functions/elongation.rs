@@ -1,7 +1,7 @@
 //! `sinew_elongation_mm`: an offset as length of rope.
 
 use super::Lazy;
-use crate::beside::tendon_of;
+use crate::metadata::tendon_of;
 use datafusion::arrow::array::{Array as _, AsArray as _, Float64Array};
 use datafusion::arrow::datatypes::{DataType, Float64Type};
 use datafusion::error::DataFusionError;
@@ -11,7 +11,7 @@ use datafusion::logical_expr::{
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// Offset times the radius of the joint's pulley; unknown where nobody described the robot type, or the joint has no tendon.
+/// Offset times pulley radius of the joint; null without a description of the robot type or without a tendon.
 #[derive(Debug)]
 pub(super) struct Elongation {
     lazy: Arc<Lazy>,
@@ -57,7 +57,7 @@ impl ScalarUDFImpl for Elongation {
     }
 
     fn invoke_with_args(&self, args: ScalarFunctionArgs) -> Result<ColumnarValue, DataFusionError> {
-        let beside = self.lazy.get()?;
+        let metadata = self.lazy.get()?;
         let columns = ColumnarValue::values_to_arrays(&args.args)?;
         let offsets = columns[0].as_primitive::<Float64Type>();
         let (types, joints) = (columns[1].as_string::<i32>(), columns[2].as_string::<i32>());
@@ -65,7 +65,7 @@ impl ScalarUDFImpl for Elongation {
             if types.is_null(row) || joints.is_null(row) {
                 return None;
             }
-            let robot = beside.robot_type(types.value(row))?;
+            let robot = metadata.robot_type(types.value(row))?;
             Some(tendon_of(robot, joints.value(row))?.joint_pulley_radius_m)
         };
         // Rows of a tendon follow each other, mostly.

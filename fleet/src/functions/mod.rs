@@ -7,13 +7,13 @@
 //! | `sinew_days_until(*)`, `sinew_days_until(limit_mm, *)` | a tendon's records | days until a limit |
 //!
 //! `*` and `table.*` stand for the columns of a record ([`write_out`]). Types, ropes and events are read when the first
-//! of these functions is, so a question without them needs none ([`Lazy`]).
+//! of these functions is used; other queries do not need them ([`Lazy`]).
 
 mod elongation;
 mod trend;
 
 use crate::FleetError;
-use crate::beside::Beside;
+use crate::metadata::FleetMetadata;
 use datafusion::error::DataFusionError;
 use datafusion::logical_expr::{AggregateUDF, ScalarUDF};
 use datafusion::prelude::SessionContext;
@@ -28,23 +28,23 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use trend::{COLUMNS, Kind, OfTendon};
 
-/// What lies beside the records, read when it is needed.
+/// Fleet metadata, read on first use.
 pub(super) struct Lazy {
     folder: PathBuf,
     described: Vec<PathBuf>,
-    read: Mutex<Option<Arc<Beside>>>,
+    read: Mutex<Option<Arc<FleetMetadata>>>,
 }
 
 impl Lazy {
-    fn get(&self) -> Result<Arc<Beside>, DataFusionError> {
+    fn get(&self) -> Result<Arc<FleetMetadata>, DataFusionError> {
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(beside) = &*read {
-            return Ok(beside.clone());
+        if let Some(metadata) = &*read {
+            return Ok(metadata.clone());
         }
-        let beside = Beside::read(&self.folder, &self.described).map(Arc::new);
-        let beside = beside.map_err(refuse)?;
-        *read = Some(beside.clone());
-        Ok(beside)
+        let metadata = FleetMetadata::read(&self.folder, &self.described).map(Arc::new);
+        let metadata = metadata.map_err(external)?;
+        *read = Some(metadata.clone());
+        Ok(metadata)
     }
 }
 
@@ -54,12 +54,12 @@ impl std::fmt::Debug for Lazy {
     }
 }
 
-/// A refusal of ours on its way through the engine.
-fn refuse(error: FleetError) -> DataFusionError {
+/// Wraps an error of this crate for the engine.
+fn external(error: FleetError) -> DataFusionError {
     DataFusionError::External(Box::new(error))
 }
 
-/// Makes the functions known.
+/// Registers the functions.
 pub(crate) fn register(context: &SessionContext, folder: &Path, described: &[PathBuf]) {
     let lazy = Arc::new(Lazy {
         folder: folder.into(),
@@ -88,7 +88,7 @@ pub(crate) fn write_out(statement: &mut Statement) -> Result<(), DataFusionError
     });
     match done {
         ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(error) => Err(refuse(error)),
+        ControlFlow::Break(error) => Err(external(error)),
     }
 }
 

@@ -1,8 +1,8 @@
 //! `sinew_trend` and `sinew_days_until`: the trend of `sinew trend` over a tendon's records.
 
-use super::{Lazy, refuse};
+use super::{Lazy, external};
 use crate::FleetError;
-use crate::beside::Beside;
+use crate::metadata::FleetMetadata;
 use crate::sessions::{self, Sessions, thinned};
 use crate::words;
 use datafusion::arrow::array::{
@@ -24,7 +24,7 @@ use sinew_trend::{JointTrend, Passage, TrendEvent};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// Columns of a record that a trend takes: those of a session, and who dated it.
+/// Columns of a record required by a trend: those of a session and the kind of clock.
 pub(super) const COLUMNS: [&str; 12] = {
     let mut out = ["clock"; 12];
     let mut i = 0;
@@ -34,13 +34,13 @@ pub(super) const COLUMNS: [&str; 12] = {
     }
     out
 };
-/// Place of columns among them.
+/// Indices into [`COLUMNS`].
 const TIME: usize = 4;
 const OFFSET: usize = 6;
-const DEVIATION: usize = 7;
+const STD: usize = 7;
 const CLOCK: usize = 11;
 
-/// Which of them.
+/// Kind of the aggregate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kind {
     Trend,
@@ -57,7 +57,7 @@ impl Kind {
         }
     }
 
-    /// How it is written.
+    /// Correct form of the call.
     pub(super) fn usage(self) -> &'static str {
         match self {
             Self::Trend => "sinew_trend(*), or sinew_trend(r.*) where records is called r",
@@ -68,7 +68,7 @@ impl Kind {
         }
     }
 
-    /// What it gives.
+    /// Fields of the result.
     fn fields(self) -> Fields {
         let number = |name: &str| Field::new(name, DataType::Float64, true);
         let text = |name: &str| Field::new(name, DataType::Utf8, true);
@@ -77,16 +77,16 @@ impl Kind {
             Self::Trend => vec![
                 text("verdict"),
                 number("offset_rad"),
-                number("offset_deviation_rad"),
+                number("offset_std_rad"),
                 number("elongation_m"),
-                number("elongation_deviation_m"),
+                number("elongation_std_m"),
                 number("rate_rad_per_s"),
-                number("rate_deviation_rad_per_s"),
+                number("rate_std_rad_per_s"),
                 count("jumps"),
                 count("sessions"),
                 number("tensioned_utc_s"),
                 number("last_utc_s"),
-                text("refused"),
+                text("rejection"),
             ],
             Self::DaysUntil => vec![
                 text("limit"),
@@ -94,13 +94,13 @@ impl Kind {
                 number("median"),
                 number("low"),
                 number("high"),
-                text("refused"),
+                text("rejection"),
             ],
         };
         fields.into()
     }
 
-    /// What it takes: a limit in mm, where it takes one, then the columns.
+    /// Arguments: a limit in mm, if supported, then the columns.
     fn arguments(self) -> Vec<Field> {
         let limit =
             (self == Self::DaysUntil).then(|| Field::new("limit_mm", DataType::Float64, true));
@@ -222,53 +222,53 @@ impl Rows {
         )?)
     }
 
-    /// Where a column of a record is.
+    /// Index of a column in the arguments.
     fn place(&self, column: usize) -> usize {
         column + usize::from(self.kind == Kind::DaysUntil)
     }
 
-    /// The limit that was asked for, m.
+    /// Returns the requested limit, m.
     fn limit_m(&self, rows: &RecordBatch) -> Result<Option<f64>, FleetError> {
         if self.kind != Kind::DaysUntil {
             return Ok(None);
         }
         let given = rows.column(0).as_primitive::<Float64Type>();
-        let refused = |found: String| FleetError::NoLimit {
+        let invalid = |found: String| FleetError::NoLimit {
             function: self.kind.name(),
             found,
         };
         let mut limits = given.iter();
         let first = limits.next().flatten();
         if let Some(other) = limits.find(|limit| *limit != first) {
-            let told = |limit: Option<f64>| limit.map_or("unknown".to_owned(), |mm| mm.to_string());
-            return Err(refused(format!("{} and {}", told(first), told(other))));
+            let text = |limit: Option<f64>| limit.map_or("unknown".to_owned(), |mm| mm.to_string());
+            return Err(invalid(format!("{} and {}", text(first), text(other))));
         }
         match first {
-            Some(mm) if !(mm > 0.0 && mm.is_finite()) => Err(refused(mm.to_string())),
+            Some(mm) if !(mm > 0.0 && mm.is_finite()) => Err(invalid(mm.to_string())),
             limit => Ok(limit.map(|mm| 1e-3 * mm)),
         }
     }
 
-    fn found(&self, beside: &Beside) -> Result<Found, DataFusionError> {
+    fn found(&self, metadata: &FleetMetadata) -> Result<Found, DataFusionError> {
         let rows = self.sorted()?;
         if rows.num_rows() == 0 {
             return Ok(Found::Nothing);
         }
-        let limit_m = self.limit_m(&rows).map_err(refuse)?;
+        let limit_m = self.limit_m(&rows).map_err(external)?;
         let first = self.place(0);
         let columns: Vec<usize> = (first..first + sessions::COLUMNS.len()).collect();
-        let tendons = sessions::sessions(&[rows.project(&columns)?]).map_err(refuse)?;
+        let tendons = sessions::sessions(&[rows.project(&columns)?]).map_err(external)?;
         if let [a, b, ..] = &tendons[..] {
-            let told = |s: &Sessions| format!("{} {}", s.tendon.0, s.tendon.1);
-            return Err(refuse(FleetError::SeveralTendons {
+            let text = |s: &Sessions| format!("{} {}", s.tendon.0, s.tendon.1);
+            return Err(external(FleetError::SeveralTendons {
                 function: self.kind.name(),
-                tendons: [told(a), told(b)],
+                tendons: [text(a), text(b)],
             }));
         }
         let Some(sessions) = tendons.first() else {
             return Ok(Found::Nothing);
         };
-        let mut robot = beside.robot(sessions).cloned();
+        let mut robot = metadata.robot(sessions).cloned();
         if let (Some(robot), Some(limit_m)) = (&mut robot, limit_m) {
             for transmission in robot.transmissions.iter_mut().flatten() {
                 if let Some(tendon) = &mut transmission.tendon {
@@ -277,43 +277,43 @@ impl Rows {
             }
         }
         let rows = thinned(&sessions.rows);
-        Ok(match beside.trend(sessions, robot.as_ref(), rows, None) {
+        Ok(match metadata.trend(sessions, robot.as_ref(), rows, None) {
             Ok(followed) => Found::Trend(Box::new(followed.trend), sessions.rows.len()),
-            Err(error) => Found::Refused(error.to_string()),
+            Err(error) => Found::Failed(error.to_string()),
         })
     }
 }
 
-/// What became of a tendon's records.
+/// Result of the records of a tendon.
 enum Found {
     Nothing,
-    Refused(String),
-    /// And how many sessions there are.
+    Failed(String),
+    /// Trend and number of sessions.
     Trend(Box<JointTrend>, usize),
 }
 
 impl Accumulator for Rows {
     fn update_batch(&mut self, values: &[ArrayRef]) -> Result<(), DataFusionError> {
         let batch = RecordBatch::try_new(self.schema.clone(), values.to_vec())?;
-        // As everywhere: what a civil clock didn't date, or has no interval, is no part of a trend.
+        // Sessions without a UTC date or without an interval are not part of a trend.
         let clocks = values[self.place(CLOCK)].as_string::<i32>();
         let offsets = &values[self.place(OFFSET)];
-        let deviations = values[self.place(DEVIATION)].as_primitive::<Float64Type>();
+        let stds = values[self.place(STD)].as_primitive::<Float64Type>();
         let counts = |row: &usize| {
             let row = *row;
             clocks.is_valid(row)
                 && clocks.value(row) == "utc"
                 && offsets.is_valid(row)
-                && deviations.is_valid(row)
-                && deviations.value(row) > 0.0
+                && stds.is_valid(row)
+                && stds.value(row) > 0.0
         };
         let rows = (0..batch.num_rows()).filter(counts).map(|row| row as u64);
         self.push(&batch, rows.collect())
     }
 
     fn evaluate(&mut self) -> Result<ScalarValue, DataFusionError> {
-        let beside = self.lazy.get()?;
-        let found = self.found(&beside)?;
+        let metadata = self.lazy.get()?;
+        let found = self.found(&metadata)?;
         let columns = match self.kind {
             Kind::Trend => trend_columns(&found),
             Kind::DaysUntil => days_columns(&found),
@@ -360,15 +360,12 @@ fn count(value: Option<usize>) -> ArrayRef {
 }
 
 fn pair(value: Option<Gaussian>) -> [ArrayRef; 2] {
-    [
-        number(value.map(|v| v.mean)),
-        number(value.map(|v| v.deviation)),
-    ]
+    [number(value.map(|v| v.mean)), number(value.map(|v| v.std))]
 }
 
-fn refused(found: &Found) -> ArrayRef {
+fn failure(found: &Found) -> ArrayRef {
     text(match found {
-        Found::Refused(why) => Some(why),
+        Found::Failed(reason) => Some(reason),
         _ => None,
     })
 }
@@ -387,7 +384,7 @@ fn trend_columns(found: &Found) -> Vec<ArrayRef> {
     out.extend([count(jumps), count(sessions)]);
     out.push(number(trend.map(|t| t.tensioned_utc_s)));
     out.push(number(trend.map(|t| t.last_utc_s)));
-    out.push(refused(found));
+    out.push(failure(found));
     out
 }
 
@@ -409,6 +406,6 @@ fn days_columns(found: &Found) -> Vec<ArrayRef> {
         number(days(0)),
         number(days(1)),
         number(days(2)),
-        refused(found),
+        failure(found),
     ]
 }

@@ -3,10 +3,10 @@
 use super::{Hierarchy, Unit};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// `XᵀV⁻¹X`, `XᵀV⁻¹z`, `zᵀV⁻¹z` and `ln |V|`, where `V` is block by block a diagonal and what a robot's tendons share.
+/// `XᵀV⁻¹X`, `XᵀV⁻¹z`, `zᵀV⁻¹z` and `ln |V|` for a block-diagonal `V`: per robot a diagonal plus a common variance.
 #[derive(Debug, Clone)]
 pub(super) struct Gram {
-    /// Columns one after the other; the lower triangle alone.
+    /// Matrix in column-major order, lower triangle only.
     xx: Vec<f64>,
     columns: usize,
     xz: DVector<f64>,
@@ -26,7 +26,7 @@ impl Gram {
             zz: 0.0,
             log_determinant: 0.0,
         };
-        // A robot's sum of rows, by weight; few columns of it are in use.
+        // Weighted sum of the rows of a robot; few of its columns are nonzero.
         let mut sum = vec![0.0; p];
         let mut in_use = vec![false; p];
         let mut used: Vec<usize> = Vec::new();
@@ -44,7 +44,7 @@ impl Gram {
                     sum[column] += w * x;
                 }
             }
-            // Woodbury: what the robot's tendons share takes from the sums along their common direction.
+            // Woodbury identity: the common variance of the robot reduces the sums along their common direction.
             let share = robot / (1.0 + robot * weights);
             out.log_determinant += (robot * weights).ln_1p();
             out.zz -= share * sum_z * sum_z;
@@ -97,7 +97,7 @@ impl Gram {
     }
 }
 
-/// The coefficients, given how far everything differs.
+/// Posterior of the coefficients for given standard deviations.
 pub(super) struct Posterior {
     /// Logarithm of the probability of the values, coefficients integrated out, up to a constant.
     pub(super) log_evidence: f64,

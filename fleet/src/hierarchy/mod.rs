@@ -1,20 +1,20 @@
-//! Groups that differ, tendons within them that differ more: what can be told of each group, with few tendons and many.
+//! Hierarchical model of groups of tendons, for few and for many tendons per group.
 //!
-//! Of each tendon `i` of robot `r` a logarithm `z` is known to a variance `v`:
+//! Each tendon `i` of robot `r` has a logarithm `z` with the measurement variance `v`:
 //!
 //! `z_i = x_iᵀ β + Σ_f u_f(i) + b_r + e_i + N(0, v_i)`
 //!
-//! | term | what | a priori |
+//! \| term \| meaning \| prior \|
 //! |---|---|---|
 //! | `β` | kinds of tendon, covariates | normal, wide |
-//! | `u_0` | the groups that are compared | normal, `τ_0`; one in ten strays beyond: a bad one among good ones isn't drawn in |
-//! | `u_f` | what else differs: batches, sites | as groups for batches, normal for sites, `τ_f` |
+//! \| `u_0` \| compared groups \| normal, `τ_0`; one in ten is outlying, so that a bad group is not shrunk towards the good ones \|
+//! \| `u_f` \| other factors: batches, sites \| as groups for batches, normal for sites, `τ_f` \|
 //! | `b_r` | robots | normal, `τ_robot` |
-//! | `e_i` | tendons | normal, `τ_tendon` times what is usual for their kind; who gives the values draws in those that stray |
-//! | `τ` | how far each differ | half-Cauchy; of groups and factors it begins at 0, as no two are quite alike |
+//! \| `e_i` \| tendons \| normal, `τ_tendon` times the spread of their kind; the caller clips outliers \|
+//! \| `τ` \| standard deviations \| half-Cauchy; of groups and factors with density 0 at 0, as no two are identical \|
 //!
-//! All that is said comes from draws of the joint posterior ([`sample`]), so it holds what isn't known of the `τ` too: a factor
-//! with four levels tells little of its `τ`.
+//! All results are based on draws of the joint posterior ([`sample`]), which includes the uncertainty of the `τ`: a factor with four
+//! levels contains little information about its `τ`.
 
 mod chain;
 mod gram;
@@ -23,53 +23,53 @@ use chain::Chain;
 use rayon::prelude::*;
 use sinew_model::statistics::quantile;
 
-/// Chains that start apart.
+/// Number of chains with dispersed starting points.
 const CHAINS: u64 = 4;
-/// Draws a chain forgets, and draws it keeps.
+/// Numbers of warm-up draws and of kept draws per chain.
 const WARM_UP: usize = 400;
 const KEPT: usize = 1000;
 
-/// What is known of a tendon.
+/// Observation of a tendon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// Logarithm.
+    /// Logarithm of its creep.
     pub value: f64,
-    /// Its variance.
+    /// Variance of its measurement.
     pub variance: f64,
-    /// What `τ_tendon` is multiplied by for tendons of its kind: some kinds differ more than others.
+    /// Factor of `τ_tendon` for the kind of the tendon.
     pub spread: f64,
-    /// Robot; those of one robot follow each other.
+    /// Index of the robot; tendons of one robot are consecutive.
     pub robot: usize,
-    /// Columns it has part in, and by how much.
+    /// Nonzero entries of its row of the design matrix: column and value.
     pub columns: Vec<(usize, f64)>,
 }
 
-/// A factor whose levels are drawn from one distribution.
+/// Factor whose levels have a common distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
-    /// Its first column.
+    /// First column of the factor.
     pub first: usize,
-    /// Its levels, a column each.
+    /// Number of levels, one column each.
     pub levels: usize,
-    /// Scale of the prior of how far they differ.
+    /// Scale of the prior of its standard deviation.
     pub scale: f64,
-    /// Whether single ones may stray.
+    /// Whether its levels are heavy-tailed.
     pub heavy: bool,
 }
 
-/// Tendons and what they have in common.
+/// Hierarchical model: tendons, fixed columns and factors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Hierarchy {
-    /// Tendons, by robot.
+    /// Tendons, ordered by robot.
     pub units: Vec<Unit>,
-    /// Of each fixed column, from 0 on, the deviation of its prior.
+    /// Standard deviation of the prior of each fixed column, from column 0.
     pub fixed: Vec<f64>,
-    /// Factors; their columns follow the fixed ones.
+    /// Factors, whose columns follow the fixed ones.
     pub factors: Vec<Factor>,
 }
 
 impl Hierarchy {
-    /// All columns.
+    /// Returns the number of columns.
     pub fn columns(&self) -> usize {
         self.fixed.len() + self.factors.iter().map(|f| f.levels).sum::<usize>()
     }
@@ -78,27 +78,26 @@ impl Hierarchy {
 /// Draws of the posterior.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Draws {
-    /// Of each draw all columns' coefficients.
+    /// Coefficients of all columns, for each draw.
     pub coefficients: Vec<Vec<f64>>,
-    /// Of each draw `τ` of tendons, of robots, and of each factor.
-    pub deviations: Vec<Vec<f64>>,
-    /// The largest ratio of what chains that started apart say to what each says, over all coefficients and `τ`:
-    /// 1 where they agree.
+    /// Values of `τ` of tendons, of robots and of each factor, for each draw.
+    pub stds: Vec<Vec<f64>>,
+    /// Largest ratio of between-chain to within-chain estimates over all coefficients and `τ`; 1 at convergence.
     pub disagreement: f64,
 }
 
 impl Draws {
-    /// Whether the chains say the same. Of draws that don't, nothing may be claimed.
-    pub fn have_come_together(&self) -> bool {
-        /// Chains that differ by more have not come together.
-        const MOST: f64 = 1.1;
-        self.disagreement <= MOST
+    /// Whether the chains have converged; otherwise no verdict is allowed.
+    pub fn have_converged(&self) -> bool {
+        /// Maximum ratio of converged chains.
+        const MAX_RATIO: f64 = 1.1;
+        self.disagreement <= MAX_RATIO
     }
 }
 
-/// Draws from the posterior: four chains, 4,000 draws; a seed gives the same ones again.
+/// Draws from the posterior: four chains, 4,000 draws; equal seeds give equal draws.
 ///
-/// `None`: the equations have no solution, as a value or a variance isn't finite or above zero.
+/// Returns `None` if a value or a variance is not finite or a variance is not positive.
 pub fn sample(hierarchy: &Hierarchy, seed: u64) -> Option<Draws> {
     let chains: Vec<Draws> = (0..CHAINS)
         .into_par_iter()
@@ -108,20 +107,20 @@ pub fn sample(hierarchy: &Hierarchy, seed: u64) -> Option<Draws> {
         let of = |chain: &Draws| chain.coefficients.iter().map(|draw| draw[i]).collect();
         split_ratio(&chains.iter().map(of).collect::<Vec<_>>())
     };
-    // A deviation is compared by its logarithm: some are near 0.
-    let deviation = |i: usize| {
-        let of = |chain: &Draws| chain.deviations.iter().map(|draw| draw[i].ln()).collect();
+    // Standard deviations are compared by their logarithms; some are near 0.
+    let std = |i: usize| {
+        let of = |chain: &Draws| chain.stds.iter().map(|draw| draw[i].ln()).collect();
         split_ratio(&chains.iter().map(of).collect::<Vec<_>>())
     };
     let ratios = (0..hierarchy.columns()).map(coefficient);
-    let ratios = ratios.chain((0..2 + hierarchy.factors.len()).map(deviation));
+    let ratios = ratios.chain((0..2 + hierarchy.factors.len()).map(std));
     let mut out = Draws {
         disagreement: ratios.fold(1.0, f64::max),
         ..Draws::default()
     };
     for chain in chains {
         out.coefficients.extend(chain.coefficients);
-        out.deviations.extend(chain.deviations);
+        out.stds.extend(chain.stds);
     }
     Some(out)
 }

@@ -37,7 +37,7 @@ fn groups(of: &[(usize, f64)], tendon: f64, robot: f64, seed: u64) -> Hierarchy 
     }
 }
 
-/// Of a group against the mean of the others.
+/// Difference of a group to the mean of the others.
 fn against_others(draws: &Draws, group: usize, groups: usize) -> [f64; 3] {
     let of = |b: &Vec<f64>| {
         let others = (0..groups).filter(|g| *g != group).map(|g| b[1 + g]);
@@ -47,7 +47,7 @@ fn against_others(draws: &Draws, group: usize, groups: usize) -> [f64; 3] {
 }
 
 #[test]
-fn many_tendons_tell_a_groups_mean_as_closed_form_does() {
+fn draws_many_tendons_match_closed_form() {
     // Groups of 400 differ by much more than their means are uncertain: hardly anything is drawn in.
     let of = [(400, 0.0), (400, 0.5), (400, -0.4), (400, 0.1)];
     let model = groups(&of, 0.3, 0.0, 1);
@@ -68,7 +68,7 @@ fn many_tendons_tell_a_groups_mean_as_closed_form_does() {
 }
 
 #[test]
-fn a_group_of_two_is_drawn_in_and_wide() {
+fn draws_group_of_two_is_shrunk_and_wide() {
     let mut of = vec![(60, 0.0); 8];
     of.push((2, 0.5));
     let model = groups(&of, 0.5, 0.0, 2);
@@ -126,14 +126,14 @@ fn held(fleets: u64, effect: impl Fn(usize, f64) -> f64) -> usize {
 }
 
 #[test]
-fn groups_that_differ_normally_by_what_their_means_scatter_lie_in_their_intervals() {
+fn draws_normal_groups_have_nominal_coverage() {
     // A mean of 8 tendons scatters by 0.09. 95 % are 1026, by chance ± 7 were all apart, and the 18 of a fleet share their τ.
     let held = held(60, |_, normal| 0.08 * normal);
     assert!((1010..=1060).contains(&held), "{held} of 1080");
 }
 
 #[test]
-fn a_seed_draws_the_same_again() {
+fn draws_equal_seed_is_reproducible() {
     let model = groups(&[(10, 0.0), (10, 0.1)], 0.2, 0.1, 5);
     assert_eq!(sample(&model, 7), sample(&model, 7));
 }

@@ -10,57 +10,57 @@ use crate::compare::values::usual_widths;
 use crate::creep::Ages;
 use crate::engine::Engine;
 use crate::folder::sides::Fitted;
-use crate::gather::{CreepingTendon, Gathered, gather};
+use crate::gather::{CreepingTendon, FleetTable, gather};
 use crate::hierarchy::{Draws, sample};
-use crate::rows::tell_refused;
+use crate::rows::report_rejected;
 use std::process::ExitCode;
 
-/// A tendon that departs is sure where fewer than this many would by chance in the whole fleet.
-const SURE: f64 = 0.05;
-/// Standard deviations of a 95 % interval.
+/// Maximum expected number of equal deviations by chance in the whole fleet for a significant outlier.
+const MAX_EXPECTED_BY_CHANCE: f64 = 0.05;
+/// Half-width of a 95 % interval in standard deviations.
 const Z95: f64 = 1.959_963_984_540_054;
 
-/// A tendon that departs from its kind.
+/// Tendon that deviates from its kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlier {
-    /// Robot.
+    /// Name of the robot.
     pub robot: String,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Site, if it is known.
+    /// Site of the robot, if specified.
     pub site: Option<String>,
-    /// Rope and batch.
+    /// Rope and batch, if specified.
     pub fit: Fitted,
-    /// Its creep per decade, in the list's unit, and the deviation of that.
+    /// Creep per decade in the unit of the list, and its standard deviation.
     pub creep: [f64; 2],
-    /// Its creep over what is usual for its kind, temperature, site and batch: the value and its 95 % interval. Below 0 where
-    /// it shrinks.
+    /// Ratio of the creep to the usual creep for its kind, temperature, site and batch: value and 95 % interval. Negative for a
+    /// shrinking tendon.
     pub ratio: [f64; 3],
-    /// How many tendons of the fleet would depart so far by chance, if all were usual.
+    /// Expected number of tendons of the fleet that deviate as far by chance.
     pub by_chance: f64,
 }
 
 impl Outlier {
-    /// It creeps more than is usual, and chance hardly does that.
-    pub fn is_surely_more(&self) -> bool {
-        self.ratio[0] > 1.0 && self.by_chance <= SURE
+    /// Whether the creep is significantly larger than usual.
+    pub fn is_significantly_more(&self) -> bool {
+        self.ratio[0] > 1.0 && self.by_chance <= MAX_EXPECTED_BY_CHANCE
     }
 }
 
-/// Tendons that depart.
+/// Deviating tendons of a fleet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutlierList {
-    /// Those that do, the least probable first.
+    /// Outliers, the least probable first.
     pub outliers: Vec<Outlier>,
-    /// How many of them are there by chance, on average, if tendons differ normally.
+    /// Expected number of outliers by chance, if tendons are normally distributed.
     pub expected_by_chance: f64,
-    /// Tendons that were looked at.
+    /// Number of evaluated tendons.
     pub tendons: usize,
-    /// Tendons with too few sessions of these ages.
+    /// Number of tendons with too few sessions at these ages.
     pub too_few: usize,
     /// Ages of the ropes over which they were.
     pub ages: Ages,
-    /// What creep is given in.
+    /// Unit of the creep.
     pub unit: CreepUnit,
 }
 
@@ -68,38 +68,38 @@ pub struct OutlierList {
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn outliers(engine: &mut Engine, asked: &Outliers) -> Result<OutlierList, FleetError> {
-    let gathered = gather(engine, &asked.robots, asked.ages)?;
-    departing(&gathered, asked)
+pub fn outliers(engine: &mut Engine, request: &Outliers) -> Result<OutlierList, FleetError> {
+    let gathered = gather(engine, &request.robots, request.ages)?;
+    departing(&gathered, request)
 }
 
-/// Tendons that depart, of some that were gathered.
+/// Deviating tendons of a fleet table.
 ///
-/// A tendon departs by `d = z − ẑ`: the logarithm of its creep less what its kind, temperature, site and batch say. With
-/// `w`, what the tendons of its kind usually depart by (half of what the middle 68 % span), the variance `v` of its
-/// measurement and `u` of `ẑ`, `d / √(w² + v + u)` is held against a normal distribution. Those are listed that fewer than
-/// the number asked for would be by chance.
+/// The deviation of a tendon is `d = z − ẑ`: the logarithm of its creep minus the prediction for its kind, temperature, site and
+/// batch. With the usual deviation `w` of its kind (half of the central 68 % range), the variance `v` of its measurement and `u`
+/// of `ẑ`, `d / √(w² + v + u)` is compared with a standard normal distribution. Tendons are listed if fewer than the requested
+/// number are expected by chance.
 ///
-/// What it creeps by over what is usual, `c e^−ẑ`, has an interval over the logarithm where `c` is above twice its deviation `s`.
-/// Else it has one over `c` itself, `(c ± 1.96 √(s² + c² u)) e^−ẑ`: a tendon that shrinks has no logarithm.
+/// The interval of the ratio `c e^−ẑ` is logarithmic if `c` exceeds twice its standard deviation `s`. Otherwise it is
+/// `(c ± 1.96 √(s² + c² u)) e^−ẑ`, because a shrinking tendon has no logarithm.
 ///
 /// # Errors
 /// [`FleetError::TooFewTendons`], [`FleetError::NoDraws`], [`FleetError::DrawsApart`].
-pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, FleetError> {
-    /// Below this nothing is usual.
-    const LEAST: usize = 20;
+pub fn departing(gathered: &FleetTable, request: &Outliers) -> Result<OutlierList, FleetError> {
+    /// Minimum number of tendons.
+    const MIN_TENDONS: usize = 20;
     let tendons = &gathered.tendons;
-    if tendons.len() < LEAST {
+    if tendons.len() < MIN_TENDONS {
         return Err(FleetError::TooFewTendons {
             tendons: tendons.len(),
-            needed: LEAST,
+            needed: MIN_TENDONS,
             too_few: gathered.too_few,
-            ages: asked.ages,
+            ages: request.ages,
         });
     }
     let design = Design::by_any_batch(tendons);
-    let draws = sample(&design.hierarchy, asked.seed).ok_or(FleetError::NoDraws)?;
-    if !draws.have_come_together() {
+    let draws = sample(&design.hierarchy, request.seed).ok_or(FleetError::NoDraws)?;
+    if !draws.have_converged() {
         return Err(FleetError::DrawsApart {
             ratio: draws.disagreement,
         });
@@ -117,7 +117,7 @@ pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, F
         let ((d, v), (_, u)) = (departures[i], usual[i]);
         let z = d / (widths[i] * widths[i] + v + u).sqrt();
         let by_chance = count * libm::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2);
-        if by_chance > asked.by_chance {
+        if by_chance > request.by_chance {
             continue;
         }
         let [c, s] = creep_of(tendon, design.unit);
@@ -135,15 +135,15 @@ pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, F
     outliers.sort_by(|a, b| a.by_chance.total_cmp(&b.by_chance));
     Ok(OutlierList {
         outliers,
-        expected_by_chance: asked.by_chance,
+        expected_by_chance: request.by_chance,
         tendons: tendons.len(),
         too_few: gathered.too_few,
-        ages: asked.ages,
+        ages: request.ages,
         unit: design.unit,
     })
 }
 
-/// Creep `c ± s` over what is usual, whose logarithm is `mean` with a variance: the value and its 95 % interval.
+/// Ratio of the creep `c ± s` to the usual creep, whose logarithm has a mean and a variance: value and 95 % interval.
 fn ratio([c, s]: [f64; 2], (mean, variance): (f64, f64)) -> [f64; 3] {
     let usual = mean.exp();
     if c > 2.0 * s {
@@ -159,18 +159,18 @@ fn creep_of(tendon: &CreepingTendon, unit: CreepUnit) -> [f64; 2] {
         CreepUnit::Strain => tendon.strain_per_rad.unwrap_or(f64::NAN),
         CreepUnit::Offset => 1.0,
     };
-    [tendon.creep.per_decade_rad, tendon.creep.deviation_rad].map(|x| factor * x)
+    [tendon.creep.per_decade_rad, tendon.creep.std_rad].map(|x| factor * x)
 }
 
-/// Of each tendon the mean and variance of what is usual for it.
+/// Mean and variance of the logarithm of the usual creep of each tendon.
 pub(crate) fn usual(design: &Design, draws: &Draws) -> Vec<(f64, f64)> {
     let count = draws.coefficients.len() as f64;
     let of = |unit: &crate::hierarchy::Unit| {
-        let said = draws
+        let values = draws
             .coefficients
             .iter()
             .map(|b| unit.columns.iter().map(|(c, x)| x * b[*c]).sum::<f64>());
-        let (sum, squares) = said.fold((0.0, 0.0), |(s, q), x| (s + x, q + x * x));
+        let (sum, squares) = values.fold((0.0, 0.0), |(s, q), x| (s + x, q + x * x));
         let mean = sum / count;
         (mean, (squares / count - mean * mean).max(0.0))
     };
@@ -181,16 +181,18 @@ pub(crate) fn usual(design: &Design, draws: &Draws) -> Vec<(f64, f64)> {
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Outliers) -> Result<ExitCode, FleetError> {
-    let mut engine = Engine::open(&asked.source)?;
-    let list = outliers(&mut engine, asked)?;
-    print!("{}", show::text(&list, asked));
-    if let Some(path) = &asked.csv {
+pub fn command(request: &Outliers) -> Result<ExitCode, FleetError> {
+    let mut engine = Engine::open(&request.source)?;
+    let list = outliers(&mut engine, request)?;
+    print!("{}", show::text(&list, request));
+    if let Some(path) = &request.csv {
         show::csv(&list, path)?;
     }
-    let refused = tell_refused(&engine.folder);
-    Ok(match list.outliers.iter().any(Outlier::is_surely_more) {
-        true => ExitCode::from(3),
-        false => refused,
-    })
+    let rejected = report_rejected(&engine.folder);
+    Ok(
+        match list.outliers.iter().any(Outlier::is_significantly_more) {
+            true => ExitCode::from(3),
+            false => rejected,
+        },
+    )
 }

@@ -1,4 +1,4 @@
-//! The list for people, and as a table for other programs.
+//! Output of `outliers`: text and table.
 
 use super::{Outlier, OutlierList};
 use crate::FleetError;
@@ -10,7 +10,7 @@ use sinew_log::{Cell, CellKind, Column, TableWriter};
 use sinew_report::text::{paragraph, table};
 use std::path::Path;
 
-/// A small number, or that it is smaller still.
+/// Formats an expected number, with `< 0.0001` as the smallest.
 fn chance(by_chance: f64) -> String {
     match by_chance {
         x if x < 1e-4 => "< 0.0001".into(),
@@ -42,25 +42,32 @@ fn row(outlier: &Outlier, unit: CreepUnit) -> Vec<String> {
     ]
 }
 
-/// The list.
-pub(super) fn text(list: &OutlierList, asked: &Outliers) -> String {
+/// Formats the list as text.
+pub(super) fn text(list: &OutlierList, request: &Outliers) -> String {
     let unit = match list.unit {
         CreepUnit::Strain => "µm/m",
         CreepUnit::Offset => "mrad",
     };
-    let head = ["robot", "joint", "rope", unit, "times usual", "by chance"];
-    let shown = list.outliers.iter().take(asked.rows);
+    let head = [
+        "robot",
+        "joint",
+        "rope",
+        unit,
+        "ratio to usual",
+        "expected by chance",
+    ];
+    let shown = list.outliers.iter().take(request.rows);
     let mut out = match list.outliers.is_empty() {
         true => String::new(),
         false => table(&head, shown.map(|o| row(o, list.unit)).collect(), 3) + "\n",
     };
-    if list.outliers.len() > asked.rows {
-        let more = list.outliers.len() - asked.rows;
+    if list.outliers.len() > request.rows {
+        let more = list.outliers.len() - request.rows;
         out += &format!("… {more} more; --rows N shows more, --csv FILE writes all\n\n");
     }
     out += &paragraph(
         &format!(
-            "{} of {} tendons creep unlike others of their kind. {} of them would be listed by chance on average, were all usual.",
+            "{} of {} tendons deviate from the creep of their kind. Expected number listed by chance: {}.",
             list.outliers.len(),
             list.tendons,
             list.expected_by_chance
@@ -69,8 +76,8 @@ pub(super) fn text(list: &OutlierList, asked: &Outliers) -> String {
     );
     out += &paragraph(
         &format!(
-            "Creep is growth per decade of time from day {} to day {} of a rope, in {}. Usual is what joint, rope, temperature, \
-             site and batch say. By chance: how many of all tendons would depart so far.",
+            "Creep is growth per decade of time from day {} to day {} of a rope, in {}. The usual creep depends on joint, rope, temperature, \
+             site and batch. By chance: expected number of all tendons with such a deviation.",
             list.ages.from_days,
             list.ages.to_days,
             match list.unit {
@@ -82,7 +89,7 @@ pub(super) fn text(list: &OutlierList, asked: &Outliers) -> String {
     );
     if list.too_few > 0 {
         let few = format!(
-            "{} tendons have too few sessions of these ages; --ages names others.",
+            "{} tendons have too few sessions at these ages; set other ages with --ages.",
             list.too_few
         );
         out += &paragraph(&few, 2);
@@ -93,11 +100,8 @@ pub(super) fn text(list: &OutlierList, asked: &Outliers) -> String {
 /// Writes the list.
 pub(super) fn csv(list: &OutlierList, path: &Path) -> Result<(), FleetError> {
     let creep = match list.unit {
-        CreepUnit::Strain => [
-            "strain_per_decade_ratio",
-            "strain_per_decade_deviation_ratio",
-        ],
-        CreepUnit::Offset => ["offset_per_decade_rad", "offset_per_decade_deviation_rad"],
+        CreepUnit::Strain => ["strain_per_decade_ratio", "strain_per_decade_std_ratio"],
+        CreepUnit::Offset => ["offset_per_decade_rad", "offset_per_decade_std_rad"],
     };
     let texts = ["robot", "joint", "site", "rope", "batch"];
     let ratios = [
@@ -112,13 +116,13 @@ pub(super) fn csv(list: &OutlierList, path: &Path) -> Result<(), FleetError> {
         .collect();
     let mut writer = TableWriter::create(path, &columns)?;
     for o in &list.outliers {
-        let known = |text: &Option<String>| text.clone().map_or(Cell::Empty, Cell::Text);
+        let maybe = |text: &Option<String>| text.clone().map_or(Cell::Empty, Cell::Text);
         let mut cells = vec![
             Cell::Text(o.robot.clone()),
             Cell::Text(o.joint.clone()),
-            known(&o.site),
-            known(&o.fit.rope),
-            known(&o.fit.batch),
+            maybe(&o.site),
+            maybe(&o.fit.rope),
+            maybe(&o.fit.batch),
         ];
         let numbers = o.creep.into_iter().chain(o.ratio).chain([o.by_chance]);
         cells.extend(numbers.map(Cell::from));

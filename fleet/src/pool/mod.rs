@@ -1,4 +1,4 @@
-//! `pool`: what a new robot of a type starts from, by what the type's robots have learned.
+//! `pool`: prior of a new robot of a type, from the baselines of the type's robots.
 
 pub mod creep;
 mod show;
@@ -6,77 +6,78 @@ mod show;
 use crate::FleetError;
 use crate::args::Pool;
 use crate::folder::{BASELINES, find};
-use crate::known_creep;
-use crate::rows::tell_refused;
+use crate::reference_creep;
+use crate::rows::report_rejected;
 use sinew_estimate::baseline::{self, Baseline, MergeSummary};
 use sinew_estimate::robot_dir;
-use sinew_model::offset::alike::Alike;
+use sinew_model::offset::shared_parameters::SharedParameters;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Why a baseline was left out.
+/// Reason for the exclusion of a baseline.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum LeftOut {
-    /// It can't be read.
+pub enum Excluded {
+    /// Unreadable file, with the message.
     Unreadable(String),
-    /// It is of another type: its name.
+    /// Baseline of another robot type, with its name.
     OtherType(String),
-    /// It goes on from others, so what they learned would count again: how many recordings it rests on.
-    GoesOn(usize),
+    /// Baseline of a chain, whose earlier recordings would count again, with its number of recordings.
+    Chained(usize),
 }
 
-/// What robots of a type have learned.
+/// Pooled baselines of a robot type.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pooled {
-    /// What a new robot starts from.
+    /// Prior of a new robot.
     pub start: Baseline,
-    /// What became surer.
+    /// Change of the uncertainties by the merge.
     pub summary: MergeSummary,
-    /// How alike robots are.
-    pub alike: Vec<Alike>,
-    /// Robots it rests on.
+    /// Similarity of the robots by kind of parameter.
+    pub similarity: Vec<SharedParameters>,
+    /// Number of pooled robots.
     pub robots: usize,
-    /// Files that were left out.
-    pub left_out: Vec<(PathBuf, LeftOut)>,
+    /// Excluded files.
+    pub excluded: Vec<(PathBuf, Excluded)>,
 }
 
-/// Learns from the baselines of a folder.
+/// Pools the baselines of a folder.
 ///
 /// # Errors
-/// [`FleetError`]; a file that can't be used is left out and named.
-pub fn pool(asked: &Pool) -> Result<Pooled, FleetError> {
-    let robot = robot_dir::load(&asked.robot, None)?.robot;
+///
+/// Returns [`FleetError`] if fewer than two baselines are usable; unusable files are excluded and listed.
+pub fn pool(request: &Pool) -> Result<Pooled, FleetError> {
+    let robot = robot_dir::load(&request.robot, None)?.robot;
     let mut files = Vec::new();
-    find(&asked.folder, BASELINES, &mut files)?;
+    find(&request.folder, BASELINES, &mut files)?;
     files.sort_unstable();
-    let (mut used, mut left_out) = (Vec::new(), Vec::new());
+    let (mut used, mut excluded) = (Vec::new(), Vec::new());
     for path in files {
         match Baseline::read(&path) {
-            Err(error) => left_out.push((path, LeftOut::Unreadable(error.to_string()))),
+            Err(error) => excluded.push((path, Excluded::Unreadable(error.to_string()))),
             Ok(baseline) if baseline.robot != robot.name => {
-                left_out.push((path, LeftOut::OtherType(baseline.robot)));
+                excluded.push((path, Excluded::OtherType(baseline.robot)));
             }
             Ok(baseline) => match baseline.recordings.len() + baseline.before.len() {
                 0 | 1 => used.push((baseline, path.display().to_string())),
-                more => left_out.push((path, LeftOut::GoesOn(more))),
+                more => excluded.push((path, Excluded::Chained(more))),
             },
         }
     }
     if used.len() < 2 {
         return Err(FleetError::TooFewBaselines {
-            folder: asked.folder.clone(),
+            folder: request.folder.clone(),
             robot: robot.name,
             found: used.len(),
         });
     }
     let parts: Vec<(&Baseline, &str)> = used.iter().map(|(b, file)| (b, file.as_str())).collect();
-    let (start, summary, alike) = baseline::pool(&robot, &parts)?;
+    let (start, summary, similarity) = baseline::pool(&robot, &parts)?;
     Ok(Pooled {
         start,
         summary,
-        alike,
+        similarity,
         robots: used.len(),
-        left_out,
+        excluded,
     })
 }
 
@@ -84,21 +85,21 @@ pub fn pool(asked: &Pool) -> Result<Pooled, FleetError> {
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Pool) -> Result<ExitCode, FleetError> {
-    if asked.creep {
-        let (known, folder) = creep::learn(asked)?;
-        known_creep::write(&known, &asked.out)?;
-        print!("{}", show::creep(&known, &asked.out));
-        return Ok(tell_refused(&folder));
+pub fn command(request: &Pool) -> Result<ExitCode, FleetError> {
+    if request.creep {
+        let (references, folder) = creep::learn(request)?;
+        reference_creep::write(&references, &request.out)?;
+        print!("{}", show::creep(&references, &request.out));
+        return Ok(report_rejected(&folder));
     }
-    let pooled = pool(asked)?;
-    pooled.start.write(&asked.out)?;
-    print!("{}", show::text(&pooled, &asked.out));
-    for (path, why) in &pooled.left_out {
-        eprintln!("{}", show::left_out(path, why));
+    let pooled = pool(request)?;
+    pooled.start.write(&request.out)?;
+    print!("{}", show::text(&pooled, &request.out));
+    for (path, reason) in &pooled.excluded {
+        eprintln!("{}", show::excluded(path, reason));
     }
-    let unreadable = |(_, why): &(PathBuf, LeftOut)| matches!(why, LeftOut::Unreadable(_));
-    Ok(match pooled.left_out.iter().any(unreadable) {
+    let unreadable = |(_, reason): &(PathBuf, Excluded)| matches!(reason, Excluded::Unreadable(_));
+    Ok(match pooled.excluded.iter().any(unreadable) {
         true => ExitCode::from(3),
         false => ExitCode::SUCCESS,
     })

@@ -1,9 +1,9 @@
-//! What robots have in common, for people.
+//! Output of `pool`.
 
-use super::{LeftOut, Pooled};
-use crate::known_creep::{CreepKind, KnownCreeps};
+use super::{Excluded, Pooled};
+use crate::reference_creep::{CreepKind, ReferenceCreeps};
 use sinew_files::plain;
-use sinew_model::offset::alike::{Alike, Kind};
+use sinew_model::offset::shared_parameters::{Kind, SharedParameters};
 use sinew_report::tables;
 use sinew_report::text::{paragraph, table};
 use std::path::Path;
@@ -21,24 +21,28 @@ fn name(kind: Kind) -> &'static str {
     }
 }
 
-/// What became surer, and how alike robots are.
+/// Formats the change of the uncertainties and the similarity of robots.
 pub(super) fn text(pooled: &Pooled, out: &Path) -> String {
-    let row = |a: &Alike| vec![name(a.kind).into(), format!("{:.0}", 100.0 * a.ratio)];
-    let rows = pooled.alike.iter().map(row).collect();
+    let row = |a: &SharedParameters| vec![name(a.kind).into(), format!("{:.0}", 100.0 * a.ratio)];
+    let rows = pooled.similarity.iter().map(row).collect();
     let mut text = tables::merged(&pooled.summary, pooled.robots);
-    text += &table(&["of one robot", "of its tolerance, %"], rows, 1);
+    text += &table(
+        &["parameter", "differs between robots (% of tolerance)"],
+        rows,
+        1,
+    );
     text += "\n";
     text += &paragraph(
-        "The second column says what one robot differs from the next by; the rest of the tolerance is the type's, and known \
-         now as far as these robots tell. At 100 a robot says nothing of another.",
+        "The second column is the standard deviation between robots; the remainder of the tolerance is common to the type and \
+         is now estimated. At 100 % one robot provides no information about another.",
         2,
     );
     text + &paragraph(&plain(&format!("written to {}", out.display())), 2)
 }
 
-/// How fast ropes creep, and where that is written.
-pub(super) fn creep(known: &KnownCreeps, out: &Path) -> String {
-    let any = (known.iter()).filter(|(kind, _)| kind.batch.is_none() && kind.site.is_none());
+/// Formats the creep of ropes and the output path.
+pub(super) fn creep(references: &ReferenceCreeps, out: &Path) -> String {
+    let any = (references.iter()).filter(|(kind, _)| kind.batch.is_none() && kind.site.is_none());
     let rows = any.map(|(kind, creep)| {
         let its = |other: &&CreepKind| {
             other.batch.is_some() && other.widest() == *kind && other.site.is_none()
@@ -46,7 +50,7 @@ pub(super) fn creep(known: &KnownCreeps, out: &Path) -> String {
         vec![
             plain(&kind.joint),
             plain(kind.rope.as_deref().unwrap_or("–")),
-            known.keys().filter(its).count().to_string(),
+            references.keys().filter(its).count().to_string(),
             creep.tendons.to_string(),
             format!("{:.2}", 1e3 * creep.median_rad),
             format!("{:.2}", creep.spread.exp()),
@@ -57,33 +61,33 @@ pub(super) fn creep(known: &KnownCreeps, out: &Path) -> String {
         "rope",
         "batches",
         "tendons",
-        "mrad per decade",
-        "next tendon ×",
+        "creep (mrad per decade)",
+        "factor between tendons",
     ];
     let mut text = table(&head, rows.collect(), 2);
     text += "\n";
     text += &paragraph(
-        "Median of a tendon whose batch isn't among these, from day 1 to day 30 of its rope, and by what factor one differs from the \
-         next as a standard deviation. Those of known batches and sites are in the file, too.",
+        "Median of a tendon of another batch, from day 1 to day 30 of its rope, and the factor between tendons (one standard \
+         deviation). The file also contains the values of the batches and sites.",
         2,
     );
     text + &paragraph(
         &plain(&format!(
-            "written to {}; sinew-fleet due --creep takes it",
+            "written to {}; use it with sinew-fleet due --creep",
             out.display()
         )),
         2,
     )
 }
 
-/// Why a file was left out.
-pub(super) fn left_out(path: &Path, why: &LeftOut) -> String {
-    let why = match why {
-        LeftOut::Unreadable(why) => return plain(&format!("refused: {why}")),
-        LeftOut::OtherType(name) => format!("is of robot '{name}'"),
-        LeftOut::GoesOn(recordings) => format!(
-            "rests on {recordings} recordings: one right after tensioning is needed, the first of its chain"
+/// Formats the reason for the exclusion of a file.
+pub(super) fn excluded(path: &Path, reason: &Excluded) -> String {
+    let reason = match reason {
+        Excluded::Unreadable(reason) => return plain(&format!("rejected: {reason}")),
+        Excluded::OtherType(name) => format!("baseline of robot '{name}'"),
+        Excluded::Chained(recordings) => format!(
+            "based on {recordings} recordings; expected the first of its chain, one recording right after tensioning"
         ),
     };
-    plain(&format!("left out: {}: {why}", path.display()))
+    plain(&format!("excluded: {}: {reason}", path.display()))
 }

@@ -1,4 +1,4 @@
-//! `report`: a page of a fleet, for whoever plans the work: what is due in which week, ropes compared, worse batches.
+//! `report`: page of a fleet for maintenance planning: work by week, comparison of ropes, worse batches.
 
 mod page;
 mod weeks;
@@ -6,68 +6,68 @@ mod weeks;
 use crate::FleetError;
 use crate::args::{By, Compare, Due, Report};
 use crate::compare::{Comparison, compared};
-use crate::due::show::tell_unused;
+use crate::due::show::report_unused_state;
 use crate::due::{DueList, Passage, due};
 use crate::engine::Engine;
 use crate::gather::gather;
-use crate::rows::tell_refused;
+use crate::rows::report_rejected;
 use std::process::ExitCode;
 
-/// Differences below this are none.
-const LEAST: f64 = 0.05;
-/// Rows of the list of tendons.
+/// Smallest relevant relative difference.
+const MIN_DIFFERENCE: f64 = 0.05;
+/// Maximum number of rows in the list of tendons.
 const ROWS: usize = 40;
 
-/// What a page says.
+/// Content of the page.
 #[derive(Debug)]
 pub struct Found {
-    /// What is due.
+    /// Tendons that may exceed a limit.
     pub due: DueList,
-    /// Days the list looks ahead.
+    /// Look-ahead time of the list, days.
     pub within_days: f64,
-    /// Robots with records.
+    /// Number of robots with records.
     pub robots: usize,
-    /// Records.
+    /// Number of records.
     pub records: u64,
-    /// Ropes, ropes by temperature, batches; or why there is no such comparison.
+    /// Comparisons of ropes, ropes by temperature and batches, or the reason why one is missing.
     pub compared: [Result<Comparison, FleetError>; 3],
-    /// Files that were refused.
-    pub refused: usize,
+    /// Number of rejected files.
+    pub rejected: usize,
 }
 
-/// What is compared on the page, in its order.
+/// Comparisons on the page, in their order.
 pub const BY: [By; 3] = [By::Rope, By::RopeTemperature, By::Batch];
 
-/// Looks through a fleet.
+/// Evaluates a fleet for the page.
 ///
 /// # Errors
-/// [`FleetError`]; a comparison that can't be made is on the page with its reason.
-pub fn find(engine: &mut Engine, asked: &Report) -> Result<Found, FleetError> {
-    let within_days = 7.0 * f64::from(asked.weeks);
+/// Returns [`FleetError`] if the records cannot be read. A failed comparison is on the page with its reason.
+pub fn find(engine: &mut Engine, request: &Report) -> Result<Found, FleetError> {
+    let within_days = 7.0 * f64::from(request.weeks);
     let due = due(
         engine,
         &Due {
-            source: asked.source.clone(),
-            robots: asked.robots.clone(),
+            source: request.source.clone(),
+            robots: request.robots.clone(),
             within_days,
             rows: ROWS,
             csv: None,
-            state: asked.state.clone(),
+            state: request.state.clone(),
             creep: None,
             follow_all: false,
         },
     )?;
-    let gathered = gather(engine, &asked.robots, asked.ages)?;
+    let gathered = gather(engine, &request.robots, request.ages)?;
     let compare = |by: By| {
         compared(
             &gathered,
             &Compare {
-                source: asked.source.clone(),
+                source: request.source.clone(),
                 by,
-                robots: asked.robots.clone(),
-                ages: asked.ages,
-                least: LEAST,
-                seed: asked.seed,
+                robots: request.robots.clone(),
+                ages: request.ages,
+                least: MIN_DIFFERENCE,
+                seed: request.seed,
                 csv: None,
             },
         )
@@ -78,7 +78,7 @@ pub fn find(engine: &mut Engine, asked: &Report) -> Result<Found, FleetError> {
         robots: engine.folder.robots().len(),
         records: engine.count("records")?,
         compared: BY.map(compare),
-        refused: engine.folder.refused.len(),
+        rejected: engine.folder.rejected.len(),
     })
 }
 
@@ -86,19 +86,19 @@ pub fn find(engine: &mut Engine, asked: &Report) -> Result<Found, FleetError> {
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Report) -> Result<ExitCode, FleetError> {
-    let mut engine = Engine::open(&asked.source)?;
-    let found = find(&mut engine, asked)?;
-    tell_unused(&found.due, asked.state.as_deref());
-    sinew_files::write_file(&asked.out, page::page(&found).html().as_bytes())?;
-    println!("{}", asked.out.display());
-    let refused = tell_refused(&engine.folder);
+pub fn command(request: &Report) -> Result<ExitCode, FleetError> {
+    let mut engine = Engine::open(&request.source)?;
+    let found = find(&mut engine, request)?;
+    report_unused_state(&found.due, request.state.as_deref());
+    sinew_files::write_file(&request.out, page::page(&found).html().as_bytes())?;
+    println!("{}", request.out.display());
+    let rejected = report_rejected(&engine.folder);
     let followed = found.due.followed.iter();
     let passed = followed.flat_map(|f| &f.passages).any(Passage::is_passed);
     let worse = found.compared.iter().flatten();
     let worse = worse.flat_map(Comparison::worse).next().is_some();
-    Ok(match passed || worse || !found.due.refused.is_empty() {
+    Ok(match passed || worse || !found.due.failed.is_empty() {
         true => ExitCode::from(3),
-        false => refused,
+        false => rejected,
     })
 }

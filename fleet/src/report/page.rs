@@ -1,18 +1,18 @@
-//! The page.
+//! HTML page of a fleet.
 
 use super::weeks::{Week, weeks};
-use super::{Found, LEAST, ROWS};
+use super::{Found, MIN_DIFFERENCE, ROWS};
 use crate::FleetError;
 use crate::compare::show::{band, family, head, name, notes, row, scale, unit, verdict};
 use crate::compare::{Comparison, Group, Verdict};
 use crate::due::show as listed;
-use crate::due::{Followed, Passage};
+use crate::due::{Passage, TrackedTendon};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, count};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_files::plain;
 
-/// The page of a fleet.
+/// Builds the page of a fleet.
 pub(super) fn page(found: &Found) -> Page {
     let mut page = Page::new("Fleet: work and ropes");
     page.subtitle = format!(
@@ -30,7 +30,7 @@ pub(super) fn page(found: &Found) -> Page {
         .section("Ropes", comparison(ropes, "Creep of each rope"))
         .section("Ropes by temperature", rope_map(map))
         .section("Batches", comparison(batches, "Creep of each batch"))
-        .section("How to read this", vec![Block::List(reading(found))])
+        .section("Notes", vec![Block::List(reading(found))])
 }
 
 fn tendons(n: usize) -> String {
@@ -41,22 +41,25 @@ fn tendons(n: usize) -> String {
 }
 
 fn headlines(found: &Found) -> Vec<Headline> {
-    let due: Vec<&Followed> = found.due.due(found.within_days).collect();
+    let due: Vec<&TrackedTendon> = found.due.due(found.within_days).collect();
     let passed = due
         .iter()
         .filter(|f| f.worst().is_some_and(Passage::is_passed));
     let passed = passed.count();
     let mut out = vec![match passed {
-        0 => Headline::new(Level::Good, "no tendon has passed a limit"),
-        n => Headline::new(Level::Alarm, format!("{} passed a limit", has(n))),
+        0 => Headline::new(Level::Good, "no tendon has exceeded a limit"),
+        n => Headline::new(Level::Alarm, format!("{} exceeded a limit", has(n))),
     }];
     let soon = due.len() - passed;
     let days = found.within_days;
     out.push(match soon {
-        0 => Headline::new(Level::Good, format!("no other can within {days} days")),
+        0 => Headline::new(
+            Level::Good,
+            format!("no other tendon may exceed one within {days} days"),
+        ),
         n => Headline::new(
             Level::Watch,
-            format!("{} more may within {days} days", tendons(n)),
+            format!("{} more may exceed one within {days} days", tendons(n)),
         ),
     });
     for comparison in found.compared.iter().flatten() {
@@ -71,17 +74,17 @@ fn headlines(found: &Found) -> Vec<Headline> {
             out.push(Headline::new(Level::Watch, text));
         }
     }
-    if !found.due.refused.is_empty() {
+    if !found.due.failed.is_empty() {
         let text = format!(
             "{} without a trend: see below",
-            tendons(found.due.refused.len())
+            tendons(found.due.failed.len())
         );
         out.push(Headline::new(Level::Open, text));
     }
-    if found.refused > 0 {
+    if found.rejected > 0 {
         let text = format!(
-            "{} files of records were refused: run sinew-fleet rows",
-            found.refused
+            "{} files of records rejected: run sinew-fleet rows",
+            found.rejected
         );
         out.push(Headline::new(Level::Open, text));
     }
@@ -102,9 +105,9 @@ fn by_week(found: &Found) -> Vec<Block> {
     let rows = (weeks.iter().enumerate()).map(|(i, week)| {
         vec![
             day_of(begins(i)),
-            week.likely.to_string(),
-            week.likely_by.to_string(),
-            format!("{} … {}", week.surely_by, week.maybe_by),
+            week.median.to_string(),
+            week.median_by.to_string(),
+            format!("{} … {}", week.upper_by, week.lower_by),
         ]
     });
     let overdue = vec![
@@ -115,18 +118,18 @@ fn by_week(found: &Found) -> Vec<Block> {
     ];
     let head = [
         "week from",
-        "due, likely",
-        "by its end, likely",
-        "surely … maybe",
+        "due (median)",
+        "due by its end (median)",
+        "95 % interval",
     ];
     let table = Table::new(&head, std::iter::once(overdue).chain(rows)).captioned(
-        "Tendons that pass a limit; without those that are overdue where 'by its end' counts",
+        "Number of tendons that exceed a limit; cumulative columns exclude the overdue ones",
     );
     vec![
         Block::Figure(
             Box::new(weeks_figure(&weeks, begins(0))),
-            "Beside those that are overdue. The band reaches from tendons that surely have passed a limit by then to all \
-             that may have, at 95 % each."
+            "Without the overdue tendons. The band is the 95 % interval: from the upper to the lower end of the interval of each \
+             date."
                 .into(),
         ),
         table.into(),
@@ -141,43 +144,43 @@ fn weeks_figure(weeks: &[Week], now_utc_s: f64) -> Figure {
     };
     let end = weeks.last().copied().unwrap_or_default();
     let seen = format!(
-        "By {} {} have likely passed a limit, {} surely and {} at most",
+        "By {}, {} exceed a limit by the median, at least {} and at most {} (95 %)",
         day_of(now_utc_s + 7.0 * DAY_S * weeks.len() as f64),
-        tendons(end.likely_by),
-        end.surely_by,
-        end.maybe_by
+        tendons(end.median_by),
+        end.upper_by,
+        end.lower_by
     );
     let axis = format!("days from {}", day_of(now_utc_s));
     let panel = Panel::new("", axis, "tendons due")
         .band(Band::new(
             "95 %",
             days.clone(),
-            of(|w| w.surely_by),
-            of(|w| w.maybe_by),
+            of(|w| w.upper_by),
+            of(|w| w.lower_by),
         ))
-        .line(Line::new("likely", days.clone(), of(|w| w.likely_by)))
+        .line(Line::new("median", days.clone(), of(|w| w.median_by)))
         .x_range(0.0, days.last().copied().unwrap_or(7.0))
         .x_days_since(now_utc_s);
-    Figure::new("Tendons that come to be due")
+    Figure::new("Tendons that become due")
         .seen(seen)
         .size(820.0, 300.0)
         .panel(panel)
 }
 
 fn worst(found: &Found) -> Vec<Block> {
-    let due: Vec<&Followed> = found.due.due(found.within_days).collect();
+    let due: Vec<&TrackedTendon> = found.due.due(found.within_days).collect();
     let mut out = Vec::new();
     if due.is_empty() {
         out.push(Block::Paragraph(format!(
-            "No tendon may pass a limit within {} days.",
+            "No tendon may exceed a limit within {} days.",
             found.within_days
         )));
     } else {
         let head = [&listed::HEAD[..], &["site", "batch"]].concat();
-        let known = |text: &Option<String>| text.as_deref().map_or("–".into(), plain);
+        let maybe = |text: &Option<String>| text.as_deref().map_or("–".into(), plain);
         let rows = due.iter().take(ROWS).filter_map(|f| {
             let mut row = listed::row(f, f.worst()?, found.due.now_utc_s);
-            row.extend([known(&f.site), known(&f.fit.batch)]);
+            row.extend([maybe(&f.site), maybe(&f.fit.batch)]);
             Some(row)
         });
         out.push(Table::new(&head, rows).into());
@@ -189,16 +192,16 @@ fn worst(found: &Found) -> Vec<Block> {
             )));
         }
     }
-    if !found.due.refused.is_empty() {
-        let told = found.due.refused.iter();
-        let told =
-            told.map(|(robot, joint, why)| plain(&format!("{robot}, {joint}: no trend: {why}")));
-        out.push(Block::List(told.collect()));
+    if !found.due.failed.is_empty() {
+        let failed = found.due.failed.iter();
+        let failed = failed
+            .map(|(robot, joint, reason)| plain(&format!("{robot}, {joint}: no trend: {reason}")));
+        out.push(Block::List(failed.collect()));
     }
     out
 }
 
-/// Why a comparison isn't there.
+/// Paragraph with the reason for a missing comparison.
 fn without(error: &FleetError) -> Vec<Block> {
     vec![Block::Paragraph(format!("No comparison: {error}"))]
 }
@@ -218,7 +221,7 @@ fn comparison(found: &Result<Comparison, FleetError>, title: &str) -> Vec<Block>
     };
     let mut out = Vec::new();
     if let Some(figure) = creep_figure(found, title) {
-        let caption = "Of a typical tendon, freed of what else differs; lines are 95 %.";
+        let caption = "Typical tendon, adjusted for other factors; lines are 95 % intervals.";
         out.push(Block::Figure(Box::new(figure), caption.into()));
     }
     let mut head = head(found);
@@ -232,26 +235,26 @@ fn comparison(found: &Result<Comparison, FleetError>, title: &str) -> Vec<Block>
         });
     }
     out.push(Block::Folded(
-        "What this rests on".into(),
-        vec![Block::List(notes(found, LEAST))],
+        "Basis of the comparison".into(),
+        vec![Block::List(notes(found, MIN_DIFFERENCE))],
     ));
     out
 }
 
 /// Creep of every group with its interval, a row each, coloured by verdict.
 fn creep_figure(found: &Comparison, title: &str) -> Option<Figure> {
-    let known: Vec<&Group> = (found.groups.iter())
+    let groups: Vec<&Group> = (found.groups.iter())
         .filter(|g| g.creep.iter().all(|c| c.is_finite()))
         .collect();
-    let worst = known
+    let worst = groups
         .iter()
         .max_by(|a, b| a.creep[0].total_cmp(&b.creep[0]))?;
-    let place = |i: usize| (known.len() - i) as f64;
+    let place = |i: usize| (groups.len() - i) as f64;
     let k = scale(found.unit);
     let mut panel = Panel::new("", format!("creep ({})", unit(found.unit)), "");
-    for level_of in [Verdict::Worse, Verdict::Better, Verdict::CantTell] {
+    for level_of in [Verdict::Worse, Verdict::Better, Verdict::Inconclusive] {
         let same = |g: &&Group| level(&g.verdict) == level(&level_of);
-        let groups: Vec<(usize, &Group)> = (known.iter().copied().enumerate())
+        let groups: Vec<(usize, &Group)> = (groups.iter().copied().enumerate())
             .filter(|(_, g)| same(g))
             .collect();
         if groups.is_empty() {
@@ -269,20 +272,20 @@ fn creep_figure(found: &Comparison, title: &str) -> Option<Figure> {
         let labels = groups.iter().map(|(_, g)| name(g, found.by)).collect();
         panel = panel.points(points.labels(labels));
     }
-    let names = known.iter().enumerate();
+    let names = groups.iter().enumerate();
     let names = names.map(|(i, g)| (place(i), name(g, found.by))).collect();
     let seen = format!(
         "{} groups; {} creeps most, by {:.0} {}",
-        known.len(),
+        groups.len(),
         name(worst, found.by),
         k * worst.creep[0],
         unit(found.unit)
     );
-    let panel = panel.y_names(names).y_range(0.4, known.len() as f64 + 0.6);
+    let panel = panel.y_names(names).y_range(0.4, groups.len() as f64 + 0.6);
     Some(
         Figure::new(title)
             .seen(seen)
-            .size(820.0, 90.0 + 24.0 * known.len() as f64)
+            .size(820.0, 90.0 + 24.0 * groups.len() as f64)
             .panel(panel),
     )
 }
@@ -323,7 +326,7 @@ fn rope_map(found: &Result<Comparison, FleetError>) -> Vec<Block> {
             .iter()
             .filter_map(|b| Some((*b, at(rope, *b)?)))
             .collect();
-        // Beside each other, so that intervals show.
+        // Side by side, so that the intervals are visible.
         let x: Vec<f64> = own
             .iter()
             .map(|(b, _)| b + 5.0 + (i as f64 - middle) * 0.8)
@@ -350,7 +353,7 @@ fn rope_map(found: &Result<Comparison, FleetError>) -> Vec<Block> {
         .filter(|g| g.creep[0].is_finite())
         .max_by(|a, b| a.creep[0].total_cmp(&b.creep[0]));
     let seen = most.map_or(
-        "no rope can be told from the others at any temperature".into(),
+        "no rope differs significantly from the others at any temperature".into(),
         |g| {
             format!(
                 "{} creeps most, from {}: {:.0} {}",
@@ -382,32 +385,32 @@ fn rope_map(found: &Result<Comparison, FleetError>) -> Vec<Block> {
     });
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let caption = format!(
-        "{}, with 95 %; –: no tendons, or no way to tell",
+        "{}, with 95 % interval; –: no tendons or not identifiable",
         unit(found.unit)
     );
     vec![
         Block::Figure(
             Box::new(figure),
-            "A band of 10 K each; lines are 95 %.".into(),
+            "Bands of 10 K; lines are 95 % intervals.".into(),
         ),
         Table::new(&head, rows).captioned(caption).into(),
         Block::Folded(
-            "What this rests on".into(),
-            vec![Block::List(notes(found, LEAST))],
+            "Basis of the comparison".into(),
+            vec![Block::List(notes(found, MIN_DIFFERENCE))],
         ),
     ]
 }
 
 fn reading(found: &Found) -> Vec<String> {
     vec![
-        "A tendon is due when its limit is passed, or when the lower end of its interval lies within the weeks shown.".into(),
+        "A tendon is due when its limit is exceeded, or when the lower end of its interval lies within the weeks shown.".into(),
         format!(
-            "{} were followed by the whole trend. {} can't reach a limit within these weeks, by a bound.",
+            "{} were tracked by the full trend. {} cannot reach a limit within these weeks, because an upper bound is below it.",
             tendons(found.due.followed.len()),
             tendons(found.due.out_of_reach)
         ),
-        "Forecasts suppose that robots are used as before and that nothing fails.".into(),
-        "Creep is growth per decade of time of a typical tendon. 'More by' counts from the middle one of the others.".into(),
-        "The chance that any verdict of one comparison is wrong is 5 % at most.".into(),
+        "Forecasts assume unchanged use of the robots and no failures.".into(),
+        "Creep is growth per decade of time of a typical tendon. The difference is relative to the median of the other groups.".into(),
+        "The probability that any verdict of one comparison is wrong is at most 5 %.".into(),
     ]
 }

@@ -1,4 +1,4 @@
-//! What really happens to a tendon, and what its monitor records of it.
+//! Simulated history of a tendon, and the records of its monitor.
 
 use super::plan::{Plan, PlannedRobot, SITES, TypeTendon};
 use crate::FleetError;
@@ -14,47 +14,47 @@ use sinew_watch_core::Record;
 use sinew_watch_core::record::{Clock, NoOffset};
 use std::f64::consts::TAU;
 
-/// Days after the last record for which the truth is known.
+/// Number of days after the last record with known ground truth.
 pub(super) const LOOK_AHEAD_DAYS: usize = 365;
-/// Strands that fail in a tendon in a year.
+/// Expected number of strand failures of a tendon per year.
 const FAILURES_PER_YEAR: f64 = 0.03;
 /// Share of days without a session.
 const IDLE_SHARE: f64 = 0.05;
 /// Share of sessions in which the computer's clock stepped.
 const STEPPED_SHARE: f64 = 1e-3;
-/// A year's simulator wants at least so many days.
-const LEAST_DAYS: usize = 302;
+/// Minimum number of days of the year simulator.
+const MIN_DAYS: usize = 302;
 
-/// Whether a limit is passed, and when.
+/// Time at which a limit is exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LookAhead {
-    /// It was passed before the last day.
+    /// Exceeded before the last day.
     Passed,
-    /// On this day after the last.
+    /// Exceeded this number of days after the last.
     In(usize),
-    /// Not as long as the truth is known.
+    /// Not exceeded within the known ground truth.
     Later,
 }
 
-/// A tendon's life.
+/// History of a tendon.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Life {
-    /// Place in [`Plan::tendons`].
+pub struct TendonHistory {
+    /// Index in [`Plan::tendons`].
     pub tendon: usize,
-    /// Days it was tensioned on, from the robot's first; the first is 0.
+    /// Days of tensioning, counted from the robot's first; the first is 0.
     pub tensioned_days: Vec<usize>,
-    /// Day a strand failed on, and the sudden offset, rad.
+    /// Day of a strand failure, and its step change of the offset, rad.
     pub failure: Option<(usize, f64)>,
     /// True offset since the last tensioning on the last day, rad.
     pub offset_rad: f64,
-    /// When its limit is passed, without what fails later.
+    /// Time at which the limit is exceeded, without later failures.
     pub passes: LookAhead,
-    /// What its monitor recorded.
+    /// Records of its monitor.
     pub records: Vec<Record>,
 }
 
 impl Plan {
-    /// Lives of a robot's tendons.
+    /// Lifetimes of a robot's tendons.
     ///
     /// # Errors
     /// A rope without a complete law.
@@ -62,12 +62,12 @@ impl Plan {
         &self,
         robot: &PlannedRobot,
         catalogue: &Catalogue,
-    ) -> Result<Vec<Life>, FleetError> {
+    ) -> Result<Vec<TendonHistory>, FleetError> {
         let mut rng = ChaCha8Rng::seed_from_u64(robot.seed);
         let days = self.days - robot.since_day;
-        let total = (days + LOOK_AHEAD_DAYS).max(LEAST_DAYS);
+        let total = (days + LOOK_AHEAD_DAYS).max(MIN_DAYS);
         let temperature_c = temperatures_c(robot, total, &mut rng);
-        // Which days it stands still is the robot's, not the tendon's.
+        // Idle days are common to all tendons of a robot.
         let works: Vec<(bool, f64, bool)> = (0..=days)
             .map(|_| {
                 let (idle, hour, stepped) = (rng.random::<f64>(), rng.random(), rng.random());
@@ -83,7 +83,7 @@ impl Plan {
             let year = truth::draw(rope, &own.tendon, &temperature_c, seed, false)?;
             let creep_rad: Vec<f64> = year.creep_rad.iter().map(|c| batch.factor * c).collect();
             let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5e55_1011);
-            let mut life = lived(i, own, &creep_rad, days, &mut rng);
+            let mut life = history(i, own, &creep_rad, days, &mut rng);
             let recording = Recording {
                 plan: self,
                 robot,
@@ -101,8 +101,8 @@ impl Plan {
 
 /// Air temperature on each morning of a robot, °C.
 fn temperatures_c(robot: &PlannedRobot, days: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    /// Days differ by so much, K.
-    const DAY_K: f64 = 1.5;
+    /// Standard deviation between days, K.
+    const DAILY_STD_K: f64 = 1.5;
     /// Coldest day of the year.
     const COLDEST: f64 = 20.0;
     let site = SITES[robot.site];
@@ -110,19 +110,19 @@ fn temperatures_c(robot: &PlannedRobot, days: usize, rng: &mut ChaCha8Rng) -> Ve
         .map(|day| {
             let normal: f64 = StandardNormal.sample(rng);
             let of_year = (robot.since_day + day) as f64 - COLDEST;
-            site.mean_c - site.season_k * (TAU * of_year / 365.25).cos() + DAY_K * normal
+            site.mean_c - site.season_k * (TAU * of_year / 365.25).cos() + DAILY_STD_K * normal
         })
         .collect()
 }
 
-/// Failure and tensionings: whoever passes its limit is tensioned again days later.
-fn lived(
+/// Simulates failure and tensioning; a tendon that exceeds its limit is re-tensioned days later.
+fn history(
     tendon: usize,
     own: &TypeTendon,
     creep_rad: &[f64],
     days: usize,
     rng: &mut ChaCha8Rng,
-) -> Life {
+) -> TendonHistory {
     let fails = rng.random::<f64>() < FAILURES_PER_YEAR * days as f64 / 365.25;
     let failure =
         (fails && days > 1).then(|| (rng.random_range(1..days), 1e-3 * rng.random_range(2.0..4.0)));
@@ -147,7 +147,7 @@ fn lived(
         since = serviced;
         tensioned_days.push(since);
     };
-    Life {
+    TendonHistory {
         tendon,
         offset_rad: offset_rad(since, days),
         tensioned_days,
@@ -157,24 +157,24 @@ fn lived(
     }
 }
 
-/// What a monitor needs to record.
+/// Inputs of the monitor's records.
 struct Recording<'a> {
     plan: &'a Plan,
     robot: &'a PlannedRobot,
     own: &'a TypeTendon,
     creep_rad: &'a [f64],
     temperature_c: &'a [f64],
-    /// Of each day: whether it works, when, and whether the clock stepped.
+    /// Whether the robot works, time of the session and whether the clock stepped, for each day.
     works: &'a [(bool, f64, bool)],
 }
 
 impl Recording<'_> {
-    /// Records of a life, of each day at most one.
-    fn of(&self, life: &Life, days: usize, rng: &mut ChaCha8Rng) -> Vec<Record> {
-        // A record says how wide its interval is, not which part of it others share.
+    /// Returns the records of a history, at most one per day.
+    fn of(&self, life: &TendonHistory, days: usize, rng: &mut ChaCha8Rng) -> Vec<Record> {
+        // A record contains the width of its interval, not its systematic part.
         let errors = SessionErrors {
-            parts_stated: false,
-            refused_share: 0.01,
+            parts_specified: false,
+            inconclusive_share: 0.01,
             ..SessionErrors::work()
         };
         let mut out = Vec::new();
@@ -232,18 +232,18 @@ impl Recording<'_> {
             time_utc_s: at_utc_s(day, hour),
             duration_s: 120.0,
             offset_rad: offset.map(|o| o.mean),
-            offset_deviation_rad: offset.map(|o| o.deviation),
+            offset_std_rad: offset.map(|o| o.std),
             elongation_m: offset.map(|o| o.mean * radius_m),
-            elongation_deviation_m: offset.map(|o| o.deviation * radius_m),
+            elongation_std_m: offset.map(|o| o.std * radius_m),
             strain_ratio: offset.map(|o| (before_rad + o.mean) * radius_m / length_m),
-            strain_deviation_ratio: offset.map(|o| o.deviation * radius_m / length_m),
+            strain_std_ratio: offset.map(|o| o.std * radius_m / length_m),
             temperature_c: session.temperature_c,
             stiffness_ratio: session.stiffness.map(|s| s.mean),
-            stiffness_deviation_ratio: session.stiffness.map(|s| s.deviation),
+            stiffness_std_ratio: session.stiffness.map(|s| s.std),
             baseline: Some(format!("tensioned-{}", day_of(at_utc_s(from, 0.0)))),
             source: format!("dds:0/{}", self.robot.name),
             clock: if stepped { Clock::Stepped } else { Clock::Utc },
-            in_doubt: false,
+            provisional: false,
             reason: offset.is_none().then_some(NoOffset::TooWide),
             poses: rng.random_range(6..14),
             frames: 60_000,

@@ -1,11 +1,11 @@
-//! Fleets whose truth is known: records as monitors write them, side tables, and what really happens beside.
+//! Simulated fleets with known ground truth: records as monitors write them, side tables and the true values.
 
 mod life;
 mod plan;
 mod recordings;
 mod write;
 
-pub use life::{Life, LookAhead};
+pub use life::{LookAhead, TendonHistory};
 pub use plan::{Batch, Plan, PlannedRobot, Site};
 
 use crate::FleetError;
@@ -16,17 +16,17 @@ use sinew_rope::Catalogue;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Robots whose records are in memory at a time, and in a file of a month.
-const TOGETHER: usize = 50;
+/// Number of robots whose records are in memory at a time, and in one file of a month.
+const ROBOTS_PER_FILE: usize = 50;
 
-/// What was made.
+/// Size of the simulated fleet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Made {
-    /// Robots.
+    /// Number of robots.
     pub robots: usize,
-    /// Tendons.
+    /// Number of tendons.
     pub tendons: usize,
-    /// Records.
+    /// Number of records.
     pub rows: u64,
     /// Files of records.
     pub files: usize,
@@ -34,32 +34,32 @@ pub struct Made {
     pub recordings: usize,
 }
 
-/// Makes a fleet up.
+/// Simulates a fleet.
 ///
 /// # Errors
-/// [`FleetError`]; what was written before is left.
-pub fn simulate(asked: &Simulate) -> Result<Made, FleetError> {
-    let loaded = robot_dir::load(&asked.robot, None)?;
+/// Returns a [`FleetError`]; files written before the error remain.
+pub fn simulate(request: &Simulate) -> Result<Made, FleetError> {
+    let loaded = robot_dir::load(&request.robot, None)?;
     let catalogue = Catalogue::shipped()?;
-    let plan = Plan::draw(asked, &loaded.robot, &catalogue)?;
-    empty(&asked.out)?;
-    write::robot_type(&asked.out, &loaded)?;
+    let plan = Plan::draw(request, &loaded.robot, &catalogue)?;
+    empty(&request.out)?;
+    write::robot_type(&request.out, &loaded)?;
     let mut made = Made::default();
-    let mut sides = write::Sides::create(&asked.out, &plan)?;
-    for (number, robots) in plan.robots.chunks(TOGETHER).enumerate() {
-        let lives: Vec<Vec<Life>> = (robots.par_iter())
+    let mut sides = write::Sides::create(&request.out, &plan)?;
+    for (number, robots) in plan.robots.chunks(ROBOTS_PER_FILE).enumerate() {
+        let lives: Vec<Vec<TendonHistory>> = (robots.par_iter())
             .map(|robot| plan.lives(robot, &catalogue))
             .collect::<Result<_, _>>()?;
         // The first robots have recordings too.
-        let left = (asked.recordings as usize).saturating_sub(made.recordings);
-        let recorded: Vec<(&PlannedRobot, &[Life])> = (robots.iter().zip(&lives))
+        let left = (request.recordings as usize).saturating_sub(made.recordings);
+        let recorded: Vec<(&PlannedRobot, &[TendonHistory])> = (robots.iter().zip(&lives))
             .map(|(robot, lives)| (robot, lives.as_slice()))
             .take(left)
             .collect();
         if !recorded.is_empty() {
-            made.recordings += recordings::write(&asked.out, &plan, &loaded.robot, &recorded)?;
+            made.recordings += recordings::write(&request.out, &plan, &loaded.robot, &recorded)?;
         }
-        let (rows, files) = write::months(&asked.out, &plan, number, robots, &lives)?;
+        let (rows, files) = write::months(&request.out, &plan, number, robots, &lives)?;
         for (robot, lives) in robots.iter().zip(&lives) {
             sides.robot(&plan, robot, lives)?;
             made.tendons += lives.len();
@@ -72,7 +72,7 @@ pub fn simulate(asked: &Simulate) -> Result<Made, FleetError> {
     Ok(made)
 }
 
-/// Makes the folder, or sees that nothing is in it.
+/// Creates the folder, or checks that it is empty.
 fn empty(folder: &Path) -> Result<(), FleetError> {
     let wrong = |source| FleetError::Folder {
         path: folder.into(),
@@ -89,20 +89,20 @@ fn empty(folder: &Path) -> Result<(), FleetError> {
 ///
 /// # Errors
 /// [`FleetError`].
-pub fn command(asked: &Simulate) -> Result<ExitCode, FleetError> {
-    let made = simulate(asked)?;
+pub fn command(request: &Simulate) -> Result<ExitCode, FleetError> {
+    let made = simulate(request)?;
     let recordings = match made.recordings {
         0 => String::new(),
         count => format!(", {count} recordings"),
     };
     println!(
         "{}: {} robots, {} tendons, {} records in {} files{recordings}; truth in {}",
-        asked.out.display(),
+        request.out.display(),
         made.robots,
         made.tendons,
         made.rows,
         made.files,
-        asked.out.join("truth").display(),
+        request.out.join("truth").display(),
     );
     Ok(ExitCode::SUCCESS)
 }

@@ -1,4 +1,4 @@
-//! Who stands where since when, with which ropes.
+//! Plan of a simulated fleet: sites, start days and ropes of the robots.
 
 use crate::FleetError;
 use crate::args::Simulate;
@@ -12,19 +12,19 @@ use sinew_rope::Catalogue;
 
 /// Batches of each rope.
 const BATCHES: usize = 6;
-/// Share of robots that are there from the first day; the others come later.
+/// Share of robots in operation from the first day; the others start later.
 const FIRST_SHARE: f64 = 0.7;
-/// Days before the end on which the last robot comes, at the latest.
+/// Minimum number of days before the end at which the last robot starts.
 const LAST_DAYS: u32 = 20;
 
-/// A place robots stand at.
+/// Site of robots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Site {
-    /// Name.
+    /// Name of the site.
     pub name: &'static str,
     /// Mean temperature, °C.
     pub mean_c: f64,
-    /// Half of what summer and winter differ by, K.
+    /// Half of the difference between summer and winter, K.
     pub season_k: f64,
 }
 
@@ -52,67 +52,67 @@ pub(super) const SITES: [Site; 4] = [
     },
 ];
 
-/// A batch of a rope.
+/// Production batch of a rope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Batch {
-    /// Rope.
+    /// Name of the rope.
     pub rope: String,
-    /// Name.
+    /// Name of the batch.
     pub name: String,
-    /// How much more than the rope's law it creeps.
+    /// Creep relative to the rope's creep law.
     pub factor: f64,
 }
 
-/// A tendon of the type.
+/// Tendon of the robot type.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TypeTendon {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Geometry, pretension and limit.
     pub tendon: Tendon,
-    /// Offset at which it is to be tensioned again, rad.
+    /// Offset at which the tendon is re-tensioned, rad.
     pub limit_rad: f64,
 }
 
-/// A robot of the fleet.
+/// Planned robot of the fleet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedRobot {
-    /// Name.
+    /// Name of the robot.
     pub name: String,
-    /// Its seed.
+    /// Seed of the robot.
     pub seed: u64,
-    /// Place in [`SITES`].
+    /// Index in [`SITES`].
     pub site: usize,
-    /// Day it began on, from the fleet's first.
+    /// First day of the robot, counted from that of the fleet.
     pub since_day: usize,
-    /// Of each tendon its batch, as a place in [`Plan::batches`].
+    /// Index in [`Plan::batches`] of each tendon.
     pub batches: Vec<usize>,
 }
 
-/// A fleet before anything happens.
+/// Plan of a fleet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Type of the robots.
     pub robot_type: String,
-    /// Its tendons, by name.
+    /// Tendons of the type, by name.
     pub tendons: Vec<TypeTendon>,
     /// Batches of all ropes.
     pub batches: Vec<Batch>,
-    /// Robots, by name.
+    /// Robots of the fleet, by name.
     pub robots: Vec<PlannedRobot>,
-    /// Days that are recorded.
+    /// Number of recorded days.
     pub days: usize,
     /// First day, s since 1970.
     pub start_utc_s: f64,
 }
 
 impl Plan {
-    /// Draws who stands where with which ropes.
+    /// Draws sites, start days and ropes of the robots.
     ///
     /// # Errors
-    /// [`FleetError::NoTendon`], or a rope that the catalogue doesn't have.
+    /// Returns [`FleetError::NoTendon`], or an error of the catalogue for an unknown rope.
     pub fn draw(
-        asked: &Simulate,
+        request: &Simulate,
         robot: &Robot,
         catalogue: &Catalogue,
     ) -> Result<Self, FleetError> {
@@ -129,14 +129,14 @@ impl Plan {
             })
             .collect();
         if tendons.is_empty() {
-            let robot = asked.robot.display().to_string();
+            let robot = request.robot.display().to_string();
             return Err(FleetError::NoTendon { robot });
         }
         tendons.sort_by(|a, b| a.joint.cmp(&b.joint));
-        let mut rng = ChaCha8Rng::seed_from_u64(asked.seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
         let mut ropes: Vec<&str> = (tendons.iter())
             .filter_map(|t| t.tendon.rope.as_deref())
-            .chain(asked.ropes.iter().map(String::as_str))
+            .chain(request.ropes.iter().map(String::as_str))
             .collect();
         ropes.sort_unstable();
         ropes.dedup();
@@ -148,26 +148,26 @@ impl Plan {
                 batches.push(Batch {
                     rope: (*rope).to_owned(),
                     name: format!("{rope}/{i:02}"),
-                    factor: (asked.batch_spread * normal).exp(),
+                    factor: (request.batch_spread * normal).exp(),
                 });
             }
         }
         // The same place whatever the seed: who looks for it knows where it is.
-        batches[2].factor = asked.bad_batch;
-        let width = asked.robots.to_string().len().max(4);
-        let robots = (1..=asked.robots)
+        batches[2].factor = request.bad_batch;
+        let width = request.robots.to_string().len().max(4);
+        let robots = (1..=request.robots)
             .map(|i| {
                 let seed = rng.random();
-                let other = rng.random_range(0..=asked.ropes.len());
+                let other = rng.random_range(0..=request.ropes.len());
                 let since_day = match rng.random::<f64>() < FIRST_SHARE {
                     true => 0,
-                    false => rng.random_range(0..asked.days.saturating_sub(LAST_DAYS).max(1)),
+                    false => rng.random_range(0..request.days.saturating_sub(LAST_DAYS).max(1)),
                 };
                 let site = rng.random_range(0..SITES.len());
                 let delivered = rng.random_range(0..BATCHES);
                 let batch_of = |tendon: &TypeTendon| {
                     let own = tendon.tendon.rope.as_deref();
-                    let rope = (asked.ropes.get(other).map(String::as_str)).or(own);
+                    let rope = (request.ropes.get(other).map(String::as_str)).or(own);
                     let first = batches.iter().position(|b| Some(b.rope.as_str()) == rope);
                     first.unwrap_or(0) + delivered
                 };
@@ -185,7 +185,7 @@ impl Plan {
             tendons,
             batches,
             robots,
-            days: asked.days as usize,
+            days: request.days as usize,
             start_utc_s: day_number(2024, 1, 1).unwrap_or(0) as f64 * DAY_S,
         })
     }

@@ -1,6 +1,6 @@
 //! Recordings of some robots of a fleet: a minute right after they were tensioned, and a minute as they are on the last day.
 
-use super::life::Life;
+use super::life::TendonHistory;
 use super::plan::{Plan, PlannedRobot};
 use crate::FleetError;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Folder of the recordings.
 const FOLDER: &str = "recordings";
-/// How an arm moves, and what of it is drawn: the protocol's scenario with an empty gripper.
+/// Scenario of motion and random errors: that of the protocol with an empty gripper.
 const SCENARIO: &str = "S5";
 /// When the day begins, s after midnight.
 const MORNING_S: f64 = 21_600.0;
@@ -23,7 +23,7 @@ pub(super) fn write(
     out: &Path,
     plan: &Plan,
     robot: &Robot,
-    robots: &[(&PlannedRobot, &[Life])],
+    robots: &[(&PlannedRobot, &[TendonHistory])],
 ) -> Result<usize, FleetError> {
     let folder = out.join(FOLDER);
     std::fs::create_dir_all(&folder).map_err(|source| FleetError::Folder {
@@ -41,12 +41,12 @@ pub(super) fn write(
     Ok(robots.len())
 }
 
-/// The protocol's sessions A and B; in B each tendon is longer by what it has crept since it was tensioned.
+/// The protocol's sessions A and B; in B each tendon is longer by its creep since tensioning.
 fn of_robot(
     mut scenario: Scenario,
     plan: &Plan,
     planned: &PlannedRobot,
-    lives: &[Life],
+    lives: &[TendonHistory],
 ) -> Scenario {
     let tensioned_s = scenario.sessions[0].to_s;
     scenario.duration_s = Some(scenario.sessions[1].to_s);

@@ -1,6 +1,6 @@
 //! A simulated fleet as files.
 
-use super::life::{Life, LookAhead};
+use super::life::{LookAhead, TendonHistory};
 use super::plan::{Plan, PlannedRobot, SITES};
 use crate::FleetError;
 use crate::folder::TYPES;
@@ -40,7 +40,7 @@ pub(super) fn robot_type(out: &Path, loaded: &LoadedRobot) -> Result<(), FleetEr
     Ok(())
 }
 
-/// `2024-03`.
+/// Formats a month such as `2024-03`.
 fn month_of(utc_s: f64) -> String {
     let (year, month, _) = civil((utc_s / DAY_S).floor() as i64);
     format!("{year:04}-{month:02}")
@@ -52,7 +52,7 @@ pub(super) fn months(
     plan: &Plan,
     number: usize,
     robots: &[PlannedRobot],
-    lives: &[Vec<Life>],
+    lives: &[Vec<TendonHistory>],
 ) -> Result<(u64, usize), FleetError> {
     let mut by_month: BTreeMap<String, Vec<&Record>> = BTreeMap::new();
     // Robots and joints are in the order of their names, and so is a file.
@@ -90,7 +90,7 @@ fn file<'r>(path: &Path, records: impl Iterator<Item = &'r Record>) -> Result<u6
     Ok(count)
 }
 
-/// Tables beside the records, and the truth.
+/// Writers of the side tables and the ground truth.
 pub(super) struct Sides {
     robots: TableWriter,
     tendons: TableWriter,
@@ -147,7 +147,7 @@ impl Sides {
         &mut self,
         plan: &Plan,
         robot: &PlannedRobot,
-        lives: &[Life],
+        lives: &[TendonHistory],
     ) -> Result<(), FleetError> {
         let name = &robot.name;
         let site = SITES[robot.site].name;

@@ -1,4 +1,4 @@
-//! Fleets and files for tests.
+//! Support for the tests: fleets and files.
 
 pub(crate) mod tendons;
 
@@ -17,12 +17,12 @@ use sinew_watch_core::table::{columns, row};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// A folder of the repository.
+/// Path of a folder of the repository.
 pub(crate) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
-/// What a small fleet is asked for.
+/// Arguments of a small simulated fleet.
 pub(crate) fn small(out: &Path, robots: u32, days: u32) -> Simulate {
     Simulate {
         robot: repository("robots/biorob-like"),
@@ -37,12 +37,12 @@ pub(crate) fn small(out: &Path, robots: u32, days: u32) -> Simulate {
     }
 }
 
-/// A small fleet.
+/// Simulates a small fleet.
 pub(crate) fn fleet(out: &Path, robots: u32, days: u32) -> Made {
     simulate(&small(out, robots, days)).unwrap()
 }
 
-/// How a folder is read.
+/// Source of a folder.
 pub(crate) fn source(folder: &Path) -> Source {
     Source {
         folder: folder.into(),
@@ -50,12 +50,12 @@ pub(crate) fn source(folder: &Path) -> Source {
     }
 }
 
-/// A folder, opened.
+/// Opens a folder of records.
 pub(crate) fn open(folder: &Path) -> Engine {
     Engine::open(&source(folder)).unwrap()
 }
 
-/// A session of a joint on a day.
+/// Record of a session of a joint on a day.
 pub(crate) fn session(robot: &str, joint: &str, day: u32) -> Record {
     Record {
         robot: robot.into(),
@@ -64,24 +64,40 @@ pub(crate) fn session(robot: &str, joint: &str, day: u32) -> Record {
         time_utc_s: 1.75e9 + 86_400.0 * f64::from(day),
         duration_s: 120.0,
         offset_rad: Some(1e-3 * f64::from(day)),
-        offset_deviation_rad: Some(0.4e-3),
+        offset_std_rad: Some(0.4e-3),
         elongation_m: None,
-        elongation_deviation_m: None,
+        elongation_std_m: None,
         strain_ratio: None,
-        strain_deviation_ratio: None,
+        strain_std_ratio: None,
         temperature_c: Some(21.0),
         stiffness_ratio: None,
-        stiffness_deviation_ratio: None,
+        stiffness_std_ratio: None,
         baseline: None,
         source: "test".into(),
         clock: Clock::Utc,
-        in_doubt: false,
+        provisional: false,
         reason: None,
         poses: 8,
         frames: 1000,
         frames_lost: 0,
         sinew_version: "0.9.0".into(),
     }
+}
+
+/// Writes records with the columns of version 1 of the schema.
+pub(crate) fn write_version_1(path: &Path, records: &[Record]) {
+    let mut columns = columns();
+    for (name, _) in &mut columns {
+        *name = match name.as_str() {
+            "provisional" => "in_doubt".into(),
+            name => name.replace("_std_", "_deviation_"),
+        };
+    }
+    let mut writer = TableWriter::create(path, &columns).unwrap();
+    for record in records {
+        writer.row(&row(record)).unwrap();
+    }
+    writer.finish().unwrap();
 }
 
 /// Writes records as a monitor does.
@@ -94,10 +110,10 @@ pub(crate) fn write(path: &Path, records: &[Record]) {
     writer.finish().unwrap();
 }
 
-/// The cells of an answer, row by row.
+/// Cells of a result, row by row.
 pub(crate) fn cells(engine: &mut Engine, sql: &str) -> Vec<Vec<String>> {
     use datafusion::arrow::util::display::{ArrayFormatter, FormatOptions};
-    let answer = engine.ask(sql).unwrap();
+    let answer = engine.query(sql).unwrap();
     let mut out = Vec::new();
     for batch in &answer.batches {
         let format = FormatOptions::default();
@@ -114,7 +130,7 @@ pub(crate) fn cells(engine: &mut Engine, sql: &str) -> Vec<Vec<String>> {
     out
 }
 
-/// Files of records below a folder.
+/// Finds the files of records of a folder.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut out = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -128,7 +144,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     out
 }
 
-/// Does something to the rows of every file of records.
+/// Changes the rows of every file of records.
 pub(crate) fn change(folder: &Path, of: impl Fn(RecordBatch) -> RecordBatch) {
     for path in files(folder) {
         let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
@@ -147,7 +163,7 @@ pub(crate) fn numbers<'b>(batch: &'b RecordBatch, column: &str) -> &'b Float64Ar
         .as_primitive::<Float64Type>()
 }
 
-/// The records of a fleet as they were so many days before its last session.
+/// Removes the records of the last days before the last session.
 pub(crate) fn cut(folder: &Path, days: f64) {
     let mut last_utc_s = f64::NEG_INFINITY;
     for path in files(folder) {

@@ -27,7 +27,7 @@ pub(crate) fn tendon(i: usize, batch: &str, site: &str, factor: f64) -> Creeping
         site: Some(site.into()),
         creep: Creep {
             per_decade_rad: strain / 0.05,
-            deviation_rad: 0.05 * 3e-4 / 0.05,
+            std_rad: 0.05 * 3e-4 / 0.05,
             temperature_c: Some(21.0 + 0.1 * (i % 7) as f64),
             age_days: [1.0, 30.0],
             sessions: 30,

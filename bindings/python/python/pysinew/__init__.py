@@ -1,4 +1,4 @@
-"""Sinew: how far the rope tendons of a robot have stretched, from its encoders alone.
+"""Sinew: elongation of the rope tendons of a robot, estimated from its encoders.
 
     >>> import pysinew as sn
     >>> est = sn.estimate("monday.mcap", robot="robots/biorob-like")
@@ -7,7 +7,7 @@
     >>> pandas.DataFrame.from_arrow(est.table())
 
 Everything is in SI; a ± is a standard deviation. Errors are ``ValueError`` with the sentence of the command. Work runs
-without Python's lock, can be interrupted, and tells ``progress`` how far it is.
+without Python's lock, can be interrupted, and reports to ``progress``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._core import VERSION as __version__
     from ._core import Baseline as Baseline
     from ._core import Catalogue as Catalogue
-    from ._core import LiveOffsets as LiveOffsets
+    from ._core import OnlineEstimator as OnlineEstimator
     from ._core import OffsetObserver as OffsetObserver
     from ._core import Recording as Recording
     from ._core import Robot as Robot
@@ -58,9 +58,9 @@ if TYPE_CHECKING:
     from ._trend import Trend as Trend
     from ._trend import trend as trend
 
-# Where each name is: loaded when somebody asks for it, so that `import pysinew` costs next to nothing.
+# Module of each name, loaded on first use, so that `import pysinew` costs next to nothing.
 _HOMES = {
-    "_core": ("Baseline", "Catalogue", "LiveOffsets", "OffsetObserver", "Recording", "Robot", "RopeLaw", "Table"),
+    "_core": ("Baseline", "Catalogue", "OnlineEstimator", "OffsetObserver", "Recording", "Robot", "RopeLaw", "Table"),
     "_creep": ("CreepFit", "CreepTests"),
     "_errors": ("LocatedError", "SinewError"),
     "_estimate": (
@@ -93,7 +93,7 @@ __all__ = [
     "EstimateEach",
     "Guide",
     "Learned",
-    "LiveOffsets",
+    "OnlineEstimator",
     "LocatedError",
     "Merged",
     "OffsetObserver",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Answer(Record):
-    """A result of Sinew: fields in SI with standard deviations, and the words, tables and pages of the command.
+    """Result of a function: fields in SI units with standard deviations, and the text, tables and pages of the command.
 
     ``print(answer)`` shows what the command prints; a notebook shows the main plot of its report.
     """
@@ -28,24 +28,24 @@ class Answer(Record):
 
     def __getattr__(self, name: str) -> Any:
         if name == "_data":
-            # Decoded when somebody looks.
+            # Decoded on first use.
             data: Mapping[str, Any] = json.loads(self._document.json())
             object.__setattr__(self, "_data", data)
             return data
         return super().__getattr__(name)
 
     def to_json(self) -> str:
-        """The JSON document that the command prints with ``--json``, to the last digit."""
+        """The JSON document that the command prints with ``--json``, with identical digits."""
         return self._document.json()
 
     @property
     def notices(self) -> list[str]:
-        """What the command would say on stderr, in sentences."""
+        """Warnings that the command prints on stderr."""
         return self._document.warnings()
 
     @property
     def is_lossy(self) -> bool:
-        """Whether the command would end with exit code 3: data was lost, or something asks for attention."""
+        """Whether the command would end with exit code 3: data was lost, or action is required."""
         return self._document.is_lossy()
 
     @property
@@ -54,7 +54,7 @@ class Answer(Record):
         return self._document.table_names()
 
     def table(self, name: str | None = None) -> Table:
-        """A table of it, the first without a name: hand it to pandas, polars, pyarrow or duckdb as it is.
+        """Returns a table by name, or the first table. pandas, polars, pyarrow and duckdb read it directly.
 
         Raises ``KeyError`` where there is no such table.
         """
@@ -71,9 +71,9 @@ class Answer(Record):
         return html
 
     def write_html(self, path: str | os.PathLike[str]) -> None:
-        """Writes the report. A file is whole or not there.
+        """Writes the report. The file is complete or absent.
 
-        Raises ``ValueError`` where this answer has no report, or the file can't be written.
+        Raises ``ValueError`` if this result has no report or the file cannot be written.
         """
         if not self._document.write_html(path):
             raise ValueError(f"{type(self).__name__} has no report")
@@ -94,4 +94,4 @@ class Answer(Record):
     __hash__ = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        raise TypeError(f"{type(self).__name__} can't be pickled; keep to_json()")
+        raise TypeError(f"{type(self).__name__} cannot be pickled; store to_json() instead")

@@ -19,7 +19,7 @@ __all__ = [
     "Catalogue",
     "CreepTests",
     "Document",
-    "LiveOffsets",
+    "OnlineEstimator",
     "OffsetObserver",
     "Recording",
     "Robot",
@@ -168,23 +168,23 @@ class Baseline:
     def recordings(self) -> list[str]: ...
 
 @final
-class LiveOffsets:
-    """Offsets of the tendons of a running robot, sample by sample: ``delta_e = (theta_measured − q) − tau_el / K``.
+class OnlineEstimator:
+    """Online estimator of the tendon offsets of a running robot: ``delta_e = (theta_measured − q) − tau_el / K``.
 
-    ``step`` belongs into the control loop: it averages samples to blocks of 0.2 s and solves nothing. A worker solves the blocks of
-    the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with what that solution predicts. It
-    is a thread of its own with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
+    ``step`` belongs in the control loop: it averages samples over blocks of 0.2 s and solves nothing. A worker solves the blocks of
+    the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with the prediction of that solution.
+    It is a separate thread with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
 
-    * ``robot``: its folder or a ``Robot``.
-    * ``baseline``: offsets since then: a file or a ``Baseline``. ``None``: against the zero of the encoders.
-    * ``empty``, ``payload_kg``: what the gripper holds, kg, known to 2 % or as ``(mean, deviation)``.
-    * ``temperature_c``: °C where samples do not carry it, known to 2 K or as ``(mean, deviation)``.
-    * ``external_force_n``: a constant force from outside at the tool, as ``((x, y, z), deviation)`` along the axes of the base, N.
+    * ``robot``: folder of the robot or a ``Robot``.
+    * ``baseline``: reference of the offsets, a file or a ``Baseline``. ``None``: the encoder zero.
+    * ``empty``, ``payload_kg``: mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
+    * ``temperature_c``: temperature of samples without one, °C, with a standard deviation of 2 K or as ``(mean, std)``.
+    * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
     * ``motor_torque``: whether the motor torque of the samples is used.
     * ``creep``: whether ropes may creep within the session; ``False`` for steel.
-    * ``worker``: whether a thread inside solves.
+    * ``worker``: whether an internal thread solves.
 
-    Objects may be used from several threads. Raises ``ValueError`` where the baseline is of another robot or a value is out of range.
+    Objects are thread-safe. Raises ``ValueError`` if the baseline belongs to another robot or a value is out of range.
     """
 
     def __new__(
@@ -199,10 +199,10 @@ class LiveOffsets:
         motor_torque: bool = True,
         creep: bool = True,
         worker: bool = False,
-    ) -> LiveOffsets: ...
+    ) -> OnlineEstimator: ...
     @property
     def joints(self) -> list[str]:
-        """Names of the joints, in the order of ``q``."""
+        """Names of the joints in the order of ``q``, then of tendons beyond these, whose ``q`` is 0."""
 
     def step(
         self,
@@ -212,37 +212,37 @@ class LiveOffsets:
         tau_m: npt.ArrayLike | None = None,
         celsius: float = ...,
     ) -> str:
-        """Takes a sample, ``dt`` seconds after the one before; of the first sample ``dt`` does not matter.
+        """Adds a sample, ``dt`` seconds after the previous one; ``dt`` of the first sample is ignored.
 
-        ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. What is not known is NaN or left out. Returns
-        ``"taken"``; ``"restarted"`` (the first sample, or the first after a pause); ``"block"`` (it completed a block, which the worker
-        may take); or ``"refused: …"`` with the reason (only the clock went on). Raises ``ValueError`` for a wrong number of values or a
-        ``dt`` that is not above zero; the state is then unchanged.
+        ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. Missing values are NaN or omitted. Returns ``"accepted"``;
+        ``"restarted"`` (the first sample, or the first after a gap); ``"block"`` (the sample completed a block for the worker); or
+        ``"rejected: …"`` with the reason (only the clock advanced). Raises ``ValueError`` for a wrong number of values or a ``dt`` that is
+        not positive; the state is then unchanged.
         """
 
     def work(self) -> None:
-        """Takes all blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s.
+        """Processes all completed blocks, and solves the window when due: some hundredths of a second every 2 s.
 
-        Not for a control loop: call it after a ``"block"``, or from another thread. Other threads of Python go on meanwhile. Blocks wait
-        for ten seconds; then they are dropped. With ``worker=True`` it does nothing.
+        Not for a control loop: call it after a ``"block"``, or from another thread. Other Python threads continue meanwhile. Blocks wait
+        for ten seconds; then they are dropped. No effect with ``worker=True``.
         """
 
     def interrupt(self) -> None:
-        """The next sample does not go on where the last one was: the filters start anew, what is known stays."""
+        """Marks a gap before the next sample: the filters are re-initialised, the estimates are kept."""
 
     def offset(self, joint: str) -> tuple[float, float]:
-        """Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 deviations.
+        """Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 standard deviations.
 
-        NaN before the first solution, and of a rigid joint. Raises ``ValueError`` where there is no such joint.
+        NaN before the first solution, and of a rigid joint. Raises ``ValueError`` for an unknown joint.
         """
 
     def offsets(self) -> tuple[_Floats, _Floats]:
-        """Offsets of all joints, of one answer: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``."""
+        """Offsets of all joints at one time: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``."""
 
     def provisional(self, joint: str) -> Provisional | None:
-        """Why the offset of a joint is provisional: a ``Provisional``. ``None``: it is settled, or the joint is rigid.
+        """Reason for a provisional offset of a joint: a ``Provisional``. ``None``: the offset is settled, or the joint is rigid.
 
-        Raises ``ValueError`` where there is no such joint.
+        Raises ``ValueError`` for an unknown joint.
         """
 
     @property
@@ -251,7 +251,7 @@ class LiveOffsets:
 
     @property
     def time_s(self) -> float:
-        """Middle of the last block that the answer holds, s since the first sample; NaN before the first block."""
+        """Middle of the last block of the estimate, s since the first sample; NaN before the first block."""
 
     @property
     def solved_s(self) -> float:
@@ -260,55 +260,58 @@ class LiveOffsets:
     @property
     def age_s(self) -> float:
         """Age of the solution, ``time_s − solved_s``, s; NaN before the first one. At most 2 while the arm moves; it grows in a
-        long stand, whose blocks replace each other.
+        long rest phase, whose blocks replace each other.
         """
 
     @property
     def blocks_behind(self) -> int:
-        """Blocks completed that are neither in the answer nor dropped. Where the number grows, the worker is too slow or is
-        not called, and the answer is old, whatever it says.
+        """Number of completed blocks that are neither in the estimate nor dropped. If the number grows, the worker is too slow or
+        is not called, and the estimate is outdated.
         """
 
     @property
     def blocks_dropped(self) -> int:
-        """Blocks lost because the worker was late by more than ten seconds."""
+        """Number of blocks dropped because the worker was late by more than ten seconds."""
 
     @property
     def contact_probability(self) -> float:
         """Probability, 0 to 1, that something touches the arm in the last block; 0 before the first solution."""
 
     def stiffness_changed(self, joint: str) -> float | None:
-        """Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` where that is not sought.
+        """Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` if not estimated.
 
-        Raises ``ValueError`` where there is no such joint.
+        Raises ``ValueError`` for an unknown joint.
         """
 
     @property
     def unknown_temperature_rad(self) -> _Floats:
-        """What a temperature that is not known, now or in the baseline, adds to the standard deviation of every joint's offset, ``(n,)``,
-        rad; 0 where both are known. The deviations hold it. It is the tolerance of robot.toml: warmth beyond that reads as stretch.
+        """Contribution of an unknown temperature, now or in the baseline, to the standard deviation of every joint's offset, ``(n,)``, rad;
+        0 if both are known. The standard deviations include it. It covers the tolerance of robot.toml; a larger temperature
+        difference biases the offset.
         """
 
     @property
     def external_force(self) -> tuple[float, _Floats, _Floats] | None:
-        """A constant force from outside at the tool: the posterior probability that one acts, 0 to 1, then mean and standard deviation
-        along the axes of the base, ``(3,)`` each, N, if one does. ``None``: there was none to be seen.
+        """Constant external force at the tool: its posterior probability, 0 to 1, then mean and standard deviation in the base frame,
+        ``(3,)`` each, N, given that it acts. ``None``: no force detected.
         """
 
     @property
     def error(self) -> str | None:
-        """Why the last window could not be solved; ``None``: it was. The offsets are then those of the solution before, and provisional."""
+        """Reason why the last window could not be solved, or ``None``. After an error the offsets are those of the previous solution, and
+        provisional.
+        """
 
     def result(self) -> SessionEstimate | None:
-        """What ``estimate`` gives as ``session`` for a recording of the window's blocks, as of the last solution: a ``SessionEstimate``.
-        ``None`` before the first one.
+        """Last solution in the form of ``session`` of ``estimate``, for the blocks of the window: a ``SessionEstimate``.
+        ``None`` before the first solution.
         """
 
     def save(self, recording: str, end_time_ns: int) -> Baseline:
-        """What the last solution knows, as the baseline of the next session.
+        """Last solution as the baseline of the next session.
 
-        ``recording`` names this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset is
-        provisional.
+        ``recording`` is the name of this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset
+        is provisional.
         """
 
 @final
@@ -362,21 +365,21 @@ class RopeLaw:
 @final
 class CreepTests:
     def __new__(
-        cls, files: Sequence[Any], asked: Mapping[str, Any], progress: _Progress | None
+        cls, files: Sequence[Any], args: Mapping[str, Any], progress: _Progress | None
     ) -> CreepTests: ...
     def analyze(self) -> Document: ...
     def fit(
-        self, asked: Mapping[str, Any], rope_name: str | None, progress: _Progress | None
+        self, args: Mapping[str, Any], rope_name: str | None, progress: _Progress | None
     ) -> tuple[Document, str | None]: ...
-    def withhold(self, share: float, asked: Mapping[str, Any], progress: _Progress | None) -> Document: ...
+    def hold_out(self, share: float, args: Mapping[str, Any], progress: _Progress | None) -> Document: ...
     def compare(self, scatter: float | None = None) -> Document: ...
     def shift(self, reference_c: float) -> Document: ...
 
 def estimate(
-    log: _Path | Recording, asked: Mapping[str, Any], progress: _Progress | None
+    log: _Path | Recording, args: Mapping[str, Any], progress: _Progress | None
 ) -> tuple[Document, Baseline | None]: ...
 def estimate_each(
-    logs: Sequence[_Path | Recording], asked: Mapping[str, Any], progress: _Progress | None
+    logs: Sequence[_Path | Recording], args: Mapping[str, Any], progress: _Progress | None
 ) -> Document: ...
 def learn_baseline(
     log: _Path | Recording,
@@ -407,10 +410,10 @@ def trend(
     progress: _Progress | None,
 ) -> Document: ...
 def predict_rope(
-    rope: str | None, read_at_n: float | None, asked: Mapping[str, Any], progress: _Progress | None
+    rope: str | None, read_at_n: float | None, args: Mapping[str, Any], progress: _Progress | None
 ) -> Document: ...
-def select_rope(limits: Mapping[str, Any], asked: Mapping[str, Any], progress: _Progress | None) -> Document: ...
-def plan_pretension(rope: str | None, asked: Mapping[str, Any], progress: _Progress | None) -> Document: ...
+def select_rope(limits: Mapping[str, Any], args: Mapping[str, Any], progress: _Progress | None) -> Document: ...
+def plan_pretension(rope: str | None, args: Mapping[str, Any], progress: _Progress | None) -> Document: ...
 def simulate(
     scenario: Any,
     robot: _Path | Robot | None,

@@ -1,4 +1,4 @@
-"""Creep tests to numbers somebody can design with."""
+"""Evaluation of creep tests for design."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LawName = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched",
 
 
 class CreepAnalysis(Answer, results.CreepAnalysisResult):
-    """Readings, moduli, slope, saturation, recovery and faults. Tables: ``specimens``, ``series``."""
+    """Readings, moduli, slope, saturation, recovery and artefacts. Tables: ``specimens``, ``series``."""
 
     __slots__ = ()
 
@@ -34,8 +34,8 @@ class CreepFit(Answer, results.CreepFitResult):
         object.__setattr__(self, "rope_entry", rope_entry)
 
 
-class CreepWithheld(Answer, results.CreepWithheldResult):
-    """Forecasts held against the hidden end of each test. Table: ``coverage``."""
+class CreepHoldOut(Answer, results.CreepHoldOutResult):
+    """Forecasts compared with the hidden end of each test. Table: ``coverage``."""
 
     __slots__ = ()
 
@@ -77,16 +77,16 @@ def _source(item: Any, name: str) -> Any:
 
 
 class CreepTests:
-    """Creep tests, read and analysed once; then fitted, withheld, compared or shifted.
+    """Creep tests, read and analysed once; then fitted, held out, compared or shifted.
 
     * ``files``: a file (CSV, XLSX, Parquet) or several; or tables (data frames, columns by name) by the name of each
       test, such as ``{"rope A": {"time_s": t, "force_n": f, "strain_percent": e}}``.
-    * ``columns``: what columns are where headers don't say, such as ``"force=Kraft:N"``; ``specimen_columns``: columns
-      that tell specimens apart; ``sheet`` of a workbook; ``group_by``: columns that name a group of repeats.
-    * ``gauge_length_m`` (m), ``area_m2`` (m²), ``temperature_c`` (°C): what files may not say.
-    * ``keep_faults``: leave grip slips and outliers in. ``slope_from_s``: start of the straight line of m_E, s.
-    * ``level`` of the intervals; ``seed`` of the draws behind them.
-    * ``standard``, ``preconditioning``, ``conditions``: what the report states.
+    * ``columns``: column mapping where headers are ambiguous, such as ``"force=Kraft:N"``; ``specimen_columns``: columns
+      that distinguish specimens; ``sheet`` of a workbook; ``group_by``: columns that name a group of repeats.
+    * ``gauge_length_m`` (m), ``area_m2`` (m²), ``temperature_c`` (°C): values missing from the files.
+    * ``keep_artefacts``: keep grip slips and outliers. ``slope_from_s``: start of the straight line of m_E, s.
+    * ``level`` of the intervals; ``seed`` of their posterior draws.
+    * ``standard``, ``preconditioning``, ``conditions``: texts of the report.
 
     Raises ``ValueError`` with the sentence of the command.
     """
@@ -102,7 +102,7 @@ class CreepTests:
         gauge_length_m: float | None = None,
         area_m2: float | None = None,
         temperature_c: float | None = None,
-        keep_faults: bool = False,
+        keep_artefacts: bool = False,
         slope_from_s: float = 1200.0,
         level: float = 0.95,
         seed: int = 1,
@@ -117,14 +117,14 @@ class CreepTests:
             sources = [_source(item, f"table {i + 1}") for i, item in enumerate(files)]
         else:
             sources = [_source(files, "table")]
-        asked = {
+        args = {
             "columns": list(columns),
             "specimen_columns": list(specimen_columns),
             "sheet": sheet,
             "gauge_length_m": gauge_length_m,
             "area_m2": area_m2,
             "temperature_c": temperature_c,
-            "keep_faults": keep_faults,
+            "keep_artefacts": keep_artefacts,
             "group_by": list(group_by),
             "slope_from_s": slope_from_s,
             "level": level,
@@ -133,10 +133,10 @@ class CreepTests:
             "preconditioning": preconditioning,
             "conditions": conditions,
         }
-        self._tests = _CreepTests(sources, asked, progress)
+        self._tests = _CreepTests(sources, args, progress)
 
     def analyze(self) -> CreepAnalysis:
-        """Readings, moduli, slope, saturation, recovery and faults."""
+        """Readings, moduli, slope, saturation, recovery and artefacts."""
         return CreepAnalysis(self._tests.analyze())
 
     def fit(
@@ -154,23 +154,24 @@ class CreepTests:
         forecast_temperature_c: float | None = None,
         progress: Progress | None = None,
     ) -> CreepFit:
-        """Fits laws, says which one the record supports and what it can't tell.
+        """Fits creep laws, selects the supported one and reports parameters that are not identifiable.
 
-        * ``laws``: without them, all that need nothing but the record, and the rope law where ``rope`` is given.
-        * ``joint``: what specimens of a group share. ``noise``: of the readings. ``intervals``: how they are made.
+        * ``laws``: the default is all laws that need only the record, and the rope law if ``rope`` is given.
+        * ``joint``: parameters that the specimens of a group share. ``noise``: model of the measurement noise.
+          ``intervals``: method of the intervals.
         * ``rope``: catalogue rope that the rope law starts from; ``rope_name``: name of the fitted entry.
         * ``forecast_s``: forecast to this time after the load, s; at ``forecast_load_n`` (N) and
-          ``forecast_temperature_c`` (°C) of a new specimen, else as the test was held.
+          ``forecast_temperature_c`` (°C) of a new specimen; the default is the load and temperature of the test.
 
         Raises ``ValueError`` with the sentence of the command.
         """
-        asked = self._asked(laws, joint, noise, intervals, rope, ropes)
-        asked["forecast_s"] = forecast_s
-        asked["forecast_load_n"] = forecast_load_n
-        asked["forecast_temperature_c"] = forecast_temperature_c
-        return CreepFit(*self._tests.fit(asked, rope_name, progress))
+        args = self._args(laws, joint, noise, intervals, rope, ropes)
+        args["forecast_s"] = forecast_s
+        args["forecast_load_n"] = forecast_load_n
+        args["forecast_temperature_c"] = forecast_temperature_c
+        return CreepFit(*self._tests.fit(args, rope_name, progress))
 
-    def withhold(
+    def hold_out(
         self,
         share: float,
         laws: Sequence[LawName] = (),
@@ -181,13 +182,13 @@ class CreepTests:
         rope: str | None = None,
         ropes: Sequence[PathLike] = (),
         progress: Progress | None = None,
-    ) -> CreepWithheld:
-        """Hides the last share of every test and counts how often the forecast's interval holds it.
+    ) -> CreepHoldOut:
+        """Hides the last share of every test and returns the coverage of the forecast intervals.
 
         Raises ``ValueError`` where the share is not between 0.01 and 0.9.
         """
-        asked = self._asked(laws, joint, noise, intervals, rope, ropes)
-        return CreepWithheld(self._tests.withhold(share, asked, progress))
+        args = self._args(laws, joint, noise, intervals, rope, ropes)
+        return CreepHoldOut(self._tests.hold_out(share, args, progress))
 
     def compare(self, *, scatter: float | None = None) -> CreepComparison:
         """All ropes ranked by strain at the longest time that all reach, with intervals.
@@ -201,7 +202,7 @@ class CreepTests:
         return CreepShift(self._tests.shift(reference_c))
 
     @staticmethod
-    def _asked(
+    def _args(
         laws: Sequence[str],
         joint: str,
         noise: str,

@@ -1,16 +1,16 @@
-"""What Sinew refuses, in its own sentences."""
+"""Exceptions of Sinew."""
 
 from __future__ import annotations
 
 
 class SinewError(ValueError):
-    """Sinew refused: the sentence says what, where, which value, and what to do."""
+    """Invalid input: the message states the problem, the location, the value and the fix."""
 
 
 class LocatedError(SinewError):
     """A fault of a text file, with its place.
 
-    ``str(error)`` is the whole sentence; the parts stand in the attributes.
+    ``str(error)`` is the complete message; its parts are attributes.
     """
 
     file: str

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 
 class Estimate(Answer, results.EstimateResult):
-    """The estimate of one recording: ``session`` has the answer with verdicts, ``reading`` what the paper's equation reads.
+    """The estimate of one recording: ``session`` contains the absolute estimate with verdicts, ``reading`` the
+    uncorrected estimate.
 
     Tables: ``joints`` (a row per joint), ``series`` (over time, of both methods).
     """
@@ -53,7 +54,7 @@ class EstimateEach(Answer, results.EstimateEachResult):
 
 
 class Learned(Answer, results.BaselineResult):
-    """What a recording right after tensioning taught."""
+    """Baseline from a recording directly after tensioning."""
 
     __slots__ = ("learned_baseline",)
 
@@ -70,7 +71,7 @@ class Learned(Answer, results.BaselineResult):
 
 
 class Merged(Answer, results.BaselineMergeResult):
-    """What became surer when baselines were put together."""
+    """Change of the uncertainties by a merge of baselines."""
 
     __slots__ = ("merged_baseline",)
 
@@ -102,34 +103,35 @@ def estimate(
     gain_per_s: float | None = None,
     velocity_filter: float | Literal["recorded"] | None = None,
     tau_ext: bool = False,
-    live: bool = False,
+    online: bool = False,
     progress: Progress | None = None,
 ) -> Estimate:
-    """How far each tendon has stretched, from a recording.
+    """Estimates the offset of each tendon from a recording.
 
     ``delta_e = (theta_measured − q) − tau_el / K``: a longer tendon shifts the measured motor position.
 
     * ``log``: a file (MCAP, CSV, Parquet), the folder of a bag, or a ``Recording``.
-    * ``robot``: its folder or a ``Robot``; without it, ``robot.toml`` beside the recording or in the current folder.
-    * ``baseline``: offsets since then instead of since the encoders' zero: a file, or the ``baseline`` of an answer.
-    * ``reference``: an earlier recording of like motion: the paper's difference since then.
-    * ``method``: ``"absolute"`` (offsets with an interval that holds what is unknown) or ``"paper"`` (a reading).
-      Without it: the paper's where one of its settings is given and no baseline, else absolute.
-    * ``empty``, ``payload_kg``: what the gripper holds, kg, known to 2 % or as ``(mean, deviation)``.
-    * ``temperature_c``: °C where it isn't recorded, known to 2 K or as ``(mean, deviation)``.
-    * ``external_force_n``: a constant force from outside at the tool, as ``((x, y, z), deviation)`` along the axes of the
-      base, N: a cable, a hose, a balancer. Without it, one is estimated where the recording shows it.
+    * ``robot``: its folder or a ``Robot``; without it, ``robot.toml`` next to the recording or in the current folder.
+    * ``baseline``: reference of the offsets instead of the encoder zero: a file, or the ``baseline`` of a result.
+    * ``reference``: an earlier recording with comparable motion for the paper's difference method.
+    * ``method``: ``"absolute"`` (offsets with intervals) or ``"paper"`` (uncorrected estimate).
+      The default is ``"paper"`` if one of its options and no baseline is set, otherwise ``"absolute"``.
+    * ``empty``, ``payload_kg``: mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
+    * ``temperature_c``: °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
+    * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame,
+      N, for example of a cable, a hose or a balancer. By default a force is estimated if the recording contains
+      evidence of it.
     * ``motor_torque``: whether a recorded motor torque is used.
     * ``from_s``, ``to_s``: the part of the recording that is used, s.
     * ``inject``: offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
     * The paper's settings: ``source`` of the elastic torque, ``comparison``, ``gain_per_s`` (K_I, 1/s, 20),
       ``velocity_filter`` (rad/s, 40, or ``"recorded"``), ``tau_ext`` (use the recorded external torque).
-    * ``live``: whether the online estimate is replayed over the recording, too: ``session.live``.
-    * ``progress``: called with the share done and what is being done.
+    * ``online``: whether the online estimate is replayed over the recording, too: ``session.online``.
+    * ``progress``: called with the completed share and the current step.
 
     Raises ``ValueError`` with the sentence of the command; ``LocatedError`` where it is about a place in a file.
     """
-    asked = {
+    args = {
         "robot": robot,
         "baseline": baseline,
         "reference": reference,
@@ -147,9 +149,9 @@ def estimate(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
-        "live": live,
+        "online": online,
     }
-    return Estimate(*_estimate(log, asked, progress))
+    return Estimate(*_estimate(log, args, progress))
 
 
 def estimate_arrays(
@@ -167,17 +169,17 @@ def estimate_arrays(
     name: str = "arrays",
     **options: Any,
 ) -> Estimate:
-    """``estimate`` of NumPy arrays: one row an instant, one column a joint. ``float64`` is not copied.
+    """``estimate`` of NumPy arrays: one row per sample, one column per joint. ``float64`` is not copied.
 
     * ``robot``: its folder or a ``Robot``.
     * ``q``, ``theta``: ``(rows, joints)``, joint and motor positions, rad; NaN where not recorded.
     * ``time_ns`` (whole numbers or ``datetime64``) or ``time_s``: ``(rows,)``.
     * ``joints``: names of the columns; without them, the robot's joints in its order.
     * ``dq``: ``(rows, joints)``, rad/s. ``tau_el``, ``tau_m``: ``(rows, joints)``, N·m. ``celsius``: ``(rows,)``, °C.
-    * ``name``: what the recording is called in the answer.
+    * ``name``: name of the recording in the result.
     * ``options``: as ``estimate`` takes them.
 
-    Raises ``ValueError`` where shapes don't fit, and as ``estimate`` does.
+    Raises ``ValueError`` if shapes are inconsistent, and as ``estimate`` does.
     """
     loaded = robot if isinstance(robot, Robot) else Robot(robot)
     recording = Recording.from_arrays(
@@ -211,14 +213,14 @@ def estimate_each(
     inject: Sequence[Injection] = (),
     progress: Progress | None = None,
 ) -> EstimateEach:
-    """Many recordings, each on its own, on all processors; one that can't be estimated doesn't stop the others.
+    """Estimates many recordings independently on all processors; a failed recording does not stop the others.
 
-    A pattern or a folder stands for all recordings there. Options as ``estimate`` takes them.
+    A pattern or a folder selects all recordings in it. The options are those of ``estimate``.
 
-    Raises ``ValueError`` where a pattern fits nothing or an option can't be; faults of single recordings stand in the
+    Raises ``ValueError`` if a pattern matches nothing or an option is invalid; errors of single recordings are in the
     answer.
     """
-    asked = {
+    args = {
         "robot": robot,
         "baseline": baseline,
         "reference": None,
@@ -236,9 +238,9 @@ def estimate_each(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
-        "live": False,
+        "online": False,
     }
-    return EstimateEach(_estimate_each(list(logs), asked, progress))
+    return EstimateEach(_estimate_each(list(logs), args, progress))
 
 
 def learn_baseline(
@@ -252,12 +254,12 @@ def learn_baseline(
     to_s: float | None = None,
     progress: Progress | None = None,
 ) -> Learned:
-    """Learns a baseline from a recording taken right after tensioning, the gripper empty.
+    """Estimates a baseline from a recording taken directly after tensioning, with an empty gripper.
 
-    Offsets are zero by definition then, so that stiffness, masses, friction and encoder errors show.
+    Offsets are zero by definition then, so that stiffness, masses, friction and encoder errors are identifiable.
 
-    * ``start``: what is known already: of this robot before it was tensioned again, or of its type.
-    * ``temperature_c``: °C where it isn't recorded, known to 2 K or as ``(mean, deviation)``.
+    * ``start``: prior: posterior of this robot before re-tensioning, or of its type.
+    * ``temperature_c``: °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
 
     Raises ``ValueError`` with the sentence of the command.
     """
@@ -272,10 +274,10 @@ def merge_baselines(
     fleet: bool = False,
     scatter: float = 0.01,
 ) -> Merged:
-    """Puts together what several baselines learned, as a start for ``learn_baseline``.
+    """Merges several baselines into a prior for ``learn_baseline``.
 
-    * ``common``: the baseline all of them started from; without it each began with ``robot.toml``.
-    * ``fleet``: they are of several robots of one type, whose masses differ by ``scatter`` (a share, one standard
+    * ``common``: the common prior of the baselines; without it, the prior is ``robot.toml``.
+    * ``fleet``: the baselines are of several robots of one type, whose masses differ by ``scatter`` (relative standard
       deviation).
 
     Raises ``ValueError`` with the sentence of the command.

@@ -27,7 +27,7 @@ def lerobot(
     * ``q``, ``theta``: the features that hold joint and motor positions, such as ``"observation.state"``; ``tau_m``, ``dq``,
       ``tau_el`` likewise.
     * ``episode``: which ``episode_index``; needed where there is more than one.
-    * ``joints``: names of the columns; without them, the data set's own, else the robot's.
+    * ``joints``: names of the columns; the default is the names of the data set, otherwise those of the robot.
     * ``scale``: factor from the data set's angles to rad (π/180 where they are degrees).
 
     Raises ``ValueError`` where there is no such feature or episode.
@@ -76,7 +76,7 @@ def lerobot(
 
 
 def _columns(dataset: Any) -> Any:
-    """Something that gives a column by its name and knows its names."""
+    """Returns an object that provides the column names, and a column by its name."""
     table = getattr(dataset, "hf_dataset", dataset)
     if hasattr(table, "with_format") and hasattr(table, "column_names"):
         # A data set of the package `datasets`: without the transforms that make tensors one by one.

@@ -1,4 +1,4 @@
-"""What live offsets answer besides numbers."""
+"""Result types of the online estimator."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ._record import Record
 
 
 class Provisional(Record):
-    """Why a live offset is provisional: its interval is wide, or may still move by more than it says."""
+    """Reason for a provisional offset: its interval is wide, or may still change by more than it states."""
 
     __slots__ = ()
 
-    reason: Literal["starting", "step", "change-may-end", "rejected", "refused"]
+    reason: Literal["starting", "step", "change-near-end", "rejected", "not-solved"]
     """``"starting"``: no window has been solved yet. ``"step"``: a step of this offset explains the newest blocks; the
-    interval is the hull of both hypotheses. ``"change-may-end"``: the window contains a change so late that it may be a
-    contact that has not ended. ``"rejected"``: too many blocks are rejected as outliers. ``"refused"``: the window could
+    interval is the hull of both hypotheses. ``"change-near-end"``: the window contains a change so late that it may be a
+    contact that has not ended. ``"rejected"``: too many blocks are rejected as outliers. ``"not-solved"``: the window could
     not be solved, and the estimate is the one before.
     """
     since_s: float | None

@@ -1,4 +1,4 @@
-"""What a recording holds, and what a robot's description says."""
+"""Contents of recordings and robot descriptions."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 class RecordingInfo(Answer, results.RecordingInfoResult):
-    """What a recording holds, and how well it could be read."""
+    """Contents of a recording, and losses while reading."""
 
     __slots__ = ()
 
 
 class RobotCheck(Answer, results.RobotCheckResult):
-    """A robot as Sinew has understood its description, and what looks odd."""
+    """Interpreted robot description, with implausible values."""
 
     __slots__ = ()
 
@@ -37,7 +37,7 @@ def recording_info(log: RecordingLike, *, progress: Progress | None = None) -> R
 def check_robot(
     robot: RobotLike, *, mapping: PathLike | None = None, ropes: Sequence[PathLike] = ()
 ) -> RobotCheck:
-    """Says what looks odd in a robot's description; ``ropes`` are folders with ropes of one's own.
+    """Checks a robot description for implausible values; ``ropes`` are folders with additional ropes.
 
     Raises ``ValueError`` with the sentence of the command.
     """

@@ -1,4 +1,4 @@
-"""Answers as figures of matplotlib or plotly; neither is needed for anything else."""
+"""Figures of results with matplotlib or plotly, which are required for no other function."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Curve(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """What a figure shows, whoever draws it."""
+    """Content of a figure, independent of the renderer."""
 
     x: str
     """What the axis across says, with its unit."""
@@ -53,9 +53,9 @@ def curves(answer: Answer) -> Curves:
 
 
 def plot(answer: Answer, *, backend: Backend | None = None, ax: Any = None) -> Any:
-    """A figure of an answer's main curves, with 95 % bands.
+    """Plots the main curves of a result, with 95 % bands.
 
-    * ``backend``: ``"matplotlib"`` or ``"plotly"``; without it, the one that is imported already, else installed.
+    * ``backend``: ``"matplotlib"`` or ``"plotly"``; the default is the one that is already imported, otherwise the installed one.
     * ``ax``: axes of matplotlib to draw into.
 
     Returns matplotlib's axes, or plotly's figure. Raises ``ImportError`` where neither is installed.

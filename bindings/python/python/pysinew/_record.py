@@ -1,4 +1,4 @@
-"""What results are made of: records with named fields, over the JSON that the command prints."""
+"""Result records with named fields, over the JSON that the command prints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _PLAIN = (str, int, float, bool, type(None))
 
 
 class Record:
-    """Named fields, read-only. ``to_dict()`` gives the plain data."""
+    """Record with named, read-only fields. ``to_dict()`` returns plain data."""
 
     __slots__ = ("_data",)
 
@@ -27,12 +27,12 @@ class Record:
         kind = self._fields.get(name)
         if kind is None:
             raise AttributeError(f"{type(self).__name__} has no field '{name}'; it has {', '.join(self._fields)}")
-        # What isn't known is left out of some documents; a few keys are no names of Python.
+        # Unknown values are missing in some documents; a few keys are not valid Python names.
         key = name if name in self._data else name.rstrip("_").replace("_", "-")
         return self._wrap(kind, self._data.get(key))
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{type(self).__name__} can't be changed")
+        raise AttributeError(f"{type(self).__name__} cannot be changed")
 
     @classmethod
     def _wrap(cls, kind: str, value: Any) -> Any:
@@ -71,7 +71,7 @@ class Record:
                 return f"[… {len(value)}]"
             return repr(value)
 
-        # In the order of the document; what is left out of it last.
+        # In the order of the document; missing fields last.
         names = [*(name for name in self._data if name in self._fields)]
         names += [name for name in self._fields if name not in names]
         fields = ", ".join(f"{name}={short(getattr(self, name))}" for name in names)
@@ -84,12 +84,12 @@ class GaussianRecord(Record):
     __slots__ = ()
 
     mean: float
-    deviation: float
+    std: float
 
     @property
     def half_width_95(self) -> float:
         """Half the 95 % interval: 1.96 standard deviations."""
-        return Z95 * self.deviation
+        return Z95 * self.std
 
     @property
     def interval_95(self) -> tuple[float, float]:

@@ -46,13 +46,13 @@ class Rope(Answer, results.RopeResult):
 
 
 class Prediction(Answer, results.PredictionResult):
-    """How far a rope will have stretched. Table: ``series``, the curve over time."""
+    """Predicted elongation of a rope. Table: ``series``, the curve over time."""
 
     __slots__ = ()
 
 
 class Selection(Answer, results.SelectionResult):
-    """Ropes that meet the constraints, ranked by elongation, and why the others don't."""
+    """Ropes that meet the constraints, ranked by elongation, with the reasons for the rejection of others."""
 
     __slots__ = ()
 
@@ -95,7 +95,7 @@ def _task(
     guides: Sequence[Guide | Sequence[float]],
     stroke_m: float,
     strokes_per_hour: float,
-    ends: str | None,
+    termination: str | None,
     abrasion_factor: float,
     times_s: Sequence[float],
     draws: int,
@@ -114,7 +114,7 @@ def _task(
         "guides": _guides(guides),
         "stroke_m": stroke_m,
         "strokes_per_hour": strokes_per_hour,
-        "ends": ends,
+        "termination": termination,
         "abrasion_factor": abrasion_factor,
         "times_s": list(times_s),
         "draws": draws,
@@ -137,7 +137,7 @@ def predict_rope(
     guides: Sequence[Guide | Sequence[float]] = (),
     stroke_m: float = 0.0,
     strokes_per_hour: float = 0.0,
-    ends: Literal["splice", "knot"] | None = None,
+    termination: Literal["splice", "knot"] | None = None,
     abrasion_factor: float = 1.0,
     times_s: Sequence[float] = (),
     read_at_n: float | None = None,
@@ -146,14 +146,14 @@ def predict_rope(
     ropes: Sequence[PathLike] = (),
     progress: Progress | None = None,
 ) -> Prediction:
-    """How far a rope stretches under a duty: after an hour, a day, a month, a year.
+    """Predicts the elongation of a rope under a duty: after an hour, a day, a month, a year.
 
     * ``rope``: its name; without it, the one of the joint's tendon.
     * What it has to do: constant ``tension_n`` (N); ``duty``, a file or blocks of duration (s), tension (N) and
       temperature (°C), repeated; or the torques of a ``recording`` on one ``strand``. Without any, the tendon's
       pretension.
     * Where it lies: ``robot`` and ``joint``, or ``length_m`` and ``guides``; ``stroke_m`` back and forth over them.
-    * ``strokes_per_hour``, ``ends``, ``abrasion_factor``: for when it breaks.
+    * ``strokes_per_hour``, ``termination``, ``abrasion_factor``: for when it breaks.
     * ``times_s``: when to read, s. ``read_at_n``: tension the readings refer to, N.
     * ``draws``, ``seed``: of the rope's parameters, for the intervals. ``ropes``: folders with ropes of one's own.
 
@@ -171,7 +171,7 @@ def predict_rope(
         guides,
         stroke_m,
         strokes_per_hour,
-        ends,
+        termination,
         abrasion_factor,
         times_s,
         draws,
@@ -194,7 +194,7 @@ def select_rope(
     guides: Sequence[Guide | Sequence[float]] = (),
     stroke_m: float = 0.0,
     strokes_per_hour: float = 0.0,
-    ends: Literal["splice", "knot"] | None = None,
+    termination: Literal["splice", "knot"] | None = None,
     abrasion_factor: float = 1.0,
     times_s: Sequence[float] = (),
     diameter_max_mm: float | None = None,
@@ -210,10 +210,10 @@ def select_rope(
     ropes: Sequence[PathLike] = (),
     progress: Progress | None = None,
 ) -> Selection:
-    """Which ropes meet the constraints, ranked by elongation to the last of ``times_s``, and why the others don't.
+    """Selects the ropes that meet the constraints, ranked by elongation at the last of ``times_s``, with the reasons for each rejection.
 
-    The duty and the route are stated as for ``predict_rope``. A constraint on something a rope's maker doesn't publish
-    rejects it: it can't be shown to meet it.
+    The duty and the route are specified as for ``predict_rope``. A constraint on a property that the manufacturer does not publish
+    rejects the rope, because compliance cannot be verified.
 
     Raises ``ValueError`` with the sentence of the command.
     """
@@ -229,7 +229,7 @@ def select_rope(
         guides,
         stroke_m,
         strokes_per_hour,
-        ends,
+        termination,
         abrasion_factor,
         times_s,
         draws,
@@ -259,7 +259,7 @@ def plan_pretension(
     joint: str | None = None,
     length_m: float | None = None,
     guides: Sequence[Guide | Sequence[float]] = (),
-    give_m_per_n: float | None = None,
+    series_compliance_m_per_n: float | None = None,
     joint_radius_m: float | None = None,
     torque_nm: float = 0.0,
     horizon_s: float = YEAR_S,
@@ -272,18 +272,18 @@ def plan_pretension(
     """How much pretension, how to bed a rope in, and when to tension it again.
 
     * ``tension_n``: working tension, N (of two strands their mean); without it, the tendon's pretension.
-    * ``lowest_n``: tension below which it is tensioned again, N; without it, 80 % of the working tension.
-    * ``give_m_per_n``: what gives in series with each strand, m/N; without it, what the joint's stiffness leaves beside
-      the rope, else nothing.
-    * ``joint_radius_m``: a second, equal rope pulls the other way over a pulley of this radius, m; ``torque_nm`` that the
-      joint holds meanwhile, N·m.
-    * ``horizon_s``: how long it must hold, s. ``remove``: share of the later elongation to take away, 0 to 1.
+    * ``lowest_n``: tension at which it is re-tensioned, N; without it, 80 % of the working tension.
+    * ``series_compliance_m_per_n``: compliance in series with each strand, m/N; the default follows from the joint
+      stiffness without the rope, otherwise 0.
+    * ``joint_radius_m``: pulley radius of an equal antagonistic rope, m; ``torque_nm``: torque that the joint holds,
+      N·m.
+    * ``horizon_s``: required lifetime, s. ``remove``: share of the later elongation to remove, 0 to 1.
 
     Raises ``ValueError`` with the sentence of the command.
     """
     if not 0.0 < remove < 1.0:
         raise ValueError(f"remove is {remove}; it must lie between 0 and 1")
-    asked = {
+    args = {
         "tension_n": tension_n,
         "lowest_n": lowest_n,
         "temperature_c": temperature_c,
@@ -291,7 +291,7 @@ def plan_pretension(
         "joint": joint,
         "length_m": length_m,
         "guides": _guides(guides),
-        "give_m_per_n": give_m_per_n,
+        "series_compliance_m_per_n": series_compliance_m_per_n,
         "joint_radius_m": joint_radius_m,
         "torque_nm": torque_nm,
         "horizon_s": horizon_s,
@@ -300,4 +300,4 @@ def plan_pretension(
         "seed": seed,
         "ropes": list(ropes),
     }
-    return Pretension(_plan_pretension(rope, asked, progress))
+    return Pretension(_plan_pretension(rope, args, progress))

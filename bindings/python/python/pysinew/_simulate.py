@@ -1,4 +1,4 @@
-"""Simulated recordings with a known truth, scenarios of the protocol, poses that tell."""
+"""Simulated recordings with a known truth, scenarios of the protocol and informative poses."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Simulated(Answer, results.SimulatedResult):
 
 
 class Poses(Answer, results.PosesResult):
-    """Poses to visit, and what to expect from it."""
+    """Proposed poses, and the expected intervals."""
 
     __slots__ = ("motion_toml",)
 
@@ -64,8 +64,8 @@ def simulate(
     Same robot, scenario and seed: the same numbers.
 
     * ``scenario``: a file, or ``(text, name)``.
-    * ``robot``: its folder or a ``Robot``; without it, the one the scenario names.
-    * ``out``: write it (``.mcap``, ``.parquet``, ``.csv``), its truth beside it; without it, it stays in memory.
+    * ``robot``: folder of the robot or a ``Robot``; without it, the robot of the scenario.
+    * ``out``: write it (``.mcap``, ``.parquet``, ``.csv``), with the ground truth next to it; without it, in memory.
     * ``seed``, ``duration_s``: instead of the scenario's.
 
     Raises ``ValueError`` with the sentence of the command.
@@ -94,8 +94,8 @@ def propose_poses(
 ) -> Poses:
     """Proposes a short list of poses that makes the offsets identifiable. Collisions are not checked.
 
-    * ``baseline`` to build on; without it, what 25 random poses would teach.
-    * ``poses`` in the list, ``pause_s`` rest at each, s. ``payload``: whether the gripper may hold something.
+    * ``baseline`` as prior; without it, that of 25 random poses.
+    * ``poses`` in the list, ``pause_s`` rest at each, s. ``payload``: whether the payload is unknown.
     * ``joint_bits``: of a turn of the joint encoders. ``candidates``: poses tried in the place of each.
 
     Raises ``ValueError`` with the sentence of the command.

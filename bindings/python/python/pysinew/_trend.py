@@ -77,15 +77,15 @@ def trend(
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Trend:
-    """Where tendons stand after months of sessions, what happened, when to tension or replace.
+    """Evaluates the trend of tendons over months: offsets, events, and dates of re-tensioning or replacement.
 
     * ``records``: answers of ``estimate``, files (JSON or CSV), or both in a list; or a table (a data frame, columns by
       name, rows) with ``time``, ``joint``, ``offset_mrad``, ``interval_95_mrad`` and, optionally, ``temperature_c``,
       ``robot``, ``baseline``, ``duration_s``.
-    * ``robot``: its folder or a ``Robot``: ropes, geometry, limits. Without it, angles only.
+    * ``robot``: folder of the robot or a ``Robot``: ropes, geometry, limits. Without it, angles only.
     * ``tensioned``, ``replaced``: days, of all tendons or by joint.
-    * ``duty``: the file of what the ropes have to do; ``ropes``: folders with ropes of one's own.
-    * ``horizon_days``: how far forecasts look from the last session.
+    * ``duty``: duty file of the ropes; ``ropes``: folders with additional ropes.
+    * ``horizon_days``: forecast horizon from the last session.
 
     Raises ``ValueError`` with the sentence of the command.
     """

@@ -5,8 +5,8 @@
     >>> records = recordings.mapInArrow(fleet.sessions(types), fleet.SESSIONS)
     >>> trends = records.groupBy("robot", "joint").applyInArrow(fleet.trend(types), fleet.TREND)
 
-A recording is a row, and so is a tendon: each is worked on whole, by the functions of ``estimate`` and ``trend``. What an engine
-does twice says the same twice. What is refused says why in ``refused`` and costs nobody else's answer.
+Each row is one recording or one tendon, which the functions ``estimate`` and ``trend`` process as a whole. A repeated
+computation gives the same result. A rejected input has its reason in ``rejection`` and does not affect other results.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ _RECORD = {
     "time_utc_s": "double",
     "duration_s": "double",
     "offset_rad": "double",
-    "offset_deviation_rad": "double",
+    "offset_std_rad": "double",
     "elongation_m": "double",
-    "elongation_deviation_m": "double",
+    "elongation_std_m": "double",
     "strain_ratio": "double",
-    "strain_deviation_ratio": "double",
+    "strain_std_ratio": "double",
     "temperature_c": "double",
     "stiffness_ratio": "double",
-    "stiffness_deviation_ratio": "double",
+    "stiffness_std_ratio": "double",
     "baseline": "string",
     "source": "string",
     "clock": "string",
-    "in_doubt": "boolean",
+    "provisional": "boolean",
     "reason": "string",
     "poses": "bigint",
     "frames": "bigint",
     "frames_lost": "bigint",
     "sinew_version": "string",
-    "refused": "string",
+    "rejection": "string",
 }
 _TREND = {
     "robot": "string",
@@ -50,16 +50,16 @@ _TREND = {
     "sessions": "bigint",
     "verdict": "string",
     "offset_rad": "double",
-    "offset_deviation_rad": "double",
+    "offset_std_rad": "double",
     "creep_rad_per_s": "double",
-    "creep_deviation_rad_per_s": "double",
+    "creep_std_rad_per_s": "double",
     "jumps": "bigint",
     "limit": "string",
     "state": "string",
     "days": "double",
     "days_low": "double",
     "days_high": "double",
-    "refused": "string",
+    "rejection": "string",
 }
 
 
@@ -68,7 +68,7 @@ def _words(columns: Mapping[str, str]) -> str:
 
 
 SESSIONS = _words(_RECORD)
-"""Columns that ``sessions`` gives, as Spark writes them: those of ``sinew-record/1``, and ``refused``."""
+"""Columns that ``sessions`` gives, as Spark writes them: those of ``sinew-record/2``, and ``rejection``."""
 TREND = _words(_TREND)
 """Columns that ``trend`` gives, as Spark writes them."""
 
@@ -129,9 +129,9 @@ class _Sessions:
             session = found.session
             if session is None or session.start_time_utc_s is None:
                 raise SinewError(f"{recording['path']}: its clock has no civil date, so it is no session of a trend")
-        # A file that isn't there is an OSError; both are about this recording alone.
-        except (SinewError, OSError) as refused:
-            return [row | {"refused": str(refused)}]
+        # A file that is missing is an OSError; both are about this recording alone.
+        except (SinewError, OSError) as error:
+            return [row | {"rejection": str(error)}]
         reading = found.reading
         used = {joint.name: joint.usable_frames for joint in reading.joints} if reading else {}
         row |= {
@@ -140,7 +140,7 @@ class _Sessions:
             "temperature_c": session.temperature_c,
             "baseline": session.baseline,
             "clock": "utc",
-            "in_doubt": False,
+            "provisional": False,
             "poses": session.poses,
         }
         rows = []
@@ -152,31 +152,31 @@ class _Sessions:
 
     @staticmethod
     def tendon(joint: results.TendonEstimate) -> dict[str, Any]:
-        # As the monitor has it: what can't be told from nothing is no offset. Strain counts from the new rope, of which a
-        # recording knows nothing.
+        # As in the monitor: an inconclusive result is not an offset. Strain refers to the new rope, which is not
+        # available from a recording.
         stiffness = joint.stiffness_change_ratio
         row = {
             "joint": joint.name,
             "stiffness_ratio": stiffness and stiffness.mean,
-            "stiffness_deviation_ratio": stiffness and stiffness.deviation,
+            "stiffness_std_ratio": stiffness and stiffness.std,
         }
-        if joint.verdict == "cannot-tell":
+        if joint.verdict == "inconclusive":
             return row | {"reason": "too-wide"}
         return row | {
             "offset_rad": joint.offset_rad.mean,
-            "offset_deviation_rad": joint.offset_rad.deviation,
+            "offset_std_rad": joint.offset_rad.std,
             "elongation_m": joint.elongation_m and joint.elongation_m.mean,
-            "elongation_deviation_m": joint.elongation_m and joint.elongation_m.deviation,
+            "elongation_std_m": joint.elongation_m and joint.elongation_m.std,
         }
 
 
 def sessions(types: Mapping[str, str]) -> Callable[[Iterator[Any]], Iterator[Any]]:
     """Records of recordings, for ``mapInArrow``; the columns are ``SESSIONS``.
 
-    * ``types``: the folder of each robot type, by its name, as every machine sees it.
+    * ``types``: the folder of each robot type, by its name, with a path that is valid on every machine.
 
-    Rows that go in have ``path`` (a recording, as every machine sees it), ``robot``, ``robot_type`` and, if there is one,
-    ``baseline`` (a file). A row per tendon comes out. A recording that is refused gives one row, without a joint, that says why.
+    Input rows have the columns ``path`` (a recording, with a path that is valid on every machine), ``robot``, ``robot_type`` and, if there is one,
+    ``baseline`` (a file). The output has one row per tendon. A rejected recording yields one row with the reason and without a joint.
     """
     return _Sessions(types)
 
@@ -211,25 +211,25 @@ class _Trend:
             "time": [columns["time_utc_s"][i] for i in dated],
             "joint": [columns["joint"][i] for i in dated],
             "offset_mrad": scaled("offset_rad", 1e3),
-            "interval_95_mrad": scaled("offset_deviation_rad", 1960.0),
+            "interval_95_mrad": scaled("offset_std_rad", 1960.0),
             "temperature_c": scaled("temperature_c", 1.0),
             "duration_s": scaled("duration_s", 1.0),
             "baseline": [columns["baseline"][i] for i in dated],
         }
         if any(stiff[i] is not None for i in dated):
             table["stiffness_change_percent"] = scaled("stiffness_ratio", 100.0)
-            table["stiffness_interval_95_percent"] = scaled("stiffness_deviation_ratio", 196.0)
+            table["stiffness_interval_95_percent"] = scaled("stiffness_std_ratio", 196.0)
         try:
             if not dated:
                 raise SinewError("no session with a date and an offset")
             robot = self.types.find(columns["robot_type"][0])
             (joint,) = follow(table, robot, horizon_days=self.horizon_days).joints
-        except SinewError as refused:
-            return {"refused": str(refused)}
-        return self.said(joint)
+        except SinewError as error:
+            return {"rejection": str(error)}
+        return self.row_of(joint)
 
     @staticmethod
-    def said(joint: results.JointTrend) -> dict[str, Any]:
+    def row_of(joint: results.JointTrend) -> dict[str, Any]:
         day_s = 86_400.0
 
         def order(limit: results.LimitForecast) -> tuple[bool, float]:
@@ -240,10 +240,10 @@ class _Trend:
             "sessions": joint.sessions,
             "verdict": joint.verdict,
             "offset_rad": joint.offset_rad.mean,
-            "offset_deviation_rad": joint.offset_rad.deviation,
+            "offset_std_rad": joint.offset_rad.std,
             "creep_rad_per_s": joint.rate_rad_per_s.mean,
-            "creep_deviation_rad_per_s": joint.rate_rad_per_s.deviation,
-            "jumps": sum(event.kind == "jump" for event in joint.events),
+            "creep_std_rad_per_s": joint.rate_rad_per_s.std,
+            "jumps": sum(event.kind == "step-change" for event in joint.events),
         }
         if first is not None:
             after = {"days": first.after_s, "days_low": first.after_low_s, "days_high": first.after_high_s}
@@ -255,11 +255,11 @@ class _Trend:
 def trend(types: Mapping[str, str], horizon_days: float = 365.0) -> Callable[[Any], Any]:
     """The trend of a tendon, for ``applyInArrow`` by robot and joint; the columns are ``TREND``.
 
-    * ``types``: the folder of each robot type, by its name, as every machine sees it.
-    * ``horizon_days``: how far forecasts look from the last session.
+    * ``types``: the folder of each robot type, by its name, with a path that is valid on every machine.
+    * ``horizon_days``: forecast horizon from the last session.
 
-    All records of a tendon go in, in any order. One row comes out: where it stands, how fast it creeps, the limit it passes first
-    and in how many days, with a 95 % interval. Records without a civil date or an offset are no part of it.
+    The input is all records of a tendon, in any order. The result is one row: offset, creep rate, the limit that is exceeded first
+    and the days until then, with a 95 % interval. Records without a civil date or an offset are ignored.
     """
     follow = _Trend(types, horizon_days)
     # Spark looks at annotations to find out what a function takes; one without takes a table.

@@ -11,16 +11,16 @@ from ._record import GaussianRecord, Record
 
 
 class Ambiguity(Record):
-    """Topics of which one must be chosen."""
+    """Ambiguous topics; the user has to select one."""
 
     __slots__ = ()
 
     candidates: list[str]
-    """Topics that could be it."""
+    """Candidate topics of the side."""
     file: str
     """File as the user named it."""
     side: TopicUse
-    """The side asked for."""
+    """Ambiguous side of the robot."""
 
     _fields = {
         "candidates": "",
@@ -30,61 +30,61 @@ class Ambiguity(Record):
 
 
 class Analysis(Record):
-    """What one specimen's record says."""
+    """Analysis of one specimen's record."""
 
     __slots__ = ()
 
+    artefacts: list[Artefact]
+    """Artefacts found in the record."""
     creep_strain_ratio: float
-    """Rise from one minute (or the first reading after it) to the end, m/m."""
+    """Strain increase from one minute (or the first measurement after it) to the end, m/m."""
     duration_s: float
-    """Length of the first stage, s."""
+    """Duration of the first stage, s."""
     end_strain_ratio: float
     """Strain at the end of the first stage, m/m."""
-    faults: list[Fault]
-    """Oddities."""
     force_n: float | None
     """Load of the first stage, N."""
     group: str | None
-    """Group of repeats it belongs to."""
+    """Group of repeats of the specimen."""
     humidity_percent: Span | None
     """Relative humidity or moisture as recorded, %."""
     name: str
-    """Specimen."""
+    """Name of the specimen."""
     no_slope: NoSlope | None
-    """Why there is no slope."""
+    """Reason why there is no slope."""
     preload_n: float | None
-    """Load before, N."""
-    readings: list[CreepAnalyzeReading]
-    """Readings at the times of ISO 899-1 that the first stage reaches."""
+    """Preload before the first stage, N."""
+    readings: list[IsoMeasurement]
+    """Measurements at the standard times of ISO 899-1 within the first stage."""
     recovery: list[Recovery]
-    """Falls of the load."""
+    """Recoveries after decreases of the load."""
     saturated: bool | None
-    """Whether, at the slope found, another such duration would add less than a tenth of the creep so far."""
+    """Whether, at this slope, another such duration would add less than 10 % of the creep so far."""
     saturation_s: float | None
-    """Time after which less than a twentieth of the creep is still to come within the record, s."""
+    """Time after which less than 5 % of the recorded creep remains, s."""
     slope_per_s: Bounded | None
-    """The paper's `m_E`: slope of a straight line from `AnalyzeOptions::slope_from_s` on, 1/s; its interval
-    knows that neighbouring residuals are alike.
+    """Slope `m_E` of the paper: straight line from `AnalyzeOptions::slope_from_s` on, 1/s; its interval accounts
+    for the correlation of neighbouring residuals.
     """
     stress_pa: float | None
     """Stress of the first stage, Pa."""
     temperature_c: Span | None
-    """Temperature, °C."""
+    """Temperature of the record, °C."""
     zero: StrainZero
-    """What was taken for strain zero."""
+    """Reference of the strain zero."""
 
     _fields = {
+        "artefacts": "Artefact",
         "creep_strain_ratio": "",
         "duration_s": "",
         "end_strain_ratio": "",
-        "faults": "Fault",
         "force_n": "",
         "group": "",
         "humidity_percent": "Span",
         "name": "",
         "no_slope": "NoSlope",
         "preload_n": "",
-        "readings": "CreepAnalyzeReading",
+        "readings": "IsoMeasurement",
         "recovery": "Recovery",
         "saturated": "",
         "saturation_s": "",
@@ -95,109 +95,229 @@ class Analysis(Record):
     }
 
 
-class AnchorReading(Record):
-    """What one anchor said in one recording."""
-
-    __slots__ = ()
-
-    encoder_error_rad: Gaussian
-    """Error of the encoder it is read by: the joint's at a stop or joint mark, the motor's at a motor mark, rad."""
-    joint: str
-    """Joint."""
-    kind: AnchorKind
-    """What it is."""
-    offset_rad: Gaussian | None
-    """Offset of the tendon by the push alone, rad; `None` without a push or without the motor's torque."""
-    position_rad: float
-    """Where it is, rad (m for a joint that slides)."""
-    time_s: float
-    """When it was touched, s since the recording began."""
-
-    _fields = {
-        "encoder_error_rad": "Gaussian",
-        "joint": "",
-        "kind": "",
-        "offset_rad": "Gaussian",
-        "position_rad": "",
-        "time_s": "",
-    }
-
-
-class AnchoredOffset(Record):
-    """What anchors did to one tendon's estimate."""
-
-    __slots__ = ()
-
-    by_motion_rad: Gaussian
-    """Offset as motion alone shows it, rad."""
-    by_push_rad: Gaussian | None
-    """Offset as pushes alone show it, rad."""
-    correction_rad: Gaussian
-    """What the encoders were off by, and the offset has been corrected for, rad."""
-    readings: list[AnchorReading]
-    """What was touched, in the order of time."""
-    since_baseline: bool
-    """Whether the baseline had touched the same, so that what follows is a difference."""
-
-    _fields = {
-        "by_motion_rad": "Gaussian",
-        "by_push_rad": "Gaussian",
-        "correction_rad": "Gaussian",
-        "readings": "AnchorReading",
-        "since_baseline": "",
-    }
-
-
 class Arrhenius(Record):
-    """`ln a_T = E/R (1/T − 1/T_ref)`."""
+    """Arrhenius equation `ln a_T = E/R (1/T − 1/T_ref)`."""
 
     __slots__ = ()
 
     energy_j_per_mol: float
     """Activation energy `E`, J/mol."""
-    misfit_decades: float
-    """Root mean square misfit of log10 a_T, decades."""
+    residual_rms_decades: float
+    """Root mean square residual of log10 a_T, decades."""
 
     _fields = {
         "energy_j_per_mol": "",
-        "misfit_decades": "",
+        "residual_rms_decades": "",
     }
 
 
-class At(Record):
-    """Where a value stands."""
+class ArtefactDuplicateTimestamps(Record):
+    """Measurements with duplicate time stamps; all are used."""
 
     __slots__ = ()
 
-    file: str
-    """File."""
-    key: str
-    """Key of a TOML file, element of a URDF."""
-    line: int | None
-    """Line, from 1."""
+    kind: Literal["duplicate-timestamps"]
+    readings: int
+    """Number of such measurements."""
 
     _fields = {
-        "file": "",
-        "key": "",
-        "line": "",
+        "kind": "",
+        "readings": "",
+    }
+
+
+class ArtefactGap(Record):
+    """Missing or non-finite measurements; rejected."""
+
+    __slots__ = ()
+
+    kind: Literal["gap"]
+    readings: int
+    """Number of such measurements."""
+
+    _fields = {
+        "kind": "",
+        "readings": "",
+    }
+
+
+class ArtefactImplausibleStrain(Record):
+    """Possible strain that suggests another unit."""
+
+    __slots__ = ()
+
+    kind: Literal["implausible-strain"]
+    strain_ratio: float
+    """Largest strain, m/m."""
+
+    _fields = {
+        "kind": "",
+        "strain_ratio": "",
+    }
+
+
+class ArtefactImplausibleTime(Record):
+    """Possible duration that suggests another unit of time."""
+
+    __slots__ = ()
+
+    duration_s: float
+    """Duration of the record, s."""
+    kind: Literal["implausible-time"]
+
+    _fields = {
+        "duration_s": "",
+        "kind": "",
+    }
+
+
+class ArtefactLoadDrift(Record):
+    """Load drift on a plateau beyond the limit of ISO 899-1 (1 %)."""
+
+    __slots__ = ()
+
+    drift_share: float
+    """Largest deviation from the median, as a share of it."""
+    kind: Literal["load-drift"]
+    load_n: float
+    """Median of the load, N."""
+    time_s: float
+    """Start of the plateau, s."""
+
+    _fields = {
+        "drift_share": "",
+        "kind": "",
+        "load_n": "",
+        "time_s": "",
+    }
+
+
+class ArtefactNoForce(Record):
+    """Missing force: a constant load from the first measurement on is assumed."""
+
+    __slots__ = ()
+
+    kind: Literal["no-force"]
+
+    _fields = {
+        "kind": "",
+    }
+
+
+class ArtefactNoRamp(Record):
+    """Record that starts under load, without ramp and zero."""
+
+    __slots__ = ()
+
+    kind: Literal["no-ramp"]
+
+    _fields = {
+        "kind": "",
+    }
+
+
+class ArtefactNonMonotonicTime(Record):
+    """Measurements older than the previous one; rejected."""
+
+    __slots__ = ()
+
+    kind: Literal["non-monotonic-time"]
+    readings: int
+    """Number of such measurements."""
+
+    _fields = {
+        "kind": "",
+        "readings": "",
+    }
+
+
+class ArtefactOutlier(Record):
+    """Single outlier of the strain."""
+
+    __slots__ = ()
+
+    kept: bool
+    """Whether it was kept in the measurements."""
+    kind: Literal["outlier"]
+    time_s: float
+    """Time of the outlier, s."""
+
+    _fields = {
+        "kept": "",
+        "kind": "",
+        "time_s": "",
+    }
+
+
+class ArtefactShortens(Record):
+    """Rope that is shorter under load than before it."""
+
+    __slots__ = ()
+
+    kind: Literal["shortens"]
+    strain_ratio: float
+    """Strain at the end of the first stage, m/m."""
+
+    _fields = {
+        "kind": "",
+        "strain_ratio": "",
+    }
+
+
+class ArtefactSlip(Record):
+    """Strain step under constant load: grip slip."""
+
+    __slots__ = ()
+
+    kept: bool
+    """Whether it was kept in the measurements."""
+    kind: Literal["slip"]
+    strain_ratio: float
+    """Height of the step, m/m."""
+    time_s: float
+    """Time of the step, s."""
+
+    _fields = {
+        "kept": "",
+        "kind": "",
+        "strain_ratio": "",
+        "time_s": "",
+    }
+
+
+class ArtefactSlowRamp(Record):
+    """Load ramp slower than 5 s."""
+
+    __slots__ = ()
+
+    kind: Literal["slow-ramp"]
+    ramp_s: float
+    """Duration of the ramp, s."""
+    time_s: float
+    """Start of the ramp, s."""
+
+    _fields = {
+        "kind": "",
+        "ramp_s": "",
+        "time_s": "",
     }
 
 
 class BaselineMergeResult(Record):
-    """What became surer."""
+    """Summary of merged baselines: prior and posterior of the parameters."""
 
     __slots__ = ()
 
     nuisance: list[NuisanceChange]
-    """Everything that is estimated along: believed at the start, and now."""
+    """Prior and posterior of each nuisance parameter."""
     recordings: list[str]
-    """All recordings it rests on."""
+    """Names of all recordings that the result is based on."""
     robot: str
-    """The robot."""
-    schema: Literal["sinew/baseline-merge/1"]
+    """Name of the robot."""
+    schema: Literal["sinew/baseline-merge/2"]
     """Name and number of this schema."""
     temperature_c: float | None
-    """Temperature that offsets and stiffness refer to, °C."""
+    """Reference temperature of offsets and stiffness, °C; `None` if unknown."""
 
     _fields = {
         "nuisance": "NuisanceChange",
@@ -209,58 +329,72 @@ class BaselineMergeResult(Record):
 
 
 class BaselineResult(Record):
-    """What a recording right after tensioning taught."""
+    """Result of a recording taken directly after tensioning, from which a baseline was estimated."""
 
     __slots__ = ()
 
     baseline: str | None
-    """First recording of the baseline; `None`: data-sheet priors only."""
+    """Name of the first recording of the baseline; `None` without a baseline (priors from data sheets only)."""
     baseline_time_utc_s: float | None
-    """When that ended, s since 1970 UTC: every offset was zero then. `None` where its clock doesn't say."""
+    """End of that recording, when every offset was zero, s since 1970 UTC; `None` if its clock has no date."""
     damaged: bool
-    """Whether part of the file was lost."""
+    """Whether data was lost because the file is damaged."""
     duration_s: float
-    """Length of the part used, s."""
+    """Duration of the evaluated interval, s."""
     external_force: ForceEstimate | None
-    """A constant force from outside at the tool; `None`: there was none to be seen. Of a long recording, in the
-    stretch where it is likeliest.
+    """Constant external force at the tool; `None` if none was detected. For a recording of several segments, the
+    force of the segment with the highest probability.
+    """
+    joint_offsets: list[JointOffset] | None
+    """Offsets of joints that are driven by several tendons or by strands; empty on other robots, and if a strand
+    may be slack.
     """
     joints: list[TendonEstimate]
-    """One entry per elastic joint."""
-    left_out: list[LeftOut]
-    """The longest such times."""
-    left_out_share: float
-    """Share of the time left out as contact or disturbance."""
-    live: LiveCourse | None
-    """What the online estimate says of the same recording; `None` where nobody asked."""
+    """Results of the tendons, one entry per elastic joint."""
     motor_torque: MotorTorque
-    """Which torque of the motors was used as a second witness."""
+    """Source of the motor torque that was used as an independent measurement."""
     nuisance: list[NuisanceChange]
-    """Everything estimated along: what was believed before and after."""
+    """Prior and posterior of each nuisance parameter."""
+    online: OnlineTrajectory | None
+    """Online estimate of the same recording; `None` if not requested."""
     payload_changes: list[PayloadChange]
-    """Loads picked up or put down within the recording."""
+    """Payload changes within the recording."""
     payload_kg: Gaussian
-    """Payload at the end, kg."""
+    """Payload mass at the end of the recording, kg."""
     poses: int
-    """Distinct poses the arm stood or passed at, as far as gravity tells them apart."""
+    """Number of distinct poses, at rest or in motion; poses are distinct if a joint differs by more than 0.2
+    rad.
+    """
     recording: str
-    """The recording."""
+    """Name of the recording."""
     reference_temperature_c: float | None
-    """Temperature the offsets refer to, °C, where it was recorded."""
+    """Reference temperature of the offsets, °C; `None` if unknown."""
+    rejected_intervals: list[RejectedInterval]
+    """Longest intervals that were rejected as contact or disturbance, at most 20."""
+    rejected_share: float
+    """Share of the time that was rejected as contact or disturbance, 0 to 1."""
     robot: str
-    """The robot."""
-    schema: Literal["sinew/baseline/1"]
+    """Name of the robot."""
+    schema: Literal["sinew/baseline/2"]
     """Name and number of this schema."""
     segments: list[SegmentEstimate]
-    """Offsets at the end of every segment the recording was estimated in."""
+    """Offsets at the end of each segment of the recording."""
     start_time_utc_s: float | None
-    """When the part used began, s since 1970 UTC; `None` where the recording's clock doesn't say."""
+    """Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date."""
     temperature_c: float | None
-    """Mean temperature, °C, where it was recorded or stated."""
+    """Mean temperature, °C; `None` if neither recorded nor specified."""
     temperature_source: TemperatureSource
-    """Where that comes from."""
+    """Source of the temperature."""
+    tension_used: bool | None
+    """Whether the tensions of tendons were used."""
+    unobservable: list[UnobservableCombination] | None
+    """Combinations of elongations that are not observable from the recording."""
     warnings: list[Warning]
-    """What the reader should know."""
+    """Warnings about the recording and the result."""
+    zero_std_rad: float | None
+    """Standard deviation of the encoder zeros by robot.toml, rad, with which offsets without a baseline are
+    elongations; `None` with a baseline, or if robot.toml states none.
+    """
 
     _fields = {
         "baseline": "",
@@ -268,37 +402,41 @@ class BaselineResult(Record):
         "damaged": "",
         "duration_s": "",
         "external_force": "ForceEstimate",
+        "joint_offsets": "JointOffset",
         "joints": "TendonEstimate",
-        "left_out": "LeftOut",
-        "left_out_share": "",
-        "live": "LiveCourse",
         "motor_torque": "",
         "nuisance": "NuisanceChange",
+        "online": "OnlineTrajectory",
         "payload_changes": "PayloadChange",
         "payload_kg": "Gaussian",
         "poses": "",
         "recording": "",
         "reference_temperature_c": "",
+        "rejected_intervals": "RejectedInterval",
+        "rejected_share": "",
         "robot": "",
         "schema": "",
         "segments": "SegmentEstimate",
         "start_time_utc_s": "",
         "temperature_c": "",
         "temperature_source": "",
+        "tension_used": "",
+        "unobservable": "UnobservableCombination",
         "warnings": "Warning",
+        "zero_std_rad": "",
     }
 
 
 class BaselineSourceAssumed(Record):
-    """What random poses right after tensioning would teach."""
+    """Simulated baseline of random poses directly after tensioning."""
 
     __slots__ = ()
 
     duration_s: float
-    """Length of their recording, s."""
+    """Duration of the simulated recording, s."""
     kind: Literal["assumed"]
     poses: int
-    """How many."""
+    """Number of poses."""
 
     _fields = {
         "duration_s": "",
@@ -308,15 +446,15 @@ class BaselineSourceAssumed(Record):
 
 
 class BaselineSourceGiven(Record):
-    """One that was given."""
+    """Baseline of a specified file."""
 
     __slots__ = ()
 
     file: str
-    """Its file."""
+    """Name of the baseline file."""
     kind: Literal["given"]
     recordings: list[str]
-    """Recordings it was learned from."""
+    """Recordings from which the baseline was estimated."""
 
     _fields = {
         "file": "",
@@ -326,50 +464,34 @@ class BaselineSourceGiven(Record):
 
 
 class Basis(Record):
-    """What a quantity rests on."""
+    """Origin of a quantity of an estimate."""
 
     __slots__ = ()
 
+    based_on: Origin
+    """Origin of the quantity."""
     quantity: Quantity2
-    """Quantity."""
-    rests_on: Origin
-    """Where it comes from."""
+    """Quantity of the estimate."""
 
     _fields = {
+        "based_on": "",
         "quantity": "",
-        "rests_on": "",
-    }
-
-
-class Beyond(Record):
-    """How far a duty lies beyond the data in load and temperature."""
-
-    __slots__ = ()
-
-    load_efolds: float
-    """Logarithm of the load over the nearest one of the data."""
-    temperature_k: float
-    """Kelvin to the nearest temperature of the data."""
-
-    _fields = {
-        "load_efolds": "",
-        "temperature_k": "",
     }
 
 
 class Bounded(Record):
-    """A value with bounds that need not be even about it, in the unit that its field's name says. Who makes it
-    says at which level; 95 % where nothing else is said.
+    """A value with possibly asymmetric bounds, in the unit that its field's name states. The level of the bounds
+    is 95 % unless the field states another.
     """
 
     __slots__ = ()
 
     high: float
-    """Upper bound."""
+    """Upper bound of the interval."""
     low: float
-    """Lower bound."""
+    """Lower bound of the interval."""
     value: float
-    """Value."""
+    """Central value of the quantity."""
 
     _fields = {
         "high": "",
@@ -379,51 +501,51 @@ class Bounded(Record):
 
 
 class Candidate(Record):
-    """A rope that meets every constraint."""
+    """Rope that meets every constraint."""
 
     __slots__ = ()
 
+    assumed_parameters: int
+    """Number of creep law parameters that are assumed, not measured."""
     broken_share: float
-    """Share of the draws in which it breaks within the last time asked for, 0 to 1."""
+    """Share of the draws in which the rope breaks within the last requested time, 0 to 1."""
     cautions: list[Caution]
-    """Cautions."""
+    """Warnings about the prediction."""
     diameter_m: float | None
-    """Diameter, m, where it is published."""
+    """Published diameter of the rope, m."""
     elongation_m: Bounded
-    """Elongation since tensioned at the last time asked for, m."""
-    least_share: float
-    """In how many of the draws it stretches least of all candidates, 0 to 1."""
+    """Elongation after pretensioning at the last requested time, m."""
     life_s: Bounded | None
-    """When it breaks, s; `None` beyond 300 years."""
+    """Time of the break, s; `None` beyond 300 years."""
+    min_share: float
+    """Share of the draws in which it has the smallest elongation of all candidates, 0 to 1."""
     parameters: int
-    """All parameters of the law."""
+    """Number of creep law parameters."""
     pareto: bool
-    """Whether no other candidate of known diameter is as thin or thinner, stretches as little or less and lasts
-    as long or longer, at the catalogue's values.
+    """Whether no other candidate of known diameter is at most as thick, elongates at most as much and lasts at
+    least as long, at the catalogue values.
     """
     rope: str
-    """Rope."""
+    """Name of the rope in the catalogue."""
     safety_factor_ratio: float | None
-    """Published breaking load over largest tension."""
-    starting_guesses: int
-    """Parameters of the law that are starting guesses."""
+    """Ratio of published breaking load to largest tension."""
     stiffness_n_per_m: Bounded
     """Stiffness of the strand at the duty's mean load, N/m."""
     weight_kg_per_m: float | None
-    """Weight, kg/m, where it is published."""
+    """Published weight per length, kg/m."""
 
     _fields = {
+        "assumed_parameters": "",
         "broken_share": "",
         "cautions": "Caution",
         "diameter_m": "",
         "elongation_m": "Bounded",
-        "least_share": "",
         "life_s": "Bounded",
+        "min_share": "",
         "parameters": "",
         "pareto": "",
         "rope": "",
         "safety_factor_ratio": "",
-        "starting_guesses": "",
         "stiffness_n_per_m": "Bounded",
         "weight_kg_per_m": "",
     }
@@ -435,15 +557,15 @@ class CatalogueValue(Record):
     __slots__ = ()
 
     date: str | None
-    """Day of a fit."""
+    """Date of the fit, for fitted values."""
     factor: float | None
-    """With 95 % probability between value/factor and value·factor, where stated so."""
+    """Factor of the 95 % interval, from value/factor to value·factor, where specified."""
     origin: RopeShowOrigin
-    """Where it comes from."""
+    """Origin of the value."""
     plus_minus: float | None
-    """With 95 % probability within so much of the value, where stated so."""
+    """Half-width of the 95 % interval, in the unit of the value, where specified."""
     source: str
-    """Key of the rope's sources."""
+    """Key of the value's source in the rope's sources."""
     value: float
     """Value, in the unit of its key."""
 
@@ -458,7 +580,7 @@ class CatalogueValue(Record):
 
 
 class CauseUnknown(Record):
-    """The recording doesn't tell, and why not."""
+    """Ambiguous cause, with the reason."""
 
     __slots__ = ()
 
@@ -469,41 +591,59 @@ class CauseUnknown(Record):
     }
 
 
+class CautionAssumedParameters(Record):
+    """Parameters that are assumed, not measured."""
+
+    __slots__ = ()
+
+    assumed: int
+    """Number of assumed parameters."""
+    kind: Literal["assumed-parameters"]
+    parameters: int
+    """Number of creep law parameters."""
+
+    _fields = {
+        "assumed": "",
+        "kind": "",
+        "parameters": "",
+    }
+
+
 class CautionBeyondData(Record):
-    """The duty goes beyond the data behind the rope's values; intervals are widened."""
+    """Duty outside the tested range of the rope; intervals are widened."""
 
     __slots__ = ()
 
     duration_s: float
-    """Longest time asked for, s."""
+    """Longest requested time, s."""
     factor: float
-    """Factor up and down that 95 % of the widening reaches at that time."""
-    holds: Holds
-    """The data."""
+    """Factor of the widening at that time, up and down (95 %)."""
     kind: Literal["beyond-data"]
     load_share: list[float]
     """Mean and largest tension of the duty over the breaking load."""
     temperature_c: list[float]
-    """Lowest and highest temperature, °C."""
+    """Lowest and highest temperature of the duty, °C."""
+    tested_range: TestedRange
+    """Tested range of the rope."""
 
     _fields = {
         "duration_s": "",
         "factor": "",
-        "holds": "Holds",
         "kind": "",
         "load_share": "",
         "temperature_c": "",
+        "tested_range": "TestedRange",
     }
 
 
-class CautionBreakingLoadGuessed(Record):
-    """The breaking load is not published."""
+class CautionBreakingLoadAssumed(Record):
+    """Breaking load that is not published."""
 
     __slots__ = ()
 
     breaking_load_n: float
-    """Starting guess taken, N."""
-    kind: Literal["breaking-load-guessed"]
+    """Assumed breaking load, N."""
+    kind: Literal["breaking-load-assumed"]
 
     _fields = {
         "breaking_load_n": "",
@@ -512,13 +652,13 @@ class CautionBreakingLoadGuessed(Record):
 
 
 class CautionCreepsApart(Record):
-    """The rope creeps until it breaks; there is no reading from then on."""
+    """Creep rupture; there are no elongations after it."""
 
     __slots__ = ()
 
     kind: Literal["creeps-apart"]
     time_s: float
-    """When, at the catalogue's values, s."""
+    """Time of the break at the catalogue values, s."""
 
     _fields = {
         "kind": "",
@@ -526,32 +666,14 @@ class CautionCreepsApart(Record):
     }
 
 
-class CautionEndsNotStated(Record):
-    """The ends are taken to be as strong as the rope."""
-
-    __slots__ = ()
-
-    kind: Literal["ends-not-stated"]
-    knot_share: float
-    """Share of the strength that a knot keeps."""
-    splice_share: float
-    """Share of the strength that a splice keeps."""
-
-    _fields = {
-        "kind": "",
-        "knot_share": "",
-        "splice_share": "",
-    }
-
-
 class CautionExtrapolated(Record):
-    """Starting guesses, held against short tests, asked for more than a day."""
+    """Extrapolation of assumed parameters beyond a day."""
 
     __slots__ = ()
 
     kind: Literal["extrapolated"]
     tests_s: float
-    """Length of the longest of those tests, s."""
+    """Duration of the longest test, s."""
 
     _fields = {
         "kind": "",
@@ -560,7 +682,7 @@ class CautionExtrapolated(Record):
 
 
 class CautionHighLoad(Record):
-    """Tension above it."""
+    """Tension above the range of the creep law."""
 
     __slots__ = ()
 
@@ -572,7 +694,7 @@ class CautionHighLoad(Record):
 
 
 class CautionHot(Record):
-    """HMPE hotter than its flow was measured."""
+    """HMPE above the temperature range in which its flow was measured."""
 
     __slots__ = ()
 
@@ -584,25 +706,25 @@ class CautionHot(Record):
 
 
 class CautionLoadShare(Record):
-    """More load than makers advise."""
+    """Load above the manufacturers' advice."""
 
     __slots__ = ()
 
     kind: Literal["load-share"]
     load_share: float
-    """Largest tension over the breaking load."""
-    most_share: float
-    """Advised at most."""
+    """Ratio of largest tension to breaking load, 0 to 1."""
+    max_share: float
+    """Largest advised ratio, 0 to 1."""
 
     _fields = {
         "kind": "",
         "load_share": "",
-        "most_share": "",
+        "max_share": "",
     }
 
 
 class CautionLowLoad(Record):
-    """Tension below the range the law was made for."""
+    """Tension below the range of the creep law."""
 
     __slots__ = ()
 
@@ -614,17 +736,17 @@ class CautionLowLoad(Record):
 
 
 class CautionReplace(Record):
-    """The rope stretches beyond the strain at which its maker says to replace it."""
+    """Strain above the manufacturer's discard strain."""
 
     __slots__ = ()
 
     kind: Literal["replace"]
     share: float
-    """Share of the draws that lie beyond it, or are broken, at the last time asked for, 0 to 1."""
+    """Share of the draws that exceed it, or are broken, at the last requested time, 0 to 1."""
     strain_ratio: float
-    """That strain since it was new, m/m."""
+    """Discard strain since new, m/m."""
     time_s: float | None
-    """The first time asked for at which the middle lies beyond it, s; `None`: only draws do."""
+    """First requested time at which the central estimate exceeds the discard strain, s; `None`: only draws do."""
 
     _fields = {
         "kind": "",
@@ -634,50 +756,50 @@ class CautionReplace(Record):
     }
 
 
-class CautionStartingGuesses(Record):
-    """Parameters are starting guesses."""
+class CautionTerminationNotSpecified(Record):
+    """Termination not specified; assumed as strong as the rope."""
 
     __slots__ = ()
 
-    guesses: int
-    """How many."""
-    kind: Literal["starting-guesses"]
-    parameters: int
-    """Of all."""
+    kind: Literal["termination-not-specified"]
+    knot_share: float
+    """Share of the strength that a knot retains, 0 to 1."""
+    splice_share: float
+    """Share of the strength that a splice retains, 0 to 1."""
 
     _fields = {
-        "guesses": "",
         "kind": "",
-        "parameters": "",
+        "knot_share": "",
+        "splice_share": "",
     }
 
 
 class CautionTightBend(Record):
-    """A pulley bends the rope closer than makers advise."""
+    """Pulley diameter below the manufacturers' advice."""
 
     __slots__ = ()
 
     bend_ratio: float
-    """Diameter that the rope is bent to, over its own."""
+    """Ratio of bend diameter to rope diameter."""
     kind: Literal["tight-bend"]
-    least_ratio: float
-    """Advised at least."""
+    min_ratio: float
+    """Smallest advised ratio."""
 
     _fields = {
         "bend_ratio": "",
         "kind": "",
-        "least_ratio": "",
+        "min_ratio": "",
     }
 
 
 class CautionWornOut(Record):
-    """Bending wears the rope out; there is no reading from then on."""
+    """Bending fatigue up to a break; there are no elongations after it."""
 
     __slots__ = ()
 
     kind: Literal["worn-out"]
     time_s: float
-    """When, at the catalogue's values, s."""
+    """Time of the break at the catalogue values, s."""
 
     _fields = {
         "kind": "",
@@ -686,29 +808,32 @@ class CautionWornOut(Record):
 
 
 class Combination(Record):
-    """Elongations that go together."""
+    """Combination of elongations."""
 
     __slots__ = ()
 
+    shown_by_motor_torque: bool
+    """Whether the combination is observable with the torque of every motor; with tension sensors it always is."""
     weights: list[list[str | float]]
-    """Names of the tendons with their weights, of unit norm together."""
+    """Names and weights of the tendons; the weights have unit norm."""
 
     _fields = {
+        "shown_by_motor_torque": "",
         "weights": "",
     }
 
 
 class Conditions(Record):
-    """What the file can't say, as the laboratory states it."""
+    """Test conditions stated by the laboratory, which the file does not contain."""
 
     __slots__ = ()
 
     conditions: str | None
-    """Atmosphere, conditioning time, grips, how extension was measured."""
+    """Atmosphere, conditioning time, grips, and measurement of the extension."""
     preconditioning: str | None
-    """What was done to the specimens before."""
+    """Treatment of the specimens before the test."""
     standard: str
-    """Standard followed."""
+    """Standard of the test."""
 
     _fields = {
         "conditions": "",
@@ -718,22 +843,22 @@ class Conditions(Record):
 
 
 class ContactScore(Record):
-    """Contacts detected against contacts there were."""
+    """Comparison of detected and true contacts."""
 
     __slots__ = ()
 
     contacts: int
-    """Contacts there were (those less than 0.5 s apart count as one)."""
+    """Number of true contacts (those less than 0.5 s apart count as one)."""
     delays_s: list[float]
-    """From the beginning of a contact to its alarm, s; one per contact detected."""
+    """Delays from the beginning of a contact to its alarm, s; one per detected contact."""
     false_alarms: int
-    """Alarms without a contact."""
+    """Number of alarms without a contact."""
     false_s: float
-    """How long of that there seemed to be one, s."""
+    """Time of false alarms, s."""
     free_s: float
-    """How long there was no contact, s."""
+    """Time without contact, s."""
     missed: int
-    """Not detected, or hidden by an alarm that was on before."""
+    """Number of contacts not detected, or hidden by an earlier alarm."""
 
     _fields = {
         "contacts": "",
@@ -746,26 +871,26 @@ class ContactScore(Record):
 
 
 class Coverage(Record):
-    """One forecaster over many tests."""
+    """Hold-out result of one forecaster over many tests."""
 
     __slots__ = ()
 
     end_error_ratio: float | None
-    """Median of |forecast − truth| at the end, over the test's creep."""
+    """Median of |forecast − measurement| at the end, over the test's creep."""
     end_half_width_ratio: float | None
-    """Median half width of the interval at the end, over the test's creep."""
+    """Median half-width of the interval at the end, over the test's creep."""
     ends_inside: int
-    """Tests whose last reading lies within."""
+    """Number of tests whose last measurement lies within its interval."""
     failed: int
-    """Tests the law couldn't be fitted to."""
+    """Number of tests that the law could not be fitted to."""
     forecaster: Forecaster
     """Law, or all laws combined."""
     readings: int
-    """Hidden readings."""
+    """Number of held-out measurements."""
     readings_inside: int
-    """Hidden readings within their intervals."""
+    """Number of held-out measurements within their intervals."""
     tests: int
-    """Tests forecast."""
+    """Number of forecast tests."""
 
     _fields = {
         "end_error_ratio": "",
@@ -780,24 +905,24 @@ class Coverage(Record):
 
 
 class CreepAnalysisResult(Record):
-    """What creep tests say without any law but a straight line."""
+    """Report of an analysis without a creep law except a straight line."""
 
     __slots__ = ()
 
     conditions: Conditions
-    """What the laboratory states."""
+    """Test conditions stated by the laboratory."""
     failures: list[Failure]
-    """What couldn't be analysed."""
+    """Specimens that could not be analysed."""
     groups: list[Scatter]
-    """Repeats, by group."""
+    """Repeats by group."""
     isochrones: list[Isochrone]
     """Strain against load at the same times."""
-    schema: Literal["sinew/creep-analyze/1"]
+    schema: Literal["sinew/creep-analyze/2"]
     """Name and number of this schema."""
     sources: list[Source]
-    """Raw data."""
+    """Raw data files of the tests."""
     specimens: list[Analysis]
-    """Specimens."""
+    """Analysis of each specimen."""
 
     _fields = {
         "conditions": "Conditions",
@@ -810,38 +935,19 @@ class CreepAnalysisResult(Record):
     }
 
 
-class CreepAnalyzeReading(Record):
-    """One reading of ISO 899-1."""
-
-    __slots__ = ()
-
-    modulus_pa: float | None
-    """Tensile creep modulus F/(A ε), Pa; `None` without a cross-section."""
-    strain_ratio: float
-    """Strain from the zero, m/m."""
-    time_s: float
-    """Time under the whole load, s."""
-
-    _fields = {
-        "modulus_pa": "",
-        "strain_ratio": "",
-        "time_s": "",
-    }
-
-
 class CreepComparisonResult(Record):
     """Ropes in the order of their strain."""
 
     __slots__ = ()
 
     failures: list[Failure]
-    """What couldn't be analysed."""
+    """Specimens that could not be analysed."""
     ranks: list[Rank]
-    """Ropes, least strain first."""
-    schema: Literal["sinew/creep-compare/1"]
+    """Ropes by increasing strain."""
+    schema: Literal["sinew/creep-compare/2"]
     """Name and number of this schema."""
     sources: list[Source]
-    """Raw data."""
+    """Raw data files of the tests."""
 
     _fields = {
         "failures": "Failure",
@@ -852,7 +958,7 @@ class CreepComparisonResult(Record):
 
 
 class CreepErrorFlat(Record):
-    """The strain doesn't change."""
+    """Strain without any change."""
 
     __slots__ = ()
 
@@ -867,15 +973,15 @@ class CreepErrorFlat(Record):
 
 
 class CreepErrorIncompleteRope(Record):
-    """The catalogue rope lacks parameters."""
+    """Missing parameters of the catalogue rope."""
 
     __slots__ = ()
 
     kind: Literal["incomplete-rope"]
     missing: str
-    """Parameters that are missing."""
+    """Names of the missing parameters."""
     rope: str
-    """Rope."""
+    """Name of the rope."""
 
     _fields = {
         "kind": "",
@@ -885,13 +991,13 @@ class CreepErrorIncompleteRope(Record):
 
 
 class CreepErrorIsotherm(Record):
-    """An isotherm with too few readings above zero."""
+    """Isotherm with too few measurements above zero."""
 
     __slots__ = ()
 
     kind: Literal["isotherm"]
     temperature_c: float
-    """Its temperature, °C."""
+    """Temperature of the isotherm, °C."""
 
     _fields = {
         "kind": "",
@@ -900,13 +1006,13 @@ class CreepErrorIsotherm(Record):
 
 
 class CreepErrorNoEntry(Record):
-    """A fit that no catalogue entry can be made of."""
+    """Fit that does not determine a catalogue entry."""
 
     __slots__ = ()
 
     kind: Literal["no-entry"]
     reason: NoEntry
-    """Why."""
+    """Reason of the rejection."""
 
     _fields = {
         "kind": "",
@@ -915,15 +1021,15 @@ class CreepErrorNoEntry(Record):
 
 
 class CreepErrorNoForecast(Record):
-    """A forecast that the records can't tell."""
+    """Forecast that the records do not support."""
 
     __slots__ = ()
 
     kind: Literal["no-forecast"]
     reason: NoForecast
-    """Why."""
+    """Reason why there is no forecast."""
     specimen: str
-    """Specimen or group."""
+    """Name of the specimen or group."""
 
     _fields = {
         "kind": "",
@@ -933,31 +1039,31 @@ class CreepErrorNoForecast(Record):
 
 
 class CreepErrorNoGroupColumn(Record):
-    """No specimen has such a column or head line."""
+    """Group column that no specimen has."""
 
     __slots__ = ()
 
+    available: list[str]
+    """Names of the available columns."""
     column: str
-    """Column asked for."""
+    """Requested column of the group."""
     kind: Literal["no-group-column"]
-    known: list[str]
-    """Columns there are."""
 
     _fields = {
+        "available": "",
         "column": "",
         "kind": "",
-        "known": "",
     }
 
 
 class CreepErrorNoPlan(Record):
-    """No test can be planned."""
+    """Planning of a test failed."""
 
     __slots__ = ()
 
     kind: Literal["no-plan"]
     reason: str
-    """Why."""
+    """Reason of the failure."""
 
     _fields = {
         "kind": "",
@@ -966,7 +1072,7 @@ class CreepErrorNoPlan(Record):
 
 
 class CreepErrorNoRope(Record):
-    """The rope law without a rope to start from."""
+    """Rope law without a base rope."""
 
     __slots__ = ()
 
@@ -978,13 +1084,13 @@ class CreepErrorNoRope(Record):
 
 
 class CreepErrorNotFinite(Record):
-    """No start of the search had a finite cost."""
+    """Cost that is not finite at any start of the search."""
 
     __slots__ = ()
 
     kind: Literal["not-finite"]
     law: Law
-    """The law."""
+    """Creep law that was fitted."""
 
     _fields = {
         "kind": "",
@@ -998,7 +1104,7 @@ class CreepErrorNothingAnalysed(Record):
     __slots__ = ()
 
     failures: list[str]
-    """Why not, one of each."""
+    """Reason of each failure."""
     kind: Literal["nothing-analysed"]
 
     _fields = {
@@ -1008,7 +1114,7 @@ class CreepErrorNothingAnalysed(Record):
 
 
 class CreepErrorOneTemperature(Record):
-    """Isotherms at one temperature."""
+    """Isotherms at one temperature only."""
 
     __slots__ = ()
 
@@ -1020,13 +1126,13 @@ class CreepErrorOneTemperature(Record):
 
 
 class CreepErrorSpecimen(Record):
-    """A specimen's readings don't make a creep test."""
+    """Measurements of a specimen that are not a creep test."""
 
     __slots__ = ()
 
     kind: Literal["specimen"]
     reason: Unusable
-    """What was found."""
+    """Reason of the rejection."""
     specimen: str
     """Name of the specimen."""
 
@@ -1038,17 +1144,17 @@ class CreepErrorSpecimen(Record):
 
 
 class CreepErrorTooFew(Record):
-    """Fewer readings than numbers to fit."""
+    """Fewer measurements than numbers to fit."""
 
     __slots__ = ()
 
     kind: Literal["too-few"]
     law: Law
-    """The law."""
+    """Creep law that was fitted."""
     needed: int
-    """Readings needed."""
+    """Minimum number of measurements."""
     readings: int
-    """Readings there are."""
+    """Number of measurements found."""
 
     _fields = {
         "kind": "",
@@ -1064,17 +1170,45 @@ class CreepFitResult(Record):
     __slots__ = ()
 
     failures: list[Failure]
-    """What couldn't be analysed or fitted."""
+    """Specimens that could not be analysed or fitted."""
     fits: list[FitSet]
-    """Fits, in the order of the files."""
-    schema: Literal["sinew/creep-fit/1"]
+    """Fits in the order of the files."""
+    schema: Literal["sinew/creep-fit/2"]
     """Name and number of this schema."""
     sources: list[Source]
-    """Raw data."""
+    """Raw data files of the tests."""
 
     _fields = {
         "failures": "Failure",
         "fits": "FitSet",
+        "schema": "",
+        "sources": "Source",
+    }
+
+
+class CreepHoldOutResult(Record):
+    """Forecasts compared with the held-out end of each test."""
+
+    __slots__ = ()
+
+    failures: list[Failure]
+    """Specimens that could not be analysed."""
+    held_out: list[Coverage]
+    """Coverage of each law, and of all laws combined."""
+    held_out_share: float
+    """Held-out share of the time at the end of each test."""
+    level: float
+    """Confidence level of the intervals."""
+    schema: Literal["sinew/creep-holdout/2"]
+    """Name and number of this schema."""
+    sources: list[Source]
+    """Raw data files of the tests."""
+
+    _fields = {
+        "failures": "Failure",
+        "held_out": "Coverage",
+        "held_out_share": "",
+        "level": "",
         "schema": "",
         "sources": "Source",
     }
@@ -1086,13 +1220,13 @@ class CreepShiftResult(Record):
     __slots__ = ()
 
     failures: list[Failure]
-    """Specimens that are no isotherm."""
-    schema: Literal["sinew/creep-shift/1"]
+    """Specimens that are not an isotherm."""
+    schema: Literal["sinew/creep-shift/2"]
     """Name and number of this schema."""
     sources: list[Source]
-    """Raw data."""
+    """Raw data files of the tests."""
     superposition: Superposition
-    """Shift factors and what they follow."""
+    """Shift factors and their temperature dependence."""
 
     _fields = {
         "failures": "Failure",
@@ -1102,43 +1236,15 @@ class CreepShiftResult(Record):
     }
 
 
-class CreepWithheldResult(Record):
-    """Forecasts held against the hidden end of each test."""
-
-    __slots__ = ()
-
-    failures: list[Failure]
-    """What couldn't be analysed."""
-    hidden_share: float
-    """Last share of the time hidden."""
-    level: float
-    """Level of the intervals."""
-    schema: Literal["sinew/creep-withhold/1"]
-    """Name and number of this schema."""
-    sources: list[Source]
-    """Raw data."""
-    withheld: list[Coverage]
-    """Laws, and all of them combined."""
-
-    _fields = {
-        "failures": "Failure",
-        "hidden_share": "",
-        "level": "",
-        "schema": "",
-        "sources": "Source",
-        "withheld": "Coverage",
-    }
-
-
 class CycleClock(Record):
-    """Cycles of a machine beside its time."""
+    """Cycle count of a machine and its rate."""
 
     __slots__ = ()
 
     last: float
-    """Cycle of the last session that counts them."""
+    """Cycle of the last session with a cycle count."""
     per_s: float | None
-    """Cycles a second of late; `None`: one session alone doesn't say."""
+    """Recent cycle rate, 1/s; `None` with one session only."""
 
     _fields = {
         "last": "",
@@ -1147,18 +1253,18 @@ class CycleClock(Record):
 
 
 class Damage(Record):
-    """A part of the file that could not be read."""
+    """Part of the file that could not be read."""
 
     __slots__ = ()
 
     after_ns: int | None
-    """Last time known good before the damage, ns."""
+    """Time stamp of the last valid sample before the damage, ns."""
     bytes: int
-    """How many bytes were lost."""
+    """Number of bytes lost."""
     offset: int
-    """Byte offset where the damage starts."""
+    """Byte offset of the start of the damage."""
     reason: str
-    """Why the bytes could not be used."""
+    """Reason why the bytes could not be used."""
 
     _fields = {
         "after_ns": "",
@@ -1168,21 +1274,49 @@ class Damage(Record):
     }
 
 
+class DamageSite(Record):
+    """Section of the rope with its damage; it breaks at a damage of 1."""
+
+    __slots__ = ()
+
+    bending_damage: float
+    """Damage by bending, 0 to 1."""
+    creep_damage: float
+    """Damage by constant load, 0 to 1."""
+    from_m: float
+    """Start of the section, m from the drive with the drive at rest."""
+    guides: int
+    """Number of guiding pulleys that pass over the section."""
+    place: Place
+    """Location of the section: rope or terminations."""
+    to_m: float
+    """End of the section, m from the drive."""
+
+    _fields = {
+        "bending_damage": "",
+        "creep_damage": "",
+        "from_m": "",
+        "guides": "",
+        "place": "",
+        "to_m": "",
+    }
+
+
 class Difference(Record):
-    """Change since a reference recording."""
+    """Difference of an estimate from that of a reference recording."""
 
     __slots__ = ()
 
     difference_rad: float
-    """Offset now minus offset then, rad."""
+    """Offset minus offset in the reference recording, rad."""
     elongation_m: float | None
-    """The difference as elongation, m."""
+    """Difference as elongation of the tendon, m; `None` without tendon geometry."""
     offset_per_stiffness_error_rad: float
-    """What an error of the stiffness adds to the difference, rad per relative error."""
+    """Sensitivity of the difference to a relative error of the stiffness, rad."""
     reference_rad: float
-    """Offset of the reference, rad."""
+    """Offset in the reference recording, rad."""
     standard_error_rad: float | None
-    """Standard error of the difference, rad; `None` when a recording is too short for one."""
+    """Standard error of the difference, rad; `None` if a recording is too short."""
 
     _fields = {
         "difference_rad": "",
@@ -1193,41 +1327,50 @@ class Difference(Record):
     }
 
 
-class Doubt(Record):
-    """A time in which the offsets of a `LiveCourse` were in doubt."""
+class DriveCheck(Record):
+    """Drive of a tendon, in the coordinate of one of its joints."""
 
     __slots__ = ()
 
-    from_s: float
-    """From here, s."""
-    to_s: float
-    """To here, s."""
+    joint: str
+    """Joint in whose coordinate the offset is given."""
+    motor_inertia_kg_m2: float | None
+    """Inertia of the motor, reflected to that joint, kg·m²."""
+    name: str
+    """Name of the tendon."""
+    stiffness_nm_per_rad: float
+    """Stiffness at that joint, N·m/rad."""
+    tendon: TendonCheck | None
+    """Rope of the tendon, if described."""
 
     _fields = {
-        "from_s": "",
-        "to_s": "",
+        "joint": "",
+        "motor_inertia_kg_m2": "",
+        "name": "",
+        "stiffness_nm_per_rad": "",
+        "tendon": "TendonCheck",
     }
 
 
 class DutySummary(Record):
-    """Sums over a duty."""
+    """Extremes and means of a duty over one cycle."""
 
     __slots__ = ()
 
     duration_s: float
-    """Length of one cycle, s."""
+    """Duration of one cycle, s."""
     temperature_max_c: float
-    """Largest, °C."""
+    """Highest temperature, °C."""
     temperature_mean_c: float
-    """Mean over time, °C."""
+    """Mean temperature over time, °C."""
     temperature_min_c: float
-    """Smallest, °C."""
+    """Lowest temperature, °C."""
     tension_max_n: float
-    """Largest, N."""
+    """Largest tension, N."""
     tension_mean_n: float
-    """Mean over time, N."""
+    """Mean tension over time, N."""
     tension_min_n: float
-    """Smallest, N."""
+    """Smallest tension, N."""
 
     _fields = {
         "duration_s": "",
@@ -1241,14 +1384,14 @@ class DutySummary(Record):
 
 
 class Ending(Record):
-    """How a search ended."""
+    """Termination of a search."""
 
     __slots__ = ()
 
     steps: int
-    """Steps taken."""
+    """Number of steps."""
     termination: Termination
-    """Why."""
+    """Reason of the termination."""
 
     _fields = {
         "steps": "",
@@ -1257,28 +1400,28 @@ class Ending(Record):
 
 
 class Estimate(Record):
-    """The estimate of one recording."""
+    """Estimate of one recording by the method of the paper."""
 
     __slots__ = ()
 
     basis: list[Basis]
-    """What the numbers rest on."""
+    """Origin of each quantity."""
     damaged: bool
-    """Whether data was lost to damage (exit code 3)."""
+    """Whether data was lost because the recording is damaged (exit status 3)."""
     joints: list[JointEstimate]
-    """One entry per joint of the robot, in its order."""
+    """Estimates of the joints of the robot, in their order in the URDF."""
     losses: list[Loss]
-    """Frames of the recording that could not be used for any joint, by reason."""
+    """Numbers of frames that were not used for any joint, by reason."""
     recording: RecordingInfo
-    """The recording."""
+    """Properties of the recording."""
     robot: RobotInfo
-    """The robot."""
+    """Properties of the robot."""
     settings: Settings
-    """How it was made."""
+    """Settings of the estimate."""
     sinew_version: str
-    """Version of the program that made it."""
+    """Version of the program that made the estimate."""
     warnings: list[RecordingWarning]
-    """What the reader should know."""
+    """Warnings about the recording and the result."""
 
     _fields = {
         "basis": "Basis",
@@ -1299,13 +1442,13 @@ class EstimateDocument(Record):
     __slots__ = ()
 
     method: Method
-    """Which estimate answers."""
+    """Estimation method of the result."""
     reading: Estimate
-    """What the paper's equation reads of the same frames. It takes stiffness, masses, payload and contact as
-    known, so it is no verdict.
+    """Uncorrected estimate by the equation of the paper from the same frames. The method assumes exact stiffness
+    and masses, no payload and no contact, so no verdict is derived from it.
     """
     session: SessionEstimate | None
-    """The answer of the absolute method, with verdicts."""
+    """Result of the absolute method, with verdicts."""
 
     _fields = {
         "method": "",
@@ -1315,15 +1458,15 @@ class EstimateDocument(Record):
 
 
 class EstimateEachResult(Record):
-    """Many recordings, each on its own."""
+    """Independent estimates of several recordings."""
 
     __slots__ = ()
 
     method: Method
-    """Which estimate answers."""
+    """Estimation method of all recordings."""
     recordings: list[RecordingOutcome]
-    """One entry per recording, in the order they were named."""
-    schema: Literal["sinew/estimate-each/1"]
+    """One entry per recording, in the order of the command line."""
+    schema: Literal["sinew/estimate-each/2"]
     """Name and number of this schema."""
 
     _fields = {
@@ -1339,15 +1482,15 @@ class EstimateResult(Record):
     __slots__ = ()
 
     method: Method
-    """Which estimate answers."""
+    """Estimation method of the result."""
     reading: Estimate
-    """What the paper's equation reads of the same frames. It takes stiffness, masses, payload and contact as
-    known, so it is no verdict.
+    """Uncorrected estimate by the equation of the paper from the same frames. The method assumes exact stiffness
+    and masses, no payload and no contact, so no verdict is derived from it.
     """
-    schema: Literal["sinew/estimate/1"]
+    schema: Literal["sinew/estimate/2"]
     """Name and number of this schema."""
     session: SessionEstimate | None
-    """The answer of the absolute method, with verdicts."""
+    """Result of the absolute method, with verdicts."""
 
     _fields = {
         "method": "",
@@ -1358,16 +1501,16 @@ class EstimateResult(Record):
 
 
 class Event(Record):
-    """Something that happened while reading."""
+    """Event during reading."""
 
     __slots__ = ()
 
     kind: EventKind
-    """What kind of event it is."""
+    """Kind of the event."""
     text: str
-    """What happened, with numbers and units."""
+    """Description of the event, with numbers and units."""
     time_ns: int
-    """Time of the recording at which it happened, ns; 0 where unknown."""
+    """Time of the event in the recording, ns; 0 if unknown."""
 
     _fields = {
         "kind": "",
@@ -1377,39 +1520,55 @@ class Event(Record):
 
 
 class Expected(Record):
-    """What to expect of one joint."""
+    """Expected standard deviation of one joint's offset."""
 
     __slots__ = ()
 
-    elongation_deviation_m: float | None
-    """The same as elongation, m; `None` without tendon geometry."""
+    elongation_std_m: float | None
+    """Standard deviation of the elongation, m; none without tendon geometry."""
     identifiable: bool
-    """Whether the poses show the offset."""
+    """Whether the poses make the offset identifiable."""
     name: str
-    """Joint."""
-    offset_deviation_rad: float
-    """Standard deviation of its offset, rad."""
-    random_offset_deviation_rad: float
-    """The same for random poses, median of the random lists, rad."""
+    """Name of the joint."""
+    offset_std_rad: float
+    """Standard deviation of the offset, rad."""
+    random_offset_std_rad: float
+    """Standard deviation of the offset with random poses, median of the random lists, rad."""
 
     _fields = {
-        "elongation_deviation_m": "",
+        "elongation_std_m": "",
         "identifiable": "",
         "name": "",
-        "offset_deviation_rad": "",
-        "random_offset_deviation_rad": "",
+        "offset_std_rad": "",
+        "random_offset_std_rad": "",
+    }
+
+
+class Extrapolation(Record):
+    """Extrapolation distance of a duty from the tested range, in load and temperature."""
+
+    __slots__ = ()
+
+    load_efolds: float
+    """Natural logarithm of the ratio of the load to the nearest tested load."""
+    temperature_k: float
+    """Distance to the nearest tested temperature, K."""
+
+    _fields = {
+        "load_efolds": "",
+        "temperature_k": "",
     }
 
 
 class Failure(Record):
-    """What couldn't be analysed or fitted, and why."""
+    """Specimen or group that could not be analysed or fitted."""
 
     __slots__ = ()
 
     name: str | None
-    """Specimen or group that was fitted; `None` where the reason names it."""
+    """Specimen or group that was fitted; `None` if the reason names it."""
     reason: CreepError
-    """Why."""
+    """Reason of the failure."""
 
     _fields = {
         "name": "",
@@ -1417,229 +1576,37 @@ class Failure(Record):
     }
 
 
-class FaultClockGoesBack(Record):
-    """Readings that are older than the one before; left out."""
-
-    __slots__ = ()
-
-    kind: Literal["clock-goes-back"]
-    readings: int
-    """How many."""
-
-    _fields = {
-        "kind": "",
-        "readings": "",
-    }
-
-
-class FaultDoubtfulStrain(Record):
-    """A strain that is possible, but looks like another unit."""
-
-    __slots__ = ()
-
-    kind: Literal["doubtful-strain"]
-    strain_ratio: float
-    """Largest strain, m/m."""
-
-    _fields = {
-        "kind": "",
-        "strain_ratio": "",
-    }
-
-
-class FaultDoubtfulTime(Record):
-    """A length of the record that is possible, but looks like another unit."""
-
-    __slots__ = ()
-
-    duration_s: float
-    """Length, s."""
-    kind: Literal["doubtful-time"]
-
-    _fields = {
-        "duration_s": "",
-        "kind": "",
-    }
-
-
-class FaultGap(Record):
-    """Readings that are missing or no numbers; left out."""
-
-    __slots__ = ()
-
-    kind: Literal["gap"]
-    readings: int
-    """How many."""
-
-    _fields = {
-        "kind": "",
-        "readings": "",
-    }
-
-
-class FaultLoadDrift(Record):
-    """The load on a plateau changes by more than ISO 899-1 allows (1 %)."""
-
-    __slots__ = ()
-
-    drift_share: float
-    """Largest distance from there, as a share of it."""
-    kind: Literal["load-drift"]
-    load_n: float
-    """Median of the load, N."""
-    time_s: float
-    """Start of the plateau."""
-
-    _fields = {
-        "drift_share": "",
-        "kind": "",
-        "load_n": "",
-        "time_s": "",
-    }
-
-
-class FaultNoForce(Record):
-    """No force is recorded: a constant load from the first reading on is assumed."""
-
-    __slots__ = ()
-
-    kind: Literal["no-force"]
-
-    _fields = {
-        "kind": "",
-    }
-
-
-class FaultNoRamp(Record):
-    """The record starts under load: neither ramp nor zero are in it."""
-
-    __slots__ = ()
-
-    kind: Literal["no-ramp"]
-
-    _fields = {
-        "kind": "",
-    }
-
-
-class FaultOutlier(Record):
-    """One reading stands apart."""
-
-    __slots__ = ()
-
-    kept: bool
-    """Whether it was left in the readings."""
-    kind: Literal["outlier"]
-    time_s: float
-    """When."""
-
-    _fields = {
-        "kept": "",
-        "kind": "",
-        "time_s": "",
-    }
-
-
-class FaultRepeatedStamps(Record):
-    """Readings that repeat the stamp before; all are used."""
-
-    __slots__ = ()
-
-    kind: Literal["repeated-stamps"]
-    readings: int
-    """How many."""
-
-    _fields = {
-        "kind": "",
-        "readings": "",
-    }
-
-
-class FaultShortens(Record):
-    """The rope is shorter under load than before it."""
-
-    __slots__ = ()
-
-    kind: Literal["shortens"]
-    strain_ratio: float
-    """Strain at the end of the first stage, m/m."""
-
-    _fields = {
-        "kind": "",
-        "strain_ratio": "",
-    }
-
-
-class FaultSlip(Record):
-    """The strain jumps under constant load: a grip slips."""
-
-    __slots__ = ()
-
-    kept: bool
-    """Whether it was left in the readings."""
-    kind: Literal["slip"]
-    strain_ratio: float
-    """Height of the jump, m/m."""
-    time_s: float
-    """When."""
-
-    _fields = {
-        "kept": "",
-        "kind": "",
-        "strain_ratio": "",
-        "time_s": "",
-    }
-
-
-class FaultSlowRamp(Record):
-    """The load came on slower than within 5 s."""
-
-    __slots__ = ()
-
-    kind: Literal["slow-ramp"]
-    ramp_s: float
-    """How long it took, s."""
-    time_s: float
-    """When."""
-
-    _fields = {
-        "kind": "",
-        "ramp_s": "",
-        "time_s": "",
-    }
-
-
 class Finding(Record):
-    """One odd value."""
+    """Implausible, missing or impossible value."""
 
     __slots__ = ()
 
-    at: At
-    """Where it stands."""
-    judged: Judged | None
-    """What was compared, and what is usual."""
+    assessed: RangeCheck | None
+    """Compared value and its usual range."""
+    at: Location
+    """Location of the value."""
     kind: FindingKind
-    """What looks odd."""
+    """Kind of the finding."""
     names: list[str]
-    """Names that may have been meant, the nearest first."""
+    """Available names, most similar first."""
     severity: Severity
-    """How bad it is."""
-    slip: UnitSlip | None
-    """The unit it may have been written in."""
+    """Severity of the finding."""
+    slip: UnitHint | None
+    """Unit in which the value may have been written."""
     text: str | None
-    """A name that isn't there, or what a reader of the file says."""
+    """Unknown name, or message of the file's parser."""
     unit: str
-    """Unit of the file's value."""
+    """Unit of the value in the file."""
     value: float | None
-    """The value as the file has it, in `unit`."""
+    """Value in the file, in `unit`."""
 
     _fields = {
-        "at": "At",
-        "judged": "Judged",
+        "assessed": "RangeCheck",
+        "at": "Location",
         "kind": "",
         "names": "",
         "severity": "",
-        "slip": "UnitSlip",
+        "slip": "UnitHint",
         "text": "",
         "unit": "",
         "value": "",
@@ -1647,38 +1614,38 @@ class Finding(Record):
 
 
 class Fit(Record):
-    """A law fitted to one or several curves."""
+    """Law fitted to one or several curves."""
 
     __slots__ = ()
 
     aicc: float
-    """Akaike's criterion with the correction for few readings; smaller is better."""
+    """Akaike's criterion with the correction for few measurements; smaller is better."""
     bic: float
     """Schwarz's criterion; smaller is better."""
     covariance: list[list[float]]
     """Covariance of `Self::parameters` from the draws, in their units; empty without draws."""
     ending: Ending
-    """How the best search ended."""
+    """Termination of the best search."""
     fitted: int
-    """Numbers fitted, those of the noise among them."""
+    """Number of fitted numbers, including those of the noise."""
     fixed: list[FixedParameter]
-    """Parameters of `Law::Rope` that the record can't tell, taken from the base rope."""
+    """Parameters of `Law::Rope` that are not identifiable from the record and fixed at the base rope's value."""
     law: Law
-    """The law."""
+    """Creep law that was fitted."""
     log_likelihood: float
-    """Natural logarithm of the largest likelihood."""
+    """Natural logarithm of the maximum likelihood."""
     noise: Noise
-    """Noise of largest likelihood."""
+    """Noise parameters of maximum likelihood."""
     parameters: list[Parameter]
-    """Parameters, each with its own unit."""
+    """Parameters with values, units and intervals."""
     readings: int
-    """Readings (or means of readings) used."""
+    """Number of measurements (or means of measurements) used."""
     residual_strain_ratio: float
-    """Standard deviation of a reading's strain, m/m."""
+    """Standard deviation of a measurement's strain, m/m."""
     starts: int
-    """Starts searched from."""
+    """Number of starts of the search."""
     weight: float
-    """Akaike weight among the laws fitted to the same readings; 1 for a law fitted alone."""
+    """Akaike weight among the laws fitted to the same measurements; 1 for a law fitted alone."""
 
     _fields = {
         "aicc": "",
@@ -1704,13 +1671,13 @@ class FitSet(Record):
     __slots__ = ()
 
     forecast: Forecast | None
-    """Strain ahead, all laws weighed; of a group's first specimen."""
+    """Forecast strain, weighted over all laws; of the first specimen of a group."""
     forecast_conditions: ForecastConditions | None
-    """Load and temperature that it is for."""
+    """Load and temperature of the forecast."""
     laws: list[Fit]
-    """Laws by rising AICc."""
+    """Fitted laws by increasing AICc."""
     name: str
-    """Specimen or group."""
+    """Name of the specimen or group."""
 
     _fields = {
         "forecast": "Forecast",
@@ -1721,60 +1688,60 @@ class FitSet(Record):
 
 
 class FixedParameter(Record):
-    """A parameter that a fit takes from the base rope."""
+    """Parameter fixed at the base rope's value."""
 
     __slots__ = ()
 
     name: str
-    """Name as the catalogue writes it, unit included."""
+    """Name as in the catalogue, with its unit."""
+    reason: NotIdentifiableReason
+    """Reason why it is not identifiable."""
     value: float
-    """Value it is kept at."""
-    why: WhyFixed
-    """Why the record can't tell it."""
+    """Value at which it is fixed."""
 
     _fields = {
         "name": "",
+        "reason": "",
         "value": "",
-        "why": "",
     }
 
 
 class ForceEstimate(Record):
-    """A constant force from outside that may act on the arm while the recording goes on."""
+    """A constant external force on the arm during the recording."""
 
     __slots__ = ()
 
     force_n: list[Gaussian]
-    """Along the axes of the base, N, if it does."""
-    is_stated: bool
-    """Whether somebody stated it."""
+    """Force along the axes of the base, N, given that it acts."""
+    is_specified: bool
+    """Whether the user specified the force."""
     probability: float
-    """Posterior probability that it does; 1 where it was stated."""
+    """Posterior probability that the force acts; 1 if it was specified."""
 
     _fields = {
         "force_n": "Gaussian",
-        "is_stated": "",
+        "is_specified": "",
         "probability": "",
     }
 
 
 class Forecast(Record):
-    """Strain at given times, m/m."""
+    """Forecast strain at given times, m/m."""
 
     __slots__ = ()
 
     high_strain_ratio: list[float]
-    """Upper end."""
+    """Upper end of the interval of the law's strain, m/m."""
     low_strain_ratio: list[float]
-    """Lower end of the interval of the law's strain."""
+    """Lower end of the interval of the law's strain, m/m."""
     reading_high_strain_ratio: list[float]
-    """Upper end."""
+    """Upper end of the prediction interval of a measurement, m/m."""
     reading_low_strain_ratio: list[float]
-    """Lower end of the interval in which a reading lies: law, slow part and reading error."""
+    """Lower end of the prediction interval of a measurement, m/m: law, slow part and measurement error."""
     strain_ratio: list[float]
-    """Median of the law's strain."""
+    """Median of the law's strain, m/m."""
     time_s: list[float]
-    """Times, s."""
+    """Times after the load, s."""
 
     _fields = {
         "high_strain_ratio": "",
@@ -1787,16 +1754,16 @@ class Forecast(Record):
 
 
 class ForecastConditions(Record):
-    """Load and temperature that a forecast is for."""
+    """Load and temperature of a forecast."""
 
     __slots__ = ()
 
     load_n: float | None
-    """Tension, N, where the record has one."""
+    """Tension, N, if the record has one."""
     source: ConditionSource
-    """Where they come from."""
+    """Source of load and temperature."""
     temperature_c: float | None
-    """Temperature, °C, where the record has one."""
+    """Temperature, °C, if the record has one."""
 
     _fields = {
         "load_n": "",
@@ -1806,16 +1773,16 @@ class ForecastConditions(Record):
 
 
 class ForecastPoint(Record):
-    """Offset at a time to come."""
+    """Forecast of the offset at one time."""
 
     __slots__ = ()
 
     interval_95_rad: Interval95
-    """Quantiles of 2.5 and 97.5 %."""
+    """Quantiles of 2.5 and 97.5 %, rad."""
     offset_rad: float
-    """Median."""
+    """Median of the offset, rad."""
     time_utc_s: float
-    """When, s since 1970."""
+    """Time of the forecast, s since 1970."""
 
     _fields = {
         "interval_95_rad": "Interval95",
@@ -1830,7 +1797,7 @@ class Frames(Record):
     __slots__ = ()
 
     duplicated: int
-    """Written twice."""
+    """Number of duplicate frames."""
     late: int
     """Written after their successor."""
     lost: int
@@ -1847,20 +1814,20 @@ class Frames(Record):
 
 
 class Gaussian(GaussianRecord):
-    """A normally distributed quantity, in the unit that the name of its field or function says. `deviation` is
-    one standard deviation. Only where a number is shown to a person does it become a half width of 95 %.
+    """A normally distributed quantity, in the unit that the name of its field or function states. `std` is one
+    standard deviation. It is converted to the half-width of a 95 % interval only for display.
     """
 
     __slots__ = ()
 
-    deviation: float
-    """Standard deviation, not negative."""
     mean: float
-    """Mean."""
+    """Mean of the quantity."""
+    std: float
+    """Standard deviation, not negative."""
 
     _fields = {
-        "deviation": "",
         "mean": "",
+        "std": "",
     }
 
 
@@ -1887,60 +1854,60 @@ class GroupCheck(Record):
 
 
 class Health(Record):
-    """What was read, what was lost and why. Complete after the last frame."""
+    """Content, losses and repairs of a recording, with their reasons. Complete after the last frame."""
 
     __slots__ = ()
 
     bytes_lost: int
-    """Bytes of the file that could not be used."""
-    clock_jumps: int
-    """How often the clock went back for good."""
+    """Number of bytes of the file that could not be used."""
+    clock_steps: int
+    """Number of times that the time stamps stepped back permanently."""
     damage: list[Damage]
-    """Where and why bytes were lost."""
+    """Damaged parts of the file, with the reasons."""
     duplicates: int
-    """Messages dropped because their stamp had been seen already."""
+    """Number of messages discarded, because their time stamp was a duplicate."""
     events: list[Event]
-    """What happened, in reading order, at most `EVENT_LIMIT`."""
+    """Events in reading order, at most `EVENT_LIMIT`."""
     events_dropped: int
-    """Events beyond the limit."""
+    """Number of events beyond the limit."""
     frames: int
-    """Frames handed out."""
+    """Number of frames returned."""
     frames_without_joint_side: int
-    """Frames in which no joint has a joint position."""
+    """Number of frames in which no joint has a joint position."""
     frames_without_motor_side: int
-    """Frames in which no joint has a motor position."""
+    """Number of frames in which no joint has a motor position."""
     gaps: int
-    """Pauses longer than the gap limit."""
+    """Number of gaps longer than the gap limit."""
+    implausible_signals: list[str]
+    """Implausible signals: degrees, constant, gear ratio, all NaN."""
     late: int
-    """Messages dropped because they came later than the reorder window."""
+    """Number of messages discarded, because they were later than the reorder window."""
     longest_gap_s: float
-    """The longest such pause, s."""
+    """Duration of the longest gap, s."""
     messages: int
-    """Messages (MCAP, of the topics used) or rows (tables) read."""
+    """Number of messages (MCAP, of the topics used) or rows (tables) read."""
     non_finite: list[SignalCount]
-    """Recorded samples that were NaN or infinite, per signal; they are NaN in the frames."""
+    """Number of NaN or infinite samples per signal; they are NaN in the frames."""
     out_of_order: int
-    """Messages that came out of order and were sorted in."""
+    """Number of messages reordered by time stamp."""
     ragged_rows: int
-    """Rows with more or fewer cells than the header."""
+    """Number of rows with more or fewer cells than the header."""
     rows_without_time: int
-    """Rows without a time: dropped."""
+    """Number of rows without a time; discarded."""
     short_messages: int
-    """Messages with fewer values than names: the missing values are NaN."""
+    """Number of messages with fewer values than names; the missing values are NaN."""
     streams: list[StreamTiming]
-    """When the samples came, stream by stream: the joint side's or the table's rows first."""
-    suspicions: list[str]
-    """Signals that look wrong: degrees, constant, gear ratio, all NaN."""
+    """Timing of each stream: that of the joint side or of the table's rows first."""
     undecodable: int
-    """Messages that could not be decoded."""
+    """Number of messages that could not be decoded."""
     unknown_joints: list[str]
-    """Joints found in messages but not at the start of the recording: ignored."""
+    """Joints in messages that were not there at the start of the recording; ignored."""
     unwrapped: list[SignalCount]
-    """Encoder wrap-arounds removed, per signal."""
+    """Number of encoder wrap-arounds that were corrected, per signal."""
 
     _fields = {
         "bytes_lost": "",
-        "clock_jumps": "",
+        "clock_steps": "",
         "damage": "Damage",
         "duplicates": "",
         "events": "Event",
@@ -1949,6 +1916,7 @@ class Health(Record):
         "frames_without_joint_side": "",
         "frames_without_motor_side": "",
         "gaps": "",
+        "implausible_signals": "",
         "late": "",
         "longest_gap_s": "",
         "messages": "",
@@ -1958,7 +1926,6 @@ class Health(Record):
         "rows_without_time": "",
         "short_messages": "",
         "streams": "StreamTiming",
-        "suspicions": "",
         "undecodable": "",
         "unknown_joints": "",
         "unwrapped": "SignalCount",
@@ -1966,16 +1933,18 @@ class Health(Record):
 
 
 class HeldJoint(Record):
-    """A joint whose motor is held while its two ropes relax."""
+    """Joint with its motor held while its two ropes relax."""
 
     __slots__ = ()
 
     radius_m: float
-    """Radius of the pulley at the joint, m."""
+    """Radius of the joint pulley, m."""
     slides: bool | None
-    """Whether it slides: its torque is a force then, N, and its pulley's radius the rope's travel per metre."""
+    """Whether the joint is prismatic: its torque is then a force, N, and the pulley radius the rope travel per
+    metre.
+    """
     torque_nm: float
-    """Torque that the joint holds, N·m, at least 0."""
+    """Torque of the joint meanwhile, N·m, at least 0."""
 
     _fields = {
         "radius_m": "",
@@ -1984,36 +1953,17 @@ class HeldJoint(Record):
     }
 
 
-class Holds(Record):
-    """Load, temperature and time of the data that a rope's values were held against."""
-
-    __slots__ = ()
-
-    duration_s: float
-    """Length of the longest test, s."""
-    load_share: list[float]
-    """Least and largest tension over breaking load."""
-    temperature_c: list[float]
-    """Lowest and highest temperature, °C."""
-
-    _fields = {
-        "duration_s": "",
-        "load_share": "",
-        "temperature_c": "",
-    }
-
-
 class Injection(Record):
-    """An offset added to a joint's motor position, as the paper does to see it found again."""
+    """Offset added to a joint's motor position to test the estimate, as in the paper."""
 
     __slots__ = ()
 
     from_s: float | None
-    """From this time of the recording on, s; `None` from the start."""
+    """Start of the injection since the start of the recording, s; none: from the start."""
     joint: str
-    """Tendon it is added to, in the coordinate of the joint it is paired with."""
+    """Name of the tendon; the offset is in the coordinate of the joint paired with it."""
     offset_rad: float
-    """Offset, rad."""
+    """Added offset, rad."""
 
     _fields = {
         "from_s": "",
@@ -2023,18 +1973,37 @@ class Injection(Record):
 
 
 class Interval95(Record):
-    """Bounds that hold a quantity with 95 % probability, in the unit that its field's name says."""
+    """Bounds of a 95 % interval of a quantity, in the unit that its field's name states."""
 
     __slots__ = ()
 
     high: float
-    """Upper bound."""
+    """Upper bound of the interval."""
     low: float
-    """Lower bound."""
+    """Lower bound of the interval."""
 
     _fields = {
         "high": "",
         "low": "",
+    }
+
+
+class IsoMeasurement(Record):
+    """Measurement at a standard time of ISO 899-1."""
+
+    __slots__ = ()
+
+    modulus_pa: float | None
+    """Tensile creep modulus F/(A ε), Pa; `None` without a cross-section."""
+    strain_ratio: float
+    """Strain relative to the zero, m/m."""
+    time_s: float
+    """Time under the full load, s."""
+
+    _fields = {
+        "modulus_pa": "",
+        "strain_ratio": "",
+        "time_s": "",
     }
 
 
@@ -2044,17 +2013,17 @@ class Isochrone(Record):
     __slots__ = ()
 
     exponent: Bounded
-    """`p` of `ε ∝ σ^p`: 1 where strain is proportional to load."""
+    """Exponent `p` of `ε ∝ σ^p`: 1 if strain is proportional to load."""
     group: str | None
-    """Group; `None`: specimens without a group."""
+    """Name of the group; `None` for specimens without a group."""
     points: list[IsochronePoint]
-    """Specimens by rising load."""
+    """Specimens by increasing load."""
     quantity: LoadQuantity
-    """What the loads are."""
+    """Quantity of the loads."""
     secant: float
-    """Load over strain at the middle of the loads, N or Pa: the curve's secant."""
+    """Load over strain at the middle of the loads, N or Pa: secant of the curve."""
     time_s: float
-    """Time under the whole load, s."""
+    """Time under the full load, s."""
 
     _fields = {
         "exponent": "Bounded",
@@ -2067,16 +2036,16 @@ class Isochrone(Record):
 
 
 class IsochronePoint(Record):
-    """One specimen of an isochrone."""
+    """Specimen of an isochrone."""
 
     __slots__ = ()
 
     load: float
-    """Load, N or Pa."""
+    """Load of the specimen, N or Pa."""
     specimen: str
-    """Specimen."""
+    """Name of the specimen."""
     strain_ratio: float
-    """Strain, m/m."""
+    """Strain at that time, m/m."""
 
     _fields = {
         "load": "",
@@ -2086,82 +2055,100 @@ class IsochronePoint(Record):
 
 
 class JointCheck(Record):
-    """One joint. Of a prismatic one, rad is m and N·m is N."""
+    """Joint of the robot. For a prismatic joint, rad means m and N·m means N."""
 
     __slots__ = ()
 
-    friction_stated: bool | None
-    """Whether friction is stated; none where the joint is rigid."""
+    crossed_by: list[str] | None
+    """Names of the tendons that cross the joint, if not every joint has its own tendon."""
+    friction_specified: bool | None
+    """Whether friction is specified; none for a rigid joint."""
     kind: JointMotion
-    """Whether it turns or slides."""
+    """Kind of motion: revolute or prismatic."""
     lower_rad: float | None
-    """Lower end of its range, rad; none where it turns without end."""
+    """Lower limit of the joint position, rad; none for a continuous joint."""
     motor_inertia_kg_m2: float | None
     """Inertia of the motor, reflected to the joint, kg·m²."""
     name: str
-    """Joint."""
+    """Name of the joint."""
+    spring_nm_per_rad: float | None
+    """Stiffness of the joint's passive spring, N·m/rad."""
     stiffness_nm_per_rad: float | None
-    """Stiffness, N·m/rad; none where the joint is rigid."""
+    """Stiffness, N·m/rad; none for a rigid joint."""
     tendon: TendonCheck | None
-    """Its tendon, where one is described."""
+    """Tendon of the joint, if described."""
     upper_rad: float | None
-    """Upper end of its range, rad; none where it turns without end."""
+    """Upper limit of the joint position, rad; none for a continuous joint."""
 
     _fields = {
-        "friction_stated": "",
+        "crossed_by": "",
+        "friction_specified": "",
         "kind": "",
         "lower_rad": "",
         "motor_inertia_kg_m2": "",
         "name": "",
+        "spring_nm_per_rad": "",
         "stiffness_nm_per_rad": "",
         "tendon": "TendonCheck",
         "upper_rad": "",
     }
 
 
+class JointErrorNoUsableFrame(Record):
+    """No usable frame, with the most frequent reason."""
+
+    __slots__ = ()
+
+    no_usable_frame: LossReason | None
+
+    _fields = {
+        "no_usable_frame": "",
+    }
+
+
 class JointEstimate(Record):
-    """The estimate of one joint."""
+    """Estimate of one joint by the method of the paper."""
 
     __slots__ = ()
 
     difference: Difference | None
-    """Against the reference recording."""
+    """Difference from the reference recording; `None` without one."""
     elongation_m: float | None
     """Elongation of the tendon, m; `None` without tendon geometry."""
     elongation_standard_error_m: float | None
     """Standard error of the elongation, m."""
     losses: list[Loss]
-    """Why the rest didn't."""
+    """Frames without an estimate, by reason."""
     name: str
-    """Joint."""
+    """Name of the joint or tendon."""
     offset_per_stiffness_error_rad: float | None
-    """What an error of the stiffness adds to the offset, rad per relative error: `mean(tau_el)/K`. An error of
-    the masses has the same size and the opposite sign.
+    """Sensitivity of the offset to a relative error of the stiffness, rad: `mean(tau_el)/K`. The sensitivity to
+    a relative error of the masses has the same magnitude and the opposite sign.
     """
     offset_rad: float | None
-    """Mean offset of the motor position, rad; `None` where refused."""
-    refused: JointRefusal | None
-    """`None` where there is an estimate; else why there is none."""
+    """Mean offset of the motor position, rad; `None` without an estimate."""
+    reason: JointError | None
+    """Reason why there is no estimate; `None` if there is one."""
     scatter_rad: float | None
-    """Standard deviation of the single estimates, rad."""
+    """Standard deviation of the estimates of single frames, rad."""
     series: Series
-    """The estimate over time."""
+    """Time series of the estimate."""
     slides: bool | None
-    """Whether it slides: rad is then m, and N·m is N."""
+    """Whether the joint is prismatic: values in rad are then in m, and values in N·m in N."""
     standard_error_rad: float | None
-    """Standard error of the mean that respects their correlation (batch means), rad; `None` when the recording
-    is too short for one.
+    """Standard error of the mean with correlated samples (method of batch means), rad; `None` if the recording
+    is too short.
     """
     stiffness_nm_per_rad: float | None
-    """Stiffness used, N·m/rad; `None` where rigid."""
+    """Stiffness used in the estimate, N·m/rad; `None` for a rigid joint."""
     strain_ratio: float | None
-    """Strain of the tendon."""
+    """Strain of the tendon: elongation divided by length, m/m; `None` without tendon geometry."""
     tau_el_nm: TorqueStatistics | None
-    """Elastic torque, N·m; `None` without an estimate."""
+    """Statistics of the elastic torque, N·m; `None` without an estimate."""
     usable_frames: int
-    """Frames that gave an estimate."""
+    """Number of frames with an estimate."""
     usable_share: float
-    """Their share of all frames, 0 to 1."""
+    """Share of frames with an estimate, 0 to 1."""
 
     _fields = {
         "difference": "Difference",
@@ -2171,7 +2158,7 @@ class JointEstimate(Record):
         "name": "",
         "offset_per_stiffness_error_rad": "",
         "offset_rad": "",
-        "refused": "JointRefusal",
+        "reason": "JointError",
         "scatter_rad": "",
         "series": "Series",
         "slides": "",
@@ -2185,14 +2172,14 @@ class JointEstimate(Record):
 
 
 class JointInfo(Record):
-    """What is recorded of a joint."""
+    """Recorded quantities of a joint."""
 
     __slots__ = ()
 
     channels: list[Quantity]
-    """Quantities recorded."""
+    """Quantities that are recorded."""
     name: str
-    """Its name."""
+    """Name of the joint."""
 
     _fields = {
         "channels": "",
@@ -2200,31 +2187,37 @@ class JointInfo(Record):
     }
 
 
-class JointRefusalNoUsableFrame(Record):
-    """No frame could be used, mostly for this reason."""
+class JointOffset(Record):
+    """Offset of a joint with coupled tendons: rotation of the joint due to their elongations at constant motor
+    positions.
+    """
 
     __slots__ = ()
 
-    no_usable_frame: LossReason | None
+    name: str
+    """Name of the joint."""
+    offset_rad: Gaussian
+    """Offset, rad; positive if the joint lags behind its motors."""
 
     _fields = {
-        "no_usable_frame": "",
+        "name": "",
+        "offset_rad": "Gaussian",
     }
 
 
 class JointScore(Record):
-    """How far a joint is from where it was asked to be, contacts left out. A number that needs samples is NaN,
-    and null in JSON, where there were none: `rest_*` when the arm never stood still untouched.
+    """Control error of a joint, contacts excluded. A value without samples is NaN (null in JSON): `rest_*` if
+    the arm was never at rest without contact.
     """
 
     __slots__ = ()
 
     false_torque_nm: float | None
-    """Mean of the estimated external torque while nothing touches, N·m."""
+    """Mean of the estimated external torque without contact, N·m."""
     name: str
-    """Joint."""
+    """Name of the joint."""
     peak_rad: float
-    """Largest size of `q − q_d` over the whole recording, rad."""
+    """Largest absolute value of `q − q_d` over the whole recording, rad."""
     rest_mean_rad: float | None
     """Mean of `q − q_d` at rest, rad."""
     rest_rms_rad: float | None
@@ -2234,7 +2227,7 @@ class JointScore(Record):
     threshold_nm: float | None
     """Mean threshold, N·m."""
     torque_error_rms_nm: float | None
-    """RMS of the external torque's error while nothing touches, N·m."""
+    """RMS error of the external torque without contact, N·m."""
 
     _fields = {
         "false_torque_nm": "",
@@ -2249,62 +2242,62 @@ class JointScore(Record):
 
 
 class JointTrend(Record):
-    """One tendon."""
+    """Trend of one tendon."""
 
     __slots__ = ()
 
     baseline_error_rad: Gaussian
-    """Error that all sessions since the baseline share: the offset's interval holds what is left unknown of it,
-    however many sessions there are.
+    """Common error of all sessions since the baseline, rad; its uncertainty is included in the offset's interval
+    and does not decrease with the number of sessions.
     """
     basis: PriorBasis
-    """What the forecast rests on."""
+    """Basis of the prior and of the forecast."""
     cycles: CycleClock | None
-    """Cycles of the machine, where sessions count them."""
+    """Machine cycles, if sessions record them."""
     drift_rad_per_k: Gaussian | None
-    """Drift of the records with temperature; `None` without temperatures."""
+    """Drift of the records with temperature, rad/K; `None` without temperatures."""
     elongation_m: Gaussian | None
-    """The same as elongation; `None` without tendon geometry."""
+    """Elongation since the last tensioning, m; `None` without tendon geometry."""
     events: list[TrendEvent]
-    """Sudden changes and re-tensionings."""
+    """Step changes and re-tensionings."""
     first_utc_s: float
     """Start of the first session, s since 1970."""
     forecast: list[ForecastPoint]
-    """Offset from the last session on."""
+    """Forecast of the offset from the last session on."""
     last_utc_s: float
     """Start of the last session, s since 1970."""
     life: LifeForecast | None
-    """When to replace the rope by its age, where its strain has no limit and lives of other ropes were given."""
+    """Age-based replacement, if the strain has no limit and lifetimes of other ropes were specified."""
     limits: list[LimitForecast]
     """Limits of robot.toml, re-tensioning first."""
     name: str
-    """Joint."""
+    """Name of the joint."""
     offset_rad: Gaussian
-    """Offset at the reference temperature since the last tensioning."""
+    """Offset at the reference temperature since the last tensioning, rad."""
     rate_rad_per_s: Gaussian
-    """Creep now."""
+    """Present creep rate, rad/s."""
     reference_c: float
-    """Reference temperature, °C."""
+    """Reference temperature of the offset, °C."""
+    reported_width_ratio: float
+    """Ratio of actual to reported width of the sessions' intervals."""
     series: list[SessionPoint]
-    """Sessions in the order of time."""
+    """Sessions in order of time."""
     sessions: int
-    """Sessions."""
-    shared_error_rad: float
-    """Standard deviation of the error that neighbouring sessions share, rad."""
-    stated_width_ratio: float
-    """True over stated width of the sessions' intervals."""
+    """Number of sessions."""
     strain_ratio: Gaussian | None
     """Strain since the first tensioning, as a fraction; `None` without tendon geometry."""
-    suspicion: Suspicion | None
-    """A sudden change that waits for another session."""
-    tensioned_stated: bool
-    """Whether somebody stated that; else it is the first session's."""
+    suspected_step: SuspectedStep | None
+    """Suspected step change, which the next session confirms or withdraws."""
+    systematic_error_rad: float
+    """Standard deviation of the slow error of neighbouring sessions, rad."""
+    tensioned_specified: bool
+    """Whether the start was specified by the user; otherwise it is that of the first session."""
     tensioned_utc_s: float
-    """Start of the creep's clock, tensioning or replacement, s since 1970."""
+    """Start of the creep clock, tensioning or replacement, s since 1970."""
     verdict: TrendVerdict
-    """What to do."""
+    """Recommended action for the tendon."""
     without_information: int
-    """Sessions that couldn't tell."""
+    """Number of inconclusive sessions."""
 
     _fields = {
         "baseline_error_rad": "Gaussian",
@@ -2322,134 +2315,44 @@ class JointTrend(Record):
         "offset_rad": "Gaussian",
         "rate_rad_per_s": "Gaussian",
         "reference_c": "",
+        "reported_width_ratio": "",
         "series": "SessionPoint",
         "sessions": "",
-        "shared_error_rad": "",
-        "stated_width_ratio": "",
         "strain_ratio": "Gaussian",
-        "suspicion": "Suspicion",
-        "tensioned_stated": "",
+        "suspected_step": "SuspectedStep",
+        "systematic_error_rad": "",
+        "tensioned_specified": "",
         "tensioned_utc_s": "",
         "verdict": "",
         "without_information": "",
     }
 
 
-class Judged(Record):
-    """What was compared with what is usual."""
-
-    __slots__ = ()
-
-    high: float | None
-    """Most that is usual."""
-    low: float | None
-    """Least that is usual."""
-    unit: str
-    """Unit; empty for a ratio."""
-    value: float
-    """Value, in `unit`."""
-
-    _fields = {
-        "high": "",
-        "low": "",
-        "unit": "",
-        "value": "",
-    }
-
-
-class LeftAlone(Record):
-    """Tension of a rope that is strung once and left alone, at the catalogue's own values."""
-
-    __slots__ = ()
-
-    sag_rad: list[float]
-    """How far the joint has sagged under its torque, rad; empty without a joint."""
-    tension_n: list[float]
-    """Tension, N; with a partner, the mean of both strands."""
-    time_s: list[float]
-    """Time since stringing, s."""
-
-    _fields = {
-        "sag_rad": "",
-        "tension_n": "",
-        "time_s": "",
-    }
-
-
-class LeftOut(Record):
-    """A time that was left out."""
-
-    __slots__ = ()
-
-    from_s: float
-    """From, s."""
-    to_s: float
-    """To, s."""
-
-    _fields = {
-        "from_s": "",
-        "to_s": "",
-    }
-
-
-class Life(Record):
-    """How long a rope lasts."""
-
-    __slots__ = ()
-
-    abrasion_factor: float
-    """Factor by which abrasion speeds up the wear of bending, as stated."""
-    breaks_after_s: Bounded | None
-    """When it breaks, s since it was first loaded; `None` beyond 300 years. The interval ends there."""
-    broken_share: float
-    """Share of the draws in which it breaks within the longest time asked for, 0 to 1."""
-    cause: BreakCause
-    """What takes most of its life."""
-    end_share: float
-    """Share of the rope's strength that they keep."""
-    ends: Ends
-    """How its ends are held."""
-    spots: list[Spot]
-    """Portions in order from the drive, then the ends, at the longest time asked for or when it breaks, at the
-    catalogue's values.
-    """
-
-    _fields = {
-        "abrasion_factor": "",
-        "breaks_after_s": "Bounded",
-        "broken_share": "",
-        "cause": "",
-        "end_share": "",
-        "ends": "",
-        "spots": "Spot",
-    }
-
-
 class LifeForecast(Record):
-    """When a rope should be replaced, from its age."""
+    """Age-based replacement of a rope."""
 
     __slots__ = ()
 
     after_high_s: float
-    """97.5 % quantile of it, s."""
+    """97.5 % quantile of that time, s."""
     after_low_s: float
-    """2.5 % quantile of it, s."""
+    """2.5 % quantile of that time, s."""
     after_s: float
-    """Median of the time from the last session until it is, s; below 0: it was passed before."""
+    """Median time from the last session to replacement, s; negative if it was earlier."""
     age_s: float
-    """Age of this one at its last session, s."""
+    """Age of this rope at its last session, s."""
     broke: int
-    """Those of them that broke."""
+    """Number of those ropes that broke."""
     broken_by_now_ratio: float
-    """Share of such ropes that have broken by that age: mean over what the lives leave open."""
+    """Share of such ropes that have broken by that age: posterior mean."""
     broken_ratio: float
-    """Share of such ropes that have broken by the age at which to replace."""
+    """Share of such ropes that have broken by the age of replacement."""
     passed_probability: float
-    """Probability that the age at which to replace is passed."""
+    """Probability that the age of replacement is exceeded."""
     ropes: int
-    """Ropes it rests on."""
+    """Number of ropes the forecast is based on."""
     source: str
-    """Table they stand in."""
+    """Table with their lifetimes."""
 
     _fields = {
         "after_high_s": "",
@@ -2466,31 +2369,31 @@ class LifeForecast(Record):
 
 
 class LimitForecastReplace(Record):
-    """Replace at this strain since the first tensioning."""
+    """Replacement at this strain since the first tensioning."""
 
     __slots__ = ()
 
     after_high_s: float | None
-    """97.5 % quantile of that time, s; `None`: beyond the horizon, or unknown."""
+    """97.5 % quantile of that time, s; `None` beyond the horizon, or unknown."""
     after_low_s: float | None
-    """2.5 % quantile of that time, s; `None`: beyond the horizon, or unknown."""
+    """2.5 % quantile of that time, s; `None` beyond the horizon, or unknown."""
     after_s: float | None
-    """Median of the time from the last session until it is passed, s; `None`: beyond the horizon, or unknown."""
+    """Median time from the last session to the exceedance, s; `None` beyond the horizon, or unknown."""
     at_high_utc_s: float | None
-    """The 97.5 % quantile as a date."""
+    """97.5 % quantile as a date, s since 1970."""
     at_low_utc_s: float | None
-    """The 2.5 % quantile as a date."""
+    """2.5 % quantile as a date, s since 1970."""
     at_utc_s: float | None
-    """The median as a date, s since 1970; `None`: as above, or sessions have no dates."""
+    """Median as a date, s since 1970; `None` as above, or if sessions have no dates."""
     limit_rad: float | None
-    """The limit as an offset, rad."""
+    """Limit as an offset, rad."""
     passed_probability: float | None
-    """Probability that it is passed already."""
+    """Probability that the limit is exceeded already."""
     state: TrendLimitState | None
-    """What is known."""
+    """State of the forecast."""
     kind: Literal["replace"]
     strain_ratio: float
-    """As a fraction."""
+    """Strain limit as a fraction."""
 
     _fields = {
         "after_high_s": "",
@@ -2508,30 +2411,30 @@ class LimitForecastReplace(Record):
 
 
 class LimitForecastRetension(Record):
-    """Tension again at this elongation since the last tensioning."""
+    """Re-tensioning at this elongation since the last tensioning."""
 
     __slots__ = ()
 
     after_high_s: float | None
-    """97.5 % quantile of that time, s; `None`: beyond the horizon, or unknown."""
+    """97.5 % quantile of that time, s; `None` beyond the horizon, or unknown."""
     after_low_s: float | None
-    """2.5 % quantile of that time, s; `None`: beyond the horizon, or unknown."""
+    """2.5 % quantile of that time, s; `None` beyond the horizon, or unknown."""
     after_s: float | None
-    """Median of the time from the last session until it is passed, s; `None`: beyond the horizon, or unknown."""
+    """Median time from the last session to the exceedance, s; `None` beyond the horizon, or unknown."""
     at_high_utc_s: float | None
-    """The 97.5 % quantile as a date."""
+    """97.5 % quantile as a date, s since 1970."""
     at_low_utc_s: float | None
-    """The 2.5 % quantile as a date."""
+    """2.5 % quantile as a date, s since 1970."""
     at_utc_s: float | None
-    """The median as a date, s since 1970; `None`: as above, or sessions have no dates."""
+    """Median as a date, s since 1970; `None` as above, or if sessions have no dates."""
     limit_rad: float | None
-    """The limit as an offset, rad."""
+    """Limit as an offset, rad."""
     passed_probability: float | None
-    """Probability that it is passed already."""
+    """Probability that the limit is exceeded already."""
     state: TrendLimitState | None
-    """What is known."""
+    """State of the forecast."""
     elongation_m: float
-    """m."""
+    """Elongation limit, m."""
     kind: Literal["retension"]
 
     _fields = {
@@ -2549,60 +2452,19 @@ class LimitForecastRetension(Record):
     }
 
 
-class LiveCourse(Record):
-    """What the online estimate (`crate::online`) says of a recording, block by block."""
-
-    __slots__ = ()
-
-    doubts: list[Doubt]
-    """When any was: until the first window is solved, and after steps that are suspected or may end."""
-    external_force: ForceEstimate | None
-    """A constant force from outside at the tool, as far as it is known at the end; `None`: none is looked for."""
-    in_doubt: bool
-    """Whether any offset is provisional at the end."""
-    joints: list[LiveTendon]
-    """One entry per elastic joint, at the end of the recording."""
-
-    _fields = {
-        "doubts": "Doubt",
-        "external_force": "ForceEstimate",
-        "in_doubt": "",
-        "joints": "LiveTendon",
-    }
-
-
-class LiveTendon(Record):
-    """A tendon at the end of a `LiveCourse`."""
-
-    __slots__ = ()
-
-    name: str
-    """Joint."""
-    offset_rad: Gaussian
-    """Offset as it is then, rad."""
-    stiffness_changed_probability: float | None
-    """Probability that its stiffness has changed since the baseline; `None` without one."""
-
-    _fields = {
-        "name": "",
-        "offset_rad": "Gaussian",
-        "stiffness_changed_probability": "",
-    }
-
-
 class Load(Record):
-    """A load."""
+    """Load carried by a link."""
 
     __slots__ = ()
 
     attach_s: float
     """Held from, s."""
     com_m: list[float]
-    """Its centre of mass, link frame, m."""
+    """Centre of mass, link frame, m."""
     link: str
-    """Link that holds it."""
+    """Name of the link that carries it."""
     mass_kg: float
-    """Its mass, kg."""
+    """Mass of the load, kg."""
     release_s: float | None
     """Held until, s; none: to the end."""
 
@@ -2615,15 +2477,34 @@ class Load(Record):
     }
 
 
+class Location(Record):
+    """Location of a value in a file."""
+
+    __slots__ = ()
+
+    file: str
+    """Name of the file."""
+    key: str
+    """Key of a TOML file, or element of a URDF."""
+    line: int | None
+    """Line number, from 1."""
+
+    _fields = {
+        "file": "",
+        "key": "",
+        "line": "",
+    }
+
+
 class Loss(Record):
-    """Frames that gave no estimate, and why."""
+    """Frames without an estimate, for one reason."""
 
     __slots__ = ()
 
     frames: int
-    """How many frames."""
+    """Number of frames without an estimate."""
     reason: LossReason
-    """Why."""
+    """Reason for the missing estimate."""
     share: float
     """Share of all frames, 0 to 1."""
 
@@ -2634,8 +2515,32 @@ class Loss(Record):
     }
 
 
+class MotorTorqueErrorContradicts(Record):
+    """Channel that does not follow the spring torque."""
+
+    __slots__ = ()
+
+    contradicts: MotorTorqueErrorContradictsContradicts
+
+    _fields = {
+        "contradicts": "MotorTorqueErrorContradictsContradicts",
+    }
+
+
+class MotorTorqueErrorContradictsContradicts(Record):
+
+    __slots__ = ()
+
+    slope: float
+    """Regression slope of the channel on the spring torque; 1 is expected."""
+
+    _fields = {
+        "slope": "",
+    }
+
+
 class NoEntryNoRopeLaw(Record):
-    """The rope law is not among the fits."""
+    """Rope law not among the fits."""
 
     __slots__ = ()
 
@@ -2676,7 +2581,7 @@ class NoEntrySeveralRopes(Record):
     __slots__ = ()
 
     fitted: int
-    """Ropes fitted."""
+    """Number of fitted ropes."""
     kind: Literal["several-ropes"]
 
     _fields = {
@@ -2686,17 +2591,17 @@ class NoEntrySeveralRopes(Record):
 
 
 class NoForecastLoad(Record):
-    """A load beyond those of the records."""
+    """Load outside the range of the records."""
 
     __slots__ = ()
 
     high_n: float
-    """Largest, N."""
+    """Largest load of the supported range, N."""
     kind: Literal["load"]
     load_n: float
-    """Asked for, N."""
+    """Requested load, N."""
     low_n: float
-    """Least load that can be told, N."""
+    """Smallest load of the supported range, N."""
 
     _fields = {
         "high_n": "",
@@ -2707,7 +2612,7 @@ class NoForecastLoad(Record):
 
 
 class NoForecastNoForce(Record):
-    """A load is stated, and none is recorded."""
+    """Load specified, but none recorded."""
 
     __slots__ = ()
 
@@ -2731,7 +2636,7 @@ class NoForecastNoLoad(Record):
 
 
 class NoForecastNoTemperature(Record):
-    """A temperature is stated, and none is recorded."""
+    """Temperature specified, but none recorded."""
 
     __slots__ = ()
 
@@ -2743,17 +2648,17 @@ class NoForecastNoTemperature(Record):
 
 
 class NoForecastTemperature(Record):
-    """A temperature beyond those of the records."""
+    """Temperature outside the range of the records."""
 
     __slots__ = ()
 
     high_c: float
-    """Highest, °C."""
+    """Highest temperature of the records, °C."""
     kind: Literal["temperature"]
     low_c: float
-    """Lowest of the records, °C."""
+    """Lowest temperature of the records, °C."""
     temperature_c: float
-    """Asked for, °C."""
+    """Requested temperature, °C."""
 
     _fields = {
         "high_c": "",
@@ -2764,13 +2669,13 @@ class NoForecastTemperature(Record):
 
 
 class NoSlopeNotFitted(Record):
-    """The straight line couldn't be fitted."""
+    """Failed fit of the straight line."""
 
     __slots__ = ()
 
     kind: Literal["not-fitted"]
     reason: CreepError
-    """Why."""
+    """Reason of the failure."""
 
     _fields = {
         "kind": "",
@@ -2779,17 +2684,17 @@ class NoSlopeNotFitted(Record):
 
 
 class NoSlopeTooFewReadings(Record):
-    """Too few readings late enough."""
+    """Too few measurements after the start of the straight line."""
 
     __slots__ = ()
 
     from_s: float
-    """From when on, s after the load."""
+    """Start of the straight line, s after the load."""
     kind: Literal["too-few-readings"]
     needed: int
-    """Readings needed."""
+    """Minimum number of measurements."""
     readings: int
-    """Readings there are."""
+    """Number of such measurements."""
 
     _fields = {
         "from_s": "",
@@ -2805,9 +2710,9 @@ class Noise(Record):
     __slots__ = ()
 
     memory: float
-    """Correlation time `τ_c` of the slow part: e-foldings of the time under load; of a straight line, s."""
+    """Correlation time `τ_c` of the slow part: e-folds of the time under load; for a straight line, s."""
     share: float
-    """Share of the slow part in the variance of a single reading, 0 to `SHARE_MAX`."""
+    """Share of the slow part in the variance of a single measurement, 0 to `SHARE_MAX`."""
 
     _fields = {
         "memory": "",
@@ -2816,13 +2721,13 @@ class Noise(Record):
 
 
 class NotIdentifiableAbove(Record):
-    """Anything above."""
+    """Any value above a bound."""
 
     __slots__ = ()
 
     kind: Literal["above"]
     low: float
-    """Lower end."""
+    """Lower end of the range."""
 
     _fields = {
         "kind": "",
@@ -2831,15 +2736,15 @@ class NotIdentifiableAbove(Record):
 
 
 class NotIdentifiableAnything(Record):
-    """Anything between, which is most of what was searched."""
+    """Any value between, which is most of the searched range."""
 
     __slots__ = ()
 
     high: float
-    """Upper end."""
+    """Upper end of the range."""
     kind: Literal["anything"]
     low: float
-    """Lower end."""
+    """Lower end of the range."""
 
     _fields = {
         "high": "",
@@ -2849,12 +2754,12 @@ class NotIdentifiableAnything(Record):
 
 
 class NotIdentifiableBelow(Record):
-    """Anything below."""
+    """Any value below a bound."""
 
     __slots__ = ()
 
     high: float
-    """Upper end."""
+    """Upper end of the range."""
     kind: Literal["below"]
 
     _fields = {
@@ -2864,22 +2769,24 @@ class NotIdentifiableBelow(Record):
 
 
 class NuisanceChange(Record):
-    """A nuisance parameter before and after."""
+    """Prior and posterior of a nuisance parameter."""
 
     __slots__ = ()
 
     joint: str | None
-    """Joint or body; `None` for the payload."""
+    """Name of the joint, tendon or body; none for the payload."""
     moved: bool
-    """Whether the data moved it: surer by a fifth, or by more than a standard deviation off."""
+    """Whether the data changed it: the standard deviation decreased by more than 20 %, or the mean moved by more
+    than one prior standard deviation.
+    """
     name: str
-    """What it is."""
+    """Name of the parameter."""
     posterior: Gaussian
-    """Believed after."""
+    """Distribution after the recording."""
     prior: Gaussian
-    """Believed before the recording."""
+    """Distribution before the recording."""
     unit: str
-    """Its unit; empty for a ratio."""
+    """Unit of the parameter; empty for a ratio."""
 
     _fields = {
         "joint": "",
@@ -2891,29 +2798,72 @@ class NuisanceChange(Record):
     }
 
 
+class OnlineTendon(Record):
+    """Result of a tendon at the end of an `OnlineTrajectory`."""
+
+    __slots__ = ()
+
+    name: str
+    """Name of the joint."""
+    offset_rad: Gaussian
+    """Offset at the end of the recording, rad."""
+    stiffness_changed_probability: float | None
+    """Probability of a stiffness change since the baseline, 0 to 1; `None` without a baseline."""
+
+    _fields = {
+        "name": "",
+        "offset_rad": "Gaussian",
+        "stiffness_changed_probability": "",
+    }
+
+
+class OnlineTrajectory(Record):
+    """Result of the online estimator (`crate::online`) for a recording."""
+
+    __slots__ = ()
+
+    external_force: ForceEstimate | None
+    """Constant external force at the tool at the end of the recording; `None` if it is not estimated."""
+    joints: list[OnlineTendon]
+    """Results of the tendons at the end of the recording, one entry per elastic joint."""
+    provisional: bool
+    """Whether any offset is provisional at the end."""
+    provisional_intervals: list[ProvisionalInterval]
+    """Intervals with a provisional offset: until the first window is solved, and after suspected steps and
+    possible contacts.
+    """
+
+    _fields = {
+        "external_force": "ForceEstimate",
+        "joints": "OnlineTendon",
+        "provisional": "",
+        "provisional_intervals": "ProvisionalInterval",
+    }
+
+
 class Parameter(Record):
-    """A fitted parameter. Its numbers are in the unit beside them, as laboratories write the laws."""
+    """Fitted parameter; its numbers are in its unit, as laboratories write the laws."""
 
     __slots__ = ()
 
     high: float
     """Upper end of the interval."""
     interval: IntervalKind
-    """How the interval was made."""
+    """Method of the interval."""
     low: float
     """Lower end of the interval."""
     name: str
-    """Symbol."""
+    """Symbol of the parameter."""
     not_identifiable: NotIdentifiable | None
-    """What the record leaves open, where it doesn't tell this parameter."""
+    """Range of values consistent with the record, if the parameter is not identifiable."""
     specimen: str | None
-    """Specimen it belongs to; `None`: common to all."""
+    """Specimen it belongs to; `None` if common to all."""
     std_error: float
-    """Standard deviation of the draws; NaN without them."""
+    """Standard deviation of the draws; NaN without draws."""
     unit: str
-    """Unit of the numbers below."""
+    """Unit of all numbers below."""
     value: float
-    """Value of largest likelihood."""
+    """Value of maximum likelihood, in its unit."""
 
     _fields = {
         "high": "",
@@ -2929,18 +2879,18 @@ class Parameter(Record):
 
 
 class PayloadChange(Record):
-    """A load picked up or put down."""
+    """Change of the payload within a recording."""
 
     __slots__ = ()
 
     change_kg: Gaussian
-    """By how much, kg."""
+    """Change of the payload mass, kg; negative for a load that was released."""
     interval_s: Interval95 | None
-    """It happened between these with 95 %, s."""
+    """95 % interval of the time, s."""
     probability: float | None
-    """Probability that it happened."""
+    """Probability of the change, 0 to 1."""
     time_s: float
-    """When, s from the start of the recording."""
+    """Time of the change since the start of the recording, s."""
 
     _fields = {
         "change_kg": "Gaussian",
@@ -2951,7 +2901,7 @@ class PayloadChange(Record):
 
 
 class PerhapsNever(Record):
-    """A time and its bounds as JSON has them: null where it never comes."""
+    """Time and its bounds as in JSON: null where it does not occur within the horizon."""
 
     __slots__ = ()
 
@@ -2960,7 +2910,7 @@ class PerhapsNever(Record):
     low: float | None
     """Lower bound, s."""
     value: float | None
-    """With the catalogue's own values, s."""
+    """Time at the catalogue values, s."""
 
     _fields = {
         "high": "",
@@ -2970,16 +2920,16 @@ class PerhapsNever(Record):
 
 
 class Pose(Record):
-    """One pose of a list."""
+    """Pose of a proposed list."""
 
     __slots__ = ()
 
     move_s: float
-    """Length of the move to it, s."""
+    """Duration of the move to the pose, s."""
     pause_s: float
-    """Rest there, s."""
+    """Duration of the rest at the pose, s."""
     pose_rad: list[float]
-    """Positions in the order of the joints, rad (m)."""
+    """Joint positions in the order of the joints, rad (m)."""
 
     _fields = {
         "move_s": "",
@@ -2989,31 +2939,31 @@ class Pose(Record):
 
 
 class PosesResult(Record):
-    """Poses to visit, and what to expect from it."""
+    """Proposed poses and the expected intervals."""
 
     __slots__ = ()
 
     baseline: BaselineSource
-    """What the expectation rests on."""
+    """Baseline on which the expectation is based."""
     duration_s: float
-    """Length of the recording, s, with a rest before the first move."""
+    """Duration of the recording including a rest before the first move, s."""
     expected: list[Expected]
-    """What to expect, per elastic joint."""
+    """Expected standard deviations, one entry per elastic joint."""
     inflation_factor: float
-    """What the intervals of a robot exactly as described were multiplied by."""
+    """Factor by which the intervals of the nominal robot were widened."""
     joint_bits: int
-    """Bits of the joint encoder assumed."""
+    """Assumed resolution of the joint encoder, bits per revolution."""
     joints: list[str]
-    """Its joints, in the order of a pose."""
+    """Names of the joints, in the order of a pose."""
     lists_tried: int
-    """Lists of poses that were looked at."""
+    """Number of pose lists evaluated."""
     payload: bool
-    """Whether the gripper may hold something unknown."""
+    """Whether the gripper may hold an unknown payload."""
     poses: list[Pose]
-    """The poses, in order."""
+    """Poses in the order of the visit."""
     robot: str
-    """The robot."""
-    schema: Literal["sinew/excitation/1"]
+    """Name of the robot."""
+    schema: Literal["sinew/excitation/2"]
     """Name and number of this schema."""
 
     _fields = {
@@ -3031,309 +2981,21 @@ class PosesResult(Record):
     }
 
 
-class PredictionResult(Record):
-    """The prediction for one rope."""
-
-    __slots__ = ()
-
-    beyond: Beyond
-    """How far the duty lies beyond it in load and temperature; intervals are widened for that, and for times
-    beyond `Holds::duration_s`.
-    """
-    breaks_after_s: float | None
-    """When the rope breaks, s, at the catalogue's values, where that is within the times asked for; there is no
-    reading from then on.
-    """
-    broken_share: float
-    """Share of draws in which the tension broke the rope, 0 to 1."""
-    cautions: list[Caution]
-    """Where the duty leaves what the law was made for, and other cautions."""
-    draws: int
-    """Draws made."""
-    duty: str
-    """The duty in words."""
-    holds: Holds
-    """Data behind the rope's values."""
-    length_m: float
-    """Strand length, m."""
-    life: Life
-    """How long it lasts, and which portion wears out first."""
-    parameters: int
-    """All parameters of the law."""
-    pulleys: list[PulleyPlace]
-    """The guiding pulleys along the rope, in order from the drive."""
-    read_at_c: float
-    """Temperature the readings refer to, °C."""
-    read_at_n: float
-    """Tension the readings refer to, N."""
-    readings: list[Reading]
-    """Readings, up to the time at which the rope breaks."""
-    rope: str
-    """Rope."""
-    schema: Literal["sinew/rope-predict/1"]
-    """Name and number of this schema."""
-    seed: int
-    """Their seed."""
-    starting_guesses: int
-    """Parameters of the law that are starting guesses."""
-    strength_left_share: Bounded | None
-    """Strength left at the last reading, share of new; `None` where bending was not asked for or the rope's
-    diameter is unknown.
-    """
-    summary: DutySummary
-    """Its sums."""
-
-    _fields = {
-        "beyond": "Beyond",
-        "breaks_after_s": "",
-        "broken_share": "",
-        "cautions": "Caution",
-        "draws": "",
-        "duty": "",
-        "holds": "Holds",
-        "length_m": "",
-        "life": "Life",
-        "parameters": "",
-        "pulleys": "PulleyPlace",
-        "read_at_c": "",
-        "read_at_n": "",
-        "readings": "Reading",
-        "rope": "",
-        "schema": "",
-        "seed": "",
-        "starting_guesses": "",
-        "strength_left_share": "Bounded",
-        "summary": "DutySummary",
-    }
-
-
-class PretensionResult(Record):
-    """The plan."""
-
-    __slots__ = ()
-
-    cautions: list[Caution]
-    """Cautions."""
-    chosen: int | None
-    """Index of the gentlest one that takes away what is asked, at catalogue values: least tension first, then
-    least time.
-    """
-    give_m_per_n: float
-    """What gives in series with each strand, m/N."""
-    horizon_s: float
-    """How long it must hold, s."""
-    joint: HeldJoint | None
-    """The joint, where a second rope pulls it the other way and tension is the mean of both."""
-    length_m: float
-    """Strand length, m."""
-    lowest_n: float
-    """Lowest tension allowed, N."""
-    parameters: int
-    """All parameters of the law."""
-    procedures: list[Procedure]
-    """All procedures tried, by tension, then duration."""
-    remove_share: float
-    """Share of the later elongation that the procedure is to take away."""
-    rope: str
-    """Rope."""
-    schedule_bedded: Schedule
-    """Schedule after the chosen procedure (or the most effective one)."""
-    schedule_new: Schedule
-    """Schedule of a rope strung as it comes."""
-    schema: Literal["sinew/rope-pretension/1"]
-    """Name and number of this schema."""
-    starting_guesses: int
-    """Parameters of the law that are starting guesses."""
-    temperature_c: float
-    """Temperature, °C."""
-    tension_n: float
-    """Working tension, N."""
-    without_m: Bounded
-    """Largest later elongation without any procedure, m."""
-
-    _fields = {
-        "cautions": "Caution",
-        "chosen": "",
-        "give_m_per_n": "",
-        "horizon_s": "",
-        "joint": "HeldJoint",
-        "length_m": "",
-        "lowest_n": "",
-        "parameters": "",
-        "procedures": "Procedure",
-        "remove_share": "",
-        "rope": "",
-        "schedule_bedded": "Schedule",
-        "schedule_new": "Schedule",
-        "schema": "",
-        "starting_guesses": "",
-        "temperature_c": "",
-        "tension_n": "",
-        "without_m": "Bounded",
-    }
-
-
-class PriorBasisRope(Record):
-    """The law of a rope, and a fifth generic curves."""
-
-    __slots__ = ()
-
-    draws: int
-    """Laws drawn."""
-    duty: str | None
-    """The duty, where it is known; else work with peaks nobody recorded."""
-    guesses: int
-    """Parameters that are starting guesses."""
-    kind: Literal["rope"]
-    parameters: int
-    """Parameters of its law."""
-    rope: str
-    """Rope."""
-
-    _fields = {
-        "draws": "",
-        "duty": "",
-        "guesses": "",
-        "kind": "",
-        "parameters": "",
-        "rope": "",
-    }
-
-
-class PriorBasisUnknown(Record):
-    """Nobody knows the rope or its pretension: the laws of all ropes of the catalogue, or its own, and a fifth
-    generic curves.
-    """
-
-    __slots__ = ()
-
-    kind: Literal["unknown"]
-    missing: MissingFromRobot
-    """What the robot file lacks."""
-    ropes: int
-    """Ropes whose laws stand for it; one: its own, under any pretension."""
-
-    _fields = {
-        "kind": "",
-        "missing": "",
-        "ropes": "",
-    }
-
-
-class Procedure(Record):
-    """A bedding-in procedure and what it does."""
-
-    __slots__ = ()
-
-    duration_s: float
-    """For this long, s."""
-    removed_share: Bounded
-    """Share of the elongation without procedure that it takes away."""
-    still_to_come_m: Bounded
-    """Largest elongation at working tension that is still to come, m, counted from a minute after the rope is
-    back at working tension.
-    """
-    tension_n: float
-    """Held at this tension, N."""
-
-    _fields = {
-        "duration_s": "",
-        "removed_share": "Bounded",
-        "still_to_come_m": "Bounded",
-        "tension_n": "",
-    }
-
-
-class Published(Record):
-    """What a maker publishes, with origin and uncertainty."""
-
-    __slots__ = ()
-
-    breaking_load_n: CatalogueValue | None
-    """Breaking load, N."""
-    diameter_m: CatalogueValue | None
-    """Diameter, m."""
-    weight_kg_per_m: CatalogueValue | None
-    """Weight, kg/m."""
-
-    _fields = {
-        "breaking_load_n": "CatalogueValue",
-        "diameter_m": "CatalogueValue",
-        "weight_kg_per_m": "CatalogueValue",
-    }
-
-
-class PulleyPlace(Record):
-    """A guiding pulley along a strand, and how it bends the rope."""
-
-    __slots__ = ()
-
-    at_m: float
-    """Where the rope first touches it with the drive at rest, m from the drive."""
-    bend_ratio: float | None
-    """Diameter that the rope is bent to, over its own; `None` where that isn't published."""
-    radius_m: float
-    """Radius of the rope's path, m."""
-    wrap_rad: float
-    """Wrap angle, rad."""
-
-    _fields = {
-        "at_m": "",
-        "bend_ratio": "",
-        "radius_m": "",
-        "wrap_rad": "",
-    }
-
-
-class Rank(Record):
-    """One rope's rank."""
-
-    __slots__ = ()
-
-    at_s: float
-    """Time at which strains are compared, s: the longest that all reach."""
-    name: str
-    """Rope."""
-    rank: int
-    """One more than the ropes whose intervals lie wholly below: 1 where none is shown to stretch less."""
-    scatter_share: float
-    """Standard deviation between specimens that the intervals rest on, over the strain."""
-    scatter_source: ScatterSource
-    """Where that comes from."""
-    slope_per_s: Bounded | None
-    """Slope, 1/s."""
-    specimens: int
-    """Repeats."""
-    strain_ratio: Bounded
-    """Strain then, m/m, with the interval of the rope's mean."""
-
-    _fields = {
-        "at_s": "",
-        "name": "",
-        "rank": "",
-        "scatter_share": "",
-        "scatter_source": "",
-        "slope_per_s": "Bounded",
-        "specimens": "",
-        "strain_ratio": "Bounded",
-    }
-
-
-class Reading(Record):
-    """Elongation at one time."""
+class PredictedElongation(Record):
+    """Predicted elongation at one time."""
 
     __slots__ = ()
 
     broken_share: float
-    """Share of the draws in which the rope is broken by then, 0 to 1: they are left out."""
+    """Share of the draws in which the rope is broken by then, 0 to 1; these are excluded."""
     elongation_m: Bounded
-    """Elongation of the strand from new and slack, m."""
+    """Total elongation of the strand since new and slack, m."""
     irreversible_m: Bounded
-    """Part of it that unloading would not bring back, m."""
+    """Permanent (irreversible) part of the total elongation, m."""
     since_tensioned_m: Bounded
-    """Elongation since a minute after tensioning, m."""
+    """Elongation after pretensioning, counted from one minute after it, m."""
     strain_ratio: Bounded
-    """Strain of the strand from new and slack, m/m."""
+    """Total strain of the strand since new and slack, m/m."""
     time_s: float
     """Time under the duty, s."""
 
@@ -3347,27 +3009,353 @@ class Reading(Record):
     }
 
 
-class RecordingInfo(Record):
-    """What was read."""
+class PredictionResult(Record):
+    """Prediction for one rope under a duty."""
+
+    __slots__ = ()
+
+    assumed_parameters: int
+    """Number of creep law parameters that are assumed, not measured."""
+    breaks_after_s: float | None
+    """Time at which the rope breaks at the catalogue values, s, if within the requested times; there are no
+    elongations after it.
+    """
+    broken_share: float
+    """Share of the draws in which the tension broke the rope, 0 to 1."""
+    cautions: list[Caution]
+    """Warnings, such as an extrapolation beyond the validity of the law."""
+    draws: int
+    """Number of draws."""
+    duty: str
+    """Description of the duty in words."""
+    extrapolation: Extrapolation
+    """Extrapolation distance of the duty from the tested range, in load and temperature; intervals are widened
+    for it, and for times beyond `TestedRange::duration_s`.
+    """
+    length_m: float
+    """Length of the strand, m."""
+    lifetime: RopeLifetime
+    """Predicted lifetime, with the section that fails first."""
+    parameters: int
+    """Number of creep law parameters."""
+    pulleys: list[PulleyPlace]
+    """The guiding pulleys along the rope, in order from the drive."""
+    read_at_c: float
+    """Temperature that the elongations refer to, °C."""
+    read_at_n: float
+    """Tension that the elongations refer to, N."""
+    readings: list[PredictedElongation]
+    """Elongations at the requested times, up to the break of the rope."""
+    rope: str
+    """Name of the rope in the catalogue."""
+    schema: Literal["sinew/rope-predict/2"]
+    """Name and number of this schema."""
+    seed: int
+    """Seed of the draws."""
+    strength_left_share: Bounded | None
+    """Remaining strength at the last elongation, as a share of the new rope; `None` without strokes or if the
+    rope diameter is unknown.
+    """
+    summary: DutySummary
+    """Means and extremes of the duty."""
+    tested_range: TestedRange
+    """Tested range of the rope."""
+
+    _fields = {
+        "assumed_parameters": "",
+        "breaks_after_s": "",
+        "broken_share": "",
+        "cautions": "Caution",
+        "draws": "",
+        "duty": "",
+        "extrapolation": "Extrapolation",
+        "length_m": "",
+        "lifetime": "RopeLifetime",
+        "parameters": "",
+        "pulleys": "PulleyPlace",
+        "read_at_c": "",
+        "read_at_n": "",
+        "readings": "PredictedElongation",
+        "rope": "",
+        "schema": "",
+        "seed": "",
+        "strength_left_share": "Bounded",
+        "summary": "DutySummary",
+        "tested_range": "TestedRange",
+    }
+
+
+class PretensionResult(Record):
+    """Plan for preconditioning and tensioning a rope."""
+
+    __slots__ = ()
+
+    assumed_parameters: int
+    """Number of creep law parameters that are assumed, not measured."""
+    cautions: list[Caution]
+    """Warnings about the plan."""
+    chosen: int | None
+    """Index of the mildest sufficient procedure at catalogue values: lowest tension first, then shortest time."""
+    horizon_s: float
+    """Horizon of the plan, s."""
+    joint: HeldJoint | None
+    """Joint with a second rope in the opposite direction, where the tension is the mean of both."""
+    length_m: float
+    """Strand length, m."""
+    lowest_n: float
+    """Lowest tension allowed, N."""
+    parameters: int
+    """Number of creep law parameters."""
+    procedures: list[Procedure]
+    """All procedures tried, by tension, then duration."""
+    remove_share: float
+    """Share of the later elongation that the procedure must remove, 0 to 1."""
+    rope: str
+    """Name of the rope in the catalogue."""
+    schedule_as_delivered: Schedule
+    """Schedule of a rope that is strung as delivered."""
+    schedule_preconditioned: Schedule
+    """Schedule after the chosen procedure (or the most effective one)."""
+    schema: Literal["sinew/rope-pretension/2"]
+    """Name and number of this schema."""
+    series_compliance_m_per_n: float
+    """Series compliance of each strand (frame, spring, mounts), m/N."""
+    temperature_c: float
+    """Temperature of the plan, °C."""
+    tension_n: float
+    """Working tension, N."""
+    without_m: Bounded
+    """Largest later elongation without any procedure, m."""
+
+    _fields = {
+        "assumed_parameters": "",
+        "cautions": "Caution",
+        "chosen": "",
+        "horizon_s": "",
+        "joint": "HeldJoint",
+        "length_m": "",
+        "lowest_n": "",
+        "parameters": "",
+        "procedures": "Procedure",
+        "remove_share": "",
+        "rope": "",
+        "schedule_as_delivered": "Schedule",
+        "schedule_preconditioned": "Schedule",
+        "schema": "",
+        "series_compliance_m_per_n": "",
+        "temperature_c": "",
+        "tension_n": "",
+        "without_m": "Bounded",
+    }
+
+
+class PriorBasisRope(Record):
+    """Law of the specified rope, and one fifth generic curves."""
+
+    __slots__ = ()
+
+    assumed: int
+    """Number of parameters with an assumed value."""
+    draws: int
+    """Number of draws of the law."""
+    duty: str | None
+    """Specified duty; `None` for an unknown load with unknown peaks."""
+    kind: Literal["rope"]
+    parameters: int
+    """Number of parameters of its law."""
+    rope: str
+    """Name of the rope."""
+
+    _fields = {
+        "assumed": "",
+        "draws": "",
+        "duty": "",
+        "kind": "",
+        "parameters": "",
+        "rope": "",
+    }
+
+
+class PriorBasisUnknown(Record):
+    """Rope or pretension not specified: the laws of all ropes of the catalogue, or its own, and one fifth
+    generic curves.
+    """
+
+    __slots__ = ()
+
+    kind: Literal["unknown"]
+    missing: MissingFromRobot
+    """Missing entry of the robot description."""
+    ropes: int
+    """Number of ropes whose laws represent it; 1 for its own rope under any pretension."""
+
+    _fields = {
+        "kind": "",
+        "missing": "",
+        "ropes": "",
+    }
+
+
+class Procedure(Record):
+    """Preconditioning procedure and its effect."""
 
     __slots__ = ()
 
     duration_s: float
-    """From first to last frame, s."""
+    """Duration of the procedure, s."""
+    remaining_m: Bounded
+    """Largest remaining elongation at working tension, m, counted from one minute after the return to working
+    tension.
+    """
+    removed_share: Bounded
+    """Share of the elongation without procedure that it removes."""
+    tension_n: float
+    """Tension of the procedure, N."""
+
+    _fields = {
+        "duration_s": "",
+        "remaining_m": "Bounded",
+        "removed_share": "Bounded",
+        "tension_n": "",
+    }
+
+
+class ProvisionalInterval(Record):
+    """Interval in which an offset of an `OnlineTrajectory` was provisional."""
+
+    __slots__ = ()
+
+    from_s: float
+    """Start of the interval since the start of the recording, s."""
+    to_s: float
+    """End of the interval since the start of the recording, s."""
+
+    _fields = {
+        "from_s": "",
+        "to_s": "",
+    }
+
+
+class Published(Record):
+    """Published values of a rope, with origin and uncertainty."""
+
+    __slots__ = ()
+
+    breaking_load_n: CatalogueValue | None
+    """Breaking load, N."""
+    diameter_m: CatalogueValue | None
+    """Diameter of the rope, m."""
+    weight_kg_per_m: CatalogueValue | None
+    """Weight per length, kg/m."""
+
+    _fields = {
+        "breaking_load_n": "CatalogueValue",
+        "diameter_m": "CatalogueValue",
+        "weight_kg_per_m": "CatalogueValue",
+    }
+
+
+class PulleyPlace(Record):
+    """Guiding pulley along a strand, and the bend of the rope over it."""
+
+    __slots__ = ()
+
+    at_m: float
+    """Point of first contact with the drive at rest, m from the drive."""
+    bend_ratio: float | None
+    """Ratio of bend diameter to rope diameter; `None` if the rope diameter is not published."""
+    radius_m: float
+    """Radius of the rope's path, m."""
+    wrap_rad: float
+    """Wrap angle, rad."""
+
+    _fields = {
+        "at_m": "",
+        "bend_ratio": "",
+        "radius_m": "",
+        "wrap_rad": "",
+    }
+
+
+class RangeCheck(Record):
+    """Comparison of a value with its usual range."""
+
+    __slots__ = ()
+
+    high: float | None
+    """Upper limit of the usual range; none if unbounded."""
+    low: float | None
+    """Lower limit of the usual range; none if unbounded."""
+    unit: str
+    """Unit; empty for a ratio."""
+    value: float
+    """Compared value, in `unit`."""
+
+    _fields = {
+        "high": "",
+        "low": "",
+        "unit": "",
+        "value": "",
+    }
+
+
+class Rank(Record):
+    """Rank of one rope."""
+
+    __slots__ = ()
+
+    at_s: float
+    """Time at which strains are compared, s: the longest that all records reach."""
+    name: str
+    """Name of the rope."""
+    rank: int
+    """One plus the number of ropes whose interval lies completely below; 1 if no rope has a significantly
+    smaller strain.
+    """
+    scatter_share: float
+    """Standard deviation between specimens on which the intervals are based, over the strain."""
+    scatter_source: ScatterSource
+    """Source of that scatter."""
+    slope_per_s: Bounded | None
+    """Slope of the strain, 1/s."""
+    specimens: int
+    """Number of repeats."""
+    strain_ratio: Bounded
+    """Strain at that time, m/m, with the interval of the rope's mean."""
+
+    _fields = {
+        "at_s": "",
+        "name": "",
+        "rank": "",
+        "scatter_share": "",
+        "scatter_source": "",
+        "slope_per_s": "Bounded",
+        "specimens": "",
+        "strain_ratio": "Bounded",
+    }
+
+
+class RecordingInfo(Record):
+    """Properties of a recording."""
+
+    __slots__ = ()
+
+    duration_s: float
+    """Time from the first to the last frame, s."""
     format: Format
-    """Its format."""
+    """File format of the recording."""
     frames: int
-    """Frames read."""
+    """Number of frames in the recording."""
     path: str
-    """File name as given."""
+    """File name as specified by the user."""
     rate_hz: float | None
     """Median frame rate, Hz; `None` with fewer than two frames."""
     segments: int
-    """Segments without a gap or clock jump."""
+    """Number of segments without a gap or clock step."""
     sources: list[SignalSource]
-    """Where each quantity is read from."""
+    """Source (topic, column or interface) of each quantity."""
     start_time_ns: int
-    """Time of the first frame, ns since the recording's epoch."""
+    """Time of the first frame, ns since the epoch of the recording."""
 
     _fields = {
         "duration_s": "",
@@ -3382,22 +3370,22 @@ class RecordingInfo(Record):
 
 
 class RecordingInfoResult(Record):
-    """What a recording holds, and how well it could be read."""
+    """Content and condition of a recording."""
 
     __slots__ = ()
 
     ambiguous: list[Ambiguity]
-    """Sides that several topics could be; nothing is read of joints until one is chosen."""
+    """Sides with several candidate topics; no joint is read until one is chosen."""
     duration_s: float | None
-    """From the first frame to the last, s."""
+    """Duration from the first frame to the last, s."""
     file: str
     """File as the user named it."""
     format: Format
-    """Its format."""
+    """Format of the file."""
     frames: int
     """Number of frames."""
     health: Health
-    """What was lost or repaired."""
+    """Losses and repairs of the recording."""
     joints: list[JointInfo]
     """Joints in the recording's order."""
     longest_step_s: float | None
@@ -3408,22 +3396,24 @@ class RecordingInfoResult(Record):
     """Frames per second within segments."""
     robot_description: bool
     """Whether the recording holds the robot's URDF."""
-    schema: Literal["sinew/log-info/1"]
+    schema: Literal["sinew/log-info/2"]
     """Name and number of this schema."""
     segments: int
     """Parts without a gap, clock jump or damage."""
     shortest_step_s: float | None
     """Shortest step from frame to frame within a segment, s."""
     sources: list[SignalSource]
-    """Where each quantity is read from."""
+    """Source of each quantity."""
     start_time_ns: int | None
     """Time of the first frame, ns since the epoch of the recording's clock."""
     temperature: bool
     """Whether a temperature is recorded."""
+    tendons: list[str] | None
+    """Tendons with a recorded tension, in the order of the recording; omitted if there are none."""
     topics: list[TopicInfo]
-    """Topics in the order of their names; none of a table."""
+    """Topics in the order of their names; empty for a table."""
     unused_columns: list[str]
-    """Columns of a table that nothing is read from."""
+    """Columns of a table that are not used."""
 
     _fields = {
         "ambiguous": "Ambiguity",
@@ -3443,22 +3433,23 @@ class RecordingInfoResult(Record):
         "sources": "SignalSource",
         "start_time_ns": "",
         "temperature": "",
+        "tendons": "",
         "topics": "TopicInfo",
         "unused_columns": "",
     }
 
 
 class RecordingOutcome(Record):
-    """One recording of many."""
+    """Outcome of one recording."""
 
     __slots__ = ()
 
     error: str | None
-    """Why it couldn't be estimated; `None`: it was."""
+    """Reason why the recording could not be estimated; none if it was."""
     estimate: EstimateDocument | None
-    """Its estimate, as `sinew estimate` has it, without the series over time."""
+    """Estimate of the recording as printed by `sinew estimate`, without the time series."""
     recording: str
-    """The recording as it was named."""
+    """Recording as named on the command line."""
 
     _fields = {
         "error": "",
@@ -3468,12 +3459,12 @@ class RecordingOutcome(Record):
 
 
 class RecordingWarningClockJumps(Record):
-    """The clock went back."""
+    """Non-monotonic time stamps: the clock stepped back."""
 
     __slots__ = ()
 
     count: int
-    """How often."""
+    """Number of steps back."""
     kind: Literal["clock-jumps"]
 
     _fields = {
@@ -3483,17 +3474,17 @@ class RecordingWarningClockJumps(Record):
 
 
 class RecordingWarningDamaged(Record):
-    """A part of the file is damaged."""
+    """Damaged part of the file."""
 
     __slots__ = ()
 
     bytes: int
-    """Bytes lost."""
+    """Number of bytes lost."""
     kind: Literal["damaged"]
     offset: int
-    """Where, bytes from the start."""
+    """Position in the file, bytes from the start."""
     reason: str
-    """Why."""
+    """Reason of the damage."""
 
     _fields = {
         "bytes": "",
@@ -3504,15 +3495,15 @@ class RecordingWarningDamaged(Record):
 
 
 class RecordingWarningGaps(Record):
-    """Pauses in the recording."""
+    """Gaps in the recording."""
 
     __slots__ = ()
 
     count: int
-    """How many."""
+    """Number of gaps."""
     kind: Literal["gaps"]
     longest_s: float
-    """The longest, s."""
+    """Length of the longest gap, s."""
 
     _fields = {
         "count": "",
@@ -3522,20 +3513,35 @@ class RecordingWarningGaps(Record):
 
 
 class RecordingWarningImplausibleOffset(Record):
-    """An offset no rope stretches by."""
+    """Offset that is implausibly large for a rope."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["implausible-offset"]
     offset_rad: float
-    """Offset, rad."""
+    """Estimated offset, rad."""
 
     _fields = {
         "joint": "",
         "kind": "",
         "offset_rad": "",
+    }
+
+
+class RecordingWarningImplausibleSignal(Record):
+    """Implausible signal of the recording."""
+
+    __slots__ = ()
+
+    kind: Literal["implausible-signal"]
+    text: str
+    """Text of the warning."""
+
+    _fields = {
+        "kind": "",
+        "text": "",
     }
 
 
@@ -3545,9 +3551,9 @@ class RecordingWarningNonFinite(Record):
     __slots__ = ()
 
     count: int
-    """How many."""
+    """Number of samples."""
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["non-finite"]
     quantity: str
     """Symbol of the quantity."""
@@ -3561,12 +3567,12 @@ class RecordingWarningNonFinite(Record):
 
 
 class RecordingWarningOutOfOrder(Record):
-    """Messages that came out of order."""
+    """Messages that were reordered by time stamp."""
 
     __slots__ = ()
 
     count: int
-    """How many."""
+    """Number of messages."""
     kind: Literal["out-of-order"]
 
     _fields = {
@@ -3576,13 +3582,13 @@ class RecordingWarningOutOfOrder(Record):
 
 
 class RecordingWarningReference(Record):
-    """One of the reference recording."""
+    """Warning about the reference recording."""
 
     __slots__ = ()
 
     kind: Literal["reference"]
     warning: RecordingWarning
-    """Which."""
+    """Warning of the reference recording."""
 
     _fields = {
         "kind": "",
@@ -3591,13 +3597,13 @@ class RecordingWarningReference(Record):
 
 
 class RecordingWarningRobot(Record):
-    """What robot.toml or the URDF are warned of."""
+    """Warning about robot.toml or the URDF."""
 
     __slots__ = ()
 
     kind: Literal["robot"]
     text: str
-    """In words."""
+    """Text of the warning."""
 
     _fields = {
         "kind": "",
@@ -3606,19 +3612,19 @@ class RecordingWarningRobot(Record):
 
 
 class RecordingWarningSamplesLost(Record):
-    """Samples of a stream that are missing, or were dropped because their stamp was there already."""
+    """Samples of a stream that are missing, or were excluded because of a duplicate time stamp."""
 
     __slots__ = ()
 
     kind: Literal["samples-lost"]
     missing: int
-    """Missing, as far as the steps between the others tell."""
+    """Number of missing samples, derived from the time steps of the others."""
     repeated: int
-    """Dropped."""
+    """Number of excluded samples with a duplicate time stamp."""
     share: float
-    """Part of all samples, 0 to 1."""
+    """Share of all samples, 0 to 1."""
     stream: StreamRole
-    """What the stream brings."""
+    """Role of the stream."""
 
     _fields = {
         "kind": "",
@@ -3629,29 +3635,14 @@ class RecordingWarningSamplesLost(Record):
     }
 
 
-class RecordingWarningSuspicion(Record):
-    """What looks wrong in the recording's signals."""
-
-    __slots__ = ()
-
-    kind: Literal["suspicion"]
-    text: str
-    """In words."""
-
-    _fields = {
-        "kind": "",
-        "text": "",
-    }
-
-
-class RecordingWarningTorqueHardlyChanges(Record):
-    """A joint's torque hardly changes: a wrong stiffness can't be told from stretch."""
+class RecordingWarningTorqueRangeSmall(Record):
+    """Torque range of a joint that is too small to separate the offset from a stiffness or mass error."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
-    kind: Literal["torque-hardly-changes"]
+    """Name of the joint."""
+    kind: Literal["torque-range-small"]
     max_nm: float
     """Largest torque, N·m."""
     min_nm: float
@@ -3666,12 +3657,12 @@ class RecordingWarningTorqueHardlyChanges(Record):
 
 
 class RecordingWarningUnknownJoints(Record):
-    """Joints of the recording that the robot doesn't have."""
+    """Joints of the recording that the robot does not have."""
 
     __slots__ = ()
 
     joints: list[str]
-    """Their names."""
+    """Names of the joints."""
     kind: Literal["unknown-joints"]
 
     _fields = {
@@ -3680,15 +3671,30 @@ class RecordingWarningUnknownJoints(Record):
     }
 
 
+class RecordingWarningUnusedTensions(Record):
+    """Tendons whose tension is recorded, though no estimate of this robot uses it."""
+
+    __slots__ = ()
+
+    kind: Literal["unused-tensions"]
+    tendons: list[str]
+    """Names of the tendons."""
+
+    _fields = {
+        "kind": "",
+        "tendons": "",
+    }
+
+
 class RecordingWarningUnwrapped(Record):
-    """Encoder wrap-arounds that were removed."""
+    """Encoder wrap-arounds that were corrected."""
 
     __slots__ = ()
 
     count: int
-    """How many."""
+    """Number of wrap-arounds."""
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["unwrapped"]
     quantity: str
     """Symbol of the quantity."""
@@ -3702,45 +3708,100 @@ class RecordingWarningUnwrapped(Record):
 
 
 class Recovery(Record):
-    """After the load fell."""
+    """Recovery after a decrease of the load."""
 
     __slots__ = ()
 
-    at_once_strain_ratio: float
-    """Strain that went with the load, m/m."""
     before_strain_ratio: float
-    """Strain at the end under the higher load, m/m."""
+    """Strain at the end of the stage with the higher load, m/m."""
     delayed_strain_ratio: float
-    """Strain that went later, within the record, m/m."""
+    """Strain recovered later, within the record, m/m."""
     duration_s: float
-    """Length of the stage, s."""
+    """Duration of the stage, s."""
     force_after_n: float
-    """Load after, N."""
+    """Load after the decrease, N."""
     force_before_n: float
-    """Load before, N."""
+    """Load before the decrease, N."""
+    immediate_strain_ratio: float
+    """Strain recovered immediately with the load, m/m."""
     residual_strain_ratio: float
-    """Strain at the end of the stage, m/m: what is left, residual where the load is gone."""
+    """Strain at the end of the stage, m/m: the residual strain if the load is removed."""
 
     _fields = {
-        "at_once_strain_ratio": "",
         "before_strain_ratio": "",
         "delayed_strain_ratio": "",
         "duration_s": "",
         "force_after_n": "",
         "force_before_n": "",
+        "immediate_strain_ratio": "",
         "residual_strain_ratio": "",
     }
 
 
+class ReferenceMeasurement(Record):
+    """Measurement at one reference (end stop or index mark) in one recording."""
+
+    __slots__ = ()
+
+    encoder_error_rad: Gaussian
+    """Error of the encoder that measures the reference, rad: the joint encoder at a stop or joint mark, the
+    motor encoder at a motor mark.
+    """
+    joint: str
+    """Name of the joint."""
+    kind: AnchorKind
+    """Kind of the reference."""
+    offset_rad: Gaussian | None
+    """Offset of the tendon from the push alone, rad; none without a push or without motor torque."""
+    position_rad: float
+    """Position of the reference, rad (m for a prismatic joint)."""
+    time_s: float
+    """Time of the contact since the start of the recording, s."""
+
+    _fields = {
+        "encoder_error_rad": "Gaussian",
+        "joint": "",
+        "kind": "",
+        "offset_rad": "Gaussian",
+        "position_rad": "",
+        "time_s": "",
+    }
+
+
+class ReferenceOffset(Record):
+    """Correction of one tendon's estimate by references."""
+
+    __slots__ = ()
+
+    by_motion_rad: Gaussian
+    """Offset from motion alone, rad."""
+    by_push_rad: Gaussian | None
+    """Offset from pushes alone, rad; none without a push."""
+    correction_rad: Gaussian
+    """Error of the encoders by which the offset has been corrected, rad."""
+    readings: list[ReferenceMeasurement]
+    """Measurements at references, in order of time."""
+    since_baseline: bool
+    """Whether the baseline contains the same references, so that the following values are differences."""
+
+    _fields = {
+        "by_motion_rad": "Gaussian",
+        "by_push_rad": "Gaussian",
+        "correction_rad": "Gaussian",
+        "readings": "ReferenceMeasurement",
+        "since_baseline": "",
+    }
+
+
 class Rejected(Record):
-    """A rope that fell out."""
+    """Rejected rope with its reasons."""
 
     __slots__ = ()
 
     reasons: list[Rejection]
-    """Every constraint it fails."""
+    """Reasons of the rejection, one per violated constraint."""
     rope: str
-    """Rope."""
+    """Name of the rope in the catalogue."""
 
     _fields = {
         "reasons": "Rejection",
@@ -3748,16 +3809,32 @@ class Rejected(Record):
     }
 
 
+class RejectedInterval(Record):
+    """Interval that was rejected as contact or disturbance."""
+
+    __slots__ = ()
+
+    from_s: float
+    """Start of the interval since the start of the recording, s."""
+    to_s: float
+    """End of the interval since the start of the recording, s."""
+
+    _fields = {
+        "from_s": "",
+        "to_s": "",
+    }
+
+
 class RejectionBendRatio(Record):
-    """Smallest pulley diameter over rope diameter."""
+    """Ratio of smallest pulley diameter to rope diameter below the limit."""
 
     __slots__ = ()
 
     kind: Literal["bend-ratio"]
     limit_ratio: float
-    """Limit."""
+    """Smallest permitted ratio of diameters."""
     ratio: float
-    """Found."""
+    """Ratio of pulley diameter to rope diameter."""
 
     _fields = {
         "kind": "",
@@ -3766,12 +3843,12 @@ class RejectionBendRatio(Record):
     }
 
 
-class RejectionBendRatioNotKnown(Record):
+class RejectionBendRatioUnknown(Record):
     """Rope or pulley diameter is not known."""
 
     __slots__ = ()
 
-    kind: Literal["bend-ratio-not-known"]
+    kind: Literal["bend-ratio-unknown"]
 
     _fields = {
         "kind": "",
@@ -3791,14 +3868,14 @@ class RejectionBreakingLoadNotPublished(Record):
 
 
 class RejectionBreaks(Record):
-    """It breaks before the last time asked for."""
+    """Break before the last requested time."""
 
     __slots__ = ()
 
     after_s: float
-    """When, at the catalogue's values, s."""
+    """Time of the break at the catalogue values, s."""
     cause: BreakCause
-    """Of what."""
+    """Cause of the break."""
     kind: Literal["breaks"]
 
     _fields = {
@@ -3821,15 +3898,15 @@ class RejectionDiameterNotPublished(Record):
 
 
 class RejectionElongation(Record):
-    """Upper end of the elongation's interval, m."""
+    """Upper bound of the elongation above the limit."""
 
     __slots__ = ()
 
     high_m: float
-    """Found."""
+    """Upper bound of the elongation's 95 % interval, m."""
     kind: Literal["elongation"]
     limit_m: float
-    """Limit."""
+    """Largest permitted elongation, m."""
 
     _fields = {
         "high_m": "",
@@ -3851,13 +3928,13 @@ class RejectionHot(Record):
 
 
 class RejectionNotPredicted(Record):
-    """The law gives no prediction."""
+    """Prediction that is not possible."""
 
     __slots__ = ()
 
     kind: Literal["not-predicted"]
     reason: str
-    """Why."""
+    """Reason for the missing prediction."""
 
     _fields = {
         "kind": "",
@@ -3866,15 +3943,15 @@ class RejectionNotPredicted(Record):
 
 
 class RejectionSafetyFactor(Record):
-    """Breaking load over largest tension."""
+    """Ratio of breaking load to largest tension below the limit."""
 
     __slots__ = ()
 
     kind: Literal["safety-factor"]
     limit_ratio: float
-    """Limit."""
+    """Smallest permitted safety factor."""
     ratio: float
-    """Found."""
+    """Ratio of breaking load to largest tension."""
 
     _fields = {
         "kind": "",
@@ -3884,15 +3961,15 @@ class RejectionSafetyFactor(Record):
 
 
 class RejectionStiffness(Record):
-    """Stiffness of the strand, N/m."""
+    """Stiffness of the strand below the limit."""
 
     __slots__ = ()
 
     kind: Literal["stiffness"]
     limit_n_per_m: float
-    """Limit."""
+    """Smallest permitted stiffness, N/m."""
     stiffness_n_per_m: float
-    """Found."""
+    """Stiffness of the strand, N/m."""
 
     _fields = {
         "kind": "",
@@ -3902,15 +3979,15 @@ class RejectionStiffness(Record):
 
 
 class RejectionTooHeavy(Record):
-    """Weight above the largest, kg/m."""
+    """Weight per length above the largest permitted one."""
 
     __slots__ = ()
 
     kind: Literal["too-heavy"]
     limit_kg_per_m: float
-    """Limit."""
+    """Largest permitted weight per length, kg/m."""
     weight_kg_per_m: float
-    """Found."""
+    """Weight per length of the rope, kg/m."""
 
     _fields = {
         "kind": "",
@@ -3920,15 +3997,15 @@ class RejectionTooHeavy(Record):
 
 
 class RejectionTooThick(Record):
-    """Diameter above the largest, m."""
+    """Diameter above the largest permitted one."""
 
     __slots__ = ()
 
     diameter_m: float
-    """Found."""
+    """Diameter of the rope, m."""
     kind: Literal["too-thick"]
     limit_m: float
-    """Limit."""
+    """Largest permitted diameter, m."""
 
     _fields = {
         "diameter_m": "",
@@ -3938,15 +4015,15 @@ class RejectionTooThick(Record):
 
 
 class RejectionTooThin(Record):
-    """Diameter below the smallest, m."""
+    """Diameter below the smallest permitted one."""
 
     __slots__ = ()
 
     diameter_m: float
-    """Found."""
+    """Diameter of the rope, m."""
     kind: Literal["too-thin"]
     limit_m: float
-    """Limit."""
+    """Smallest permitted diameter, m."""
 
     _fields = {
         "diameter_m": "",
@@ -3968,14 +4045,14 @@ class RejectionWeightNotPublished(Record):
 
 
 class RetensionLimit(Record):
-    """A limit of elongation."""
+    """Re-tensioning limit of a tendon."""
 
     __slots__ = ()
 
     elongation_m: float
-    """Elongation at which to tension again, m."""
+    """Elongation at which to re-tension, m."""
     state: LimitState
-    """Whether it is passed."""
+    """Result of the test whether the elongation exceeds the limit."""
 
     _fields = {
         "elongation_m": "",
@@ -3984,30 +4061,35 @@ class RetensionLimit(Record):
 
 
 class RobotCheckResult(Record):
-    """A robot as Sinew has understood its description."""
+    """Robot as interpreted from its description, and the findings of the check."""
 
     __slots__ = ()
 
+    drives: list[DriveCheck] | None
+    """Drives of the tendons, if not every joint has its own tendon; then stiffness, motor and tendon are listed
+    here and not per joint.
+    """
     file: str
-    """`robot.toml` as opened."""
+    """Path of `robot.toml`."""
     findings: list[Finding]
-    """What looks odd, is missing or can't be, the worst first."""
+    """Implausible, missing and impossible values, most severe first."""
     joints: list[JointCheck]
-    """Joints in Sinew's order."""
+    """Joints in the order of Sinew."""
     moving_mass_kg: float
-    """Mass that moves with the first joint, kg."""
+    """Mass moved by the first joint, kg."""
     name: str
-    """Its name."""
+    """Name of the robot."""
     routing: RoutingCheck | None
     """Routing of the tendons, where `robot.toml` has `[[tendons]]`."""
-    schema: Literal["sinew/robot-check/1"]
+    schema: Literal["sinew/robot-check/2"]
     """Name and number of this schema."""
     urdf: str
-    """Where the URDF came from, in words."""
+    """Source of the URDF: its path, or the recording's `/robot_description`."""
     warnings: list[str]
-    """What a reader of the URDF does with what is unusual in it."""
+    """Warnings of the URDF parser about unusual content."""
 
     _fields = {
+        "drives": "DriveCheck",
         "file": "",
         "findings": "Finding",
         "joints": "JointCheck",
@@ -4021,21 +4103,57 @@ class RobotCheckResult(Record):
 
 
 class RobotInfo(Record):
-    """What it was held against."""
+    """Properties of the robot."""
 
     __slots__ = ()
 
     file: str
-    """Where the robot's file is."""
+    """Path of the robot file (robot.toml)."""
+    joints: list[str] | None
+    """Names of the joints, if results are named by tendons rather than joints; empty otherwise."""
     name: str
-    """Name in the URDF."""
+    """Name of the robot in the URDF."""
     urdf: str
-    """Where the URDF comes from: a file, or the recording's own description."""
+    """Source of the URDF: a file, or the description in the recording."""
 
     _fields = {
         "file": "",
+        "joints": "",
         "name": "",
         "urdf": "",
+    }
+
+
+class RopeLifetime(Record):
+    """Predicted lifetime of a rope."""
+
+    __slots__ = ()
+
+    abrasion_factor: float
+    """Specified factor by which abrasion accelerates bending fatigue."""
+    breaks_after_s: Bounded | None
+    """Time of the break since first loading, s; `None` beyond 300 years. The interval is limited to 300 years."""
+    broken_share: float
+    """Share of the draws in which the rope breaks within the longest requested time, 0 to 1."""
+    cause: BreakCause
+    """Cause of the larger part of the damage."""
+    spots: list[DamageSite]
+    """Sections in order from the drive, then the terminations, at the longest requested time or at the break, at
+    the catalogue values.
+    """
+    termination: RopeTermination
+    """Termination of the rope."""
+    termination_share: float
+    """Share of the rope's strength that the termination retains, 0 to 1."""
+
+    _fields = {
+        "abrasion_factor": "",
+        "breaks_after_s": "Bounded",
+        "broken_share": "",
+        "cause": "",
+        "spots": "DamageSite",
+        "termination": "",
+        "termination_share": "",
     }
 
 
@@ -4046,7 +4164,7 @@ class RopeListResult(Record):
 
     ropes: list[RopeSummary]
     """Ropes in the catalogue's order."""
-    schema: Literal["sinew/rope-list/1"]
+    schema: Literal["sinew/rope-list/2"]
     """Name and number of this schema."""
 
     _fields = {
@@ -4060,55 +4178,55 @@ class RopeResult(Record):
 
     __slots__ = ()
 
+    assumed_parameters: int
+    """Number of creep law parameters that are assumed, not measured."""
     breaking_load_n: float | None
-    """Breaking load, N, where it is published."""
+    """Published breaking load, N."""
     diameter_m: float | None
-    """Diameter, m, where it is published."""
+    """Published diameter, m."""
     endurance: dict[str, CatalogueValue]
-    """What breaks the rope, its own values or its fibre's, by their names, which end in their units."""
+    """Endurance values of the rope or its fibre class by name; the names end in their units."""
     endurance_sources: dict[str, str]
     """Sources of the endurance by their keys."""
     fibre: str
-    """Load-bearing fibre."""
+    """Name of the load-bearing fibre."""
     file: str | None
     """File it came from; `None`: ships with the program."""
-    holds: Holds
-    """Data behind the values of the law; beyond it predictions widen."""
     law: dict[str, CatalogueValue]
     """Parameters of the law by their names in the catalogue, which end in their units."""
     manufacturer: str
-    """Who makes it."""
+    """Manufacturer of the rope."""
     material: str
-    """What the fibre is made of."""
+    """Material of the fibre."""
     name: str
-    """Name."""
+    """Name of the rope."""
     note: str | None
-    """Remarks."""
+    """Remarks of the catalogue entry."""
     parameters: int
-    """Parameters of the law."""
+    """Number of parameters of the creep law."""
     plait: str | None
-    """How it is plaited."""
+    """Construction of the braid."""
     product: str
-    """What they call it."""
+    """Product name of the manufacturer."""
     published: Published
-    """What is published."""
-    schema: Literal["sinew/rope-show/1"]
+    """Published values of the rope."""
+    schema: Literal["sinew/rope-show/2"]
     """Name and number of this schema."""
     sources: dict[str, str]
     """Sources by their keys."""
-    starting_guesses: int
-    """Parameters of the law that are starting guesses."""
+    tested_range: TestedRange
+    """Tested range of the rope; intervals are wider outside this range."""
     weight_kg_per_m: float | None
-    """Weight, kg/m, where it is published."""
+    """Published weight per length, kg/m."""
 
     _fields = {
+        "assumed_parameters": "",
         "breaking_load_n": "",
         "diameter_m": "",
         "endurance": "map:CatalogueValue",
         "endurance_sources": "",
         "fibre": "",
         "file": "",
-        "holds": "Holds",
         "law": "map:CatalogueValue",
         "manufacturer": "",
         "material": "",
@@ -4120,42 +4238,43 @@ class RopeResult(Record):
         "published": "Published",
         "schema": "",
         "sources": "",
-        "starting_guesses": "",
+        "tested_range": "TestedRange",
         "weight_kg_per_m": "",
     }
 
 
 class RopeSummary(Record):
-    """A rope in short."""
+    """Summary of a catalogue rope."""
 
     __slots__ = ()
 
+    assumed_parameters: int
+    """Number of creep law parameters that are assumed, not measured."""
     breaking_load_n: float | None
-    """Breaking load, N, where it is published."""
+    """Published breaking load, N."""
     diameter_m: float | None
-    """Diameter, m, where it is published."""
+    """Published diameter, m."""
     fibre: str
-    """Load-bearing fibre."""
+    """Name of the load-bearing fibre."""
     file: str | None
     """File it came from; `None`: ships with the program."""
     manufacturer: str
-    """Who makes it."""
+    """Manufacturer of the rope."""
     material: str
-    """What the fibre is made of."""
+    """Material of the fibre."""
     name: str
-    """Name."""
+    """Name of the rope."""
     parameters: int
-    """Parameters of the law."""
+    """Number of parameters of the creep law."""
     plait: str | None
-    """How it is plaited."""
+    """Construction of the braid."""
     product: str
-    """What they call it."""
-    starting_guesses: int
-    """Parameters of the law that are starting guesses."""
+    """Product name of the manufacturer."""
     weight_kg_per_m: float | None
-    """Weight, kg/m, where it is published."""
+    """Published weight per length, kg/m."""
 
     _fields = {
+        "assumed_parameters": "",
         "breaking_load_n": "",
         "diameter_m": "",
         "fibre": "",
@@ -4166,7 +4285,6 @@ class RopeSummary(Record):
         "parameters": "",
         "plait": "",
         "product": "",
-        "starting_guesses": "",
         "weight_kg_per_m": "",
     }
 
@@ -4185,7 +4303,9 @@ class RoutingCheck(Record):
     tendons: list[TendonRouting]
     """Tendons in the order of `robot.toml`, those of the shorthand first."""
     unobservable: list[Combination]
-    """Combinations of elongations that the motion of the joints does not show at `q = 0`."""
+    """Combinations of elongations that are unobservable from the motion of the joints within their limits, with
+    every strand taut.
+    """
 
     _fields = {
         "groups": "GroupCheck",
@@ -4202,61 +4322,63 @@ class Scatter(Record):
     __slots__ = ()
 
     apart: list[str]
-    """Specimens whose end stands more than 3.5 robust deviations apart from their group."""
-    end_deviation_ratio: float | None
-    """Standard deviation of it between specimens, m/m; `None` for one."""
+    """Outlying specimens, whose end strain is more than 3.5 robust standard deviations from the median of their
+    group.
+    """
+    end_std_ratio: float | None
+    """Standard deviation of the end strain between specimens, m/m; `None` for one."""
     end_strain_ratio: float
     """Mean strain at the end, m/m."""
     group: str | None
-    """Group; `None`: specimens without a group."""
-    slope_deviation_per_s: float | None
-    """Standard deviation of the slope between specimens, 1/s."""
+    """Name of the group; `None` for specimens without a group."""
     slope_per_s: float | None
-    """Mean slope, 1/s."""
+    """Mean slope of the strain, 1/s."""
+    slope_std_per_s: float | None
+    """Standard deviation of the slope between specimens, 1/s."""
     specimens: int
-    """Specimens."""
+    """Number of specimens."""
 
     _fields = {
         "apart": "",
-        "end_deviation_ratio": "",
+        "end_std_ratio": "",
         "end_strain_ratio": "",
         "group": "",
-        "slope_deviation_per_s": "",
         "slope_per_s": "",
+        "slope_std_per_s": "",
         "specimens": "",
     }
 
 
 class Schedule(Record):
-    """When to tension again at constant length."""
+    """Schedule of re-tensioning at constant length."""
 
     __slots__ = ()
 
     count: Bounded
-    """How many within the horizon."""
+    """Number of re-tensionings within the horizon."""
     first_s: PerhapsNever
-    """First of them; NaN (null) where a draw has none."""
-    left_alone: LeftAlone
-    """Its tension when it is left alone."""
+    """Time of the first re-tensioning, s; NaN (null) if a draw has none."""
     never_share: float
-    """Share of draws that need no re-tensioning at all."""
+    """Share of the draws without any re-tensioning, 0 to 1."""
     start_n: Bounded | None
-    """Tension to string the rope with so that it never falls below the lowest within the horizon, N; `None`
-    where even 40 % of the breaking load does not do.
+    """Initial tension with which the lowest tension is never reached within the horizon, N; `None` if even 40 %
+    of the breaking load is insufficient.
     """
     tension_at_end_n: Bounded
-    """Tension at the horizon's end without any re-tensioning, N."""
+    """Tension at the end of the horizon without re-tensioning, N."""
     times_s: list[float]
-    """Times since stringing, s, with the catalogue's own values."""
+    """Times of re-tensioning since stringing, s, at the catalogue values."""
+    unattended: Unattended
+    """Tension over time without re-tensioning."""
 
     _fields = {
         "count": "Bounded",
         "first_s": "PerhapsNever",
-        "left_alone": "LeftAlone",
         "never_share": "",
         "start_n": "Bounded",
         "tension_at_end_n": "Bounded",
         "times_s": "",
+        "unattended": "Unattended",
     }
 
 
@@ -4282,11 +4404,11 @@ class SegmentEstimate(Record):
     __slots__ = ()
 
     from_s: float
-    """From, s of the recording."""
+    """Start of the segment since the start of the recording, s."""
     offset_rad: list[Gaussian]
-    """Offset of every elastic joint at `to_s`, rad, in the order of `joints`."""
+    """Offset of each elastic joint at `to_s`, rad, in the order of `joints`."""
     to_s: float
-    """Up to here, s of the recording."""
+    """End of the segment since the start of the recording, s."""
 
     _fields = {
         "from_s": "",
@@ -4296,17 +4418,17 @@ class SegmentEstimate(Record):
 
 
 class SelectionResult(Record):
-    """The choice."""
+    """Selection of ropes for a duty."""
 
     __slots__ = ()
 
     candidates: list[Candidate]
-    """Ropes that meet everything, by `Candidate::rank` and then by least elongation."""
+    """Ropes that meet all constraints, sorted by `Candidate::rank` and then by elongation."""
     duty: str
     """The duty in words."""
     rejected: list[Rejected]
-    """The others."""
-    schema: Literal["sinew/rope-select/1"]
+    """Rejected ropes with their reasons."""
+    schema: Literal["sinew/rope-select/2"]
     """Name and number of this schema."""
     time_s: float
     """Time the elongation is for, s."""
@@ -4321,8 +4443,8 @@ class SelectionResult(Record):
 
 
 class Series(Record):
-    """A joint's estimate over time, averaged into at most `Series::POINTS` intervals. All columns have the same
-    length; intervals without an estimate hold NaN (null in JSON).
+    """Time series of the estimate of a joint, averaged over at most `Series::POINTS` intervals. All columns have
+    the same length; intervals without an estimate contain NaN (null in JSON).
     """
 
     __slots__ = ()
@@ -4332,17 +4454,17 @@ class Series(Record):
     offset_min_rad: list[float | None]
     """Smallest offset in the interval, rad."""
     offset_rad: list[float | None]
-    """Mean offset, rad."""
+    """Mean offset in the interval, rad."""
     q_rad: list[float | None]
-    """Mean joint position, rad."""
+    """Mean joint position in the interval, rad."""
     tau_el_nm: list[float | None]
-    """Mean elastic torque from the source chosen, N·m."""
+    """Mean elastic torque from the selected source, N·m."""
     tau_spring_nm: list[float | None]
-    """Mean torque of the spring as the encoders show it, `K (theta_measured − q)`, N·m."""
+    """Mean torque of the spring by the encoders, `K (theta_measured − q)`, N·m."""
     time_s: list[float]
-    """Middle of each interval, s from the start of the recording."""
+    """Middle of each interval since the start of the recording, s."""
     usable_share: list[float | None]
-    """Share of the interval's frames that could be used, 0 to 1."""
+    """Share of usable frames in the interval, 0 to 1."""
 
     _fields = {
         "offset_max_rad": "",
@@ -4357,56 +4479,70 @@ class Series(Record):
 
 
 class SessionEstimate(Record):
-    """Offsets since the baseline."""
+    """Result of a session: offset of each tendon since the baseline, or relative to the encoder zero."""
 
     __slots__ = ()
 
     baseline: str | None
-    """First recording of the baseline; `None`: data-sheet priors only."""
+    """Name of the first recording of the baseline; `None` without a baseline (priors from data sheets only)."""
     baseline_time_utc_s: float | None
-    """When that ended, s since 1970 UTC: every offset was zero then. `None` where its clock doesn't say."""
+    """End of that recording, when every offset was zero, s since 1970 UTC; `None` if its clock has no date."""
     damaged: bool
-    """Whether part of the file was lost."""
+    """Whether data was lost because the file is damaged."""
     duration_s: float
-    """Length of the part used, s."""
+    """Duration of the evaluated interval, s."""
     external_force: ForceEstimate | None
-    """A constant force from outside at the tool; `None`: there was none to be seen. Of a long recording, in the
-    stretch where it is likeliest.
+    """Constant external force at the tool; `None` if none was detected. For a recording of several segments, the
+    force of the segment with the highest probability.
+    """
+    joint_offsets: list[JointOffset] | None
+    """Offsets of joints that are driven by several tendons or by strands; empty on other robots, and if a strand
+    may be slack.
     """
     joints: list[TendonEstimate]
-    """One entry per elastic joint."""
-    left_out: list[LeftOut]
-    """The longest such times."""
-    left_out_share: float
-    """Share of the time left out as contact or disturbance."""
-    live: LiveCourse | None
-    """What the online estimate says of the same recording; `None` where nobody asked."""
+    """Results of the tendons, one entry per elastic joint."""
     motor_torque: MotorTorque
-    """Which torque of the motors was used as a second witness."""
+    """Source of the motor torque that was used as an independent measurement."""
     nuisance: list[NuisanceChange]
-    """Everything estimated along: what was believed before and after."""
+    """Prior and posterior of each nuisance parameter."""
+    online: OnlineTrajectory | None
+    """Online estimate of the same recording; `None` if not requested."""
     payload_changes: list[PayloadChange]
-    """Loads picked up or put down within the recording."""
+    """Payload changes within the recording."""
     payload_kg: Gaussian
-    """Payload at the end, kg."""
+    """Payload mass at the end of the recording, kg."""
     poses: int
-    """Distinct poses the arm stood or passed at, as far as gravity tells them apart."""
+    """Number of distinct poses, at rest or in motion; poses are distinct if a joint differs by more than 0.2
+    rad.
+    """
     recording: str
-    """The recording."""
+    """Name of the recording."""
     reference_temperature_c: float | None
-    """Temperature the offsets refer to, °C, where it was recorded."""
+    """Reference temperature of the offsets, °C; `None` if unknown."""
+    rejected_intervals: list[RejectedInterval]
+    """Longest intervals that were rejected as contact or disturbance, at most 20."""
+    rejected_share: float
+    """Share of the time that was rejected as contact or disturbance, 0 to 1."""
     robot: str
-    """The robot."""
+    """Name of the robot."""
     segments: list[SegmentEstimate]
-    """Offsets at the end of every segment the recording was estimated in."""
+    """Offsets at the end of each segment of the recording."""
     start_time_utc_s: float | None
-    """When the part used began, s since 1970 UTC; `None` where the recording's clock doesn't say."""
+    """Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date."""
     temperature_c: float | None
-    """Mean temperature, °C, where it was recorded or stated."""
+    """Mean temperature, °C; `None` if neither recorded nor specified."""
     temperature_source: TemperatureSource
-    """Where that comes from."""
+    """Source of the temperature."""
+    tension_used: bool | None
+    """Whether the tensions of tendons were used."""
+    unobservable: list[UnobservableCombination] | None
+    """Combinations of elongations that are not observable from the recording."""
     warnings: list[Warning]
-    """What the reader should know."""
+    """Warnings about the recording and the result."""
+    zero_std_rad: float | None
+    """Standard deviation of the encoder zeros by robot.toml, rad, with which offsets without a baseline are
+    elongations; `None` with a baseline, or if robot.toml states none.
+    """
 
     _fields = {
         "baseline": "",
@@ -4414,54 +4550,58 @@ class SessionEstimate(Record):
         "damaged": "",
         "duration_s": "",
         "external_force": "ForceEstimate",
+        "joint_offsets": "JointOffset",
         "joints": "TendonEstimate",
-        "left_out": "LeftOut",
-        "left_out_share": "",
-        "live": "LiveCourse",
         "motor_torque": "",
         "nuisance": "NuisanceChange",
+        "online": "OnlineTrajectory",
         "payload_changes": "PayloadChange",
         "payload_kg": "Gaussian",
         "poses": "",
         "recording": "",
         "reference_temperature_c": "",
+        "rejected_intervals": "RejectedInterval",
+        "rejected_share": "",
         "robot": "",
         "segments": "SegmentEstimate",
         "start_time_utc_s": "",
         "temperature_c": "",
         "temperature_source": "",
+        "tension_used": "",
+        "unobservable": "UnobservableCombination",
         "warnings": "Warning",
+        "zero_std_rad": "",
     }
 
 
 class SessionPoint(Record):
-    """A session, and what the trend knew after it."""
+    """Session, and the state of the trend after it."""
 
     __slots__ = ()
 
     at_reference_rad: float | None
-    """At the reference temperature, with the drift found in the end."""
+    """Offset at the reference temperature, with the final drift, rad."""
     cycle: float | None
     """Cycle of the machine."""
-    is_off: bool
-    """Whether the record looked off by itself."""
-    jump_probability: float
-    """Probability of an unconfirmed jump."""
+    is_outlier: bool
+    """Whether the record was treated as an outlier."""
     offset_rad: Gaussian | None
-    """As recorded; `None` where it couldn't tell."""
+    """Offset as recorded, rad; `None` if the session was inconclusive."""
+    step_probability: float
+    """Probability of an unconfirmed step change."""
     temperature_c: float | None
-    """Temperature, °C."""
+    """Temperature of the session, °C."""
     time_utc_s: float
-    """Its start, s since 1970; from cycle 0 where only cycles are known."""
+    """Start of the session, s since 1970; from cycle 0 if only cycles are recorded."""
     tracked_rad: Gaussian
-    """Offset as the trend knew it then."""
+    """Offset estimated by the trend at that time, rad."""
 
     _fields = {
         "at_reference_rad": "",
         "cycle": "",
-        "is_off": "",
-        "jump_probability": "",
+        "is_outlier": "",
         "offset_rad": "Gaussian",
+        "step_probability": "",
         "temperature_c": "",
         "time_utc_s": "",
         "tracked_rad": "Gaussian",
@@ -4469,24 +4609,24 @@ class SessionPoint(Record):
 
 
 class Settings(Record):
-    """How the estimate was made."""
+    """Settings of an estimate."""
 
     __slots__ = ()
 
     comparison: Comparison
-    """Whether `theta − q` lags like the observed torque."""
+    """Filtering of `theta − q`: by the filters of the observed torque, or none as in the paper."""
     gain_per_s: float
     """Observer gain `K_I`, 1/s."""
     injected: list[Injection]
-    """Offsets added by hand."""
+    """Offsets that were added to the motor positions for a test (`--inject`)."""
     reference: str | None
-    """Recording the estimate is compared with."""
+    """Name of the reference recording; `None` without one."""
     source: TorqueSource
-    """Where `tau_el` comes from."""
+    """Source of the elastic torque `tau_el`."""
     tau_ext: bool
-    """Whether the recording's known external torque was used."""
+    """Whether the recorded external torque was used."""
     velocity_filter_rad_per_s: float | None
-    """Cut-off of the velocity filter, rad/s; `None`: recorded velocities, unfiltered positions."""
+    """Cut-off of the velocity filter, rad/s; `None` with recorded velocities and unfiltered positions."""
 
     _fields = {
         "comparison": "",
@@ -4505,9 +4645,11 @@ class SharedError(Record):
     __slots__ = ()
 
     baseline_rad: float
-    """What comes with the baseline: the same in every session since then."""
+    """Error of the baseline, rad: the same in every session since then."""
     drift_rad: float
-    """What zero and stiffness do with temperature: proportional to its change since then."""
+    """Error by the temperature dependence of zero and stiffness, rad: proportional to the temperature change
+    since then.
+    """
 
     _fields = {
         "baseline_rad": "",
@@ -4516,20 +4658,20 @@ class SharedError(Record):
 
 
 class Shift(Record):
-    """The shift of one isotherm."""
+    """Shift of one isotherm."""
 
     __slots__ = ()
 
     log10_a_t: Gaussian
     """Decadic logarithm of a_T: time at the reference is time here divided by a_T. Its standard error follows
-    from the mismatch of the overlap and grows along the chain.
+    from the residuals of the overlap and grows along the chain.
     """
     overlap_share: float
-    """Decades of the property's logarithm in common with the neighbour nearer the reference, as a share of this
-    isotherm's own range; without overlap the shift is a guess.
+    """Overlap of the property's logarithm with the neighbour nearer the reference, as a share of this isotherm's
+    own range; without overlap the shift is an extrapolation.
     """
     temperature_c: float
-    """Temperature, °C."""
+    """Temperature of the isotherm, °C."""
 
     _fields = {
         "log10_a_t": "Gaussian",
@@ -4539,16 +4681,16 @@ class Shift(Record):
 
 
 class SignalCount(Record):
-    """Bad samples of one signal."""
+    """Number of affected samples of one signal."""
 
     __slots__ = ()
 
     count: int
-    """How many samples, or turns."""
+    """Number of samples, or of turns."""
     joint: str
-    """The joint's name."""
+    """Name of the joint, motor or tendon."""
     quantity: Quantity
-    """The quantity."""
+    """Quantity of the signal."""
 
     _fields = {
         "count": "",
@@ -4558,16 +4700,16 @@ class SignalCount(Record):
 
 
 class SignalSource(Record):
-    """Where a quantity is read from."""
+    """Source of a quantity."""
 
     __slots__ = ()
 
     quantity: Quantity
-    """The quantity."""
+    """Quantity that is read."""
     source: str
     """Topic and field or interface, or the columns."""
     topic: str | None
-    """Topic it is in; `None` in a table."""
+    """Topic of the quantity; `None` for a table."""
 
     _fields = {
         "quantity": "",
@@ -4577,12 +4719,12 @@ class SignalSource(Record):
 
 
 class SimulateComparison(Record):
-    """A scenario without and with its correction."""
+    """Scores of a scenario without and with its correction."""
 
     __slots__ = ()
 
     with_: Score
-    """As the scenario's `[correction]` says."""
+    """Score with the scenario's `[correction]`."""
     without: Score
     """Neither the set-points nor the external torque corrected."""
 
@@ -4593,7 +4735,7 @@ class SimulateComparison(Record):
 
 
 class SimulatedResult(Record):
-    """A simulated recording's truth, and its control where that was asked for."""
+    """Truth of a simulated recording, and its control score if requested."""
 
     __slots__ = ()
 
@@ -4602,15 +4744,15 @@ class SimulatedResult(Record):
     contact_fraction: float
     """Share of the time in contact."""
     contacts: list[Touch]
-    """Each contact."""
+    """Contacts during the recording."""
     control: SimulateComparison | None
     """The scenario without and with its correction."""
     duration_s: float
-    """Length, s."""
+    """Length of the recording, s."""
     frames: Frames
     """Frames lost, repeated and delayed on their way into the file."""
     injected: list[str] | None
-    """Which tendons' offsets are injected into the recording instead of felt by the spring."""
+    """Names of the tendons whose offsets are injected into the recording and do not act on the spring."""
     joint_coulomb_nm: dict[str, float]
     """Coulomb friction at the joint, N·m."""
     joint_viscous_nm_s_per_rad: dict[str, float]
@@ -4621,30 +4763,30 @@ class SimulatedResult(Record):
     """Coulomb friction of the drive, N·m."""
     motor_inertia_kg_m2: dict[str, float]
     """Motor inertia, kg·m²."""
-    offset_course_s_rad: dict[str, list[list[float]]]
-    """Offset over time: `[time, offset]`, s and rad; straight lines between."""
     offset_rad: dict[str, float]
     """Offset just before the end of the second session, or of the recording where there are no sessions, rad."""
+    offset_trajectory_s_rad: dict[str, list[list[float]]]
+    """Offset over time: `[time, offset]`, s and rad; straight lines between."""
     payload_kg: float
     """All loads together, kg."""
     payloads: list[Load]
-    """Each load."""
+    """Loads carried during the recording."""
     sample_rate_hz: float
     """Frames per second."""
     scenario: str
     """Name of the scenario."""
-    schema: Literal["sinew/simulate/1"]
+    schema: Literal["sinew/simulate/2"]
     """Name and number of this schema."""
     seed: int
-    """Its seed."""
+    """Seed of the random numbers."""
     sessions_s: dict[str, list[float]] | None
     """Sessions by name, s."""
     spring_cubic_per_rad2: dict[str, float]
-    """Stiffening, rad⁻²."""
+    """Cubic stiffening coefficient of the spring, rad⁻²."""
     start_time_ns: int
     """Time stamp of time 0, ns since 1970."""
     steps: list[Step]
-    """Every jump of an offset."""
+    """Steps of all offsets."""
     stiffness_nm_per_rad: dict[str, float]
     """Stiffness, N·m/rad, at the reference temperature."""
     temperature_change_k: float
@@ -4667,8 +4809,8 @@ class SimulatedResult(Record):
         "mass_kg": "",
         "motor_coulomb_nm": "",
         "motor_inertia_kg_m2": "",
-        "offset_course_s_rad": "",
         "offset_rad": "",
+        "offset_trajectory_s_rad": "",
         "payload_kg": "",
         "payloads": "Load",
         "sample_rate_hz": "",
@@ -4687,18 +4829,18 @@ class SimulatedResult(Record):
 
 
 class Source(Record):
-    """A raw data file."""
+    """Raw data file of a test."""
 
     __slots__ = ()
 
     columns: list[SourceColumn]
-    """Columns used."""
+    """Columns that were used."""
     file: str
-    """File as named."""
+    """File name as specified."""
     notes: list[str]
     """Assumptions made when reading it."""
     sha256: str
-    """SHA-256 of its bytes."""
+    """SHA-256 checksum of its bytes."""
 
     _fields = {
         "columns": "SourceColumn",
@@ -4709,16 +4851,16 @@ class Source(Record):
 
 
 class SourceColumn(Record):
-    """A column of a file and what it was taken for."""
+    """Column of a file and its role."""
 
     __slots__ = ()
 
     column: str
-    """Its header."""
+    """Header of the column."""
     quantity: TestQuantity
-    """What it measures."""
+    """Quantity of the column."""
     unit: str
-    """Unit the file writes it in."""
+    """Unit of the column in the file."""
 
     _fields = {
         "column": "",
@@ -4728,16 +4870,16 @@ class SourceColumn(Record):
 
 
 class Span(Record):
-    """Mean, lowest and highest of readings, in the unit that the field's name says."""
+    """Mean, minimum and maximum of measurements, in the unit of the field's name."""
 
     __slots__ = ()
 
     high: float
-    """Highest."""
+    """Maximum of the measurements."""
     low: float
-    """Lowest."""
+    """Minimum of the measurements."""
     mean: float
-    """Mean."""
+    """Mean of the measurements."""
 
     _fields = {
         "high": "",
@@ -4746,45 +4888,17 @@ class Span(Record):
     }
 
 
-class Spot(Record):
-    """A portion of the rope and what it has lost of its life; 1 is all of it."""
-
-    __slots__ = ()
-
-    bending_damage: float
-    """Lost to bending."""
-    creep_damage: float
-    """Lost to constant load."""
-    from_m: float
-    """From here, m from the drive with the drive at rest."""
-    guides: int
-    """Guiding pulleys that pass over it."""
-    place: Place
-    """Rope or ends."""
-    to_m: float
-    """To here, m."""
-
-    _fields = {
-        "bending_damage": "",
-        "creep_damage": "",
-        "from_m": "",
-        "guides": "",
-        "place": "",
-        "to_m": "",
-    }
-
-
 class Step(Record):
-    """A jump of an offset."""
+    """Step of an offset."""
 
     __slots__ = ()
 
     at_s: float
-    """When, s."""
+    """Time of the slip, s."""
     joint: str
-    """Which joint, or which tendon."""
+    """Name of the joint or tendon."""
     size_rad: float
-    """By how much, rad."""
+    """Size of the step, rad."""
 
     _fields = {
         "at_s": "",
@@ -4794,14 +4908,14 @@ class Step(Record):
 
 
 class StiffnessSinceBefore(Record):
-    """Stiffness that may have changed between two recordings. Offsets are averaged over whether it has."""
+    """Stiffness change between two recordings. Offsets are averaged over both hypotheses (change, no change)."""
 
     __slots__ = ()
 
     change_ratio: Gaussian
-    """By how much if it has; lost stiffness is negative."""
+    """Relative change of the stiffness if there is one; negative for a loss."""
     probability: float
-    """Probability that it has."""
+    """Probability of the change, 0 to 1."""
 
     _fields = {
         "change_ratio": "Gaussian",
@@ -4810,7 +4924,7 @@ class StiffnessSinceBefore(Record):
 
 
 class StrainZeroAsRecorded(Record):
-    """As recorded; no reading before the load."""
+    """Recorded value, without a measurement before the load."""
 
     __slots__ = ()
 
@@ -4822,13 +4936,13 @@ class StrainZeroAsRecorded(Record):
 
 
 class StrainZeroBeforeLoad(Record):
-    """Mean of readings before the load."""
+    """Mean of measurements before the load."""
 
     __slots__ = ()
 
     kind: Literal["before-load"]
     readings: int
-    """How many."""
+    """Number of those measurements."""
 
     _fields = {
         "kind": "",
@@ -4837,22 +4951,22 @@ class StrainZeroBeforeLoad(Record):
 
 
 class StreamTiming(Record):
-    """When the samples of one stream came: a topic, or the rows of a table."""
+    """Timing of one stream of samples: a topic, or the rows of a table."""
 
     __slots__ = ()
 
     jitter_s: float | None
-    """How much shorter a step is than usual, one standard deviation, s."""
+    """Standard deviation of the shorter intervals from the typical one, s."""
     missing: int | None
-    """Samples that the steps between the others leave out; `None` where steps are too uneven to tell."""
+    """Number of missing samples; `None` if the intervals are too irregular."""
     repeated: int
-    """Samples dropped because another one with their stamp was there already, and said something else."""
+    """Number of samples that were discarded, because their time stamp was a duplicate with other values."""
     role: StreamRole
-    """What it brings."""
+    """Role of the stream."""
     samples: int
-    """Samples with a stamp of their own."""
+    """Number of samples with distinct time stamps."""
     step_s: float | None
-    """Usual step from one to the next, s; `None` with too few."""
+    """Typical interval of the samples, s; `None` with too few samples."""
 
     _fields = {
         "jitter_s": "",
@@ -4865,16 +4979,16 @@ class StreamTiming(Record):
 
 
 class Superposition(Record):
-    """Shift factors and what they follow."""
+    """Shift factors and their temperature dependence."""
 
     __slots__ = ()
 
     arrhenius: Arrhenius | None
     """Arrhenius line through all temperatures."""
     reference_c: float
-    """Temperature that isn't shifted, °C."""
+    """Reference temperature, which is not shifted, °C."""
     shifts: list[Shift]
-    """Shifts by rising temperature."""
+    """Shifts by increasing temperature."""
     wlf: Wlf | None
     """Equation of Williams, Landel and Ferry over temperatures from the reference up."""
 
@@ -4886,15 +5000,15 @@ class Superposition(Record):
     }
 
 
-class Suspicion(Record):
-    """A sudden change that isn't confirmed."""
+class SuspectedStep(Record):
+    """Suspected step change."""
 
     __slots__ = ()
 
     probability: float
-    """Its probability."""
+    """Probability of the step change."""
     time_utc_s: float
-    """First session after it, s since 1970."""
+    """First session after the step change, s since 1970."""
 
     _fields = {
         "probability": "",
@@ -4903,26 +5017,26 @@ class Suspicion(Record):
 
 
 class TendonChange(Record):
-    """A sudden change of a tendon."""
+    """Sudden change of a tendon."""
 
     __slots__ = ()
 
     cause: Cause | None
-    """Of a slip: what slipped."""
+    """Cause of a slip; `None` for other changes."""
     interval_s: Interval95 | None
-    """It happened between these with 95 %, s; `None` for what happened before the recording."""
+    """95 % interval of the time, s; `None` for a change before the recording."""
     kind: TendonChangeKind
-    """What it is."""
+    """Type of the change."""
     probability: float | None
-    """Probability that it happened and lasts: one that comes late may be a contact as well. `None` for what
-    happened before the recording.
+    """Probability of a permanent change, 0 to 1; a change near the end may also be a contact. `None` for a
+    change before the recording.
     """
     size_rad: Gaussian | None
-    """By how much the offset changed, rad; `None`: only the stiffness did."""
+    """Size of the step of the offset, rad; `None` if only the stiffness changed."""
     stiffness_change_ratio: Gaussian | None
-    """Stiffness lost or gained with it, relative; `None`: no change seen."""
+    """Simultaneous relative change of the stiffness, negative for a loss; `None` if none was detected."""
     time_s: float
-    """When, s from the start of the recording."""
+    """Time of the change since the start of the recording, s."""
 
     _fields = {
         "cause": "Cause",
@@ -4936,7 +5050,7 @@ class TendonChange(Record):
 
 
 class TendonCheck(Record):
-    """A tendon."""
+    """Tendon geometry and limits."""
 
     __slots__ = ()
 
@@ -4947,16 +5061,16 @@ class TendonCheck(Record):
     length_m: float
     """Free length, m."""
     pretension_n: float | None
-    """Pretension, N."""
+    """Pretension of the rope, N."""
     replace_at_strain_ratio: float | None
-    """Strain at which to replace the rope."""
+    """Strain at which to replace the rope, as a ratio."""
     retension_at_m: float | None
-    """Elongation at which to tension again, m."""
+    """Elongation at which to re-tension, m."""
     rope: str | None
     """Catalogue name of the rope."""
     taut_up_to_nm: float | None
-    """Torque up to which both strands of a loop stay taut, `2 r f0`, N·m; none without a pretension, or of an
-    antagonistic pair.
+    """Maximum torque at which both strands of a loop are taut, `2 r f0`, N·m; none without a pretension, for an
+    antagonistic pair, or for a single strand.
     """
 
     _fields = {
@@ -4972,80 +5086,95 @@ class TendonCheck(Record):
 
 
 class TendonCreep(Record):
-    """An offset that moved evenly while it was looked at: a rope that creeps, or one that warms."""
+    """Drift of an offset at a constant rate, from creep or a temperature change of the rope."""
 
     __slots__ = ()
 
-    moved_rad: Gaussian
-    """By how much from start to end, rad: averaged over whether it did."""
+    drift_rad: Gaussian
+    """Change of the offset from the start to the end of the recording, rad, averaged over both hypotheses
+    (drift, no drift).
+    """
     probability: float
-    """Probability that it did; of a long recording, in the stretch where that is likeliest."""
+    """Probability of the drift, 0 to 1; for a recording of several segments, the highest of all segments."""
     rate_rad_per_s: Gaussian
-    """How fast, rad/s: that over the recording's length."""
+    """Mean drift rate over the recording, rad/s."""
 
     _fields = {
-        "moved_rad": "Gaussian",
+        "drift_rad": "Gaussian",
         "probability": "",
         "rate_rad_per_s": "Gaussian",
     }
 
 
 class TendonEstimate(Record):
-    """One tendon since its baseline."""
+    """Result of one tendon."""
 
     __slots__ = ()
 
-    anchored: AnchoredOffset | None
-    """What an end stop or a mark said, where one was touched."""
+    anchored: ReferenceOffset | None
+    """Correction by reference contacts and index marks; `None` if none was touched."""
     changes: list[TendonChange]
     """Sudden changes within the recording."""
     creep: TendonCreep | None
-    """How its offset moved while it was looked at; `None`: it was not seen to move."""
+    """Drift of the offset during the recording; `None` if none was detected."""
     elongation_m: Gaussian | None
-    """Elongation, m; `None` without tendon geometry."""
-    misfit_rad: float
-    """What of that is more than sensors leave, rad: it is in the interval."""
+    """Elongation of the tendon, m; `None` without tendon geometry."""
+    excess_residual_rad: float
+    """Part of the residual that exceeds the sensor noise, rad; the interval includes it."""
+    lower_bound_m: float | None
+    """Lower bound of the elongation of a strand that was slack for most of the recording, m; `None` otherwise."""
+    lower_bound_rad: float | None
+    """Lower bound of the offset of a strand that was slack for most of the recording, rad; `None` otherwise."""
     name: str
-    """Joint."""
+    """Name of the joint."""
     noise_rad: float
-    """What no parameter explains, robust standard deviation, rad."""
+    """Robust standard deviation of the residual, rad."""
     offset_rad: Gaussian
-    """Offset at the end of the recording, rad."""
+    """Offset at the end of the recording, rad; positive if the tendon is longer."""
     retension: RetensionLimit | None
-    """The elongation at which the owner wants to tension again, where robot.toml says."""
-    shared_error: SharedError | None
-    """What of its error other sessions have too; `None` in files of programs that didn't say."""
+    """Re-tensioning limit and its state; `None` if robot.toml specifies no limit."""
     slack_rad: Gaussian | None
-    """Half the dead zone of an antagonistic pair, rad."""
+    """Half-width of the dead zone (slack) of an antagonistic pair, rad; `None` for other tendons."""
+    slack_share: float | None
+    """Share of the recording in which the strand was slack, 0 to 1; its elongation is then not determined.
+    `None` if never slack.
+    """
     slides: bool | None
-    """Whether it slides: rad is then m, and N·m is N."""
+    """Whether the joint is prismatic: values in rad are then in m, and values in N·m in N."""
+    stiffness_change: StiffnessSinceBefore | None
+    """Stiffness change relative to the prior of the recording; `None` if not evaluated."""
     stiffness_change_ratio: Gaussian
-    """Stiffness as the recording sees it over nominal, less one."""
-    stiffness_since_before: StiffnessSinceBefore | None
-    """Whether it has changed since what was known before the recording; `None`: not sought."""
+    """Estimated relative deviation of the stiffness from nominal: `K/K_nominal − 1`."""
     strain_ratio: Gaussian | None
-    """Elongation over the tendon's length; `None` without tendon geometry."""
+    """Strain: elongation divided by the length of the tendon, m/m; `None` without tendon geometry."""
+    systematic_error: SharedError | None
+    """Systematic part of the error of the offset, which other sessions share; `None` in files of earlier
+    versions.
+    """
     torque_nm: TorqueRange
-    """Least and greatest torque the joint carried, N·m."""
+    """Range of the torque of the tendon, N·m."""
     verdict: Verdict
-    """What that comes to."""
+    """Result of the test whether the offset differs from zero."""
 
     _fields = {
-        "anchored": "AnchoredOffset",
+        "anchored": "ReferenceOffset",
         "changes": "TendonChange",
         "creep": "TendonCreep",
         "elongation_m": "Gaussian",
-        "misfit_rad": "",
+        "excess_residual_rad": "",
+        "lower_bound_m": "",
+        "lower_bound_rad": "",
         "name": "",
         "noise_rad": "",
         "offset_rad": "Gaussian",
         "retension": "RetensionLimit",
-        "shared_error": "SharedError",
         "slack_rad": "Gaussian",
+        "slack_share": "",
         "slides": "",
+        "stiffness_change": "StiffnessSinceBefore",
         "stiffness_change_ratio": "Gaussian",
-        "stiffness_since_before": "StiffnessSinceBefore",
         "strain_ratio": "Gaussian",
+        "systematic_error": "SharedError",
         "torque_nm": "TorqueRange",
         "verdict": "",
     }
@@ -5079,23 +5208,60 @@ class TendonRouting(Record):
     }
 
 
+class TendonWeight(Record):
+    """Weight of a tendon in a combination of elongations."""
+
+    __slots__ = ()
+
+    name: str
+    """Name of the tendon."""
+    weight: float
+    """Elongation relative to the largest one: ratio of values in m if all tendons have a geometry, otherwise of
+    values in rad.
+    """
+
+    _fields = {
+        "name": "",
+        "weight": "",
+    }
+
+
+class TestedRange(Record):
+    """Tested range: load, temperature and duration of the data that a rope's parameters were validated with."""
+
+    __slots__ = ()
+
+    duration_s: float
+    """Length of the longest test, s."""
+    load_share: list[float]
+    """Lowest and highest tension as a share of the breaking load."""
+    temperature_c: list[float]
+    """Lowest and highest temperature, °C."""
+
+    _fields = {
+        "duration_s": "",
+        "load_share": "",
+        "temperature_c": "",
+    }
+
+
 class TopicInfo(Record):
-    """A topic of a recording."""
+    """Topic of a recording."""
 
     __slots__ = ()
 
     interfaces: list[str]
-    """Interfaces its joints have (`control_msgs/msg/DynamicJointState`)."""
+    """Interfaces of its joints (`control_msgs/msg/DynamicJointState`)."""
     kind: str
     """Type of its messages, such as `sensor_msgs/msg/JointState`."""
     messages: int
-    """Messages read."""
+    """Number of messages read."""
     name: str
-    """Its name."""
+    """Name of the topic."""
     rate_hz: float | None
-    """Messages per second of the recorder's clock; `None` with fewer than two."""
-    taken_for: TopicUse | None
-    """What it is taken for; `None`: not used."""
+    """Message rate by the recorder's clock, Hz; `None` with fewer than two messages."""
+    role: TopicUse | None
+    """Role of the topic; `None`: not used."""
 
     _fields = {
         "interfaces": "",
@@ -5103,19 +5269,19 @@ class TopicInfo(Record):
         "messages": "",
         "name": "",
         "rate_hz": "",
-        "taken_for": "",
+        "role": "",
     }
 
 
 class TorqueRange(Record):
-    """Smallest and largest torque, N·m."""
+    """Minimum and maximum torque in a recording, N·m."""
 
     __slots__ = ()
 
     max: float
-    """Largest."""
+    """Maximum torque, N·m."""
     min: float
-    """Smallest."""
+    """Minimum torque, N·m."""
 
     _fields = {
         "max": "",
@@ -5124,16 +5290,16 @@ class TorqueRange(Record):
 
 
 class TorqueStatistics(Record):
-    """Torque over a recording, N·m."""
+    """Statistics of a torque over a recording, N·m."""
 
     __slots__ = ()
 
     max: float
-    """Largest."""
+    """Maximum torque, N·m."""
     mean: float
-    """Mean."""
+    """Mean torque, N·m."""
     min: float
-    """Smallest."""
+    """Minimum torque, N·m."""
 
     _fields = {
         "max": "",
@@ -5143,20 +5309,20 @@ class TorqueStatistics(Record):
 
 
 class Touch(Record):
-    """A contact."""
+    """Contact with a link."""
 
     __slots__ = ()
 
     duration_s: float
-    """For, s."""
+    """Duration of the contact, s."""
     force_n: list[float]
     """Force in the base frame, N."""
     link: str
-    """On which link."""
+    """Name of the link."""
     point_m: list[float]
-    """Where on it, link frame, m."""
+    """Contact point on the link, link frame, m."""
     start_s: float
-    """From, s."""
+    """Start of the contact, s."""
 
     _fields = {
         "duration_s": "",
@@ -5167,26 +5333,26 @@ class Touch(Record):
     }
 
 
-class TrendEventJump(Record):
-    """The offset grew suddenly."""
+class TrendEventStepChange(Record):
+    """Sudden increase of the offset."""
 
     __slots__ = ()
 
     confirmed_utc_s: float | None
-    """Session that confirmed it, s since 1970."""
+    """Session that confirmed the event, s since 1970."""
     probability: float | None
-    """Posterior probability when it was confirmed."""
+    """Posterior probability at confirmation."""
     sessions: int | None
-    """Sessions that speak for it: one where it is beyond every error; 0 for a stated one."""
+    """Number of supporting sessions: 1 if beyond every modelled error; 0 for a specified event."""
     size_rad: Gaussian | None
-    """Change of the offset; `None` for a stated one."""
+    """Change of the offset, rad; `None` for a specified event."""
     stiffness_change_ratio: Gaussian | None
-    """Change of the stiffness over it, as a fraction of nominal, where sessions state it."""
+    """Simultaneous change of the stiffness as a fraction of nominal, if sessions report it."""
     time_utc_s: float | None
-    """First session after it, or as stated, s since 1970."""
-    cause: JumpCause
-    """Why, as far as the stiffness tells."""
-    kind: Literal["jump"]
+    """First session after the event, or specified time, s since 1970."""
+    cause: StepCause
+    """Cause of the increase, as far as the stiffness determines it."""
+    kind: Literal["step-change"]
 
     _fields = {
         "confirmed_utc_s": "",
@@ -5201,25 +5367,25 @@ class TrendEventJump(Record):
 
 
 class TrendEventTensioned(Record):
-    """The tendon was tensioned."""
+    """Tensioning of the tendon."""
 
     __slots__ = ()
 
     confirmed_utc_s: float | None
-    """Session that confirmed it, s since 1970."""
+    """Session that confirmed the event, s since 1970."""
     probability: float | None
-    """Posterior probability when it was confirmed."""
+    """Posterior probability at confirmation."""
     sessions: int | None
-    """Sessions that speak for it: one where it is beyond every error; 0 for a stated one."""
+    """Number of supporting sessions: 1 if beyond every modelled error; 0 for a specified event."""
     size_rad: Gaussian | None
-    """Change of the offset; `None` for a stated one."""
+    """Change of the offset, rad; `None` for a specified event."""
     stiffness_change_ratio: Gaussian | None
-    """Change of the stiffness over it, as a fraction of nominal, where sessions state it."""
+    """Simultaneous change of the stiffness as a fraction of nominal, if sessions report it."""
     time_utc_s: float | None
-    """First session after it, or as stated, s since 1970."""
+    """First session after the event, or specified time, s since 1970."""
     kind: Literal["tensioned"]
     stated: bool
-    """Whether somebody said so; else the offset fell."""
+    """Whether it was specified by the user; otherwise the offset decreased."""
 
     _fields = {
         "confirmed_utc_s": "",
@@ -5234,35 +5400,35 @@ class TrendEventTensioned(Record):
 
 
 class TrendNoteLifeNotUsed(Record):
-    """How long such ropes last was stated, and says nothing of this one."""
+    """Lifetimes of such ropes were specified, but do not apply to this one."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["life-not-used"]
-    why: LifeNotUsed
-    """Why."""
+    reason: LifeNotUsed
+    """Reason why they do not apply."""
 
     _fields = {
         "joint": "",
         "kind": "",
-        "why": "",
+        "reason": "",
     }
 
 
 class TrendNoteLongBefore(Record):
-    """The first session comes so long after the tensioning that the date may be wrong."""
+    """Long gap between tensioning and first session: the date may be wrong."""
 
     __slots__ = ()
 
     days: float
-    """Days without a session after it."""
+    """Time from that day to the first session, days."""
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["long-before"]
     time_utc_s: float
-    """Day stated, s since 1970."""
+    """Specified day, s since 1970."""
 
     _fields = {
         "days": "",
@@ -5273,15 +5439,15 @@ class TrendNoteLongBefore(Record):
 
 
 class TrendNoteOtherBaseline(Record):
-    """Another baseline, taken as a tensioning."""
+    """Change of the baseline, treated as a re-tensioning."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["other-baseline"]
     time_utc_s: float
-    """First session with it, s since 1970."""
+    """First session with the new baseline, s since 1970."""
 
     _fields = {
         "joint": "",
@@ -5291,15 +5457,15 @@ class TrendNoteOtherBaseline(Record):
 
 
 class TrendNoteOverlapping(Record):
-    """Overlaps the session before it, left out."""
+    """Session rejected because it overlaps the previous one."""
 
     __slots__ = ()
 
     kind: Literal["overlapping"]
     more: int
-    """How many more."""
+    """Number of further rejected sessions."""
     source: str
-    """File and place of the first."""
+    """File and location of the first rejected session."""
 
     _fields = {
         "kind": "",
@@ -5309,15 +5475,15 @@ class TrendNoteOverlapping(Record):
 
 
 class TrendNoteRepeated(Record):
-    """The same session again, counted once."""
+    """Duplicate session, counted once."""
 
     __slots__ = ()
 
     kind: Literal["repeated"]
     more: int
-    """How many more."""
+    """Number of further duplicates."""
     source: str
-    """File and place of the first."""
+    """File and location of the first duplicate."""
 
     _fields = {
         "kind": "",
@@ -5326,14 +5492,14 @@ class TrendNoteRepeated(Record):
     }
 
 
-class TrendNoteTensioningNotStated(Record):
-    """Nobody said when the tendon was tensioned: its clock begins with the first session."""
+class TrendNoteTensioningNotSpecified(Record):
+    """Tensioning date not specified: the clock starts at the first session."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
-    kind: Literal["tensioning-not-stated"]
+    """Name of the joint."""
+    kind: Literal["tensioning-not-specified"]
 
     _fields = {
         "joint": "",
@@ -5342,29 +5508,29 @@ class TrendNoteTensioningNotStated(Record):
 
 
 class TrendResult(Record):
-    """The trend of a robot's tendons."""
+    """Trend of a robot's tendons."""
 
     __slots__ = ()
 
+    action_required: bool
+    """Whether a limit is exceeded or a step change was confirmed (exit code 3)."""
     horizon_s: float
-    """How far forecasts look, s from the last session."""
+    """Forecast horizon, s from the last session."""
     joints: list[JointTrend]
-    """One entry per joint with records."""
-    needs_attention: bool
-    """Whether a limit is passed or a sudden change was confirmed (exit code 3)."""
+    """Result of each joint with records."""
     notes: list[TrendNote]
-    """What was dropped or assumed."""
+    """Notes on dropped records and assumptions."""
     robot: str | None
-    """Robot, where it is known."""
-    schema: Literal["sinew/trend/1"]
+    """Robot, if specified or named by a record."""
+    schema: Literal["sinew/trend/2"]
     """Name and number of this schema."""
     sinew_version: str
-    """Version of the program that made it."""
+    """Version of the program that wrote the report."""
 
     _fields = {
+        "action_required": "",
         "horizon_s": "",
         "joints": "JointTrend",
-        "needs_attention": "",
         "notes": "TrendNote",
         "robot": "",
         "schema": "",
@@ -5373,20 +5539,24 @@ class TrendResult(Record):
 
 
 class TrueTendon(Record):
-    """A tendon that crosses several joints, or has a name of its own."""
+    """Tendon that crosses several joints or has its own name."""
 
     __slots__ = ()
 
     drive_ratio: float
-    """Position in the tendon's coordinate over that at the motor's shaft."""
+    """Ratio of the position in the tendon's coordinate to the position of the motor shaft."""
     joint: str
     """Joint that it is paired with, in whose rad its values are."""
     moment_arms: dict[str, float]
-    """By how much the coordinate moves per rad of every joint that the tendon crosses."""
+    """Change of the tendon coordinate per rad of every joint that the tendon crosses; for variable moment arms
+    at `q = 0`.
+    """
     motor: str
-    """Its motor."""
+    """Name of its motor."""
     name: str
-    """Its name."""
+    """Name of the tendon."""
+    pretension_nm: float | None
+    """Pretension torque of a unidirectional strand with motor and joints at 0, N·m in the tendon coordinate."""
 
     _fields = {
         "drive_ratio": "",
@@ -5394,18 +5564,57 @@ class TrueTendon(Record):
         "moment_arms": "",
         "motor": "",
         "name": "",
+        "pretension_nm": "",
     }
 
 
-class UnitSlip(Record):
-    """Another unit in which the value would be usual."""
+class Unattended(Record):
+    """Tension of a rope that is strung once and never re-tensioned, at the catalogue values."""
+
+    __slots__ = ()
+
+    sag_rad: list[float]
+    """Rotation of the joint under its torque, rad; empty without a joint."""
+    tension_n: list[float]
+    """Tension, N; with a second rope, the mean of both strands."""
+    time_s: list[float]
+    """Time since stringing, s."""
+
+    _fields = {
+        "sag_rad": "",
+        "tension_n": "",
+        "time_s": "",
+    }
+
+
+class UnattributedChange(Record):
+    """Sudden change of one of several tendons that are indistinguishable."""
+
+    __slots__ = ()
+
+    interval_s: Interval95 | None
+    """95 % interval of the time, s."""
+    probability: float | None
+    """Probability of a permanent change, 0 to 1."""
+    time_s: float
+    """Time of the change since the start of the recording, s."""
+
+    _fields = {
+        "interval_s": "Interval95",
+        "probability": "",
+        "time_s": "",
+    }
+
+
+class UnitHint(Record):
+    """Unit in which the value would be plausible."""
 
     __slots__ = ()
 
     unit: str
-    """The unit it looks as if it were in."""
+    """Probable unit of the value in the file."""
     value: float
-    """The value in the unit that is meant."""
+    """Value converted to the expected unit."""
 
     _fields = {
         "unit": "",
@@ -5413,8 +5622,35 @@ class UnitSlip(Record):
     }
 
 
+class UnobservableCombination(Record):
+    """Combination of elongations that is not observable from a recording, such as an equal loss of tension in
+    flexor and extensor.
+    """
+
+    __slots__ = ()
+
+    changes: list[UnattributedChange] | None
+    """Sudden changes of one of the tendons; the recording does not determine which one."""
+    remedies: list[Remedy]
+    """Measurements that would make the combination observable."""
+    std_m: float | None
+    """Standard deviation of the largest elongation in the combination, m; `None` without tendon geometry."""
+    std_rad: float
+    """Standard deviation of the largest elongation in the combination, rad in the coordinate of that tendon."""
+    tendons: list[TendonWeight]
+    """Tendons of the combination, with their weights."""
+
+    _fields = {
+        "changes": "UnattributedChange",
+        "remedies": "",
+        "std_m": "",
+        "std_rad": "",
+        "tendons": "TendonWeight",
+    }
+
+
 class UnusableBreaks(Record):
-    """A tension that breaks the base rope."""
+    """Tension above the breaking load of the base rope."""
 
     __slots__ = ()
 
@@ -5444,13 +5680,13 @@ class UnusableForceNeverPositive(Record):
 
 
 class UnusableGaugeLength(Record):
-    """A gauge length that can't be."""
+    """Invalid gauge length."""
 
     __slots__ = ()
 
     kind: Literal["gauge-length"]
     length_m: float
-    """Length found, m."""
+    """Gauge length found, m."""
 
     _fields = {
         "kind": "",
@@ -5459,7 +5695,7 @@ class UnusableGaugeLength(Record):
 
 
 class UnusableNoGaugeLength(Record):
-    """An elongation without the length it belongs to."""
+    """Elongation without a gauge length."""
 
     __slots__ = ()
 
@@ -5483,7 +5719,7 @@ class UnusableNoLevel(Record):
 
 
 class UnusableNoReading(Record):
-    """No reading under load."""
+    """No measurement under load."""
 
     __slots__ = ()
 
@@ -5507,7 +5743,7 @@ class UnusableNoStage(Record):
 
 
 class UnusableNoStrain(Record):
-    """No column of elongation or strain."""
+    """Missing column of elongation or strain."""
 
     __slots__ = ()
 
@@ -5519,7 +5755,7 @@ class UnusableNoStrain(Record):
 
 
 class UnusableNoTension(Record):
-    """The rope law without tensions."""
+    """Rope law without tensions."""
 
     __slots__ = ()
 
@@ -5531,7 +5767,7 @@ class UnusableNoTension(Record):
 
 
 class UnusableNoTime(Record):
-    """No column of times."""
+    """Missing column of times."""
 
     __slots__ = ()
 
@@ -5543,7 +5779,7 @@ class UnusableNoTime(Record):
 
 
 class UnusableNothingToShift(Record):
-    """No temperature, or neither modulus nor strain to shift."""
+    """Missing temperature, or neither modulus nor strain to shift."""
 
     __slots__ = ()
 
@@ -5555,13 +5791,13 @@ class UnusableNothingToShift(Record):
 
 
 class UnusableStrainTooLarge(Record):
-    """A strain that no fibre, rope or plastic reaches."""
+    """Implausibly large strain of a fibre, rope or plastic."""
 
     __slots__ = ()
 
     kind: Literal["strain-too-large"]
     strain_ratio: float
-    """Largest strain, m/m."""
+    """Largest strain found, m/m."""
 
     _fields = {
         "kind": "",
@@ -5570,7 +5806,7 @@ class UnusableStrainTooLarge(Record):
 
 
 class UnusableSwapped(Record):
-    """The force creeps and the strain stays."""
+    """Variable force with constant strain."""
 
     __slots__ = ()
 
@@ -5588,13 +5824,13 @@ class UnusableSwapped(Record):
 
 
 class UnusableTemperature(Record):
-    """A temperature outside the rope law's range."""
+    """Temperature outside the range of the rope law."""
 
     __slots__ = ()
 
     kind: Literal["temperature"]
     temperature_c: float
-    """Temperature, °C."""
+    """Temperature of the record, °C."""
 
     _fields = {
         "kind": "",
@@ -5603,15 +5839,15 @@ class UnusableTemperature(Record):
 
 
 class UnusableTooFewReadings(Record):
-    """Too few readings."""
+    """Too few measurements."""
 
     __slots__ = ()
 
     kind: Literal["too-few-readings"]
     needed: int
-    """Readings needed."""
+    """Minimum number of measurements."""
     readings: int
-    """Readings there are."""
+    """Number of usable measurements."""
 
     _fields = {
         "kind": "",
@@ -5620,41 +5856,41 @@ class UnusableTooFewReadings(Record):
     }
 
 
-class WarningAnchorDisagrees(Record):
-    """A push against an end stop shows another offset than motion does."""
+class WarningAtRestAtEnd(Record):
+    """Rest phase at the end of the recording, in which stiction can hide a slip."""
 
     __slots__ = ()
 
-    by_motion_rad: Gaussian
-    """By motion, corrected for the encoders, rad."""
-    by_push_rad: Gaussian
-    """By the push, rad."""
+    from_s: float
+    """Start of the rest phase since the start of the recording, s."""
     joint: str
-    """Joint."""
-    kind: Literal["anchor-disagrees"]
+    """Name of the joint with the largest slip that can be hidden."""
+    kind: Literal["at-rest-at-end"]
+    stiction_bound_rad: float
+    """Largest slip that stiction can hide, rad."""
 
     _fields = {
-        "by_motion_rad": "Gaussian",
-        "by_push_rad": "Gaussian",
+        "from_s": "",
         "joint": "",
         "kind": "",
+        "stiction_bound_rad": "",
     }
 
 
 class WarningBeyondPretension(Record):
-    """A loop carried more than twice its pretension, so that one of its strands was slack and the loop half as
-    stiff.
+    """Loop whose load exceeded twice its pretension, so that one of its strands was slack and its stiffness was
+    halved.
     """
 
     __slots__ = ()
 
     joint: str
-    """Tendon."""
+    """Name of the tendon."""
     kind: Literal["beyond-pretension"]
     limit_nm: float
-    """Torque up to which both strands stay taut, `2 r f0`, N·m."""
+    """Torque up to which both strands remain taut, `2 r f0`, N·m."""
     torque_nm: float
-    """Largest size of the torque that the loop carried, N·m."""
+    """Largest magnitude of the torque of the loop, N·m."""
 
     _fields = {
         "joint": "",
@@ -5664,18 +5900,18 @@ class WarningBeyondPretension(Record):
     }
 
 
-class WarningChangeMayEnd(Record):
-    """A change came so late that it may be a contact."""
+class WarningChangeNearEnd(Record):
+    """Change so close to the end of the recording that it may be a contact that has not ended."""
 
     __slots__ = ()
 
     before_end_s: float
-    """So long before the end, s."""
+    """Time from the change to the end of the recording, s."""
     joint: str
-    """Joint."""
-    kind: Literal["change-may-end"]
+    """Name of the joint."""
+    kind: Literal["change-near-end"]
     time_s: float
-    """When, s."""
+    """Time of the change since the start of the recording, s."""
 
     _fields = {
         "before_end_s": "",
@@ -5685,40 +5921,49 @@ class WarningChangeMayEnd(Record):
     }
 
 
-class WarningDriftUnknown(Record):
-    """The temperature differs from the baseline's, and what that does to an offset is most of its interval."""
+class WarningEncoderDelay(Record):
+    """Time offset between motor and joint encoder, which is estimated jointly."""
 
     __slots__ = ()
 
-    frame_is_stated: bool
-    """Whether robot.toml states the frame's expansion."""
-    half_width_95_rad: float
-    """Half of the 95 % interval for that, rad."""
-    joint: str
-    """Joint of which it leaves most unknown."""
-    kind: Literal["drift-unknown"]
-    warmer_k: float
-    """Warmer than the baseline, K."""
+    kind: Literal["encoder-delay"]
+    motor_delay_s: Gaussian
+    """Delay of the motor encoder relative to the joint encoder, s; negative if the motor encoder leads."""
 
     _fields = {
-        "frame_is_stated": "",
-        "half_width_95_rad": "",
+        "kind": "",
+        "motor_delay_s": "Gaussian",
+    }
+
+
+class WarningEncoderZeroOffset(Record):
+    """Encoder zero offset of a baseline that is inconsistent with robot.toml; it was estimated instead."""
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint."""
+    kind: Literal["encoder-zero-offset"]
+    zero_rad: Gaussian
+    """Estimated value of `theta − q` of the unloaded spring directly after tensioning, rad."""
+
+    _fields = {
         "joint": "",
         "kind": "",
-        "warmer_k": "",
+        "zero_rad": "Gaussian",
     }
 
 
 class WarningExternalForce(Record):
-    """A constant force from outside acts on the arm."""
+    """Constant external force at the tool, which is estimated jointly."""
 
     __slots__ = ()
 
     force_n: list[Gaussian]
-    """Along the axes of the base, N, if it does."""
+    """Components of the force along the axes of the base frame if there is one, N."""
     kind: Literal["external-force"]
     probability: float
-    """Probability that it does."""
+    """Probability of the external force, 0 to 1."""
 
     _fields = {
         "force_n": "Gaussian",
@@ -5727,14 +5972,14 @@ class WarningExternalForce(Record):
     }
 
 
-class WarningExternalForceContradicted(Record):
-    """The recording contradicts the constant force that was stated; what it shows was used instead."""
+class WarningExternalForceInconsistent(Record):
+    """Specified external force that is inconsistent with the recording; the estimated force is used instead."""
 
     __slots__ = ()
 
     force_n: list[Gaussian] | None
-    """Along the axes of the base, N; `None` where it shows no force."""
-    kind: Literal["external-force-contradicted"]
+    """Components of the estimated force along the axes of the base frame, N; `None` if no force was detected."""
+    kind: Literal["external-force-inconsistent"]
 
     _fields = {
         "force_n": "Gaussian",
@@ -5743,37 +5988,39 @@ class WarningExternalForceContradicted(Record):
 
 
 class WarningFarFromPrior(Record):
-    """A parameter is far from what was believed."""
+    """Posterior mean of a parameter that is far from its prior: wrong value or too narrow tolerance in
+    robot.toml.
+    """
 
     __slots__ = ()
 
-    deviations: float
-    """How far, standard deviations of what was believed."""
     is_motor_torque_scale: bool
-    """Whether it is the scale of the motor torque, which is no matter of robot.toml alone."""
+    """Whether the parameter is the scale of the motor torque, which does not depend on robot.toml alone."""
     joint: str | None
-    """Joint or body; `None` for the payload."""
+    """Name of the joint or body; `None` for the payload."""
     kind: Literal["far-from-prior"]
     name: str
-    """Parameter."""
+    """Name of the parameter."""
+    stds: float
+    """Distance from the prior mean, in prior standard deviations."""
 
     _fields = {
-        "deviations": "",
         "is_motor_torque_scale": "",
         "joint": "",
         "kind": "",
         "name": "",
+        "stds": "",
     }
 
 
 class WarningFewPoses(Record):
-    """Too few distinct poses to tell a payload or a wrong mass from stretch."""
+    """Too few distinct poses: payload, mass error and offset are not separable."""
 
     __slots__ = ()
 
     kind: Literal["few-poses"]
     poses: int
-    """Distinct poses."""
+    """Number of distinct poses in the recording."""
 
     _fields = {
         "kind": "",
@@ -5782,13 +6029,13 @@ class WarningFewPoses(Record):
 
 
 class WarningFewPosesOfBaseline(Record):
-    """Too few distinct poses for a baseline."""
+    """Too few distinct poses for a baseline: every later session inherits its uncertainty."""
 
     __slots__ = ()
 
     kind: Literal["few-poses-of-baseline"]
     poses: int
-    """Distinct poses."""
+    """Number of distinct poses in the recording."""
 
     _fields = {
         "kind": "",
@@ -5796,14 +6043,14 @@ class WarningFewPosesOfBaseline(Record):
     }
 
 
-class WarningFramesMissing(Record):
-    """Frames without every position were left out."""
+class WarningFramesIncomplete(Record):
+    """Frames that were excluded because a position is missing."""
 
     __slots__ = ()
 
     frames: int
-    """How many."""
-    kind: Literal["frames-missing"]
+    """Number of excluded frames."""
+    kind: Literal["frames-incomplete"]
 
     _fields = {
         "frames": "",
@@ -5811,32 +6058,53 @@ class WarningFramesMissing(Record):
     }
 
 
-class WarningMotorTorqueLeftOut(Record):
-    """A joint's motor torque can't be one, and was left out."""
+class WarningJointSeized(Record):
+    """Joint that hardly moved while its motor turned: the joint or its encoder is seized."""
 
     __slots__ = ()
 
-    fault: WitnessFault
-    """Why."""
     joint: str
-    """Joint."""
-    kind: Literal["motor-torque-left-out"]
+    """Name of the joint."""
+    joint_travel_rad: float
+    """Range of the joint position, rad."""
+    kind: Literal["joint-seized"]
+    motor_travel_rad: float
+    """Range of the motor position, rad."""
 
     _fields = {
-        "fault": "WitnessFault",
+        "joint": "",
+        "joint_travel_rad": "",
+        "kind": "",
+        "motor_travel_rad": "",
+    }
+
+
+class WarningMotorTorqueRejected(Record):
+    """Motor torque of a joint that is inconsistent with its spring torque and was rejected."""
+
+    __slots__ = ()
+
+    fault: MotorTorqueError
+    """Reason for the rejection."""
+    joint: str
+    """Name of the joint."""
+    kind: Literal["motor-torque-rejected"]
+
+    _fields = {
+        "fault": "MotorTorqueError",
         "joint": "",
         "kind": "",
     }
 
 
-class WarningMuchLeftOut(Record):
-    """Much of the time was left out."""
+class WarningMuchRejected(Record):
+    """Large share of the time that was rejected as contact or disturbance."""
 
     __slots__ = ()
 
-    kind: Literal["much-left-out"]
+    kind: Literal["much-rejected"]
     share: float
-    """Share, 0 to 1."""
+    """Rejected share of the time, 0 to 1."""
 
     _fields = {
         "kind": "",
@@ -5845,13 +6113,13 @@ class WarningMuchLeftOut(Record):
 
 
 class WarningNegativePayload(Record):
-    """The payload weighs less than nothing."""
+    """Negative payload estimate: the tool is lighter than described, or units or signs are wrong."""
 
     __slots__ = ()
 
     kind: Literal["negative-payload"]
     payload_kg: Gaussian
-    """Payload, kg."""
+    """Estimated payload mass, kg."""
 
     _fields = {
         "kind": "",
@@ -5860,7 +6128,9 @@ class WarningNegativePayload(Record):
 
 
 class WarningNoBaseline(Record):
-    """There is no baseline: offsets are against the encoders' zero."""
+    """Estimate without a baseline: offsets refer to the encoder zero, and the interval depends on data-sheet
+    tolerances.
+    """
 
     __slots__ = ()
 
@@ -5872,12 +6142,12 @@ class WarningNoBaseline(Record):
 
 
 class WarningNoJointEncoder(Record):
-    """The position of a joint is not recorded: its motor's stands in, and its tendon is not estimated."""
+    """Joint without a recorded position: the motor position is used instead, and the tendon is not estimated."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
+    """Name of the joint."""
     kind: Literal["no-joint-encoder"]
 
     _fields = {
@@ -5886,67 +6156,81 @@ class WarningNoJointEncoder(Record):
     }
 
 
-class WarningNotZeroed(Record):
-    """A baseline's encoders were not zeroed as robot.toml states; the zero was estimated instead."""
+class WarningPayloadInconsistent(Record):
+    """Specified payload that is inconsistent with the recording; the estimated payload is used instead."""
 
     __slots__ = ()
 
-    joint: str
-    """Joint."""
-    kind: Literal["not-zeroed"]
-    zero_rad: Gaussian
-    """What `theta − q` of the unloaded spring reads right after tensioning, rad."""
-
-    _fields = {
-        "joint": "",
-        "kind": "",
-        "zero_rad": "Gaussian",
-    }
-
-
-class WarningNothingFits(Record):
-    """A long time in which nothing fits."""
-
-    __slots__ = ()
-
-    from_s: float
-    """From, s."""
-    kind: Literal["nothing-fits"]
-    to_s: float
-    """To, s."""
-
-    _fields = {
-        "from_s": "",
-        "kind": "",
-        "to_s": "",
-    }
-
-
-class WarningPayloadContradicted(Record):
-    """The recording contradicts the payload that was stated; it was estimated instead."""
-
-    __slots__ = ()
-
-    kind: Literal["payload-contradicted"]
+    kind: Literal["payload-inconsistent"]
     payload_kg: Gaussian
-    """Payload as estimated, kg."""
+    """Estimated payload mass, kg."""
+    probability: float
+    """Probability that the specified payload is wrong, 0 to 1; prior odds of 1 to 20."""
 
     _fields = {
         "kind": "",
         "payload_kg": "Gaussian",
+        "probability": "",
     }
 
 
-class WarningRopeCreeps(Record):
-    """A rope follows its load slowly, and what it carried before isn't known."""
+class WarningReferenceInconsistent(Record):
+    """Offset by contact with an end stop that is inconsistent with the offset by motion."""
+
+    __slots__ = ()
+
+    by_motion_rad: Gaussian
+    """Offset by motion, corrected for the encoder errors, rad."""
+    by_push_rad: Gaussian
+    """Offset by the contact with the end stop, rad."""
+    joint: str
+    """Name of the joint."""
+    kind: Literal["reference-inconsistent"]
+
+    _fields = {
+        "by_motion_rad": "Gaussian",
+        "by_push_rad": "Gaussian",
+        "joint": "",
+        "kind": "",
+    }
+
+
+class WarningRestPhaseInconsistent(Record):
+    """Mean residual of a joint in the final rest phase that exceeds what stiction explains: a slip, or a lasting
+    contact.
+    """
+
+    __slots__ = ()
+
+    from_s: float
+    """Start of the rest phase since the start of the recording, s."""
+    inconsistency_rad: float
+    """Mean residual in the rest phase relative to the estimated offset, rad."""
+    joint: str
+    """Name of the joint."""
+    kind: Literal["rest-phase-inconsistent"]
+    stiction_bound_rad: float
+    """Largest slip that stiction can hide, rad."""
+
+    _fields = {
+        "from_s": "",
+        "inconsistency_rad": "",
+        "joint": "",
+        "kind": "",
+        "stiction_bound_rad": "",
+    }
+
+
+class WarningRopeMemory(Record):
+    """Viscoelastic rope whose load before the recording is unknown; the interval is widened for it."""
 
     __slots__ = ()
 
     half_width_95_rad: float
-    """Half of the 95 % interval for that, rad."""
+    """Half-width of the 95 % interval for the unknown load history, rad."""
     joint: str
-    """Joint."""
-    kind: Literal["rope-creeps"]
+    """Name of the joint."""
+    kind: Literal["rope-memory"]
 
     _fields = {
         "half_width_95_rad": "",
@@ -5955,80 +6239,18 @@ class WarningRopeCreeps(Record):
     }
 
 
-class WarningSidesOutOfStep(Record):
-    """One side is stamped late against the other."""
-
-    __slots__ = ()
-
-    kind: Literal["sides-out-of-step"]
-    motor_late_s: Gaussian
-    """How late the motor side is, s; below 0 it is early."""
-
-    _fields = {
-        "kind": "",
-        "motor_late_s": "Gaussian",
-    }
-
-
-class WarningStandReadsOff(Record):
-    """A joint reads off where the arm stands at the end, by more than friction can hold: a slip, or a contact
-    that lasts.
-    """
-
-    __slots__ = ()
-
-    from_s: float
-    """Since when the arm stands, s."""
-    hidden_rad: float
-    """The largest slip that friction may hold, rad."""
-    joint: str
-    """Joint."""
-    kind: Literal["stand-reads-off"]
-    off_rad: float
-    """By how much it reads off, rad."""
-
-    _fields = {
-        "from_s": "",
-        "hidden_rad": "",
-        "joint": "",
-        "kind": "",
-        "off_rad": "",
-    }
-
-
-class WarningStandsAtEnd(Record):
-    """The arm stands at the end of the recording: friction may hide a slip there."""
-
-    __slots__ = ()
-
-    from_s: float
-    """Since when, s."""
-    hidden_rad: float
-    """The largest slip that friction may hold, rad."""
-    joint: str
-    """Joint of which it may hide most."""
-    kind: Literal["stands-at-end"]
-
-    _fields = {
-        "from_s": "",
-        "hidden_rad": "",
-        "joint": "",
-        "kind": "",
-    }
-
-
-class WarningStiffnessChangedBefore(Record):
-    """Stiffness has, or may have, changed before the recording began."""
+class WarningStiffnessChanged(Record):
+    """Probable stiffness change between the baseline or previous session and this recording."""
 
     __slots__ = ()
 
     change_ratio: Gaussian
-    """By how much if it has."""
+    """Relative change of the stiffness if there is one; negative for a loss."""
     joint: str
-    """Joint."""
-    kind: Literal["stiffness-changed-before"]
+    """Name of the joint."""
+    kind: Literal["stiffness-changed"]
     probability: float
-    """Probability that it has."""
+    """Probability of the change, 0 to 1."""
 
     _fields = {
         "change_ratio": "Gaussian",
@@ -6038,82 +6260,105 @@ class WarningStiffnessChangedBefore(Record):
     }
 
 
-class WarningStuck(Record):
-    """A joint hardly moved while its motor turned."""
-
-    __slots__ = ()
-
-    joint: str
-    """Joint."""
-    joint_travel_rad: float
-    """Travel of the joint, rad."""
-    kind: Literal["stuck"]
-    motor_travel_rad: float
-    """Travel of the motor, rad."""
-
-    _fields = {
-        "joint": "",
-        "joint_travel_rad": "",
-        "kind": "",
-        "motor_travel_rad": "",
-    }
-
-
 class WarningTemperatureUnknown(Record):
-    """The temperature is not known as well as a recorded one."""
+    """Temperature that was not recorded: its change since the baseline is assumed to be within the tolerance."""
 
     __slots__ = ()
 
-    deviation_k: float
-    """Standard deviation of its change since the baseline, K."""
     half_width_95_rad: float
-    """Half of the 95 % interval for that, rad."""
+    """Half-width of the 95 % interval of the thermal effect, rad."""
     joint: str
-    """Joint whose interval that widens most."""
+    """Name of the joint whose interval is widened most."""
     kind: Literal["temperature-unknown"]
+    std_k: float
+    """Standard deviation of the temperature change since the baseline, K."""
 
     _fields = {
-        "deviation_k": "",
         "half_width_95_rad": "",
         "joint": "",
         "kind": "",
+        "std_k": "",
     }
 
 
-class WarningTendonCreeps(Record):
-    """An offset moved evenly while it was looked at."""
+class WarningTendonCreep(Record):
+    """Offset that drifted at a constant rate during the recording; the value at the end is reported."""
 
     __slots__ = ()
 
+    drift_rad: Gaussian
+    """Change of the offset from the start to the end of the recording, rad."""
     duration_s: float
-    """In how long, s."""
+    """Duration of the recording, s."""
     joint: str
-    """Joint."""
-    kind: Literal["tendon-creeps"]
-    moved_rad: Gaussian
-    """By how much, rad."""
+    """Name of the joint."""
+    kind: Literal["tendon-creep"]
     probability: float
-    """Probability that it did."""
+    """Probability of the drift, 0 to 1."""
 
     _fields = {
+        "drift_rad": "Gaussian",
         "duration_s": "",
         "joint": "",
         "kind": "",
-        "moved_rad": "Gaussian",
         "probability": "",
     }
 
 
-class WarningTorqueHardlyChanged(Record):
-    """A joint's torque hardly changed: stretch can't be told from a wrong stiffness."""
+class WarningTensionRejected(Record):
+    """Tension of a tendon that is inconsistent with its extension and was rejected."""
+
+    __slots__ = ()
+
+    fault: MotorTorqueError
+    """Reason for the rejection."""
+    joint: str
+    """Name of the tendon."""
+    kind: Literal["tension-rejected"]
+
+    _fields = {
+        "fault": "MotorTorqueError",
+        "joint": "",
+        "kind": "",
+    }
+
+
+class WarningThermalEffect(Record):
+    """Temperature difference from the baseline whose unknown effect contributes most of the variance of an
+    offset.
+    """
+
+    __slots__ = ()
+
+    frame_is_specified: bool
+    """Whether robot.toml specifies the thermal expansion of the frame."""
+    half_width_95_rad: float
+    """Half-width of the 95 % interval of the thermal effect, rad."""
+    joint: str
+    """Name of the joint with the largest unknown thermal effect."""
+    kind: Literal["thermal-effect"]
+    temperature_difference_k: float
+    """Temperature of the recording minus that of the baseline, K."""
+
+    _fields = {
+        "frame_is_specified": "",
+        "half_width_95_rad": "",
+        "joint": "",
+        "kind": "",
+        "temperature_difference_k": "",
+    }
+
+
+class WarningTorqueRangeSmall(Record):
+    """Torque range of a joint that is too small to separate its offset from an error of the stiffness."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
-    kind: Literal["torque-hardly-changed"]
+    """Name of the joint."""
+    kind: Literal["torque-range-small"]
     torque_nm: TorqueRange
-    """What it carried, N·m."""
+    """Range of the torque at the joint, N·m."""
 
     _fields = {
         "joint": "",
@@ -6122,16 +6367,16 @@ class WarningTorqueHardlyChanged(Record):
     }
 
 
-class WarningUnexplained(Record):
-    """Much of the reading fits nothing."""
+class WarningUnexplainedResidual(Record):
+    """Large residual that the model does not explain; the interval is widened for it."""
 
     __slots__ = ()
 
     joint: str
-    """Joint."""
-    kind: Literal["unexplained"]
+    """Name of the joint."""
+    kind: Literal["unexplained-residual"]
     noise_rad: float
-    """Robust standard deviation, rad."""
+    """Robust standard deviation of the residual, rad."""
 
     _fields = {
         "joint": "",
@@ -6140,140 +6385,143 @@ class WarningUnexplained(Record):
     }
 
 
-class WitnessFaultContradicts(Record):
-    """It doesn't follow the torque of the spring."""
+class WarningUnmodelledInterval(Record):
+    """Long interval that is inconsistent with the model and was rejected."""
 
     __slots__ = ()
 
-    contradicts: WitnessFaultContradictsContradicts
+    from_s: float
+    """Start of the interval since the start of the recording, s."""
+    kind: Literal["unmodelled-interval"]
+    to_s: float
+    """End of the interval since the start of the recording, s."""
 
     _fields = {
-        "contradicts": "WitnessFaultContradictsContradicts",
-    }
-
-
-class WitnessFaultContradictsContradicts(Record):
-
-    __slots__ = ()
-
-    slope: float
-    """What it shows of the spring's torque; 1 is right."""
-
-    _fields = {
-        "slope": "",
+        "from_s": "",
+        "kind": "",
+        "to_s": "",
     }
 
 
 class Wlf(Record):
-    """`log a_T = −C₁ ΔT/(C₂ + ΔT)`."""
+    """Williams-Landel-Ferry equation `log a_T = −C₁ ΔT/(C₂ + ΔT)`."""
 
     __slots__ = ()
 
     c1: float
-    """C₁."""
+    """Dimensionless coefficient C₁."""
     c2_k: float
-    """C₂, K."""
-    misfit_decades: float
-    """Root mean square misfit of log10 a_T, decades."""
+    """Temperature coefficient C₂, K."""
+    residual_rms_decades: float
+    """Root mean square residual of log10 a_T, decades."""
 
     _fields = {
         "c1": "",
         "c2_k": "",
-        "misfit_decades": "",
+        "residual_rms_decades": "",
     }
 
 
 AnchorKind = Literal["stop", "joint-mark", "motor-mark"]
+Artefact = Union[ArtefactDuplicateTimestamps, ArtefactGap, ArtefactImplausibleStrain, ArtefactImplausibleTime, ArtefactLoadDrift, ArtefactNoForce, ArtefactNoRamp, ArtefactNonMonotonicTime, ArtefactOutlier, ArtefactShortens, ArtefactSlip, ArtefactSlowRamp]
 BaselineSource = Union[BaselineSourceAssumed, BaselineSourceGiven]
 BreakCause = Literal["creep-rupture", "bending-fatigue"]
 Cause = Union[Literal["motor-encoder", "joint-encoder", "rope"], CauseUnknown]
-Caution = Union[CautionBeyondData, CautionBreakingLoadGuessed, CautionCreepsApart, CautionEndsNotStated, CautionExtrapolated, CautionHighLoad, CautionHot, CautionLoadShare, CautionLowLoad, CautionReplace, CautionStartingGuesses, CautionTightBend, CautionWornOut]
+Caution = Union[CautionAssumedParameters, CautionBeyondData, CautionBreakingLoadAssumed, CautionCreepsApart, CautionExtrapolated, CautionHighLoad, CautionHot, CautionLoadShare, CautionLowLoad, CautionReplace, CautionTerminationNotSpecified, CautionTightBend, CautionWornOut]
 Comparison = Literal["matched", "paper"]
 ConditionSource = Literal["held", "stated"]
 CreepError = Union[CreepErrorFlat, CreepErrorIncompleteRope, CreepErrorIsotherm, CreepErrorNoEntry, CreepErrorNoForecast, CreepErrorNoGroupColumn, CreepErrorNoPlan, CreepErrorNoRope, CreepErrorNotFinite, CreepErrorNothingAnalysed, CreepErrorOneTemperature, CreepErrorSpecimen, CreepErrorTooFew]
-Ends = Literal["not-stated", "spliced", "knotted"]
-EventKind = Literal["gap", "clock-jump", "late", "damage", "undecodable", "suspicion"]
-Fault = Union[FaultClockGoesBack, FaultDoubtfulStrain, FaultDoubtfulTime, FaultGap, FaultLoadDrift, FaultNoForce, FaultNoRamp, FaultOutlier, FaultRepeatedStamps, FaultShortens, FaultSlip, FaultSlowRamp]
+EventKind = Literal["gap", "clock-step", "late", "damage", "undecodable", "implausible-signal"]
 FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distance", "arm-mass", "heavy-link", "light-link", "density", "inertia-size", "inertia-not-definite", "inertia-triangle", "frequency", "sag", "too-stiff", "stiffer-than-rope", "motor-inertia", "friction", "unknown-rope", "pretension", "holding-pull", "largest-pull", "pulley-diameter", "elongation-limit", "range-width", "range-reversed", "effort-limit", "negative-limit", "speed-limit", "gravity", "gravity-up"]
 Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
 GroupEquations = Literal["tendon", "joint"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
+JointError = Union[Literal["rigid", "no-joint-position", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia", "joint-equations"], JointErrorNoUsableFrame]
 JointMotion = Literal["revolute", "prismatic"]
-JointRefusal = Union[Literal["rigid", "no-joint-position", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia"], JointRefusalNoUsableFrame]
-JumpCause = Literal["strand-failure", "slip", "unknown"]
 Law = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched", "line", "rope"]
 LifeNotUsed = Literal["age-unknown", "strain-limit"]
 LimitForecast = Union[LimitForecastReplace, LimitForecastRetension]
-LimitState = Literal["passed", "not-passed", "cannot-tell"]
+LimitState = Literal["passed", "not-passed", "inconclusive"]
 LoadQuantity = Literal["force", "stress"]
 LossReason = Literal["settling", "joint-position", "joint-velocity", "motor-position", "torque", "external-torque", "range", "duplicate", "late", "undecodable", "without-time"]
 Method = Literal["absolute", "paper"]
 MissingFromRobot = Literal["tendon", "rope", "pretension"]
 MotorTorque = Literal["unused", "measured", "from-current"]
+MotorTorqueError = Union[Literal["constant", "untested"], MotorTorqueErrorContradicts]
 NoEntry = Union[NoEntryNoRopeLaw, NoEntryNotARopeFit, NoEntrySeveralAmplitudes, NoEntrySeveralRopes]
 NoForecast = Union[NoForecastLoad, NoForecastNoForce, NoForecastNoLoad, NoForecastNoTemperature, NoForecastTemperature]
 NoSlope = Union[NoSlopeNotFitted, NoSlopeTooFewReadings]
 NotIdentifiable = Union[NotIdentifiableAbove, NotIdentifiableAnything, NotIdentifiableBelow]
-Origin = Literal["measured", "observed", "motor-torque", "stated", "taken-as-known", "estimated"]
+NotIdentifiableReason = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
+Origin = Literal["measured", "observed", "motor-torque", "stated", "assumed-exact", "estimated"]
 PathUnit = Literal["m", "rad"]
-Place = Literal["rope", "ends"]
+Place = Literal["rope", "termination"]
 PriorBasis = Union[PriorBasisRope, PriorBasisUnknown]
-Quantity = Literal["q", "theta", "dq", "tau_el", "tau_m", "tau_ext", "temperature"]
+Quantity = Literal["q", "theta", "dq", "tau_el", "tau_m", "tau_ext", "temperature", "tension"]
 Quantity2 = Literal["positions", "elastic-torque", "transmission", "external-torque", "offset"]
-RecordingWarning = Union[RecordingWarningClockJumps, RecordingWarningDamaged, RecordingWarningGaps, RecordingWarningImplausibleOffset, RecordingWarningNonFinite, RecordingWarningOutOfOrder, RecordingWarningReference, RecordingWarningRobot, RecordingWarningSamplesLost, RecordingWarningSuspicion, RecordingWarningTorqueHardlyChanges, RecordingWarningUnknownJoints, RecordingWarningUnwrapped]
-Rejection = Union[RejectionBendRatio, RejectionBendRatioNotKnown, RejectionBreakingLoadNotPublished, RejectionBreaks, RejectionDiameterNotPublished, RejectionElongation, RejectionHot, RejectionNotPredicted, RejectionSafetyFactor, RejectionStiffness, RejectionTooHeavy, RejectionTooThick, RejectionTooThin, RejectionWeightNotPublished]
-RopeShowOrigin = Literal["measured", "published", "fitted", "starting-guess"]
-ScatterSource = Literal["repeats", "other-ropes", "stated", "starting-guess"]
-Severity = Literal["odd", "missing", "impossible"]
+RecordingWarning = Union[RecordingWarningClockJumps, RecordingWarningDamaged, RecordingWarningGaps, RecordingWarningImplausibleOffset, RecordingWarningImplausibleSignal, RecordingWarningNonFinite, RecordingWarningOutOfOrder, RecordingWarningReference, RecordingWarningRobot, RecordingWarningSamplesLost, RecordingWarningTorqueRangeSmall, RecordingWarningUnknownJoints, RecordingWarningUnusedTensions, RecordingWarningUnwrapped]
+Rejection = Union[RejectionBendRatio, RejectionBendRatioUnknown, RejectionBreakingLoadNotPublished, RejectionBreaks, RejectionDiameterNotPublished, RejectionElongation, RejectionHot, RejectionNotPredicted, RejectionSafetyFactor, RejectionStiffness, RejectionTooHeavy, RejectionTooThick, RejectionTooThin, RejectionWeightNotPublished]
+Remedy = Literal["motor-torque", "tension-sensors"]
+RopeShowOrigin = Literal["measured", "published", "fitted", "assumed"]
+RopeTermination = Literal["not-specified", "spliced", "knotted"]
+ScatterSource = Literal["repeats", "other-ropes", "stated", "assumed"]
+Severity = Literal["implausible", "missing", "impossible"]
+StepCause = Literal["strand-failure", "slip", "unknown"]
 StrainZero = Union[StrainZeroAsRecorded, StrainZeroBeforeLoad]
-StreamRole = Literal["both-sides", "joint-side", "motor-side", "external-torque"]
+StreamRole = Literal["both-sides", "joint-side", "motor-side", "external-torque", "tension"]
 TemperatureSource = Literal["recorded", "stated", "unknown"]
-TendonChangeKind = Literal["slip", "strand-failure", "slip-or-strand-failure", "stiffer", "retensioned", "softer-since-before", "stiffer-since-before"]
+TendonChangeKind = Literal["slip", "transmission-lost", "strand-failure", "slip-or-strand-failure", "stiffer", "retensioned", "stiffness-loss", "stiffness-increase"]
 TendonForm = Literal["loop", "strand"]
 Termination = Literal["linear", "gradient", "step", "cost", "no-progress", "step-limit", "failed"]
 TestQuantity = Literal["time", "force", "stress", "elongation", "strain", "modulus", "temperature", "humidity", "area", "gauge-length"]
-TopicUse = Literal["joint-side", "motor-side", "external-torque", "robot-description"]
+TopicUse = Literal["joint-side", "motor-side", "external-torque", "robot-description", "tension"]
 TorqueSource = Literal["observer", "torque-sensor", "motor"]
-TrendEvent = Union[TrendEventJump, TrendEventTensioned]
+TrendEvent = Union[TrendEventStepChange, TrendEventTensioned]
 TrendLimitState = Literal["passed", "forecast", "not-before", "not-within-horizon", "too-few-sessions"]
-TrendNote = Union[TrendNoteLifeNotUsed, TrendNoteLongBefore, TrendNoteOtherBaseline, TrendNoteOverlapping, TrendNoteRepeated, TrendNoteTensioningNotStated]
+TrendNote = Union[TrendNoteLifeNotUsed, TrendNoteLongBefore, TrendNoteOtherBaseline, TrendNoteOverlapping, TrendNoteRepeated, TrendNoteTensioningNotSpecified]
 TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "watch", "wait", "no-limit"]
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
-Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningAnchorDisagrees, WarningBeyondPretension, WarningChangeMayEnd, WarningDriftUnknown, WarningExternalForce, WarningExternalForceContradicted, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
-WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
-WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
+Verdict = Literal["elongated", "shortened", "no-change-detected", "offset-detected", "none-detected", "inconclusive", "transmission-lost"]
+Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
 Forecaster = Union[Literal["combined"], Law]
 
 _CLASSES: Mapping[str, Any] = {
     "Ambiguity": Ambiguity,
     "Analysis": Analysis,
-    "AnchorReading": AnchorReading,
-    "AnchoredOffset": AnchoredOffset,
     "Arrhenius": Arrhenius,
-    "At": At,
+    "ArtefactDuplicateTimestamps": ArtefactDuplicateTimestamps,
+    "ArtefactGap": ArtefactGap,
+    "ArtefactImplausibleStrain": ArtefactImplausibleStrain,
+    "ArtefactImplausibleTime": ArtefactImplausibleTime,
+    "ArtefactLoadDrift": ArtefactLoadDrift,
+    "ArtefactNoForce": ArtefactNoForce,
+    "ArtefactNoRamp": ArtefactNoRamp,
+    "ArtefactNonMonotonicTime": ArtefactNonMonotonicTime,
+    "ArtefactOutlier": ArtefactOutlier,
+    "ArtefactShortens": ArtefactShortens,
+    "ArtefactSlip": ArtefactSlip,
+    "ArtefactSlowRamp": ArtefactSlowRamp,
     "BaselineMergeResult": BaselineMergeResult,
     "BaselineResult": BaselineResult,
     "BaselineSourceAssumed": BaselineSourceAssumed,
     "BaselineSourceGiven": BaselineSourceGiven,
     "Basis": Basis,
-    "Beyond": Beyond,
     "Bounded": Bounded,
     "Candidate": Candidate,
     "CatalogueValue": CatalogueValue,
     "CauseUnknown": CauseUnknown,
+    "CautionAssumedParameters": CautionAssumedParameters,
     "CautionBeyondData": CautionBeyondData,
-    "CautionBreakingLoadGuessed": CautionBreakingLoadGuessed,
+    "CautionBreakingLoadAssumed": CautionBreakingLoadAssumed,
     "CautionCreepsApart": CautionCreepsApart,
-    "CautionEndsNotStated": CautionEndsNotStated,
     "CautionExtrapolated": CautionExtrapolated,
     "CautionHighLoad": CautionHighLoad,
     "CautionHot": CautionHot,
     "CautionLoadShare": CautionLoadShare,
     "CautionLowLoad": CautionLowLoad,
     "CautionReplace": CautionReplace,
-    "CautionStartingGuesses": CautionStartingGuesses,
+    "CautionTerminationNotSpecified": CautionTerminationNotSpecified,
     "CautionTightBend": CautionTightBend,
     "CautionWornOut": CautionWornOut,
     "Combination": Combination,
@@ -6281,7 +6529,6 @@ _CLASSES: Mapping[str, Any] = {
     "ContactScore": ContactScore,
     "Coverage": Coverage,
     "CreepAnalysisResult": CreepAnalysisResult,
-    "CreepAnalyzeReading": CreepAnalyzeReading,
     "CreepComparisonResult": CreepComparisonResult,
     "CreepErrorFlat": CreepErrorFlat,
     "CreepErrorIncompleteRope": CreepErrorIncompleteRope,
@@ -6297,12 +6544,13 @@ _CLASSES: Mapping[str, Any] = {
     "CreepErrorSpecimen": CreepErrorSpecimen,
     "CreepErrorTooFew": CreepErrorTooFew,
     "CreepFitResult": CreepFitResult,
+    "CreepHoldOutResult": CreepHoldOutResult,
     "CreepShiftResult": CreepShiftResult,
-    "CreepWithheldResult": CreepWithheldResult,
     "CycleClock": CycleClock,
     "Damage": Damage,
+    "DamageSite": DamageSite,
     "Difference": Difference,
-    "Doubt": Doubt,
+    "DriveCheck": DriveCheck,
     "DutySummary": DutySummary,
     "Ending": Ending,
     "Estimate": Estimate,
@@ -6311,19 +6559,8 @@ _CLASSES: Mapping[str, Any] = {
     "EstimateResult": EstimateResult,
     "Event": Event,
     "Expected": Expected,
+    "Extrapolation": Extrapolation,
     "Failure": Failure,
-    "FaultClockGoesBack": FaultClockGoesBack,
-    "FaultDoubtfulStrain": FaultDoubtfulStrain,
-    "FaultDoubtfulTime": FaultDoubtfulTime,
-    "FaultGap": FaultGap,
-    "FaultLoadDrift": FaultLoadDrift,
-    "FaultNoForce": FaultNoForce,
-    "FaultNoRamp": FaultNoRamp,
-    "FaultOutlier": FaultOutlier,
-    "FaultRepeatedStamps": FaultRepeatedStamps,
-    "FaultShortens": FaultShortens,
-    "FaultSlip": FaultSlip,
-    "FaultSlowRamp": FaultSlowRamp,
     "Finding": Finding,
     "Fit": Fit,
     "FitSet": FitSet,
@@ -6337,28 +6574,26 @@ _CLASSES: Mapping[str, Any] = {
     "GroupCheck": GroupCheck,
     "Health": Health,
     "HeldJoint": HeldJoint,
-    "Holds": Holds,
     "Injection": Injection,
     "Interval95": Interval95,
+    "IsoMeasurement": IsoMeasurement,
     "Isochrone": Isochrone,
     "IsochronePoint": IsochronePoint,
     "JointCheck": JointCheck,
+    "JointErrorNoUsableFrame": JointErrorNoUsableFrame,
     "JointEstimate": JointEstimate,
     "JointInfo": JointInfo,
-    "JointRefusalNoUsableFrame": JointRefusalNoUsableFrame,
+    "JointOffset": JointOffset,
     "JointScore": JointScore,
     "JointTrend": JointTrend,
-    "Judged": Judged,
-    "LeftAlone": LeftAlone,
-    "LeftOut": LeftOut,
-    "Life": Life,
     "LifeForecast": LifeForecast,
     "LimitForecastReplace": LimitForecastReplace,
     "LimitForecastRetension": LimitForecastRetension,
-    "LiveCourse": LiveCourse,
-    "LiveTendon": LiveTendon,
     "Load": Load,
+    "Location": Location,
     "Loss": Loss,
+    "MotorTorqueErrorContradicts": MotorTorqueErrorContradicts,
+    "MotorTorqueErrorContradictsContradicts": MotorTorqueErrorContradictsContradicts,
     "NoEntryNoRopeLaw": NoEntryNoRopeLaw,
     "NoEntryNotARopeFit": NoEntryNotARopeFit,
     "NoEntrySeveralAmplitudes": NoEntrySeveralAmplitudes,
@@ -6375,20 +6610,24 @@ _CLASSES: Mapping[str, Any] = {
     "NotIdentifiableAnything": NotIdentifiableAnything,
     "NotIdentifiableBelow": NotIdentifiableBelow,
     "NuisanceChange": NuisanceChange,
+    "OnlineTendon": OnlineTendon,
+    "OnlineTrajectory": OnlineTrajectory,
     "Parameter": Parameter,
     "PayloadChange": PayloadChange,
     "PerhapsNever": PerhapsNever,
     "Pose": Pose,
     "PosesResult": PosesResult,
+    "PredictedElongation": PredictedElongation,
     "PredictionResult": PredictionResult,
     "PretensionResult": PretensionResult,
     "PriorBasisRope": PriorBasisRope,
     "PriorBasisUnknown": PriorBasisUnknown,
     "Procedure": Procedure,
+    "ProvisionalInterval": ProvisionalInterval,
     "Published": Published,
     "PulleyPlace": PulleyPlace,
+    "RangeCheck": RangeCheck,
     "Rank": Rank,
-    "Reading": Reading,
     "RecordingInfo": RecordingInfo,
     "RecordingInfoResult": RecordingInfoResult,
     "RecordingOutcome": RecordingOutcome,
@@ -6396,19 +6635,23 @@ _CLASSES: Mapping[str, Any] = {
     "RecordingWarningDamaged": RecordingWarningDamaged,
     "RecordingWarningGaps": RecordingWarningGaps,
     "RecordingWarningImplausibleOffset": RecordingWarningImplausibleOffset,
+    "RecordingWarningImplausibleSignal": RecordingWarningImplausibleSignal,
     "RecordingWarningNonFinite": RecordingWarningNonFinite,
     "RecordingWarningOutOfOrder": RecordingWarningOutOfOrder,
     "RecordingWarningReference": RecordingWarningReference,
     "RecordingWarningRobot": RecordingWarningRobot,
     "RecordingWarningSamplesLost": RecordingWarningSamplesLost,
-    "RecordingWarningSuspicion": RecordingWarningSuspicion,
-    "RecordingWarningTorqueHardlyChanges": RecordingWarningTorqueHardlyChanges,
+    "RecordingWarningTorqueRangeSmall": RecordingWarningTorqueRangeSmall,
     "RecordingWarningUnknownJoints": RecordingWarningUnknownJoints,
+    "RecordingWarningUnusedTensions": RecordingWarningUnusedTensions,
     "RecordingWarningUnwrapped": RecordingWarningUnwrapped,
     "Recovery": Recovery,
+    "ReferenceMeasurement": ReferenceMeasurement,
+    "ReferenceOffset": ReferenceOffset,
     "Rejected": Rejected,
+    "RejectedInterval": RejectedInterval,
     "RejectionBendRatio": RejectionBendRatio,
-    "RejectionBendRatioNotKnown": RejectionBendRatioNotKnown,
+    "RejectionBendRatioUnknown": RejectionBendRatioUnknown,
     "RejectionBreakingLoadNotPublished": RejectionBreakingLoadNotPublished,
     "RejectionBreaks": RejectionBreaks,
     "RejectionDiameterNotPublished": RejectionDiameterNotPublished,
@@ -6424,6 +6667,7 @@ _CLASSES: Mapping[str, Any] = {
     "RetensionLimit": RetensionLimit,
     "RobotCheckResult": RobotCheckResult,
     "RobotInfo": RobotInfo,
+    "RopeLifetime": RopeLifetime,
     "RopeListResult": RopeListResult,
     "RopeResult": RopeResult,
     "RopeSummary": RopeSummary,
@@ -6446,34 +6690,38 @@ _CLASSES: Mapping[str, Any] = {
     "Source": Source,
     "SourceColumn": SourceColumn,
     "Span": Span,
-    "Spot": Spot,
     "Step": Step,
     "StiffnessSinceBefore": StiffnessSinceBefore,
     "StrainZeroAsRecorded": StrainZeroAsRecorded,
     "StrainZeroBeforeLoad": StrainZeroBeforeLoad,
     "StreamTiming": StreamTiming,
     "Superposition": Superposition,
-    "Suspicion": Suspicion,
+    "SuspectedStep": SuspectedStep,
     "TendonChange": TendonChange,
     "TendonCheck": TendonCheck,
     "TendonCreep": TendonCreep,
     "TendonEstimate": TendonEstimate,
     "TendonRouting": TendonRouting,
+    "TendonWeight": TendonWeight,
+    "TestedRange": TestedRange,
     "TopicInfo": TopicInfo,
     "TorqueRange": TorqueRange,
     "TorqueStatistics": TorqueStatistics,
     "Touch": Touch,
-    "TrendEventJump": TrendEventJump,
+    "TrendEventStepChange": TrendEventStepChange,
     "TrendEventTensioned": TrendEventTensioned,
     "TrendNoteLifeNotUsed": TrendNoteLifeNotUsed,
     "TrendNoteLongBefore": TrendNoteLongBefore,
     "TrendNoteOtherBaseline": TrendNoteOtherBaseline,
     "TrendNoteOverlapping": TrendNoteOverlapping,
     "TrendNoteRepeated": TrendNoteRepeated,
-    "TrendNoteTensioningNotStated": TrendNoteTensioningNotStated,
+    "TrendNoteTensioningNotSpecified": TrendNoteTensioningNotSpecified,
     "TrendResult": TrendResult,
     "TrueTendon": TrueTendon,
-    "UnitSlip": UnitSlip,
+    "Unattended": Unattended,
+    "UnattributedChange": UnattributedChange,
+    "UnitHint": UnitHint,
+    "UnobservableCombination": UnobservableCombination,
     "UnusableBreaks": UnusableBreaks,
     "UnusableForceNeverPositive": UnusableForceNeverPositive,
     "UnusableGaugeLength": UnusableGaugeLength,
@@ -6489,56 +6737,55 @@ _CLASSES: Mapping[str, Any] = {
     "UnusableSwapped": UnusableSwapped,
     "UnusableTemperature": UnusableTemperature,
     "UnusableTooFewReadings": UnusableTooFewReadings,
-    "WarningAnchorDisagrees": WarningAnchorDisagrees,
+    "WarningAtRestAtEnd": WarningAtRestAtEnd,
     "WarningBeyondPretension": WarningBeyondPretension,
-    "WarningChangeMayEnd": WarningChangeMayEnd,
-    "WarningDriftUnknown": WarningDriftUnknown,
+    "WarningChangeNearEnd": WarningChangeNearEnd,
+    "WarningEncoderDelay": WarningEncoderDelay,
+    "WarningEncoderZeroOffset": WarningEncoderZeroOffset,
     "WarningExternalForce": WarningExternalForce,
-    "WarningExternalForceContradicted": WarningExternalForceContradicted,
+    "WarningExternalForceInconsistent": WarningExternalForceInconsistent,
     "WarningFarFromPrior": WarningFarFromPrior,
     "WarningFewPoses": WarningFewPoses,
     "WarningFewPosesOfBaseline": WarningFewPosesOfBaseline,
-    "WarningFramesMissing": WarningFramesMissing,
-    "WarningMotorTorqueLeftOut": WarningMotorTorqueLeftOut,
-    "WarningMuchLeftOut": WarningMuchLeftOut,
+    "WarningFramesIncomplete": WarningFramesIncomplete,
+    "WarningJointSeized": WarningJointSeized,
+    "WarningMotorTorqueRejected": WarningMotorTorqueRejected,
+    "WarningMuchRejected": WarningMuchRejected,
     "WarningNegativePayload": WarningNegativePayload,
     "WarningNoBaseline": WarningNoBaseline,
     "WarningNoJointEncoder": WarningNoJointEncoder,
-    "WarningNotZeroed": WarningNotZeroed,
-    "WarningNothingFits": WarningNothingFits,
-    "WarningPayloadContradicted": WarningPayloadContradicted,
-    "WarningRopeCreeps": WarningRopeCreeps,
-    "WarningSidesOutOfStep": WarningSidesOutOfStep,
-    "WarningStandReadsOff": WarningStandReadsOff,
-    "WarningStandsAtEnd": WarningStandsAtEnd,
-    "WarningStiffnessChangedBefore": WarningStiffnessChangedBefore,
-    "WarningStuck": WarningStuck,
+    "WarningPayloadInconsistent": WarningPayloadInconsistent,
+    "WarningReferenceInconsistent": WarningReferenceInconsistent,
+    "WarningRestPhaseInconsistent": WarningRestPhaseInconsistent,
+    "WarningRopeMemory": WarningRopeMemory,
+    "WarningStiffnessChanged": WarningStiffnessChanged,
     "WarningTemperatureUnknown": WarningTemperatureUnknown,
-    "WarningTendonCreeps": WarningTendonCreeps,
-    "WarningTorqueHardlyChanged": WarningTorqueHardlyChanged,
-    "WarningUnexplained": WarningUnexplained,
-    "WitnessFaultContradicts": WitnessFaultContradicts,
-    "WitnessFaultContradictsContradicts": WitnessFaultContradictsContradicts,
+    "WarningTendonCreep": WarningTendonCreep,
+    "WarningTensionRejected": WarningTensionRejected,
+    "WarningThermalEffect": WarningThermalEffect,
+    "WarningTorqueRangeSmall": WarningTorqueRangeSmall,
+    "WarningUnexplainedResidual": WarningUnexplainedResidual,
+    "WarningUnmodelledInterval": WarningUnmodelledInterval,
     "Wlf": Wlf,
+    "Artefact": {"slip": ArtefactSlip, "outlier": ArtefactOutlier, "load-drift": ArtefactLoadDrift, "no-force": ArtefactNoForce, "no-ramp": ArtefactNoRamp, "slow-ramp": ArtefactSlowRamp, "duplicate-timestamps": ArtefactDuplicateTimestamps, "non-monotonic-time": ArtefactNonMonotonicTime, "gap": ArtefactGap, "implausible-strain": ArtefactImplausibleStrain, "shortens": ArtefactShortens, "implausible-time": ArtefactImplausibleTime},
     "BaselineSource": {"given": BaselineSourceGiven, "assumed": BaselineSourceAssumed},
     "Cause": {"unknown": CauseUnknown},
-    "Caution": {"low-load": CautionLowLoad, "high-load": CautionHighLoad, "hot": CautionHot, "breaking-load-guessed": CautionBreakingLoadGuessed, "extrapolated": CautionExtrapolated, "creeps-apart": CautionCreepsApart, "worn-out": CautionWornOut, "replace": CautionReplace, "tight-bend": CautionTightBend, "load-share": CautionLoadShare, "ends-not-stated": CautionEndsNotStated, "beyond-data": CautionBeyondData, "starting-guesses": CautionStartingGuesses},
+    "Caution": {"low-load": CautionLowLoad, "high-load": CautionHighLoad, "hot": CautionHot, "breaking-load-assumed": CautionBreakingLoadAssumed, "extrapolated": CautionExtrapolated, "creeps-apart": CautionCreepsApart, "worn-out": CautionWornOut, "replace": CautionReplace, "tight-bend": CautionTightBend, "load-share": CautionLoadShare, "termination-not-specified": CautionTerminationNotSpecified, "beyond-data": CautionBeyondData, "assumed-parameters": CautionAssumedParameters},
     "CreepError": {"too-few": CreepErrorTooFew, "no-plan": CreepErrorNoPlan, "flat": CreepErrorFlat, "not-finite": CreepErrorNotFinite, "specimen": CreepErrorSpecimen, "nothing-analysed": CreepErrorNothingAnalysed, "no-group-column": CreepErrorNoGroupColumn, "no-rope": CreepErrorNoRope, "incomplete-rope": CreepErrorIncompleteRope, "no-entry": CreepErrorNoEntry, "no-forecast": CreepErrorNoForecast, "isotherm": CreepErrorIsotherm, "one-temperature": CreepErrorOneTemperature},
-    "Fault": {"slip": FaultSlip, "outlier": FaultOutlier, "load-drift": FaultLoadDrift, "no-force": FaultNoForce, "no-ramp": FaultNoRamp, "slow-ramp": FaultSlowRamp, "repeated-stamps": FaultRepeatedStamps, "clock-goes-back": FaultClockGoesBack, "gap": FaultGap, "doubtful-strain": FaultDoubtfulStrain, "shortens": FaultShortens, "doubtful-time": FaultDoubtfulTime},
-    "JointRefusal": {"no-usable-frame": JointRefusalNoUsableFrame},
+    "JointError": {"no-usable-frame": JointErrorNoUsableFrame},
     "LimitForecast": {"retension": LimitForecastRetension, "replace": LimitForecastReplace},
+    "MotorTorqueError": {"contradicts": MotorTorqueErrorContradicts},
     "NoEntry": {"several-amplitudes": NoEntrySeveralAmplitudes, "several-ropes": NoEntrySeveralRopes, "no-rope-law": NoEntryNoRopeLaw, "not-a-rope-fit": NoEntryNotARopeFit},
     "NoForecast": {"no-load": NoForecastNoLoad, "no-force": NoForecastNoForce, "no-temperature": NoForecastNoTemperature, "load": NoForecastLoad, "temperature": NoForecastTemperature},
     "NoSlope": {"too-few-readings": NoSlopeTooFewReadings, "not-fitted": NoSlopeNotFitted},
     "NotIdentifiable": {"anything": NotIdentifiableAnything, "below": NotIdentifiableBelow, "above": NotIdentifiableAbove},
     "PriorBasis": {"unknown": PriorBasisUnknown, "rope": PriorBasisRope},
-    "RecordingWarning": {"robot": RecordingWarningRobot, "suspicion": RecordingWarningSuspicion, "unknown-joints": RecordingWarningUnknownJoints, "implausible-offset": RecordingWarningImplausibleOffset, "torque-hardly-changes": RecordingWarningTorqueHardlyChanges, "damaged": RecordingWarningDamaged, "gaps": RecordingWarningGaps, "clock-jumps": RecordingWarningClockJumps, "out-of-order": RecordingWarningOutOfOrder, "samples-lost": RecordingWarningSamplesLost, "non-finite": RecordingWarningNonFinite, "unwrapped": RecordingWarningUnwrapped, "reference": RecordingWarningReference},
-    "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-not-known": RejectionBendRatioNotKnown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-predicted": RejectionNotPredicted},
+    "RecordingWarning": {"robot": RecordingWarningRobot, "implausible-signal": RecordingWarningImplausibleSignal, "unknown-joints": RecordingWarningUnknownJoints, "unused-tensions": RecordingWarningUnusedTensions, "implausible-offset": RecordingWarningImplausibleOffset, "torque-range-small": RecordingWarningTorqueRangeSmall, "damaged": RecordingWarningDamaged, "gaps": RecordingWarningGaps, "clock-jumps": RecordingWarningClockJumps, "out-of-order": RecordingWarningOutOfOrder, "samples-lost": RecordingWarningSamplesLost, "non-finite": RecordingWarningNonFinite, "unwrapped": RecordingWarningUnwrapped, "reference": RecordingWarningReference},
+    "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-unknown": RejectionBendRatioUnknown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-predicted": RejectionNotPredicted},
     "StrainZero": {"before-load": StrainZeroBeforeLoad, "as-recorded": StrainZeroAsRecorded},
-    "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
-    "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
+    "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},
+    "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-specified": TrendNoteTensioningNotSpecified, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "external-force": WarningExternalForce, "unexplained": WarningUnexplained, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "external-force-contradicted": WarningExternalForceContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
-    "WitnessFault": {"contradicts": WitnessFaultContradicts},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
 }
 Record._classes = _CLASSES

@@ -2,4 +2,5 @@
 
 pub(crate) mod paper;
 pub(crate) mod scenarios;
-pub(crate) mod simulate_year;
+pub(crate) mod trend_simulate;
+pub(crate) mod validation;

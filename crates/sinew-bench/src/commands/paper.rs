@@ -7,13 +7,13 @@ use sinew_estimate::robot_dir;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
-/// Reproduce a figure of the paper beside its sentences, judged from the data
+/// Reproduce a figure of the paper and assess its statements with the data
 ///
-/// Writes NAME.svg, NAME.html and NAME.png (where the build has PNG). Exit code 3 when a sentence does not hold.
+/// Writes NAME.svg, NAME.html and NAME.png (if the build supports PNG). Exit code 3 if a statement does not hold.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew paper fig6 --out figures")]
 pub(crate) struct Paper {
-    /// Which figure
+    /// Name of the figure
     #[arg(value_enum)]
     figure: FigureName,
     /// Robot's folder, for fig6, fig7 and control [default: robots/biorob-like]
@@ -22,10 +22,10 @@ pub(crate) struct Paper {
     /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5 and table1
     #[arg(long = "ropes", value_name = "DIR")]
     ropes: Vec<PathBuf>,
-    /// Folder for the files; made if it isn't there
+    /// Folder for the files, created if missing
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// Print one JSON document (curves and sentences) instead of the sentences
+    /// Print one JSON document (curves and statements) instead of the statements
     #[arg(long)]
     json: bool,
     /// Nothing on stderr
@@ -34,7 +34,7 @@ pub(crate) struct Paper {
 }
 
 impl Paper {
-    /// An option that would change nothing is refused.
+    /// Returns an error for an option without effect.
     fn check(&self) -> Result<(), Failure> {
         let name = self.figure;
         let robot = matches!(
@@ -42,13 +42,13 @@ impl Paper {
             FigureName::Fig6 | FigureName::Fig7 | FigureName::Control
         );
         if robot && !self.ropes.is_empty() {
-            return Err(Failure::Refused(format!(
-                "--ropes: {name} is made with a robot's tendons, and with no rope of the catalogue; leave it out"
+            return Err(Failure::Error(format!(
+                "--ropes: {name} uses the tendons of a robot, not the rope catalogue; remove the option"
             )));
         }
         if !robot && self.robot.is_some() {
-            return Err(Failure::Refused(format!(
-                "--robot: {name} is made with ropes alone; leave it out"
+            return Err(Failure::Error(format!(
+                "--robot: {name} uses ropes only; remove the option"
             )));
         }
         Ok(())
@@ -65,7 +65,7 @@ impl Paper {
         let robot = || robot_dir::load(folder.unwrap_or(Path::new("robots/biorob-like")), None);
         let catalogue = || Catalogue::with_folders(&self.folders());
         std::fs::create_dir_all(&self.out).map_err(|e| {
-            Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))
+            Failure::Error(format!("cannot create folder {}: {e}", self.out.display()))
         })?;
         let mut figure = match self.figure {
             FigureName::Fig1 => paper::fig1(&catalogue()?)?,
@@ -85,7 +85,7 @@ impl Paper {
 
     fn finish(&self, failed: usize, of: usize) -> Finish {
         if failed > 0 && !self.quiet {
-            let text = format!("{failed} of {of} sentences do not hold");
+            let text = format!("{failed} of {of} statements do not hold");
             complain(Word::Warning, &text);
         }
         Finish::lossy(failed > 0)

@@ -1,4 +1,4 @@
-//! `sinew scenarios`: how good the absolute offset is, over many simulated recordings.
+//! `sinew scenarios`: accuracy of the absolute offset over many simulated recordings.
 
 use clap::{Args, Subcommand};
 use sinew::files::{check_outputs, write_table};
@@ -10,7 +10,7 @@ use sinew_sim::protocol::{DEFAULT, UNMODELLED, plan_adapted, plan_named, variant
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// Judge the absolute offset on many simulated recordings with known truth
+/// Assess the absolute offset on many simulated recordings with known truth
 #[derive(Debug, Subcommand)]
 pub(crate) enum Scenarios {
     Run(Run),
@@ -19,49 +19,49 @@ pub(crate) enum Scenarios {
 
 /// Simulate, estimate, compare with the truth
 ///
-/// Each recording has a session A of a minute that teaches the baseline, B that is judged at its
-/// end, and C in which two tendons slip by 5 mrad. What is drawn stands in docs/src/science/scenarios.md.
+/// Each recording has a session A of one minute for the baseline, a session B assessed at its end, and a session C in
+/// which two tendons slip by 5 mrad. The draws are documented in docs/src/validation.md.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew scenarios run --n 200 --out s7.jsonl --scenario S7\n  \
     sinew scenarios run --robot my-robot --scenario S7\n  \
     sinew scenarios run --variants --n 8 --out variants.jsonl\n\n\
-    A run that was stopped goes on where it was with the same --out.")]
+    A stopped run resumes with the same --out.")]
 pub(crate) struct Run {
-    /// Scenario by its name, or a file (.toml) of your own with sessions A, B and C; give several
-    /// times for several [default: S5 S6 S7 S8]
+    /// Scenario name, or file (.toml) with sessions A, B and C; repeatable [default: S5 S6 S7 S8]
     #[arg(long, value_name = "NAME")]
     scenario: Vec<String>,
-    /// Your robot's folder: S5 to S8b with its joints, masses, stiffness, friction and limits
+    /// Folder of the robot: S5 to S8b with its joints, masses, stiffness, friction and limits
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// The errors of the model that the estimator doesn't know of (U1, U2, …)
+    /// Run the scenarios with errors that the estimator does not model (U1, U2, …)
     #[arg(long, conflicts_with_all = ["scenario", "robot"])]
     unmodelled: bool,
-    /// What a user meets outside the protocol: forces that stay, creep, an arm not zeroed and more; every offset
-    /// at the end of B, and of C with what was known after B. With --scenario: those instead, judged like this
+    /// Run conditions outside the protocol: constant external forces, creep, an arm that is not zeroed and more;
+    /// assesses every offset at the end of B, and of C with the posterior of B as prior. With --scenario: those
+    /// scenarios instead, assessed in the same way
     #[arg(long, conflicts_with_all = ["robot", "unmodelled", "no_steps"])]
     variants: bool,
-    /// The online estimate at every block of B and C, instead of ends: how soon it is useful, how long it is outside its
-    /// interval unsaid, what it says after a slip
+    /// Assess the online estimate at every block of B and C instead of the ends: time to the first useful estimate,
+    /// time outside the interval without a warning, response to a slip
     #[arg(long, conflicts_with_all = ["variants", "no_steps", "no_motor_torque", "table"])]
-    course: bool,
+    trajectory: bool,
     /// Recordings per scenario
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     n: u64,
     /// Seed of the first recording; the others follow
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Without session C: half the time, no slips
+    /// Omit session C: half the time, no slips
     #[arg(long)]
     no_steps: bool,
-    /// Motor and joint positions alone, without the motor's torque
+    /// Use motor and joint positions only, without motor torque
     #[arg(long)]
     no_motor_torque: bool,
-    /// Threads [default: as many as the machine has]
+    /// Number of threads [default: number of CPU cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     jobs: Option<u64>,
-    /// A line of JSON per recording; recordings that are there already aren't run again
+    /// File with a line of JSON per recording; recordings in it are not run again
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Write a row per recording and joint; .csv or .parquet
@@ -70,7 +70,7 @@ pub(crate) struct Run {
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// No progress on stderr
+    /// Suppress progress on stderr
     #[arg(long, help_heading = "Output")]
     quiet: bool,
 }
@@ -78,9 +78,9 @@ pub(crate) struct Run {
 /// Print a scenario as `sinew simulate` reads it
 #[derive(Debug, Args)]
 pub(crate) struct Show {
-    /// Its name, such as S7
+    /// Name of the scenario, such as S7
     name: String,
-    /// For the robot in this folder
+    /// Adapt it to the robot in this folder
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
 }
@@ -110,7 +110,7 @@ impl Run {
             ("--out", self.out.as_deref()),
             ("--table", self.table.as_deref()),
         ];
-        // What was run before is taken up again, not replaced.
+        // Earlier results are resumed, not replaced.
         check_outputs(&[out], &[], true)?;
         check_outputs(&[table], &[out], self.quiet)?;
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
@@ -142,13 +142,13 @@ impl Run {
         };
         let bar = Bar::new("recordings", self.quiet);
         let mut progress = |done, all| bar.set(done as f64, all as f64);
-        if self.course {
-            let report = scenarios::run_courses(&options, &mut progress)?;
+        if self.trajectory {
+            let report = scenarios::run_trajectories(&options, &mut progress)?;
             drop(bar);
-            answer_as(self.json, &report, scenarios::render_courses)?;
+            answer_as(self.json, &report, scenarios::render_trajectories)?;
             return Ok(match report.scenarios.iter().all(|s| s.recordings == 0) {
-                true => Finish::Refused,
-                false => Finish::lossy(!report.refusals.is_empty()),
+                true => Finish::InvalidInput,
+                false => Finish::lossy(!report.rejections.is_empty()),
             });
         }
         let (report, recordings) = scenarios::run_recordings(&options, &mut progress)?;
@@ -160,10 +160,10 @@ impl Run {
             scenarios::render_table
         };
         answer_as(self.json, &report, render)?;
-        // Nothing judged is no success.
+        // A run without an assessed recording is not a success.
         Ok(match recordings.is_empty() {
-            true => Finish::Refused,
-            false => Finish::lossy(!report.refusals.is_empty()),
+            true => Finish::InvalidInput,
+            false => Finish::lossy(!report.rejections.is_empty()),
         })
     }
 }

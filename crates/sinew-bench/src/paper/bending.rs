@@ -1,8 +1,8 @@
-//! What figs. 4 and 5 share: the rope on the virtual bench, in every draw.
+//! Common part of figs. 4 and 5: the rope on the virtual bench, in every draw.
 
 use super::PaperError;
+use super::assessment::{assumptions, curve};
 use super::data::{FigureName, PanelData, PaperFigure};
-use super::judge::{assumptions, curve};
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Figure, Panel};
 use sinew_rope::bench::{Bench, Simulated, routings, simulate};
@@ -11,7 +11,7 @@ use sinew_rope::law::Law;
 /// The rope of the paper's bending tests.
 pub(super) const ROPE: &str = "liros-dc000-0301";
 
-/// One of the paper's cases.
+/// Bending case of the paper.
 pub(super) fn bench(name: &str) -> Result<Bench, PaperError> {
     routings::paper(name).ok_or_else(|| PaperError::Rope(name.to_string()))
 }
@@ -34,18 +34,18 @@ pub(super) fn end(run: &Simulated) -> f64 {
 
 pub(super) fn geometry() -> Vec<String> {
     vec![
-        "\"Liros SK99\" is taken to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into(),
+        "\"Liros SK99\" is assumed to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into(),
         format!(
-            "Geometry the paper doesn't state: strands of {:.0} mm, guiding pulleys of {:.0} mm radius on one of them, small wrap {} °, wrap of (C) {} °, pulleys {:.0} mm apart in (B) and {:.0} mm in (D); one sinusoid takes {} s.",
+            "Assumed geometry, not specified in the paper: strands of {:.0} mm, guiding pulleys of {:.0} mm radius on one of them, small wrap {} °, wrap of (C) {} °, pulleys {:.0} mm apart in (B) and {:.0} mm in (D); one sinusoid takes {} s.",
             1e3 * routings::STRAND_M,
             1e3 * routings::RADIUS_M,
             routings::SMALL_WRAP_DEG,
             routings::LARGE_WRAP_DEG,
-            1e3 * routings::WIDE_M,
-            1e3 * routings::CLOSE_M,
+            1e3 * routings::WIDE_SPACING_M,
+            1e3 * routings::CLOSE_SPACING_M,
             routings::PERIOD_S
         ),
-        "The camera's half-millimetre scale is not in this: differences below 0.1 mm (0.017 % of a strand) would not be seen with it.".into(),
+        "The camera's half-millimetre scale is not modelled: it does not resolve differences below 0.1 mm (0.017 % of a strand).".into(),
     ]
 }
 
@@ -63,7 +63,7 @@ pub(super) fn drawn(
         let minutes: Vec<f64> = runs[0].time_s.iter().map(|t| t / 60.0).collect();
         let curves: Vec<Vec<f64>> = runs.iter().map(|r| r.strain_percent.clone()).collect();
         let (line, band, data) = curve(label, &minutes, &curves, Colour::CYCLE[i]);
-        // The same rope is drawn for all: bands would hide that the routings move together.
+        // The same rope is drawn for all: bands would hide the correlation of the routings.
         if cases.len() <= 2 {
             panel = panel.band(band);
         }

@@ -1,8 +1,8 @@
 //! Figs. 1 and 2: tensile creep of the ropes at 23 and at 60 °C.
 
 use super::PaperError;
-use super::data::{FigureName, PanelData, PaperFigure, given, not_judged};
-use super::judge::{assumptions, claimed, curve, laws, slope};
+use super::assessment::{assumptions, claimed, curve, laws, slope};
+use super::data::{FigureName, PanelData, PaperFigure, given, not_assessed};
 use super::sentence::Sentence;
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
@@ -38,9 +38,9 @@ pub(super) struct Test {
     pub(super) curves: Vec<Vec<f64>>,
     /// Strain at the end, %.
     pub(super) end: Vec<f64>,
-    /// `m_E`, %/h.
+    /// Creep rate at the end `m_E`, %/h.
     pub(super) slope: Vec<f64>,
-    /// Slope of the last 20 min over that from 20 to 40 min.
+    /// Ratio of the slope in the last 20 min to the slope from 20 to 40 min.
     pub(super) slope_left: Vec<f64>,
 }
 
@@ -146,7 +146,7 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         ),
         claimed(
             "The aramid cord and Climax Combat have almost the same slope, although the cord ends far higher.",
-            "their slopes m_E differ by at most a quarter of their mean, and the cord ends at least half again as high",
+            "their slopes m_E differ by at most a quarter of their mean, and the final strain of the cord is at least 1.5 times as large",
             |d| {
                 let (a, b) = (cord.slope[d], climax.slope[d]);
                 (a - b).abs() <= 0.25 * 0.5 * (a + b) && cord.end[d] >= 1.5 * climax.end[d]
@@ -164,13 +164,13 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     ];
     let title = "Fig. 1: tensile creep of nine ropes at 23 °C";
     let mut out = figure(FigureName::Fig1, title, &tests, None, sentences);
-    out.not_judged = not_judged(&[[
+    out.not_assessed = not_assessed(&[[
         "Tensile creep after ISO 899-1: 60 N, 350 mm, 85 min, standard atmosphere 23/50.",
-        "A procedure. Load, length and time are those of fig1; the law knows no humidity.",
+        "A procedure. Load, length and time are those of fig1; the creep law does not model humidity.",
     ]]);
     out.given = given(&[
         "60 N, 350 mm, 85 min, 23 °C and 50 % humidity; m_E from 20 min on.",
-        "Almost 0.2 %: how far apart the ropes under 2 mm end.",
+        "Almost 0.2 %: range of the final strains of the ropes under 2 mm.",
     ]);
     Ok(out)
 }
@@ -188,7 +188,7 @@ fn at_least(tests: &[Test], d: usize, which: impl Fn(&Test) -> bool) -> f64 {
 /// Fig. 2: DM20, SK99, Technora and Vectran at 60 °C.
 ///
 /// # Errors
-/// As [`fig1`].
+/// Returns the errors of [`fig1`].
 pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let all = |celsius: f64| {
         HOT.into_iter()
@@ -212,7 +212,7 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
             },
         ),
         claimed(
-            "Technora's and Vectran's slopes rise only a little.",
+            "The slopes of Technora and Vectran increase only slightly.",
             "both slopes m_E at 60 °C are 1 to 1.5 times those at 23 °C",
             |d| {
                 [&technora, &vectran]
@@ -221,7 +221,7 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
             },
         ),
         claimed(
-            "SK99's and DM20's slopes fall strongly.",
+            "The slopes of SK99 and DM20 decrease strongly.",
             "both slopes m_E at 60 °C are at most half of those at 23 °C",
             |d| [&sk99, &dm20].iter().all(|p| slope(p, d) <= 0.5),
         ),
@@ -242,14 +242,14 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         "60 °C; otherwise as Fig. 1.",
         "About half: Liros SK99 against its own end at 23 °C.",
     ]);
-    out.assumptions.push("\"Liros SK99\" is taken to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into());
+    out.assumptions.push("\"Liros SK99\" is assumed to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into());
     out.assumptions
         .push("The rope is warm from the start of the test.".into());
     Ok(out)
 }
 
-/// Curves of all tests, intervals of their ends beside them; dashed, the same ropes at 23 °C where
-/// `cold` has them.
+/// Draws the curves of all tests with the intervals of their ends; dashed, the same ropes at 23 °C if `cold` has
+/// them.
 fn figure(
     name: FigureName,
     title: &str,
@@ -259,7 +259,7 @@ fn figure(
 ) -> PaperFigure {
     let minutes = minutes();
     let end = MINUTES as f64;
-    // Bars of the ends stand beside each other to the right of the curves.
+    // Bars of the ends are drawn side by side to the right of the curves.
     let bar_at = |i: usize| end + 1.2 + 0.9 * i as f64;
     let mut panel = Panel::new("", "time (min)", "strain (%)").x_range(0.0, bar_at(tests.len()));
     let mut data = PanelData {
@@ -296,7 +296,7 @@ fn figure(
     };
     let mut assumptions = assumptions();
     assumptions.push(format!(
-        "Free length {LENGTH_MM} mm; the load is there at once."
+        "Free length {LENGTH_MM} mm; the load is applied immediately."
     ));
     let drawing = Figure::new(title)
         .subtitle(format!(

@@ -1,4 +1,4 @@
-//! What a figure of the paper consists of.
+//! Data of a figure of the paper.
 
 use super::row::Row;
 use super::sentence::Sentence;
@@ -8,7 +8,7 @@ use sinew_figure::plot::Figure;
 use sinew_files::JsonDocument;
 use std::path::PathBuf;
 
-/// Which figure; its files have this name.
+/// Name of a figure and of its files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -20,10 +20,10 @@ pub enum FigureName {
     #[value(help = "Creep of four ropes at 60 °C")]
     Fig2,
     /// A rope over guiding pulleys.
-    #[value(help = "A rope over guiding pulleys, routings A to D")]
+    #[value(help = "Elongation of a rope over guiding pulleys, cases A to D")]
     Fig4,
     /// A rope under changing force.
-    #[value(help = "A rope under changing force, E and F")]
+    #[value(help = "Elongation of a rope after a change of the force, cases E and F")]
     Fig5,
     /// The offset estimate in simulation.
     #[value(
@@ -35,7 +35,7 @@ pub enum FigureName {
         help = "A simulated \"real\" elbow: injected offset, difference, rope relaxed and re-tensioned"
     )]
     Fig7,
-    /// The ropes.
+    /// Table of the ropes.
     #[value(help = "The ropes as published, with their simulated creep test")]
     Table1,
     /// Control and collision detection with stretched ropes.
@@ -51,43 +51,43 @@ impl std::fmt::Display for FigureName {
     }
 }
 
-/// A figure of the paper, done again. As JSON its data, without the drawing.
+/// Reproduced figure of the paper. The JSON contains its data, without the drawing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaperFigure {
-    /// Which one.
+    /// Name of the figure.
     pub name: FigureName,
-    /// One line.
+    /// Title in one line.
     pub title: String,
-    /// What is shown and how it was made, in paragraphs.
+    /// Content of the figure and method, in paragraphs.
     #[serde(skip)]
     pub about: Vec<String>,
-    /// The drawing.
+    /// Drawing of the figure.
     #[serde(skip)]
     pub figure: Figure,
-    /// Numbers behind the drawing, where tables show them better.
+    /// Tables with the numbers of the drawing.
     #[serde(skip)]
     pub tables: Vec<Table>,
-    /// What the paper says, and what Sinew adds, each held against the data.
+    /// Statements of the paper and of Sinew, each assessed with the data.
     pub sentences: Vec<Sentence>,
-    /// What the paper says or did that no data judge, with the reason.
-    pub not_judged: Vec<String>,
-    /// What the paper gives to compare with: numbers of its text, no curves.
+    /// Statements or procedures of the paper that are not assessed with data, with the reason.
+    pub not_assessed: Vec<String>,
+    /// Numbers given in the text of the paper for comparison; it has no numerical curves.
     pub given: Vec<String>,
-    /// What is assumed because the paper doesn't tell.
+    /// Assumptions where the paper does not specify a value.
     pub assumptions: Vec<String>,
-    /// The curves.
+    /// Panels with the curves.
     pub panels: Vec<PanelData>,
-    /// Of [`control`](super::control()): one row per robot and knowledge.
+    /// Rows of the table of [`control`](super::control()), one per robot and correction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<Row>,
-    /// What was written.
+    /// Files written for the figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub files: Option<Written>,
 }
 
 impl PaperFigure {
-    /// Title and drawing, nothing else yet.
+    /// Creates figure data that contain only a title and a plot.
     pub(super) fn new(name: FigureName, title: &str, figure: Figure) -> Self {
         Self {
             name,
@@ -96,7 +96,7 @@ impl PaperFigure {
             figure,
             tables: Vec::new(),
             sentences: Vec::new(),
-            not_judged: Vec::new(),
+            not_assessed: Vec::new(),
             given: Vec::new(),
             assumptions: Vec::new(),
             panels: Vec::new(),
@@ -107,20 +107,20 @@ impl PaperFigure {
 }
 
 impl JsonDocument for PaperFigure {
-    const SCHEMA: &'static str = "sinew/paper/1";
+    const SCHEMA: &'static str = "sinew/paper/2";
 }
 
-/// What the paper gives: numbers of its text.
+/// Returns the numbers given in the text of the paper.
 pub(super) fn given(numbers: &[&str]) -> Vec<String> {
-    let first = "The paper's curves are not available as data: no curve here is compared with one of the paper's. Numbers of its text are the only anchors.";
+    let first = "The paper's curves are not available as data: no curve here is compared with one of the paper's. The numbers of its text are the only reference values.";
     std::iter::once(first)
         .chain(numbers.iter().copied())
         .map(Into::into)
         .collect()
 }
 
-/// What the paper says that no data of ours judge: its sentences, each with the reason.
-pub(super) fn not_judged(sentences: &[[&str; 2]]) -> Vec<String> {
+/// Returns the statements of the paper that are not assessed with data, each with the reason.
+pub(super) fn not_assessed(sentences: &[[&str; 2]]) -> Vec<String> {
     sentences
         .iter()
         .map(|sentence| sentence.join(" "))
@@ -131,7 +131,7 @@ pub(super) fn not_judged(sentences: &[[&str; 2]]) -> Vec<String> {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Written {
-    /// The page: drawing, sentences, assumptions.
+    /// The page: drawing, statements, assumptions.
     pub html: PathBuf,
     /// The drawing, scalable.
     pub svg: PathBuf,
@@ -146,9 +146,9 @@ pub struct Written {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PanelData {
-    /// What the panel shows.
+    /// Title of the panel.
     pub title: String,
-    /// Its curves.
+    /// Curves of the panel.
     pub series: Vec<SeriesData>,
 }
 
@@ -156,9 +156,9 @@ pub struct PanelData {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SeriesData {
-    /// What it is.
+    /// Name of the curve.
     pub name: String,
-    /// Time, s.
+    /// Times of the points, s.
     pub time_s: Vec<f64>,
     /// One value per time.
     #[serde(flatten)]
@@ -172,7 +172,7 @@ pub struct SeriesData {
 pub enum Curve {
     /// Offsets or errors of a position, rad.
     AngleRad(#[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))] Vec<f64>),
-    /// Strains.
+    /// Strains as ratios.
     StrainRatio(Vec<f64>),
 }
 

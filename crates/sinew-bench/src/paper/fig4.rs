@@ -1,9 +1,9 @@
 //! Fig. 4: a rope over guiding pulleys.
 
 use super::PaperError;
+use super::assessment::{assessed, claimed, laws};
 use super::bending::{ROPE, bench, drawn, end, runs};
-use super::data::{FigureName, PaperFigure, given, not_judged};
-use super::judge::{claimed, judged, laws};
+use super::data::{FigureName, PaperFigure, given, not_assessed};
 use super::sentence::{Sentence, Verdict};
 use sinew_figure::Table;
 use sinew_rope::Catalogue;
@@ -14,8 +14,8 @@ use sinew_rope::law::{Law, Parameter};
 const NAMES: [&str; 4] = ["A", "B", "C", "D"];
 /// Readings of the curves drawn, s.
 const INTERVAL_S: f64 = 60.0;
-/// Readings of the draws over four hours, s: the end and the slope of the last hour are judged.
-const JUDGED_INTERVAL_S: f64 = 1200.0;
+/// Sampling interval of the draws over four hours, s; the end and the slope of the last hour are assessed.
+const SAMPLING_INTERVAL_S: f64 = 1200.0;
 
 /// Fig. 4: the four routings.
 ///
@@ -43,18 +43,18 @@ pub fn fig4(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let mut out = drawn(FigureName::Fig4, title, &titles, &curves);
     out.sentences = cases.sentences();
     out.tables = vec![choices(&laws, &cases)?, passes()?];
-    out.not_judged = not_judged(&[
+    out.not_assessed = not_assessed(&[
         [
-            "The elongation is read from the carriage, by camera on a half-millimetre scale.",
-            "A procedure. The virtual bench reads without error; differences below 0.1 mm (0.017 % of a strand) would not be seen with the scale. `sinew bench read-camera` reads such pictures.",
+            "The elongation is measured at the carriage, by camera on a half-millimetre scale.",
+            "A procedure. The virtual bench measures without error; the scale does not resolve differences below 0.1 mm (0.017 % of a strand). `sinew bench read-camera` reads such pictures.",
         ],
         [
             "In (C) distinct portions of the rope are stressed.",
-            "Geometry, not a result: fig4 tables which length passes how many pulleys.",
+            "Geometry, not a result: fig4 lists the length that passes each number of pulleys.",
         ],
         [
             "Each case was run twice.",
-            "The law has no scatter from specimen to specimen.",
+            "The creep law has no scatter between specimens.",
         ],
     ]);
     out.given = given(&[
@@ -74,7 +74,7 @@ struct Cases([Vec<Simulated>; 4]);
 
 impl Cases {
     fn of(laws: &[Law]) -> Result<Self, PaperError> {
-        let run = |name| runs(laws, name, JUDGED_INTERVAL_S);
+        let run = |name| runs(laws, name, SAMPLING_INTERVAL_S);
         Ok(Self([run("A")?, run("B")?, run("C")?, run("D")?]))
     }
 
@@ -114,19 +114,19 @@ impl Cases {
                 "final strains of the same rope on the four routings are in this order",
                 |i| self.ordered(i),
             ),
-            judged(
+            assessed(
                 "Of the order, A < C.",
-                "final strains. The law has every guiding pulley cost elongation, so that this link can't fail",
+                "final strains. In the creep law every guiding pulley adds elongation, so that this part cannot fail",
                 |i| self.a_below_c(i),
             ),
-            judged(
+            assessed(
                 "Of the order, C < D.",
-                "final strains: one long contact against a portion that passes three pulleys",
+                "final strains: one long contact compared with a section that passes three pulleys",
                 |i| self.c_below_d(i),
             ),
-            judged(
+            assessed(
                 "Of the order, D < B.",
-                "final strains: a short portion that passes three pulleys against three that pass one each",
+                "final strains: a short section that passes three pulleys compared with three that pass one each",
                 |i| self.d_below_b(i),
             ),
             claimed(
@@ -138,7 +138,7 @@ impl Cases {
     }
 }
 
-/// Whether a run over four hours has come to rest.
+/// Whether the elongation of a run of four hours saturates.
 fn saturates(run: &Simulated) -> bool {
     let at = |hours: f64| {
         let last = run.time_s.partition_point(|t| *t <= 3600.0 * hours + 1e-6);
@@ -148,15 +148,15 @@ fn saturates(run: &Simulated) -> bool {
     fourth <= 0.03 * at(4.0) && fourth <= second / 3.0
 }
 
-/// What the choice of `q` and of friction does to the verdicts: shares of the draws in which they hold, with one value held in
-/// all of them.
+/// Effect of the choice of `q` and of friction on the verdicts: shares of the draws in which they hold, with one
+/// value fixed in all of them.
 fn choices(laws: &[Law], cases: &Cases) -> Result<Table, PaperError> {
     let mut rows = vec![row("as in the catalogue", cases)];
     for q in [0.4, 0.6, 0.8, 1.0, 1.2] {
         let held = held(laws, Parameter::PassExponent, q)?;
         let mut varied = cases.clone();
         // One pass counts once whatever q is: only (D) has portions with more.
-        varied.0[3] = runs(&held, "D", JUDGED_INTERVAL_S)?;
+        varied.0[3] = runs(&held, "D", SAMPLING_INTERVAL_S)?;
         rows.push(row(&format!("q = {q} in all draws"), &varied));
     }
     let frictionless = Cases::of(&held(laws, Parameter::Friction, 0.0)?)?;
@@ -174,7 +174,7 @@ fn choices(laws: &[Law], cases: &Cases) -> Result<Table, PaperError> {
         "all saturate, %",
     ];
     Ok(Table::new(&head, rows).captioned(format!(
-        "What is chosen, and what it decides: the share of the draws in which the sentence holds. q, how several pulleys over one portion add up, was chosen so that the order comes out; nobody measured it. {friction}"
+        "Choices and their effect: the share of the draws in which the statement holds. q, the exponent for several pulleys over one section, was chosen to reproduce the order; it was not measured. {friction}"
     )))
 }
 
@@ -205,7 +205,7 @@ fn row(name: &str, cases: &Cases) -> Vec<String> {
     ]
 }
 
-/// Which length of the guided strand passes how many pulleys.
+/// Returns the length of the guided strand that passes each number of pulleys.
 fn passes() -> Result<Table, PaperError> {
     let mut rows = Vec::new();
     for name in NAMES {

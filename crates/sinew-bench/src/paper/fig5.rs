@@ -1,15 +1,15 @@
 //! Fig. 5: a rope under changing force.
 
 use super::PaperError;
+use super::assessment::{claimed, laws};
 use super::bending::{ROPE, bench, drawn, end, runs};
 use super::data::{FigureName, PaperFigure, given};
-use super::judge::{claimed, laws};
 use rayon::prelude::*;
 use sinew_rope::Catalogue;
 use sinew_rope::bench::{Simulated, simulate};
 use sinew_rope::law::Law;
 
-/// Readings, s.
+/// Sampling interval, s.
 const INTERVAL_S: f64 = 60.0;
 
 /// Fig. 5: the force changes after 80 min.
@@ -23,7 +23,7 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         .map(|name| runs(&laws, name, INTERVAL_S))
         .collect::<Result<Vec<_>, _>>()?;
     let (e, f) = (&cases[0], &cases[1]);
-    // Both are read at the same times; the change is read before and after.
+    // Both are sampled at the same times; the change is sampled before and after.
     let after = e[0]
         .force_n
         .iter()
@@ -46,7 +46,7 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         ),
         claimed(
             "(E) A part of the elongation is irreversible.",
-            "left at 120 N for 115 days, until everything delayed has come back, it stays above a rope that never felt more, by at least a tenth of what it lost in the 80 min after the change",
+            "after 115 days at 120 N, when all delayed strain has recovered, it remains above that of a rope without the higher load, by at least a tenth of the decrease in the 80 min after the change",
             |i| kept[i] >= 0.1 * (at(&e[i], after - 1) - end(&e[i])),
         ),
         claimed(
@@ -80,17 +80,17 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
 
 /// Strain that (E) keeps over a rope that was at 120 N all the time, 115 days on, in every draw.
 fn kept(laws: &[Law]) -> Result<Vec<f64>, PaperError> {
-    const LONG_S: f64 = 1e7;
+    const LONG_HOLD_S: f64 = 1e7;
     let mut high = bench("E")?;
     let last = high.phases.len() - 1;
-    high.phases[last].duration_s = LONG_S;
+    high.phases[last].duration_s = LONG_HOLD_S;
     let mut low = high.clone();
     for phase in &mut low.phases {
         phase.force_n = high.phases[last].force_n;
     }
     laws.par_iter()
         .map(|law| {
-            let end_of = |bench| simulate(law, bench, LONG_S).map(|run| end(&run));
+            let end_of = |bench| simulate(law, bench, LONG_HOLD_S).map(|run| end(&run));
             Ok(end_of(&high)? - end_of(&low)?)
         })
         .collect::<Vec<_>>()

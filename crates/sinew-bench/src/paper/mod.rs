@@ -1,23 +1,24 @@
-//! The paper's evaluation, done again: its creep tests and bending bench with virtual ropes
-//! (`fig1`, `fig2`, `fig4`, `fig5`, `table1`), `fig6` in simulation, `fig7` on a simulated "real"
-//! elbow; and what it says elongation spoils, with numbers (`control`).
+//! Reproduction of the paper's evaluation: its creep tests and bending bench with virtual ropes (`fig1`, `fig2`,
+//! `fig4`, `fig5`, `table1`), `fig6` in simulation, `fig7` on a simulated "real" elbow, and the errors that it
+//! attributes to elongation, with numbers (`control`).
 //!
-//! Each figure carries its data, its drawing, and the paper's sentences judged from the data by a
-//! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
-//! [`staircase`], once for both figures.
+//! Each figure carries its data, its drawing, and the paper's statements, assessed with the data by a stated
+//! criterion. Nothing is fitted to agree: motion, gains and poses are defined in [`staircase`], once for both
+//! figures.
 //!
-//! A [`Sentence`] is the paper's or Sinew's ([`SaidBy`]).
+//! A [`Sentence`] is the paper's or Sinew's ([`ClaimedBy`]).
 //!
-//! Reading order: [`staircase`] (the motion), `by_hand` (what it should show), `trial` (simulate once, estimate
-//! often), [`fig6()`], [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`], [`table1()`];
-//! [`control()`].
+//! Reading order: [`staircase`] (the motion), `analytic` (its analytic values), `trial` (one simulation, several
+//! estimates), [`fig6()`], [`fig7()`], `page`; for ropes `assessment`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`],
+//! [`table1()`]; [`control()`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
 //! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, sections III and V.
 
+mod analytic;
+mod assessment;
 mod bending;
-mod by_hand;
 mod control;
 mod creep;
 mod data;
@@ -25,7 +26,6 @@ mod fig4;
 mod fig5;
 mod fig6;
 mod fig7;
-mod judge;
 mod page;
 mod render;
 mod row;
@@ -43,7 +43,7 @@ pub use fig6::fig6;
 pub use fig7::fig7;
 pub use page::write;
 pub use render::render;
-pub use sentence::{SaidBy, Sentence, Unit, Verdict};
+pub use sentence::{ClaimedBy, Sentence, Unit, Verdict};
 pub use table1::table1;
 
 use sinew_model::StepError;
@@ -51,54 +51,56 @@ use sinew_model::arm::ArmError;
 use sinew_model::offset::OffsetConfigError;
 use sinew_sim::SimulateError;
 
-/// Why a figure could not be made.
+/// Errors of a figure.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PaperError {
-    /// The robot hasn't the joint the figure is about.
-    #[error("robot '{robot}' has no joint '{joint}', which {figure} is about; it has {known}")]
+    /// The robot lacks the joint that the figure requires.
+    #[error(
+        "robot '{robot}' has no joint '{joint}', which {figure} requires; available: {available}"
+    )]
     Joint {
-        /// Robot's name.
+        /// Name of the robot.
         robot: String,
-        /// Joint looked for.
+        /// Name of the required joint.
         joint: &'static str,
-        /// Which figure.
+        /// Name of the figure.
         figure: &'static str,
-        /// Joints there are.
-        known: String,
+        /// Available joints, separated by commas.
+        available: String,
     },
     /// A rigid joint has no offset.
     #[error(
-        "joint '{joint}' of robot '{robot}' is rigid; say its stiffness_nm_per_rad in robot.toml"
+        "joint '{joint}' of robot '{robot}' is rigid; set its stiffness_nm_per_rad in robot.toml"
     )]
     Rigid {
-        /// Robot's name.
+        /// Name of the robot.
         robot: String,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// The catalogue was refused.
+    /// The catalogue is invalid.
     #[error(transparent)]
     Catalogue(#[from] sinew_rope::CatalogueError),
-    /// A rope or case the figure is about isn't there.
-    #[error("'{0}', which the figure is about, is not there")]
+    /// A rope or case that the figure requires is missing.
+    #[error("'{0}', which the figure requires, is missing")]
     Rope(String),
-    /// A virtual rope refused its load.
-    #[error("a virtual rope refused its load: {0}")]
+    /// The load of a virtual rope is invalid.
+    #[error("the load of a virtual rope is invalid: {0}")]
     Load(#[from] sinew_rope::law::LoadError),
-    /// The simulation was refused.
+    /// The simulation failed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// The estimator was refused.
+    /// The estimator could not be created.
     #[error(transparent)]
     Estimator(#[from] OffsetConfigError),
     /// A model with errors could not be built.
     #[error(transparent)]
     Arm(#[from] ArmError),
-    /// A sample was refused.
-    #[error("the estimator refused a simulated sample: {0}")]
+    /// The estimator rejected a sample.
+    #[error("the estimator rejected a simulated sample: {0}")]
     Step(#[from] StepError),
-    /// The drawing could not be made.
+    /// The drawing could not be created.
     #[error(transparent)]
     Png(#[from] sinew_figure::plot::PngError),
     /// A file could not be written.

@@ -1,7 +1,7 @@
-//! A figure as files: SVG, PNG and one HTML page that opens offline.
+//! Files of a figure: SVG, PNG and one self-contained HTML page.
 
 use super::data::{PaperFigure, Written};
-use super::sentence::{SaidBy, Sentence, Verdict};
+use super::sentence::{ClaimedBy, Sentence, Verdict};
 use super::{PaperError, control};
 use sinew_figure::plot::PngError;
 use sinew_figure::{Block, Headline, Level, Page};
@@ -21,7 +21,7 @@ pub fn write(figure: &mut PaperFigure, folder: &Path) -> Result<(), PaperError> 
         Ok(path)
     };
     let png = match figure.figure.png(SCALE) {
-        Err(PngError::LeftOut) => None,
+        Err(PngError::NotBuilt) => None,
         drawn => Some(put("png", &drawn?)?),
     };
     let csv = match &figure.rows[..] {
@@ -42,7 +42,7 @@ fn html(figure: &PaperFigure) -> String {
     let (paper, sinew): (Vec<&Sentence>, Vec<&Sentence>) = figure
         .sentences
         .iter()
-        .partition(|s| s.said_by == SaidBy::Paper);
+        .partition(|s| s.claimed_by == ClaimedBy::Paper);
     let answers = [
         answer(&paper, "of the paper"),
         answer(&sinew, "that Sinew adds"),
@@ -58,18 +58,18 @@ fn html(figure: &PaperFigure) -> String {
     }
     .section("", shown);
     for (heading, sentences) in [
-        ("What the paper says, in our words", &paper),
-        ("What Sinew adds", &sinew),
+        ("Statements of the paper, paraphrased", &paper),
+        ("Statements added by Sinew", &sinew),
     ] {
         if !sentences.is_empty() {
-            let judged = sentences.iter().map(|s| judged(s)).collect();
-            page = page.section(heading, vec![Block::Sentences(judged)]);
+            let assessed = sentences.iter().map(|s| assessed(s)).collect();
+            page = page.section(heading, vec![Block::Sentences(assessed)]);
         }
     }
     let lists = [
-        ("What is not judged", figure.not_judged.clone()),
-        ("What the paper gives", figure.given.clone()),
-        ("What is assumed", figure.assumptions.clone()),
+        ("Not assessed", figure.not_assessed.clone()),
+        ("Numbers given in the paper", figure.given.clone()),
+        ("Assumptions", figure.assumptions.clone()),
     ];
     for (heading, lines) in lists {
         if !lines.is_empty() {
@@ -80,7 +80,7 @@ fn html(figure: &PaperFigure) -> String {
         .html()
 }
 
-/// How many sentences hold; none where there are none.
+/// Returns the number of statements that hold; none without statements.
 fn answer(sentences: &[&Sentence], whose: &str) -> Option<Headline> {
     let of = |verdict| sentences.iter().filter(|s| s.verdict == verdict).count();
     let (holds, fails) = (of(Verdict::Holds), of(Verdict::Fails));
@@ -90,25 +90,25 @@ fn answer(sentences: &[&Sentence], whose: &str) -> Option<Headline> {
         (0, _) => Level::Open,
         _ => Level::Watch,
     };
-    let mut text = format!("{holds} of {} sentences {whose} hold", sentences.len());
+    let mut text = format!("{holds} of {} statements {whose} hold", sentences.len());
     if fails > 0 {
-        text += &format!(", {fails} not");
+        text += &format!(", {fails} do not");
     }
     if open > 0 {
-        text += &format!(", {open} the data leave open");
+        text += &format!(", {open} open");
     }
     (!sentences.is_empty()).then(|| Headline::new(level, text))
 }
 
-/// What the figure shows: the sentences that hold on it.
+/// Returns the statements that hold, for the description of the figure.
 fn seen(sentences: &[Sentence]) -> String {
     let holding = sentences.iter().filter(|s| s.verdict == Verdict::Holds);
     let texts: Vec<&str> = holding.map(|s| s.text.trim_end_matches('.')).collect();
     texts.join(". ")
 }
 
-/// A sentence with its value as people read it.
-fn judged(sentence: &Sentence) -> sinew_figure::Sentence {
+/// Formats a statement with its value.
+fn assessed(sentence: &Sentence) -> sinew_figure::Sentence {
     let (value, unit) = sentence.shown();
     sinew_figure::Sentence {
         text: sentence.text.clone(),
@@ -134,21 +134,21 @@ mod tests {
     use sinew_figure::plot::Figure;
 
     #[test]
-    fn a_page_tells_what_the_paper_says_from_what_sinew_adds() {
+    fn page_separates_paper_and_sinew_sentences() {
         let sentence = |holds| Sentence::added("A < B", "by eye", 15.147_3, Unit::Rad, holds);
         let paper = Sentence::added("C < D", "", 15.147_3, Unit::Rad, true).of_paper();
         let page = html(&PaperFigure {
             about: vec!["how".into()],
             sentences: vec![paper, sentence(false)],
-            not_judged: vec!["E = F. A definition.".into()],
+            not_assessed: vec!["E = F. A definition.".into()],
             given: vec!["a number".into()],
             assumptions: vec!["nothing".into()],
             ..PaperFigure::new(FigureName::Fig6, "a < b & \"c\"", Figure::new("f"))
         });
         for words in [
             "a &lt; b &amp; &quot;c&quot;",
-            "1 of 1 sentences of the paper hold",
-            "0 of 1 sentences that Sinew adds hold, 1 not",
+            "1 of 1 statements of the paper hold",
+            "0 of 1 statements that Sinew adds hold, 1 do not",
             ">holds<",
             ">does not hold<",
             "Found: 15.1 mrad",
@@ -159,7 +159,10 @@ mod tests {
             assert!(page.contains(words), "{words}: {page}");
         }
         let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
-        let (paper, sinew) = (at("What the paper says"), at("What Sinew adds"));
+        let (paper, sinew) = (
+            at("Statements of the paper"),
+            at("Statements added by Sinew"),
+        );
         let between = &page[paper..sinew];
         assert!(between.contains("C &lt; D") && !between.contains("A &lt; B"));
         assert!(page[sinew..].contains("A &lt; B"));

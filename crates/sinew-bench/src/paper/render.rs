@@ -1,12 +1,12 @@
-//! A figure's sentences as text.
+//! Text output of a figure's statements.
 
 use super::control::table as table_of;
 use super::data::PaperFigure;
-use super::sentence::{SaidBy, Sentence, Verdict};
+use super::sentence::{ClaimedBy, Sentence, Verdict};
 use sinew_figure::rounded;
 use sinew_report::text::{indented, paragraph, table};
 
-/// The table where there is one, sentences, and what was written.
+/// Formats the table, if the figure has one, the assessed statements, and the names of the written files.
 pub fn render(figure: &PaperFigure) -> String {
     let mut out = String::new();
     if !figure.rows.is_empty() {
@@ -15,20 +15,20 @@ pub fn render(figure: &PaperFigure) -> String {
     }
     out.push_str(&paragraph(&figure.title, 0));
     for (heading, whose) in [
-        ("the paper says", SaidBy::Paper),
-        ("Sinew adds", SaidBy::Sinew),
+        ("statements of the paper", ClaimedBy::Paper),
+        ("Sinew adds", ClaimedBy::Sinew),
     ] {
-        let mut sentences = figure.sentences.iter().filter(|s| s.said_by == whose);
+        let mut sentences = figure.sentences.iter().filter(|s| s.claimed_by == whose);
         if let Some(first) = sentences.next() {
             out.push_str(&format!("\n{heading}\n"));
             std::iter::once(first)
                 .chain(sentences)
-                .for_each(|s| out.push_str(&judged(s)));
+                .for_each(|s| out.push_str(&assessed(s)));
         }
     }
-    for text in &figure.not_judged {
+    for text in &figure.not_assessed {
         out.push('\n');
-        out.push_str(&paragraph(&format!("not judged: {text}"), 7));
+        out.push_str(&paragraph(&format!("not assessed: {text}"), 7));
     }
     for text in &figure.given {
         out.push('\n');
@@ -43,7 +43,7 @@ pub fn render(figure: &PaperFigure) -> String {
     out
 }
 
-fn judged(sentence: &Sentence) -> String {
+fn assessed(sentence: &Sentence) -> String {
     let verdict = match sentence.verdict {
         Verdict::Holds => "holds:",
         Verdict::Open => "open: ",

@@ -1,17 +1,17 @@
-//! A row of the table: one robot with one state of knowledge.
+//! Row of the table: one robot with one correction.
 
 use serde::Serialize;
 use sinew_model::Gaussian;
 use sinew_sim::control::{ContactScore, Sensitivity};
 
-/// How the robot truly is. All but the first have stretched ropes.
+/// True robot of a row. All but the first have stretched ropes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RobotCase {
-    /// As described, with new ropes.
+    /// Robot as described, with new ropes.
     NewRopes,
-    /// As described but for its ropes.
+    /// Robot as described except for its ropes.
     Stretched,
     /// Stiffness 20 % below the described one.
     Softer,
@@ -26,7 +26,7 @@ pub enum RobotCase {
 }
 
 impl RobotCase {
-    /// As the table says it.
+    /// Returns the name used in the table.
     pub fn name(self) -> &'static str {
         match self {
             Self::NewRopes => "new ropes",
@@ -58,12 +58,12 @@ impl RobotCase {
     }
 }
 
-/// What controller and detector know.
+/// Correction available to controller and detector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Knowledge {
-    /// No offset.
+    /// No correction of the offset.
     Nothing,
     /// The true offset.
     True,
@@ -73,12 +73,12 @@ pub enum Knowledge {
     Estimate,
     /// The offset and the stiffness as estimated.
     EstimateAndStiffness,
-    /// As `Estimate`, and the detector has the tolerances of stiffness and masses.
+    /// Correction as `Estimate`, and the detector has the tolerances of stiffness and masses.
     EstimateAndTolerances,
 }
 
 impl Knowledge {
-    /// As the table says it.
+    /// Returns the name used in the table.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nothing => "nothing",
@@ -91,13 +91,13 @@ impl Knowledge {
     }
 }
 
-/// One robot with one state of knowledge, over all sessions.
+/// One robot with one correction, over all sessions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// How the robot truly is.
+    /// True robot of the row.
     pub robot: RobotCase,
-    /// What controller and detector know.
+    /// Correction available to controller and detector.
     pub knowledge: Knowledge,
     /// Shoulder pitch and elbow.
     pub joints: [RowJoint; 2],
@@ -111,15 +111,15 @@ pub struct Row {
     pub sensitivities: Vec<Sensitivity>,
 }
 
-/// A joint of a [`Row`].
+/// Joint of a [`Row`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RowJoint {
     /// RMS of `q − q_d` at rest, rad: mean and standard deviation over the sessions.
     pub rest_rad: Gaussian,
-    /// RMS of `q − q_d` over everything, rad: the same.
+    /// RMS of `q − q_d` over the whole session, rad; mean and standard deviation over the sessions.
     pub overall_rad: Gaussian,
-    /// Mean estimated external torque while nothing touches, N·m.
+    /// Mean estimated external torque without contact, N·m.
     pub false_torque_nm: f64,
     /// Mean threshold, N·m.
     pub threshold_nm: f64,
@@ -143,7 +143,7 @@ impl Row {
         1e3 * self.joints[slot].rest_rad.mean
     }
 
-    /// Mean RMS over everything, mrad.
+    /// Mean of the RMS error over the whole session, mrad.
     pub(super) fn overall_mrad(&self, slot: usize) -> f64 {
         1e3 * self.joints[slot].overall_rad.mean
     }

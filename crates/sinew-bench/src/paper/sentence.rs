@@ -1,97 +1,97 @@
-//! Sentences held against data: the paper's, and what Sinew adds.
+//! Statements assessed with data: those of the paper, and those that Sinew adds.
 
 use serde::Serialize;
 
-/// A sentence, judged from data by a stated criterion.
+/// Statement, assessed with data by a stated criterion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sentence {
-    /// Who says it.
-    pub said_by: SaidBy,
-    /// What is said.
+    /// Origin of the statement.
+    pub claimed_by: ClaimedBy,
+    /// Text of the statement.
     pub text: String,
-    /// What must be so for it to hold, with the threshold and its unit.
+    /// Criterion for the statement to hold, with the threshold and its unit.
     pub criterion: String,
-    /// What the data gave, in `unit`.
+    /// Value computed from the data, in `unit`.
     pub value: f64,
     /// Unit of the value.
     pub unit: Unit,
     /// Whether the criterion is met; of ropes, with the catalogue's own values.
     pub holds: bool,
-    /// What that says.
+    /// Verdict on the statement.
     pub verdict: Verdict,
 }
 
-/// Who says a sentence.
+/// Origin of a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum SaidBy {
+pub enum ClaimedBy {
     /// The paper, in our words.
     Paper,
-    /// Sinew, of what the paper doesn't say.
+    /// Sinew, on a subject that the paper does not treat.
     Sinew,
 }
 
-/// What is found of a sentence.
+/// Verdict on a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// It holds; of ropes, in at least 95 % of the draws too.
+    /// The statement holds; for ropes, in at least 95 % of the draws too.
     Holds,
-    /// It holds in some draws of what the catalogue leaves open, and in others not.
+    /// The statement holds in some draws of the uncertain catalogue values, and in others not.
     Open,
-    /// It does not hold; of ropes, in at most 5 % of the draws.
+    /// The statement is not confirmed; for ropes, it holds in at most 5 % of the draws.
     Fails,
 }
 
 impl Verdict {
     fn of(holds: bool, value: f64, unit: Unit) -> Self {
-        const SURE: f64 = 0.95;
+        const MIN_SHARE: f64 = 0.95;
         match (holds, unit) {
-            (true, Unit::ShareOfDraws) if value < SURE => Self::Open,
-            (false, Unit::ShareOfDraws) if value > 1.0 - SURE => Self::Open,
+            (true, Unit::ShareOfDraws) if value < MIN_SHARE => Self::Open,
+            (false, Unit::ShareOfDraws) if value > 1.0 - MIN_SHARE => Self::Open,
             (true, _) => Self::Holds,
             (false, _) => Self::Fails,
         }
     }
 }
 
-/// SI unit of a sentence's value, or what it counts.
+/// Unit of the value of a statement: an SI unit, or the counted objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Unit {
     /// rad; shown in mrad.
     Rad,
-    /// N·m.
+    /// Torque in N·m.
     Nm,
     /// s; shown in ms.
     S,
-    /// Share of the draws in which the sentence holds; shown in %.
+    /// Share of the draws in which the statement holds; shown in %.
     ShareOfDraws,
     /// Share of the time without contact; shown in %.
     ShareOfFreeTime,
     /// Share of the contacts; shown in %.
     ShareOfContacts,
-    /// Share of the cases looked at; shown in %.
+    /// Share of the evaluated cases; displayed in %.
     ShareOfCases,
-    /// Ropes.
+    /// Number of ropes.
     Ropes,
     /// Factor on the threshold.
     TimesTheThreshold,
 }
 
 impl Unit {
-    /// How many of the units that are shown make one, and what those are called.
+    /// Returns the number of displayed units per unit, and their name.
     fn shown(self) -> (f64, &'static str) {
         match self {
             Self::Rad => (1e3, "mrad"),
             Self::Nm => (1.0, "N·m"),
             Self::S => (1e3, "ms"),
             Self::ShareOfDraws => (1e2, "% of 400 draws"),
-            Self::ShareOfFreeTime => (1e2, "% of the free time"),
+            Self::ShareOfFreeTime => (1e2, "% of the contact-free time"),
             Self::ShareOfContacts => (1e2, "% of the contacts"),
             Self::ShareOfCases => (1e2, "% of the cases"),
             Self::Ropes => (1.0, "ropes"),
@@ -101,7 +101,7 @@ impl Unit {
 }
 
 impl Sentence {
-    /// What Sinew adds, with its verdict; `value` as it is shown.
+    /// Returns a statement of Sinew with its verdict; `value` as it is displayed.
     pub(super) fn added(
         text: impl Into<String>,
         criterion: impl Into<String>,
@@ -111,7 +111,7 @@ impl Sentence {
     ) -> Self {
         let value = value / unit.shown().0;
         Self {
-            said_by: SaidBy::Sinew,
+            claimed_by: ClaimedBy::Sinew,
             text: text.into(),
             criterion: criterion.into(),
             value,
@@ -121,14 +121,14 @@ impl Sentence {
         }
     }
 
-    /// As a sentence of the paper, in our words.
+    /// Marks it as a statement of the paper, paraphrased.
     #[must_use]
     pub(super) fn of_paper(mut self) -> Self {
-        self.said_by = SaidBy::Paper;
+        self.claimed_by = ClaimedBy::Paper;
         self
     }
 
-    /// The value and its unit as people read them.
+    /// Returns the displayed value and its unit.
     pub fn shown(&self) -> (f64, &'static str) {
         let (factor, unit) = self.unit.shown();
         (factor * self.value, unit)
@@ -175,15 +175,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_coin_toss_among_the_draws_is_open() {
-        let judged = |percent, holds| Sentence::added("", "", percent, Unit::ShareOfDraws, holds);
+    fn verdict_half_of_draws_returns_open() {
+        let assessed = |percent, holds| Sentence::added("", "", percent, Unit::ShareOfDraws, holds);
         for (percent, holds, verdict) in [
             (99.0, true, Verdict::Holds),
             (47.5, true, Verdict::Open),
             (30.0, false, Verdict::Open),
             (2.0, false, Verdict::Fails),
         ] {
-            assert_eq!(judged(percent, holds).verdict, verdict, "{percent}");
+            assert_eq!(assessed(percent, holds).verdict, verdict, "{percent}");
         }
         assert_eq!(
             Sentence::added("", "", 15.0, Unit::Rad, true).verdict,
@@ -192,9 +192,9 @@ mod tests {
     }
 
     #[test]
-    fn what_sinew_adds_is_no_sentence_of_the_paper() {
+    fn added_sentence_is_claimed_by_sinew() {
         let own = Sentence::added("own", "", 1.0, Unit::Rad, true);
-        assert_eq!(own.said_by, SaidBy::Sinew);
-        assert_eq!(own.of_paper().said_by, SaidBy::Paper);
+        assert_eq!(own.claimed_by, ClaimedBy::Sinew);
+        assert_eq!(own.of_paper().claimed_by, ClaimedBy::Paper);
     }
 }

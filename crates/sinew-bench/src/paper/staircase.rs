@@ -1,11 +1,11 @@
-//! The paper's motion, and what is assumed about it.
+//! The paper's motion, and the assumptions about it.
 //!
-//! The paper says: one joint, 0 to 90° in four steps. It doesn't say how fast, how long the rests
-//! are, nor the observer's gain. These are ours:
+//! The paper specifies one joint moving from 0 to 90° in four steps. It specifies neither the speed, nor the duration
+//! of the rests, nor the observer's gain. The assumed values are:
 //!
-//! * moves of 1.0 s, which a light arm of this size makes at leisure;
-//! * rests of 1.5 s, several swings of the arm on its springs, so that it stands at their end;
-//! * a gain of 25 1/s, of those that serve (5 to 25 1/s) the fastest.
+//! * moves of 1.0 s, which is slow for a light arm of this size;
+//! * rests of 1.5 s, several oscillation periods of the arm on its springs, so that it is at rest at their end;
+//! * a gain of 25 1/s, the largest of the usable gains (5 to 25 1/s).
 
 use sinew_sim::scenario::{Controller, Draw, Motion, PerJoint};
 use std::f64::consts::FRAC_PI_2;
@@ -20,13 +20,13 @@ pub const PAUSE_S: f64 = 1.5;
 pub const TO_RAD: f64 = FRAC_PI_2;
 /// Observer gain, 1/s.
 pub const GAIN_PER_S: f64 = 25.0;
-/// "At rest" is the mean over this last part of a rest, s: about one swing of the arm on its
-/// springs (0.6 s at the shoulder), whose ringing would be read as offset otherwise.
+/// Length of the last part of a rest over which "at rest" is averaged, s: about one oscillation period of the arm on
+/// its springs (0.6 s at the shoulder), because the oscillation would otherwise appear as an offset.
 pub const REST_WINDOW_S: f64 = 0.5;
 /// Length of the whole motion, s.
 pub const LENGTH_S: f64 = PAUSE_S + STEPS as f64 * (MOVE_S + PAUSE_S);
 
-/// The motion of `joint`; the others stay at 0, hanging down.
+/// Returns the motion of `joint`; the other joints remain at 0, where the arm hangs down.
 pub fn motion(joint: &str) -> Motion {
     Motion::Staircase {
         joint: joint.into(),
@@ -52,7 +52,7 @@ pub fn rest_angle_rad(k: usize) -> f64 {
     TO_RAD * k as f64 / STEPS as f64
 }
 
-/// Gains of the BioRob-like arm; other robots get their defaults.
+/// Returns the gains of the BioRob-like arm, or the default gains for another robot.
 pub fn controller(joints: &[String]) -> Controller {
     const GAINS: [(&str, f64, f64); 4] = [
         ("shoulder_yaw", 60.0, 6.5),

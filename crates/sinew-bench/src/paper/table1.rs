@@ -1,9 +1,9 @@
-//! Table I: the ropes as published, and what their laws make of them.
+//! Table I: the ropes as published, and their simulated creep tests.
 
 use super::PaperError;
+use super::assessment::assumptions;
 use super::creep::{LOAD_N, MINUTES, Test, test};
 use super::data::{FigureName, PaperFigure, given};
-use super::judge::assumptions;
 use super::sentence::{Sentence, Unit};
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
@@ -26,10 +26,10 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let sentences = vec![as_printed(printed.ropes())];
     Ok(PaperFigure {
         about: vec![format!(
-            "As published, with a simulated creep test of every rope beside it: {LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws."
+            "As published, with a simulated creep test of every rope: {LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws."
         )],
         sentences,
-        given: given(&["Table I itself: its printed values are those of the catalogue."]),
+        given: given(&["The printed values of Table I equal those of the catalogue."]),
         tables: vec![
             table("Table I as printed", &PUBLISHED, rows),
             table(
@@ -47,7 +47,7 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     })
 }
 
-/// The catalogue has what Table I has.
+/// Checks that the catalogue contains the number of values that Table I prints.
 fn as_printed(ropes: &[CatalogueRope]) -> Sentence {
     let count = |has: &dyn Fn(&CatalogueEntry) -> bool| {
         ropes.iter().filter(|rope| has(&rope.entry)).count()
@@ -57,8 +57,8 @@ fn as_printed(ropes: &[CatalogueRope]) -> Sentence {
     let plaits = count(&|e| e.plait.is_some());
     let holds = (ropes.len(), loads, weights, plaits) == (9, 7, 5, 5);
     Sentence::added(
-        "Nine ropes, with breaking load, plait and weight as far as known.",
-        format!("9 ropes, of which 7 have a breaking load, 5 a weight and 5 a plait, as printed; found {loads}, {weights} and {plaits}. A test holds every value against the printed table"),
+        "Nine ropes, with breaking load, plait and weight if published.",
+        format!("Expected from the printed table: 9 ropes, 7 with a breaking load, 5 with a weight, 5 with a plait; found: {loads}, {weights} and {plaits}. A test compares every value with the printed table"),
         ropes.len() as f64,
         Unit::Ropes,
         holds,
@@ -119,7 +119,7 @@ fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
 
 /// Final strain and slope of every rope with their intervals.
 fn figure(tests: &[Test]) -> Figure {
-    // The first row stands on top, as in the table.
+    // The first row is drawn at the top, as in the table.
     let names: Vec<(f64, String)> = tests
         .iter()
         .enumerate()

@@ -17,7 +17,7 @@ pub(super) struct Trial {
     pub(super) q: Vec<Vec<f64>>,
     pub(super) theta: Vec<Vec<f64>>,
     pub(super) dq: Vec<Vec<f64>>,
-    /// NaN where the scenario doesn't record it.
+    /// NaN if the scenario does not record it.
     tau_el: Vec<Vec<f64>>,
     tau_m: Vec<Vec<f64>>,
 }
@@ -92,7 +92,7 @@ impl Trial {
     }
 }
 
-/// What the estimator believes and how it estimates.
+/// Model and settings of the estimator.
 #[derive(Debug, Clone)]
 pub(super) struct Estimator {
     pub(super) arm: Arm,
@@ -114,7 +114,7 @@ impl Estimator {
         }
     }
 
-    /// Believes the stiffness to be larger by this factor.
+    /// Multiplies the stiffness of the estimator's model by this factor.
     pub(super) fn with_stiffness_factor(mut self, factor: f64) -> Self {
         for t in self.transmissions.iter_mut().flatten() {
             t.stiffness_nm_per_rad *= factor;
@@ -122,13 +122,13 @@ impl Estimator {
         self
     }
 
-    /// Believes `M`, `C` and `g` to be larger by this factor.
+    /// Multiplies `M`, `C` and `g` of the estimator's model by this factor.
     pub(super) fn with_mass_factor(mut self, factor: f64) -> Result<Self, PaperError> {
         self.arm = self.arm.with_scaled_masses(factor)?;
         Ok(self)
     }
 
-    /// With the paper's comparison or the matched one.
+    /// Selects the paper's comparison or the matched one.
     pub(super) fn comparing(mut self, comparison: Comparison) -> Self {
         self.config.comparison = comparison;
         self
@@ -177,7 +177,7 @@ pub(super) fn joint(
             robot: robot.name.clone(),
             joint: name,
             figure,
-            known: robot.joint_names().join(", "),
+            available: robot.joint_names().join(", "),
         })
 }
 
@@ -192,7 +192,7 @@ pub(super) fn std(values: &[f64]) -> f64 {
     (sum / values.len().max(1) as f64).sqrt()
 }
 
-/// Largest size.
+/// Returns the largest absolute value.
 pub(super) fn peak(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a, v| v.abs().max(a))
 }

@@ -1,13 +1,13 @@
 //! The ends of sessions B and C over many recordings: shares inside their intervals, and outside unsaid.
 
 use super::result::{EndSummary, ScenarioReport, ScenarioSummary};
-use super::table::refused;
+use super::table::render_rejected;
 use super::{End, EndScore, Form, Recording};
-use crate::numbers::{mean, rms};
+use crate::numbers::{mean, rms, weighted_mean};
 use sinew_model::{Gaussian, Z95};
 use sinew_report::text::{paragraph, plain, table};
 
-/// Sums up what was judged; an end that no recording has is left out.
+/// Summarises the assessed ends; an end that no recording has is omitted.
 pub(super) fn summarise(recordings: &[&Recording]) -> Vec<EndSummary> {
     let all = Form::ALL.map(|form| [End::B, End::Chain].map(|end| (end, form)));
     (all.iter().flatten())
@@ -27,7 +27,7 @@ fn one((end, form): (End, Form), scores: &[&EndScore]) -> Option<EndSummary> {
     let count = errors.len() as f64;
     let sum = |of: fn(&EndScore) -> usize| scores.iter().map(|s| of(s)).sum::<usize>() as f64;
     let warned = scores.iter().filter(|s| s.is_warned).count();
-    let halves: Vec<f64> = errors.iter().map(|e| Z95 * e.deviation).collect();
+    let halves: Vec<f64> = errors.iter().map(|e| Z95 * e.std).collect();
     Some(EndSummary {
         end,
         form,
@@ -47,17 +47,17 @@ pub fn render_ends(report: &ScenarioReport) -> String {
     let mut text = ends_of(report, Form::Batch, "warned\n%");
     text.push('\n');
     text.push_str(&paragraph(
-        "B: with A's baseline; chain: C with what was known after B; ±: mean half-width of the 95 % interval; \
-         warned: recordings whose session warned of anything; silent: offsets outside their interval though \
-         their session warned of nothing; far: those more than three standard deviations off, of which chance leaves 0.27 %",
+        "B: with A's baseline; chain: C with the posterior of B as prior; ±: mean half-width of the 95 % interval; \
+         warned: recordings whose session has a warning; silent: offsets outside their interval although \
+         their session has no warning; far: those more than three standard deviations from the truth (0.27 % expected by chance)",
         0,
     ));
     text.push_str("\nOnline estimate\n");
     text.push_str(&ends_of(report, Form::Online, "warned\n%"));
     text.push('\n');
     text.push_str(&paragraph(
-        "chain: B and C without a break; warned: recordings at whose end the estimate is provisional, or warns of \
-         anything; silent: offsets outside their interval without either",
+        "chain: B and C without a break; warned: recordings at whose end the estimate is provisional or has a \
+         warning; silent: offsets outside their interval without either",
         0,
     ));
     for s in &report.scenarios {
@@ -65,7 +65,7 @@ pub fn render_ends(report: &ScenarioReport) -> String {
             text.push_str(&paragraph(&format!("{}: {about}", plain(&s.scenario)), 2));
         }
     }
-    text.push_str(&refused(report));
+    text.push_str(&render_rejected(report));
     text
 }
 
@@ -118,7 +118,7 @@ fn row(name: String, end: &EndSummary) -> Vec<String> {
     ]
 }
 
-/// All scenarios as one, each offset and each recording counting alike.
+/// Pools all scenarios, with equal weight of each offset and each recording.
 fn together((end, form): (End, Form), scenarios: &[ScenarioSummary]) -> Option<EndSummary> {
     let of_end: Vec<(&EndSummary, f64)> = (scenarios.iter())
         .flat_map(|s| s.ends.iter().map(|e| (e, s.recordings as f64)))
@@ -128,12 +128,11 @@ fn together((end, form): (End, Form), scenarios: &[ScenarioSummary]) -> Option<E
     if offsets == 0 {
         return None;
     }
-    let recordings: f64 = of_end.iter().map(|(_, n)| n).sum();
     let each = |of: fn(&EndSummary) -> f64| {
-        let sum: f64 = of_end.iter().map(|(e, _)| e.offsets as f64 * of(e)).sum();
-        sum / offsets as f64
+        let pairs = of_end.iter().map(|(e, _)| (e.offsets as f64, of(e)));
+        weighted_mean(&pairs.collect::<Vec<_>>())
     };
-    let warned: f64 = of_end.iter().map(|(e, n)| n * e.warned_share).sum();
+    let warned: Vec<(f64, f64)> = of_end.iter().map(|(e, n)| (*n, e.warned_share)).collect();
     Some(EndSummary {
         end,
         form,
@@ -141,7 +140,7 @@ fn together((end, form): (End, Form), scenarios: &[ScenarioSummary]) -> Option<E
         coverage_share: each(|e| e.coverage_share),
         rmse_rad: each(|e| e.rmse_rad.powi(2)).sqrt(),
         half_width_95_rad: each(|e| e.half_width_95_rad),
-        warned_share: warned / recordings,
+        warned_share: weighted_mean(&warned),
         silent_share: each(|e| e.silent_share),
         far_share: each(|e| e.far_share),
     })

@@ -6,19 +6,19 @@ use sinew_estimate::session::{SessionEstimate, TendonEstimate};
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 
-/// Which sessions are estimated, and what for.
+/// Sessions to estimate, and the purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sessions {
-    /// B alone, with A's baseline.
+    /// Session B only, with the baseline of session A.
     B,
-    /// B, then C with what was known after B, each judged at its end.
+    /// Sessions B and C, each assessed at its end; C uses the posterior of B as prior.
     Chain,
-    /// The same, and the slips of C: whether they are found, and how soon.
+    /// Sessions B and C, and the detection of the slips of C with its delay.
     Slips,
 }
 
 impl Sessions {
-    /// With session C or without.
+    /// Selects sessions with or without C.
     pub fn with_slips(slips: bool) -> Self {
         if slips { Self::Slips } else { Self::B }
     }
@@ -32,25 +32,25 @@ impl Sessions {
     }
 }
 
-/// Where offsets are judged.
+/// End at which offsets are assessed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
     /// At the end of session B, estimated with A's baseline.
     B,
-    /// At the end of session C, estimated with what was known after B.
+    /// End of session C, estimated with the posterior of B as prior.
     Chain,
 }
 
-/// Who estimates.
+/// Form of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// The estimate of a whole recording.
     Batch,
-    /// The same on a sliding window, with a check of the newest blocks. It warns by being provisional, too.
+    /// The estimate on a sliding window, with a check of the newest blocks. A provisional state counts as a warning.
     Online,
 }
 
@@ -62,37 +62,42 @@ impl Form {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndScore {
-    /// Which.
+    /// End at which the offsets are assessed.
     pub end: End,
-    /// Whose estimate.
+    /// Form of the estimator.
     pub form: Form,
-    /// Estimate less truth per elastic joint, with the deviation stated, rad.
+    /// Estimate minus truth per elastic joint, with the reported standard deviation, rad.
     pub errors_rad: Vec<Gaussian>,
-    /// Whether that session's own result warned of anything, or was provisional.
+    /// Whether the result of that session has a warning or is provisional.
     pub is_warned: bool,
 }
 
 impl EndScore {
-    pub(super) fn of(end: End, robot: &Robot, truth_rad: &[f64], said: &SessionEstimate) -> Self {
+    pub(super) fn of(
+        end: End,
+        robot: &Robot,
+        truth_rad: &[f64],
+        estimate: &SessionEstimate,
+    ) -> Self {
         let error = |joint: &TendonEstimate| {
             let truth_rad = truth_rad[robot.tendon_index(&joint.name)?];
             let offset = joint.offset_rad;
-            Some(Gaussian::new(offset.mean - truth_rad, offset.deviation))
+            Some(Gaussian::new(offset.mean - truth_rad, offset.std))
         };
         Self {
             end,
             form: Form::Batch,
-            errors_rad: said.joints.iter().filter_map(error).collect(),
-            is_warned: !said.warnings.is_empty(),
+            errors_rad: estimate.joints.iter().filter_map(error).collect(),
+            is_warned: !estimate.warnings.is_empty(),
         }
     }
 
-    /// Of the online estimate.
+    /// Returns the score of the online estimate.
     pub(super) fn online(end: End, truth_rad: &[f64], window: &Window) -> Self {
         let answer = window.answer();
         let error = |own: &OnlineJoint| {
             let offset = own.offset_rad;
-            Gaussian::new(offset.mean - truth_rad[own.joint], offset.deviation)
+            Gaussian::new(offset.mean - truth_rad[own.joint], offset.std)
         };
         let warns = |estimate: &SessionEstimate| !estimate.warnings.is_empty();
         Self {
@@ -107,15 +112,16 @@ impl EndScore {
         self.errors_rad.iter().filter(|e| e.is_nonzero_95()).count()
     }
 
-    /// Outside their intervals, and nothing was said.
+    /// Returns the number of offsets outside their intervals without a warning.
     pub(super) fn silent(&self) -> usize {
         if self.is_warned { 0 } else { self.outside() }
     }
 
-    /// More than three standard deviations off, or no number, and nothing was said.
+    /// Returns the number of offsets without a warning that are more than three standard deviations from the truth,
+    /// or not finite.
     pub(super) fn far(&self) -> usize {
-        const FAR: f64 = 3.0;
-        let is_near = |e: &&Gaussian| e.mean.abs() <= FAR * e.deviation;
+        const MAX_Z: f64 = 3.0;
+        let is_near = |e: &&Gaussian| e.mean.abs() <= MAX_Z * e.std;
         match self.is_warned {
             true => 0,
             false => self.errors_rad.len() - self.errors_rad.iter().filter(is_near).count(),

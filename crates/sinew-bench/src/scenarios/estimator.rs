@@ -1,4 +1,4 @@
-//! The one place where the bench calls the estimator it judges.
+//! Calls of the assessed estimator; no other module of the bench calls it.
 
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::online::Window;
@@ -9,7 +9,7 @@ use sinew_estimate::session::{
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 
-/// A recorder as `sinew baseline` and `sinew estimate` use it.
+/// Creates a recorder with the settings of `sinew baseline` and `sinew estimate`.
 pub(super) fn recorder(robot: &Robot) -> Recorder {
     let gap_s = sinew_log::OpenOptions::default().gap_s;
     Recorder::new(robot, &FeatureConfig::default(), gap_s)
@@ -22,7 +22,7 @@ pub(super) fn learn(
     session::learn_recorded(robot, recorded, "session A", &session::Learning::default())
 }
 
-/// What a user says. `payload`: whether the gripper may hold something.
+/// Returns the options that a user would specify. `payload`: whether the gripper may carry a payload.
 pub(super) fn options(payload: bool) -> SessionOptions {
     SessionOptions {
         payload: if payload {
@@ -59,7 +59,7 @@ pub(super) fn follow(window: &mut Window, recorded: &Recorded) {
     }
 }
 
-/// The answer and what is known then. `payload`: whether the gripper may hold something, which its user knows.
+/// Returns the estimate and the posterior. `payload`: whether the gripper may carry a payload, as specified by the user.
 pub(super) fn watch(
     robot: &Robot,
     recorded: &Recorded,

@@ -1,12 +1,10 @@
-//! The scenario bench: how good is the absolute offset, over many recordings with known truth?
+//! The scenario bench: accuracy of the absolute offset over many recordings with known truth.
 //!
-//! Reading order: [`Plan`](sinew_sim::protocol::Plan) (a scenario of the protocol: arm, motion, what is drawn), [`record`]
-//! (one recording, simulated and judged), [`run`] (many, in parallel, resumable), [`ScenarioReport`]
-//! (what they say together).
+//! Reading order: [`Plan`](sinew_sim::protocol::Plan) (a scenario of the protocol: arm, motion, draws), [`record`]
+//! (one recording, simulated and assessed), [`run`] (many, in parallel, resumable), [`ScenarioReport`] (their
+//! summary).
 
 mod bound;
-mod course;
-mod course_report;
 mod end;
 mod end_score;
 mod estimator;
@@ -20,20 +18,23 @@ mod run;
 mod simulated;
 mod summary;
 mod table;
+mod trajectory;
+mod trajectory_report;
 
-pub use course::{Course, FalseChange, JointCourse, SlipCourse, course};
-pub use course_report::{
-    CourseFigures, CourseReport, CourseSummary, SlipFigures, render_courses, run_courses,
-};
 pub use end::render_ends;
 pub use end_score::{End, EndScore, Form, Sessions};
 pub use options::Options;
-pub use outcome::Refusal;
+pub use outcome::RejectedRecording;
 pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
 pub use result::{EndSummary, ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
 pub use rows::rows;
 pub use run::{run, run_recordings};
 pub use table::render_table;
+pub use trajectory::{FalseChange, JointTrajectory, SlipTrajectory, Trajectory, trajectory};
+pub use trajectory_report::{
+    SlipFigures, TrajectoryFigures, TrajectoryReport, TrajectorySummary, render_trajectories,
+    run_trajectories,
+};
 
 use crate::journal::JournalError;
 use sinew_estimate::robot_dir::RobotDirError;
@@ -42,34 +43,34 @@ use sinew_model::offset::OffsetConfigError;
 use sinew_sim::SimulateError;
 use sinew_sim::protocol::PlanError;
 
-/// Why the bench could not run.
+/// Errors of the scenario bench.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
-    /// There is no such scenario.
+    /// The scenario does not exist.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The simulator refused.
+    /// The simulator returned an error.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
     /// The robot could not be loaded.
     #[error(transparent)]
     RobotDir(#[from] RobotDirError),
-    /// The paper's estimator refused the robot.
+    /// The paper's estimator rejected the robot.
     #[error(transparent)]
     Paper(#[from] OffsetConfigError),
-    /// The estimate refused a recording.
+    /// The estimator rejected a recording.
     #[error("scenario {scenario}, seed {seed}: {error}")]
     Session {
-        /// The scenario.
+        /// Name of the scenario.
         scenario: String,
-        /// Its seed.
+        /// Seed of the recording.
         seed: u64,
-        /// Why.
+        /// Error of the session.
         error: Box<SessionError>,
     },
-    /// There are no threads to work on.
-    #[error("can't start threads: {0}")]
+    /// The threads could not be started.
+    #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The file of results.
     #[error(transparent)]

@@ -1,48 +1,49 @@
-//! What became of a recording: it was judged, or the estimate refused it.
+//! Outcome of a recording: assessed, or rejected by the estimator.
 
 use super::ScenarioError;
 use serde::{Deserialize, Serialize};
 
-/// A recording that the estimate refused: it is in none of the figures.
+/// Recording rejected by the estimator and excluded from all figures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct Refusal {
-    /// Scenario.
+pub struct RejectedRecording {
+    /// Name of the scenario.
     pub scenario: String,
-    /// Seed of everything drawn.
+    /// Seed of all random draws.
     pub seed: u64,
-    /// Why, in words.
+    /// Reason, as text.
     pub reason: String,
 }
 
-/// What was judged of one recording.
-pub(super) trait Judged {
-    /// Of which scenario, drawn with which seed.
+/// Assessment of one recording.
+pub(super) trait Assessment {
+    /// Returns the scenario and the seed.
     fn key(&self) -> (&str, u64);
 }
 
-/// A line of a study's file.
+/// Line of a study's file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Outcome<T> {
-    Judged(Box<T>),
-    Refused(Refusal),
+    Assessed(Box<T>),
+    Rejected(RejectedRecording),
 }
 
-impl<T: Judged> Outcome<T> {
-    /// What came of one. A refusal is an outcome: one recording must not end a study of thousands.
+impl<T: Assessment> Outcome<T> {
+    /// Converts a result to an outcome. A rejected recording is an outcome, because it must not end a study of
+    /// thousands.
     ///
     /// # Errors
-    /// [`ScenarioError`] of what is no recording's: the scenario, the robot, the simulator.
-    pub(super) fn of(judged: Result<T, ScenarioError>) -> Result<Self, ScenarioError> {
-        match judged {
-            Ok(judged) => Ok(Self::Judged(Box::new(judged))),
+    /// Returns a [`ScenarioError`] that does not concern a single recording: scenario, robot, simulator.
+    pub(super) fn of(assessed: Result<T, ScenarioError>) -> Result<Self, ScenarioError> {
+        match assessed {
+            Ok(assessed) => Ok(Self::Assessed(Box::new(assessed))),
             Err(ScenarioError::Session {
                 scenario,
                 seed,
                 error,
-            }) => Ok(Self::Refused(Refusal {
+            }) => Ok(Self::Rejected(RejectedRecording {
                 scenario,
                 seed,
                 reason: error.to_string(),
@@ -51,11 +52,11 @@ impl<T: Judged> Outcome<T> {
         }
     }
 
-    /// Of which scenario, drawn with which seed.
+    /// Returns the scenario and the seed.
     pub(super) fn key(&self) -> (&str, u64) {
         match self {
-            Self::Judged(judged) => judged.key(),
-            Self::Refused(refusal) => (&refusal.scenario, refusal.seed),
+            Self::Assessed(assessed) => assessed.key(),
+            Self::Rejected(rejected) => (&rejected.scenario, rejected.seed),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The paper's method beside: eq. (5)–(7) with the mean over a session.
+//! The paper's method for comparison: eq. (5)–(7) with the mean over a session.
 
 use sinew_estimate::feeder::{Feeder, FeederOptions};
 use sinew_log::Frame;
@@ -30,11 +30,11 @@ impl PaperMeans {
         })
     }
 
-    /// Takes a frame of a session; what was before is over once the filters have settled.
+    /// Processes a frame of a session; the influence of earlier frames ends when the filters have settled.
     pub(super) fn push(&mut self, frame: &Frame, session: usize) {
         let fed = self.feeder.frame(frame);
         let observer = self.feeder.observer();
-        // A frame that can't be used is left out, like in a recording.
+        // An invalid frame is excluded, as in a recording.
         if fed.output().is_none() || !observer.is_settled() {
             return;
         }

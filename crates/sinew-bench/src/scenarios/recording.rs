@@ -1,4 +1,4 @@
-//! One recording, simulated and judged.
+//! One recording, simulated and assessed.
 
 use super::paper::PaperMeans;
 use super::simulated::Simulated;
@@ -11,86 +11,87 @@ use sinew_estimate::session::{
 use sinew_model::{Gaussian, Interval95};
 use sinew_sim::protocol::Plan;
 
-/// How one recording came out.
+/// Result of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recording {
-    /// Scenario.
+    /// Name of the scenario.
     pub scenario: String,
-    /// Seed of everything drawn.
+    /// Seed of all random draws.
     pub seed: u64,
     /// Every elastic joint at the end of session B.
     pub joints: Vec<JointScore>,
-    /// The slips of session C; empty when it was left out.
+    /// Slips of session C; empty if it was not simulated.
     pub steps: Vec<StepScore>,
-    /// Sudden changes reported where there was none, in B and C: the probability stated of each, 1 of
-    /// what is reported of the time before.
+    /// False sudden changes in B and C: the reported probability of each, 1 for
+    /// changes reported before the recording.
     pub false_alarms: Vec<f64>,
-    /// Time they were looked for, s.
-    pub watched_s: f64,
-    /// Payload estimated less the true one at the end of B, with the deviation stated.
+    /// Time in which they were searched for, s.
+    pub exposure_s: f64,
+    /// Estimated minus true payload at the end of B, with the reported standard deviation.
     pub payload_error_kg: Gaussian,
-    /// Share of B left out as contact or disturbance.
-    pub left_out_share: f64,
+    /// Share of B rejected as contact or disturbance.
+    pub rejected_share: f64,
     /// Distinct poses of B.
     pub poses: usize,
-    /// What baseline and estimate warned of.
+    /// Warnings of baseline and estimate.
     pub warnings: Vec<Warning>,
     /// All joints at the end of B, and of C where it was estimated.
     pub ends: Vec<EndScore>,
 }
 
-/// One joint at the end of session B. Errors are estimate less truth.
+/// One joint at the end of session B. Errors are estimate minus truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointScore {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
     /// True offset, rad.
     pub truth_rad: f64,
-    /// Error of the estimate, with the deviation stated.
+    /// Error of the estimate, with the reported standard deviation.
     pub error_rad: Gaussian,
-    /// Whether the estimate says whether the tendon has changed.
-    pub can_tell: bool,
+    /// Whether the verdict on the tendon is conclusive.
+    #[serde(alias = "can_tell")]
+    pub is_conclusive: bool,
     /// Error of the paper's mean over B, rad.
     pub paper_error_rad: Option<f64>,
-    /// The same minus its mean over A.
+    /// Error of the difference between the paper's means over B and A, rad.
     pub paper_minus_baseline_error_rad: Option<f64>,
     /// Error of the mean over B with matched filters, rad.
     pub matched_error_rad: Option<f64>,
-    /// The same minus its mean over A.
+    /// Error of the difference between the means over B and A with matched filters, rad.
     pub matched_minus_baseline_error_rad: Option<f64>,
     /// Bayesian Cramér–Rao bound at this recording's truth, rad.
     pub bound_rad: Option<f64>,
 }
 
-/// A slip of session C.
+/// Slip of session C.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepScore {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// When, s.
+    /// Time of the slip, s.
     pub at_s: f64,
     /// True size, rad.
     pub size_rad: f64,
-    /// As it was found with 20 s after it; none: not found.
+    /// Estimate with 20 s of recording after the slip; none if not found.
     pub found: Option<FoundStep>,
-    /// Seconds of recording after the slip from which on it is found.
+    /// Duration of recording after the slip that is sufficient to detect it, s.
     pub delay_s: Option<f64>,
 }
 
-/// What was found of a slip.
+/// Estimate of a slip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FoundStep {
-    /// Size, rad.
+    /// Size of the step, rad.
     pub size_rad: f64,
     /// Time of the change, s.
     pub time_s: f64,
-    /// It lies within, s.
+    /// 95 % interval of the time, s.
     pub interval_95_s: Interval95,
-    /// Probability stated.
+    /// Reported probability of the slip.
     pub probability: f64,
 }
 
@@ -106,66 +107,71 @@ impl FoundStep {
     }
 }
 
-/// Probability stated of a change; what was before the recording comes without one.
+/// Reported probability of a change; changes before the recording have none.
 fn stated(change: &TendonChange) -> f64 {
     change.probability.unwrap_or(1.0)
 }
 
 impl StepScore {
-    /// Size found less true size, rad; a slip not found was taken for none.
+    /// Returns the estimated minus the true size, rad; a slip not found counts as 0.
     pub fn error_rad(&self) -> f64 {
         self.found.map_or(0.0, |f| f.size_rad) - self.size_rad
     }
 
-    /// Whether it happened within the interval stated; `None`: not found.
+    /// Whether it happened within the reported interval; `None`: not found.
     pub fn is_time_inside(&self) -> Option<bool> {
         Some(self.found?.interval_95_s.contains(self.at_s))
     }
 }
 
-/// A slip must be found with this much recording after it, s.
-const WITHIN_S: u32 = 20;
-/// A change reported further from a slip than this is another one, s.
-const SAME_S: f64 = 5.0;
+/// Recording time after a slip within which it must be found, s.
+const MAX_DELAY_S: u32 = 20;
+/// Maximum time difference of a reported change and a slip, s.
+const MAX_TIME_ERROR_S: f64 = 5.0;
 
-/// Simulates `plan` with `seed` and judges the estimate.
+/// Simulates `plan` with `seed` and assesses the estimate.
 ///
 /// # Errors
-/// [`ScenarioError`].
+/// Returns a [`ScenarioError`] if the recording cannot be simulated or estimated.
 pub fn record(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Recording, ScenarioError> {
     let simulated = Simulated::new(plan, seed, sessions)?;
-    let refused = |error| ScenarioError::Session {
+    let session_error = |error| ScenarioError::Session {
         scenario: plan.name.clone(),
         seed,
         error: Box::new(error),
     };
     let payload = plan.payload_unknown;
     let robot = &plan.robot;
-    let (baseline, learned) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
-    let (watched, after_b) = estimator::watch(
+    let (baseline, learned) =
+        estimator::learn(robot, &simulated.sessions[0]).map_err(session_error)?;
+    let (estimated, after_b) = estimator::watch(
         robot,
         &simulated.sessions[1],
         "session B",
         &baseline,
         payload,
     )
-    .map_err(refused)?;
-    let mut out = judged(plan, seed, &simulated, &watched);
+    .map_err(session_error)?;
+    let mut out = assessed(plan, seed, &simulated, &estimated);
     out.warnings.extend(
         learned
             .warnings
             .iter()
             .filter(|w| **w != Warning::NoBaseline)
-            .chain(&watched.warnings)
+            .chain(&estimated.warnings)
             .cloned(),
     );
-    out.ends
-        .push(EndScore::of(End::B, robot, &simulated.truth_rad, &watched));
+    out.ends.push(EndScore::of(
+        End::B,
+        robot,
+        &simulated.truth_rad,
+        &estimated,
+    ));
     if sessions != Sessions::B {
-        watch_c(plan, &simulated, &after_b, sessions, &mut out).map_err(refused)?;
+        watch_c(plan, &simulated, &after_b, sessions, &mut out).map_err(session_error)?;
     }
     if sessions == Sessions::Chain {
-        let mut window = estimator::online(robot, &baseline, payload).map_err(refused)?;
+        let mut window = estimator::online(robot, &baseline, payload).map_err(session_error)?;
         let ends = [
             (End::B, &simulated.truth_rad),
             (End::Chain, &simulated.truth_at_end_rad),
@@ -179,8 +185,13 @@ pub fn record(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Recording, S
 }
 
 /// Session B against its truth.
-fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &SessionEstimate) -> Recording {
-    let joints = watched
+fn assessed(
+    plan: &Plan,
+    seed: u64,
+    simulated: &Simulated,
+    estimated: &SessionEstimate,
+) -> Recording {
+    let joints = estimated
         .joints
         .iter()
         .filter_map(|joint| {
@@ -192,11 +203,8 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &SessionEstima
             Some(JointScore {
                 name: joint.name.clone(),
                 truth_rad,
-                error_rad: Gaussian::new(
-                    joint.offset_rad.mean - truth_rad,
-                    joint.offset_rad.deviation,
-                ),
-                can_tell: joint.verdict != Verdict::CannotTell,
+                error_rad: Gaussian::new(joint.offset_rad.mean - truth_rad, joint.offset_rad.std),
+                is_conclusive: joint.verdict != Verdict::Inconclusive,
                 paper_error_rad: plain(lagging),
                 paper_minus_baseline_error_rad: minus(lagging),
                 matched_error_rad: plain(matched),
@@ -211,22 +219,22 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &SessionEstima
         joints,
         steps: Vec::new(),
         // Nothing slips within B.
-        false_alarms: (watched.joints.iter())
+        false_alarms: (estimated.joints.iter())
             .flat_map(|j| j.changes.iter().map(stated))
             .collect(),
-        watched_s: simulated.sessions[1].duration_s,
+        exposure_s: simulated.sessions[1].duration_s,
         payload_error_kg: Gaussian::new(
-            watched.payload_kg.mean - simulated.payload_kg,
-            watched.payload_kg.deviation,
+            estimated.payload_kg.mean - simulated.payload_kg,
+            estimated.payload_kg.std,
         ),
-        left_out_share: watched.left_out_share,
-        poses: watched.poses,
+        rejected_share: estimated.rejected_share,
+        poses: estimated.poses,
         warnings: Vec::new(),
         ends: Vec::new(),
     }
 }
 
-/// Session C: its end, what is found of the slips, how soon, and what is reported besides.
+/// Evaluates session C: the offsets at its end, the detected slips with their delays, and false detections.
 fn watch_c(
     plan: &Plan,
     simulated: &Simulated,
@@ -246,7 +254,7 @@ fn watch_c(
                 .collect(),
             ..whole.clone()
         };
-        // C goes on where B ended, as one recording would.
+        // Session C continues from the end of B, as one recording would.
         estimator::watch(
             &plan.robot,
             &part,
@@ -271,17 +279,17 @@ fn watch_c(
         let step = joint
             .changes
             .iter()
-            .find(|s| (s.time_s - at_s).abs() < SAME_S)?;
+            .find(|s| (s.time_s - at_s).abs() < MAX_TIME_ERROR_S)?;
         Some(FoundStep::of(step))
     };
     for &(joint, at_s, size_rad) in &simulated.slips {
         let name = &names[joint];
-        let found = reported(&until(at_s + f64::from(WITHIN_S))?, name, at_s);
+        let found = reported(&until(at_s + f64::from(MAX_DELAY_S))?, name, at_s);
         let mut delay_s = None;
         if found.is_some() {
             // Found with `late` seconds, not with `early`: halved to a second, as if what is found
             // once stayed found.
-            let (mut early, mut late) = (0, WITHIN_S);
+            let (mut early, mut late) = (0, MAX_DELAY_S);
             while late - early > 1 {
                 let middle = (early + late) / 2;
                 match reported(&until(at_s + f64::from(middle))?, name, at_s) {
@@ -300,15 +308,15 @@ fn watch_c(
         });
     }
     for joint in &estimate.joints {
-        let known = |time_s: f64| {
+        let is_slip = |time_s: f64| {
             out.steps
                 .iter()
-                .any(|s| s.joint == joint.name && (s.at_s - time_s).abs() < SAME_S)
+                .any(|s| s.joint == joint.name && (s.at_s - time_s).abs() < MAX_TIME_ERROR_S)
         };
-        let false_ones = joint.changes.iter().filter(|s| !known(s.time_s));
+        let false_ones = joint.changes.iter().filter(|s| !is_slip(s.time_s));
         let false_ones: Vec<f64> = false_ones.map(stated).collect();
         out.false_alarms.extend(false_ones);
     }
-    out.watched_s += whole.duration_s;
+    out.exposure_s += whole.duration_s;
     Ok(())
 }

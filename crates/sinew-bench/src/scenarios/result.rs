@@ -1,6 +1,6 @@
-//! What many recordings show together, as data in SI.
+//! Results of many recordings, as data in SI units.
 
-use super::{End, Form, Refusal};
+use super::{End, Form, RejectedRecording};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Interval95;
@@ -10,36 +10,36 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ScenarioReport {
-    /// Version of the program that made it.
+    /// Version of the program that created the report.
     pub sinew_version: String,
     /// Seed of the first recording of each scenario.
     pub first_seed: u64,
-    /// Recordings asked for per scenario.
+    /// Number of requested recordings per scenario.
     pub recordings: u64,
     /// Whether session C, with its slips, was simulated.
     pub with_slips: bool,
     /// One entry per scenario.
     pub scenarios: Vec<ScenarioSummary>,
-    /// Recordings that the estimate refused; they are in no figure.
+    /// Recordings rejected by the estimator and excluded from all figures.
     #[serde(default)]
-    pub refusals: Vec<Refusal>,
+    pub rejections: Vec<RejectedRecording>,
 }
 
 impl JsonDocument for ScenarioReport {
-    const SCHEMA: &'static str = "sinew/scenarios/1";
+    const SCHEMA: &'static str = "sinew/scenarios/2";
 }
 
-/// One scenario. What nothing is known of, for lack of recordings, is `None`.
+/// Results of one scenario. Values that cannot be computed for lack of recordings are `None`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ScenarioSummary {
-    /// Its name.
+    /// Name of the scenario.
     pub scenario: String,
-    /// Its robot.
+    /// Name of the robot.
     pub robot: String,
-    /// What it is about, where that isn't the protocol's.
+    /// Description, if it differs from that of the protocol.
     pub about: Option<String>,
-    /// Recordings.
+    /// Number of recordings.
     pub recordings: usize,
     /// All elastic joints together at the end of B, and of C where it was estimated.
     pub ends: Vec<EndSummary>,
@@ -49,23 +49,23 @@ pub struct ScenarioSummary {
     pub slips: Vec<SlipSummary>,
     /// Sudden changes reported where there was none, per hour.
     pub false_alarms_per_hour: Option<f64>,
-    /// Mean of the probabilities stated of them.
+    /// Mean reported probability of them.
     pub false_alarm_probability: Option<f64>,
-    /// Time they were looked for, s.
-    pub watched_s: f64,
+    /// Time in which they were searched for, s.
+    pub exposure_s: f64,
     /// Payload: root mean square error, kg.
     pub payload_rmse_kg: Option<f64>,
-    /// Mean share of B left out as contact or disturbance.
-    pub left_out_share: Option<f64>,
+    /// Mean share of B rejected as contact or disturbance.
+    pub rejected_share: Option<f64>,
     /// Share of recordings in which each warning was given, by its text up to the first number.
     pub warnings: BTreeMap<String, f64>,
 }
 
-/// One joint's offset at the end of B. Errors are estimate less truth.
+/// One joint's offset at the end of B. Errors are estimate minus truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ScenarioJoint {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
     /// Mean error, rad.
     pub bias_rad: f64,
@@ -75,44 +75,44 @@ pub struct ScenarioJoint {
     pub error_q95_rad: f64,
     /// Share of truths inside the 95 % interval.
     pub coverage_share: f64,
-    /// Where that share lies with 95 % confidence (Wilson).
+    /// 95 % confidence interval of that share (Wilson).
     pub coverage_95: Interval95,
-    /// Mean standard deviation stated, rad.
-    pub stated_rad: f64,
-    /// Mean of error over standard deviation stated; 0 when unbiased.
+    /// Mean reported standard deviation, rad.
+    pub reported_std_rad: f64,
+    /// Mean of error over reported standard deviation; 0 if unbiased.
     pub z_mean: f64,
-    /// Standard deviation of error over standard deviation stated; 1 when honest, below 1 when
+    /// Standard deviation of error over reported standard deviation; 1 if calibrated, below 1 if
     /// intervals are too wide.
-    pub z_deviation: f64,
-    /// Share of recordings in which the estimate couldn't tell.
-    pub cant_tell_share: f64,
+    pub z_std: f64,
+    /// Share of recordings in which the estimate is inconclusive.
+    pub inconclusive_share: f64,
     /// Root mean square of the Bayesian Cramér–Rao bounds, rad.
     pub bound_rad: Option<f64>,
     /// Root mean square error of the paper's mean over B, rad.
     pub paper_rmse_rad: Option<f64>,
-    /// The same minus its mean over A.
+    /// Root mean square error of the difference between the paper's means over B and A, rad.
     pub paper_minus_baseline_rmse_rad: Option<f64>,
-    /// With matched filters.
+    /// Root mean square error of the mean over B with matched filters, rad.
     pub matched_rmse_rad: Option<f64>,
-    /// The same minus its mean over A.
+    /// Root mean square error of the difference between the means over B and A with matched filters, rad.
     pub matched_minus_baseline_rmse_rad: Option<f64>,
 }
 
-/// Slips of one joint.
+/// Statistics of the slips of one joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlipSummary {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Slips.
+    /// Number of slips.
     pub slips: usize,
     /// Share found with 20 s of recording after them.
     pub found_share: f64,
     /// Root mean square error of the size, rad; a slip not found counts in full.
     pub rmse_rad: f64,
-    /// The same of those found.
+    /// Root mean square error of the size of those found, rad.
     pub found_rmse_rad: Option<f64>,
-    /// Mean probability stated of those found.
+    /// Mean reported probability of those found.
     pub probability: Option<f64>,
     /// Share of those found that happened within the 95 % interval of their time.
     pub time_coverage_share: Option<f64>,
@@ -122,7 +122,7 @@ pub struct SlipSummary {
     pub time_rmse_s: Option<f64>,
     /// Seconds of recording needed to find it: median of those found.
     pub delay_s: Option<f64>,
-    /// The same, 90 % quantile.
+    /// 90 % quantile of that recording time, s.
     pub delay_90_s: Option<f64>,
 }
 
@@ -130,23 +130,23 @@ pub struct SlipSummary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EndSummary {
-    /// Which end.
+    /// End at which the offsets are assessed.
     pub end: End,
-    /// Whose estimates.
+    /// Form of the estimator.
     pub form: Form,
-    /// Offsets judged: recordings times elastic joints.
+    /// Number of assessed offsets: recordings times elastic joints.
     pub offsets: usize,
     /// Share of truths inside the 95 % interval.
     pub coverage_share: f64,
     /// Root mean square error, rad.
     pub rmse_rad: f64,
-    /// Mean half of the 95 % interval, rad.
+    /// Mean half-width of the 95 % interval, rad.
     pub half_width_95_rad: f64,
-    /// Share of recordings whose session warned of anything, or was in doubt.
+    /// Share of recordings whose session had a warning or was provisional.
     pub warned_share: f64,
-    /// Share of offsets outside their interval in a session that warned of nothing.
+    /// Share of offsets outside their interval in sessions without a warning.
     pub silent_share: f64,
-    /// Share of offsets more than three standard deviations off in such a session; chance leaves 0.0027 of those that are told without a
-    /// warning.
+    /// Share of offsets more than three standard deviations from the truth in a session without a warning; 0.0027 is
+    /// expected by chance.
     pub far_share: f64,
 }

@@ -3,7 +3,7 @@
 use super::Recording;
 use sinew_log::{CellKind, Table};
 
-/// A row per recording and joint. Errors are estimate less truth at the end of session B.
+/// One row per recording and joint. Errors are estimate minus truth at the end of session B.
 pub fn rows(recordings: &[Recording]) -> Table {
     let mut table = Table::new(&[
         ("scenario", CellKind::Text),
@@ -11,15 +11,15 @@ pub fn rows(recordings: &[Recording]) -> Table {
         ("joint", CellKind::Text),
         ("truth_rad", CellKind::Number),
         ("error_rad", CellKind::Number),
-        ("stated_deviation_rad", CellKind::Number),
-        ("can_tell", CellKind::Flag),
+        ("stated_std_rad", CellKind::Number),
+        ("is_conclusive", CellKind::Flag),
         ("bound_rad", CellKind::Number),
         ("paper_error_rad", CellKind::Number),
         ("paper_minus_baseline_error_rad", CellKind::Number),
         ("matched_error_rad", CellKind::Number),
         ("matched_minus_baseline_error_rad", CellKind::Number),
         ("payload_error_kg", CellKind::Number),
-        ("left_out_share", CellKind::Number),
+        ("rejected_share", CellKind::Number),
         ("poses", CellKind::Integer),
     ]);
     for r in recordings {
@@ -30,15 +30,15 @@ pub fn rows(recordings: &[Recording]) -> Table {
                 joint.name.as_str().into(),
                 joint.truth_rad.into(),
                 joint.error_rad.mean.into(),
-                joint.error_rad.deviation.into(),
-                joint.can_tell.into(),
+                joint.error_rad.std.into(),
+                joint.is_conclusive.into(),
                 joint.bound_rad.into(),
                 joint.paper_error_rad.into(),
                 joint.paper_minus_baseline_error_rad.into(),
                 joint.matched_error_rad.into(),
                 joint.matched_minus_baseline_error_rad.into(),
                 r.payload_error_kg.mean.into(),
-                r.left_out_share.into(),
+                r.rejected_share.into(),
                 r.poses.into(),
             ]);
         }

@@ -1,9 +1,9 @@
 //! Many recordings, in parallel, resumable.
 
-use super::outcome::{Judged, Outcome};
+use super::outcome::{Assessment, Outcome};
 use super::result::ScenarioReport;
 use super::summary::summarise;
-use super::{Options, Recording, Refusal, ScenarioError, record};
+use super::{Options, Recording, RejectedRecording, ScenarioError, record};
 use crate::journal::{Journal, Setting};
 use crate::{jobs, journal};
 use serde::Serialize;
@@ -14,17 +14,18 @@ use sinew_sim::{Scenario, SimulateError};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Another simulation or estimator: what older files hold can't go on.
+/// Format of the file of results; the version changes with simulation or estimator, because older files cannot be
+/// resumed.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
     version: 19,
     holds: "scenario results",
 };
 
-/// What all recordings say together; see [`run_recordings`].
+/// Runs all recordings and returns their summary; see [`run_recordings`].
 ///
 /// # Errors
-/// [`ScenarioError`].
+/// Returns a [`ScenarioError`] if a scenario cannot be run.
 pub fn run(
     options: &Options,
     progress: &mut (dyn FnMut(usize, usize) + Send),
@@ -32,10 +33,11 @@ pub fn run(
     run_recordings(options, progress).map(|(report, _)| report)
 }
 
-/// Runs all recordings, and returns them too; `progress` is told how many of how many are done.
+/// Runs all recordings and returns the summary and the recordings; calls `progress` with the number done and the
+/// total.
 ///
 /// # Errors
-/// [`ScenarioError`]; what was finished before is in the file of results.
+/// Returns a [`ScenarioError`] if a scenario cannot be run; recordings finished before are in the file of results.
 pub fn run_recordings(
     options: &Options,
     progress: &mut (dyn FnMut(usize, usize) + Send),
@@ -60,28 +62,29 @@ pub fn run_recordings(
         (
             "scenarios",
             journal::checksum(&everything(&plans)),
-            "of another robot, or of other scenarios than this program's",
+            "another robot, or other scenarios than those of this version",
         ),
     ];
-    let judge = |plan: &Plan, seed: u64| record(plan, seed, options.sessions);
-    let (recordings, refusals) = study(options, &plans, &RECORDINGS, &settings, judge, progress)?;
-    let report = summarise(&plans, &recordings, refusals, options);
+    let assess = |plan: &Plan, seed: u64| record(plan, seed, options.sessions);
+    let (recordings, rejections) =
+        study(options, &plans, &RECORDINGS, &settings, assess, progress)?;
+    let report = summarise(&plans, &recordings, rejections, options);
     Ok((report, recordings))
 }
 
-/// Judges every plan with every seed, but for those that are in the file of results. What was judged, in the order of seeds, and what
-/// was refused; `progress` is told how many of how many are done.
+/// Assesses every plan with every seed, except those already in the file of results. Returns the assessments, in the
+/// order of seeds, and the rejected recordings; calls `progress` with the number done and the total.
 ///
 /// # Errors
-/// [`ScenarioError`]; what was finished before is in the file of results.
-pub(super) fn study<T: Judged + Clone + Send + Serialize + DeserializeOwned>(
+/// Returns a [`ScenarioError`] if a scenario cannot be run; recordings finished before are in the file of results.
+pub(super) fn study<T: Assessment + Clone + Send + Serialize + DeserializeOwned>(
     options: &Options,
     plans: &[Plan],
     kind: &journal::Kind,
     settings: &[Setting],
-    judge: impl Fn(&Plan, u64) -> Result<T, ScenarioError> + Sync,
+    assess: impl Fn(&Plan, u64) -> Result<T, ScenarioError> + Sync,
     progress: &mut (dyn FnMut(usize, usize) + Send),
-) -> Result<(Vec<T>, Vec<Refusal>), ScenarioError> {
+) -> Result<(Vec<T>, Vec<RejectedRecording>), ScenarioError> {
     let (mut journal, done) = Journal::open::<Outcome<T>>(options.out.as_deref(), kind, settings)?;
     let wanted: Vec<(usize, u64)> = (0..options.n)
         .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
@@ -106,7 +109,7 @@ pub(super) fn study<T: Judged + Clone + Send + Serialize + DeserializeOwned>(
         &missing,
         options.jobs,
         |&(plan, seed), give| {
-            give(Outcome::of(judge(&plans[plan], seed))?);
+            give(Outcome::of(assess(&plans[plan], seed))?);
             Ok::<_, ScenarioError>(())
         },
         |outcome| {
@@ -116,19 +119,19 @@ pub(super) fn study<T: Judged + Clone + Send + Serialize + DeserializeOwned>(
             Ok(())
         },
     )?;
-    // In the order of seeds, whoever was first: sums come out the same to the last bit.
+    // In the order of seeds, independent of the order of completion: sums are bitwise identical.
     outcomes.sort_by(|a, b| (a.key().1, a.key().0).cmp(&(b.key().1, b.key().0)));
-    let (mut judged, mut refusals) = (Vec::new(), Vec::new());
+    let (mut assessed, mut rejections) = (Vec::new(), Vec::new());
     for outcome in outcomes {
         match outcome {
-            Outcome::Judged(one) => judged.push(*one),
-            Outcome::Refused(refusal) => refusals.push(refusal),
+            Outcome::Assessed(one) => assessed.push(*one),
+            Outcome::Rejected(rejected) => rejections.push(rejected),
         }
     }
-    Ok((judged, refusals))
+    Ok((assessed, rejections))
 }
 
-/// What is to be run, each by a name of its own.
+/// Returns the plans to run, each with a unique name.
 pub(super) fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
     let robot = match &options.robot {
         Some(folder) => Some(robot_dir::load(folder, None)?.robot),
@@ -143,31 +146,31 @@ pub(super) fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
             None => plan_named(name)?,
         };
         if plans.iter().any(|other| other.name == plan.name) {
-            let why = format!(
-                "another scenario of this run is called '{}', too; give it another name",
+            let reason = format!(
+                "another scenario of this run has the name '{}'; rename one of them",
                 plan.name
             );
             let name = name.clone();
-            return Err(PlanError::Text { name, why }.into());
+            return Err(PlanError::Text { name, reason }.into());
         }
         plans.push(plan);
     }
     Ok(plans)
 }
 
-/// A scenario from a file, with the robot that is given or the one it names.
+/// Reads a scenario from a file, with the specified robot or the one that it names.
 fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, ScenarioError> {
     let file = path.display().to_string();
     let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)
         .map_err(SimulateError::from)?;
     let scenario = Scenario::open(path)?;
-    let beside = path.parent().unwrap_or(Path::new(""));
+    let base_folder = path.parent().unwrap_or(Path::new(""));
     let robot = match (robot, &scenario.robot) {
         (Some(robot), _) => robot,
-        (None, Some(folder)) => robot_dir::load(&beside.join(folder), None)?.robot,
+        (None, Some(folder)) => robot_dir::load(&base_folder.join(folder), None)?.robot,
         (None, None) => {
-            let why = "names no robot; name its folder with --robot DIR".into();
-            return Err(PlanError::Text { name: file, why }.into());
+            let reason = "robot is missing; specify its folder with --robot DIR".into();
+            return Err(PlanError::Text { name: file, reason }.into());
         }
     };
     Ok(Plan::own(scenario, &text, &file, robot)?)
@@ -175,11 +178,11 @@ fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, Sc
 
 /// All that recordings depend on.
 pub(super) fn everything(plans: &[Plan]) -> String {
-    let own: BTreeSet<&str> = plans.iter().map(|p| p.rests_on.as_str()).collect();
+    let own: BTreeSet<&str> = plans.iter().map(|p| p.based_on.as_str()).collect();
     sinew_sim::protocol::everything() + &own.into_iter().collect::<String>()
 }
 
-impl Judged for Recording {
+impl Assessment for Recording {
     fn key(&self) -> (&str, u64) {
         (&self.scenario, self.seed)
     }

@@ -1,4 +1,4 @@
-//! A recording in memory, and the truth behind it.
+//! Recording in memory with its truth.
 
 use super::bound::BoundRecorder;
 use super::paper::PaperMeans;
@@ -9,7 +9,7 @@ use sinew_model::offset::Comparison;
 use sinew_sim::protocol::Plan;
 use sinew_sim::{FaultyLine, SimulateError, Simulation};
 
-/// Blocks of the sessions and the truth behind them.
+/// Blocks of the sessions, and their true values.
 pub(super) struct Simulated {
     pub(super) sessions: Vec<Recorded>,
     /// Per joint at the end of B, and at the end of the last session: since the end of A, whose baseline calls
@@ -21,13 +21,13 @@ pub(super) struct Simulated {
     pub(super) payload_kg: f64,
     /// Bound per joint, rad.
     pub(super) bound_rad: Option<Vec<f64>>,
-    /// With the lag of the paper, and matched.
+    /// Estimates with the lag of the paper, and matched.
     pub(super) means: [PaperMeans; 2],
-    /// Of every block of the last session: offset of every joint since the end of A, rad.
+    /// Offset of every joint since the end of A, for every block of the last session, rad.
     pub(super) truth_of_blocks_rad: Vec<Vec<f64>>,
 }
 
-/// What takes in the frames of a recording, session by session.
+/// Receivers of the frames of a recording, session by session.
 struct Takers {
     spans: Vec<(f64, f64)>,
     start_ns: i64,
@@ -52,9 +52,9 @@ impl Takers {
 }
 
 impl Simulated {
-    /// Simulates `plan` with `seed`, as far as `judged` asks for.
-    pub(super) fn new(plan: &Plan, seed: u64, judged: Sessions) -> Result<Self, ScenarioError> {
-        let sessions = if judged == Sessions::B { 2 } else { 3 };
+    /// Simulates `plan` with `seed`, for the sessions in `assessed`.
+    pub(super) fn new(plan: &Plan, seed: u64, assessed: Sessions) -> Result<Self, ScenarioError> {
+        let sessions = if assessed == Sessions::B { 2 } else { 3 };
         let spans = plan.scenario.sessions[..sessions].iter();
         let spans = spans.map(|s| (s.from_s, s.to_s)).collect();
         Self::of_spans(plan, seed, spans)
@@ -114,12 +114,12 @@ impl Simulated {
                 recorded
             })
             .collect();
-        // What the model doesn't know of has no bound within it.
+        // Effects outside the model have no bound within it.
         let bound_rad = match plan.about {
             None => bound.finish(plan, simulation, &sessions),
             Some(_) => None,
         };
-        // Just before the end: a step that opens C isn't part of B.
+        // Just before the end: a step at the start of C is not part of B.
         let before = |end_s: f64| end_s - 1.0 / plan.scenario.sample_rate_hz;
         let at_s = before(end_of_b_s);
         let ends_s: Vec<f64> = takers.spans.iter().map(|span| before(span.1)).collect();

@@ -1,8 +1,8 @@
-//! What many recordings say together.
+//! Summary of many recordings.
 
 use super::end;
 use super::result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
-use super::{FoundStep, JointScore, Options, Recording, Refusal, Sessions, StepScore};
+use super::{FoundStep, JointScore, Options, Recording, RejectedRecording, Sessions, StepScore};
 use crate::numbers::{finite, mean, quantile_of, rms};
 use sinew_model::{Interval95, Z95};
 use sinew_report::session_warning;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub(super) fn summarise(
     plans: &[Plan],
     recordings: &[Recording],
-    refusals: Vec<Refusal>,
+    rejections: Vec<RejectedRecording>,
     options: &Options,
 ) -> ScenarioReport {
     let of = |plan: &Plan| -> Vec<&Recording> {
@@ -26,7 +26,7 @@ pub(super) fn summarise(
         recordings: options.n,
         with_slips: options.sessions == Sessions::Slips,
         scenarios: plans.iter().map(|plan| scenario(plan, &of(plan))).collect(),
-        refusals,
+        rejections,
     }
 }
 
@@ -39,12 +39,12 @@ fn scenario(plan: &Plan, recordings: &[&Recording]) -> ScenarioSummary {
         .first()
         .map(|r| r.steps.iter().map(|s| &s.joint).collect())
         .unwrap_or_default();
-    let watched_s = recordings.iter().map(|r| r.watched_s).sum::<f64>();
+    let exposure_s = recordings.iter().map(|r| r.exposure_s).sum::<f64>();
     let alarms: Vec<f64> = (recordings.iter())
         .flat_map(|r| r.false_alarms.iter().copied())
         .collect();
     let payload: Vec<f64> = recordings.iter().map(|r| r.payload_error_kg.mean).collect();
-    let left_out: Vec<f64> = recordings.iter().map(|r| r.left_out_share).collect();
+    let rejected: Vec<f64> = recordings.iter().map(|r| r.rejected_share).collect();
     ScenarioSummary {
         scenario: plan.name.clone(),
         robot: plan.robot.name.clone(),
@@ -56,11 +56,11 @@ fn scenario(plan: &Plan, recordings: &[&Recording]) -> ScenarioSummary {
             .iter()
             .map(|name| slips(name, recordings))
             .collect(),
-        false_alarms_per_hour: finite(alarms.len() as f64 / (watched_s / 3600.0)),
+        false_alarms_per_hour: finite(alarms.len() as f64 / (exposure_s / 3600.0)),
         false_alarm_probability: (!alarms.is_empty()).then(|| mean(&alarms)),
-        watched_s,
+        exposure_s,
         payload_rmse_kg: finite(rms(&payload)),
-        left_out_share: finite(mean(&left_out)),
+        rejected_share: finite(mean(&rejected)),
         warnings: warnings(recordings),
     }
 }
@@ -71,16 +71,16 @@ fn joint(name: &str, recordings: &[&Recording]) -> ScenarioJoint {
         .filter_map(|r| r.joints.iter().find(|j| j.name == name))
         .collect();
     let errors: Vec<f64> = scores.iter().map(|j| j.error_rad.mean).collect();
-    let stated: Vec<f64> = scores.iter().map(|j| j.error_rad.deviation).collect();
+    let stated: Vec<f64> = scores.iter().map(|j| j.error_rad.std).collect();
     let z: Vec<f64> = scores
         .iter()
-        .map(|j| j.error_rad.mean / j.error_rad.deviation)
+        .map(|j| j.error_rad.mean / j.error_rad.std)
         .collect();
     let inside = scores
         .iter()
         .filter(|j| !j.error_rad.is_nonzero_95())
         .count();
-    let cant_tell = scores.iter().filter(|j| !j.can_tell).count();
+    let inconclusive = scores.iter().filter(|j| !j.is_conclusive).count();
     let n = scores.len();
     let optional = |of: fn(&JointScore) -> Option<f64>| -> Option<f64> {
         let values: Vec<f64> = scores.iter().filter_map(|j| of(j)).collect();
@@ -94,10 +94,10 @@ fn joint(name: &str, recordings: &[&Recording]) -> ScenarioJoint {
         error_q95_rad: quantile_of(errors.iter().map(|e| e.abs()).collect(), 0.95),
         coverage_share: inside as f64 / n as f64,
         coverage_95: wilson(inside, n),
-        stated_rad: mean(&stated),
+        reported_std_rad: mean(&stated),
         z_mean,
-        z_deviation: (rms(&z).powi(2) - z_mean * z_mean).max(0.0).sqrt(),
-        cant_tell_share: cant_tell as f64 / n as f64,
+        z_std: (rms(&z).powi(2) - z_mean * z_mean).max(0.0).sqrt(),
+        inconclusive_share: inconclusive as f64 / n as f64,
         bound_rad: optional(|j| j.bound_rad),
         paper_rmse_rad: optional(|j| j.paper_error_rad),
         paper_minus_baseline_rmse_rad: optional(|j| j.paper_minus_baseline_error_rad),
@@ -162,7 +162,7 @@ fn warnings(recordings: &[&Recording]) -> BTreeMap<String, f64> {
     counts
 }
 
-/// A warning with its numbers taken out; digits of a name stay.
+/// Removes the numbers from a warning; digits of a name remain.
 fn kind(warning: &str) -> String {
     let mut out = String::new();
     let mut in_name = false;
@@ -178,7 +178,7 @@ fn kind(warning: &str) -> String {
     out
 }
 
-/// Where a share lies with 95 % confidence.
+/// Returns the 95 % confidence interval of a share.
 ///
 /// # Source
 /// E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, 1927.
@@ -196,7 +196,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_and_wilson_agree_with_hand_and_table() {
+    fn quantiles_and_wilson_match_reference_values() {
         assert_eq!(quantile_of(vec![3.0, 1.0, 2.0], 0.5), 2.0);
         assert_eq!(quantile_of(vec![0.0, 10.0], 0.95), 9.5);
         assert!(quantile_of(Vec::new(), 0.5).is_nan());
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn warnings_are_told_apart_by_their_words() {
+    fn warnings_are_grouped_by_text() {
         assert_eq!(kind("only 2 poses in 60.5 s."), "only # poses in # s.");
         assert_eq!(kind("wrist_1_joint: 3.5 mrad"), "wrist_1_joint: # mrad");
         assert_eq!(kind("lwr2: −12 ± 4 %"), "lwr2: −# ± # %");

@@ -1,6 +1,6 @@
-//! The report of a run as a terminal shows it.
+//! Text output of a run's report.
 
-use super::Refusal;
+use super::RejectedRecording;
 use super::result::{ScenarioReport, ScenarioSummary};
 use sinew_model::Z95;
 use sinew_report::text::{paragraph, plain, table};
@@ -11,7 +11,8 @@ pub fn render_table(report: &ScenarioReport) -> String {
     let summaries = report.scenarios.as_slice();
     let robots: BTreeSet<String> = summaries.iter().map(|s| plain(&s.robot)).collect();
     let robots = Vec::from_iter(robots).join(", ");
-    let mut text = format!("{robots}: offset at the end of session B, mrad; estimate less truth\n");
+    let mut text =
+        format!("{robots}: offset at the end of session B, mrad; estimate minus truth\n");
     let mut rows = Vec::new();
     for s in summaries {
         let mut head = vec![format!("{}, n = {}", s.scenario, s.recordings)];
@@ -23,7 +24,7 @@ pub fn render_table(report: &ScenarioReport) -> String {
                 short(1e3 * j.bias_rad),
                 short(1e3 * j.rmse_rad),
                 short(1e3 * j.error_q95_rad),
-                short(1e3 * Z95 * j.stated_rad),
+                short(1e3 * Z95 * j.reported_std_rad),
                 short(100.0 * j.coverage_share),
                 optional(j.bound_rad, 1e3),
                 optional(j.paper_rmse_rad, 1e3),
@@ -32,13 +33,13 @@ pub fn render_table(report: &ScenarioReport) -> String {
         }
     }
     let head = [
-        "joint", "bias", "RMSE", "95 %", "±", "in, %", "bound", "paper", "−A",
+        "joint", "bias", "RMSE", "95 %", "±", "cov., %", "bound", "paper", "−A",
     ];
     text.push_str(&table(&head, rows, 1));
     text.push('\n');
     text.push_str(&paragraph(
-        "95 %: quantile of the size of the error; ±: mean half-width of the 95 % interval; \
-         in: truths inside it; bound: Bayesian Cramér–Rao; paper: RMSE of the paper's mean, −A: less its own \
+        "95 %: quantile of the absolute error; ±: mean half-width of the 95 % interval; \
+         cov.: coverage of that interval; bound: Bayesian Cramér–Rao; paper: RMSE of the paper's mean, −A: minus its own \
          of session A",
         0,
     ));
@@ -52,20 +53,20 @@ pub fn render_table(report: &ScenarioReport) -> String {
         text.push_str(&slips(summaries));
     }
     text.push_str(&warned(summaries));
-    text.push_str(&refused(report));
+    text.push_str(&render_rejected(report));
     text
 }
 
-/// Recordings that the estimate refused, where there are any.
-pub(super) fn refused(report: &ScenarioReport) -> String {
-    let of = |r: &Refusal| {
+/// Formats the recordings rejected by the estimator, if any.
+pub(super) fn render_rejected(report: &ScenarioReport) -> String {
+    let of = |r: &RejectedRecording| {
         let name = plain(&r.scenario);
         paragraph(&format!("{name}, seed {}: {}", r.seed, plain(&r.reason)), 2)
     };
-    let lines: String = report.refusals.iter().map(of).collect();
-    match report.refusals.len() {
+    let lines: String = report.rejections.iter().map(of).collect();
+    match report.rejections.len() {
         0 => lines,
-        n => format!("\nRefused by the estimate, and in none of the figures: {n}\n{lines}"),
+        n => format!("\nRejected by the estimator and excluded from all figures: {n}\n{lines}"),
     }
 }
 
@@ -79,7 +80,7 @@ fn short(v: f64) -> String {
     format!("{v:.decimals$}").replace('-', "−")
 }
 
-/// The same in a unit of which `factor` make one of SI, or a dash.
+/// Formats a value multiplied by `factor`, or a dash if it is missing.
 fn optional(v: Option<f64>, factor: f64) -> String {
     v.map_or("–".into(), |v| short(factor * v))
 }
@@ -107,8 +108,8 @@ fn slips(summaries: &[ScenarioSummary]) -> String {
         "joint",
         "found\n%",
         "RMSE\nmrad",
-        "moment\n± s",
-        "in\n%",
+        "time\n± s",
+        "cov.\n%",
         "delay\ns",
         "90 %\ns",
         "false\n1/h",
@@ -116,7 +117,7 @@ fn slips(summaries: &[ScenarioSummary]) -> String {
     table(&head, rows, 2)
 }
 
-/// Which warnings were given how often.
+/// Formats how often each warning occurred.
 fn warned(summaries: &[ScenarioSummary]) -> String {
     let mut text = String::new();
     for s in summaries {
@@ -130,6 +131,6 @@ fn warned(summaries: &[ScenarioSummary]) -> String {
     if text.is_empty() {
         text
     } else {
-        format!("\nWarnings, and in how many of the recordings\n{text}")
+        format!("\nWarnings, with their share of the recordings\n{text}")
     }
 }

@@ -1,4 +1,4 @@
-//! Who forecasts: by the rope, without it, or knowing the true law.
+//! Forecasters: with the rope, without it, or with the true creep law.
 
 use super::result::Forecaster;
 use rand::SeedableRng as _;
@@ -13,7 +13,7 @@ use sinew_trend::filter::{Curve, Noise, Prior, Record, node_times_s};
 use sinew_trend::prior;
 
 impl Forecaster {
-    /// Its prior for a tendon.
+    /// Returns the forecaster's prior for a tendon.
     pub(super) fn prior(
         self,
         rope: &CatalogueRope,
@@ -23,20 +23,20 @@ impl Forecaster {
     ) -> Result<Prior, CatalogueError> {
         let pretension_n = tendon.pretension_n.unwrap_or(60.0);
         const SEED: u64 = 1;
-        /// Of a robot whose tolerance of 0.1 mrad/K is the default.
+        /// Temperature drift of a robot whose tolerance of 0.1 mrad/K is the default.
         const DRIFT_RAD_PER_K: f64 = 1.25e-4;
-        /// What who takes every error for a session's own believes of the level at the baseline, rad.
+        /// Prior standard deviation of the level at the baseline if every error is taken as independent, rad.
         const ALONE_RAD: f64 = 0.5e-3;
         /// Days of work differ, and so do days of creep.
-        const LEAST_RAD: f64 = 0.05e-3;
-        /// Season and work leave the pace nowhere quite constant.
-        const PACE_ERRORS: [f64; 2] = [0.15, 0.5];
+        const MIN_SLOW_STD_RAD: f64 = 0.05e-3;
+        /// Relative errors of the creep rate, which season and work make variable.
+        const CREEP_RATE_REL_ERRORS: [f64; 2] = [0.15, 0.5];
         let curves_of_rope =
             || prior::rope_curves(rope, tendon, pretension_n, None, 21.0, SEED).map(Prior::new);
         let mut out = match self {
             Self::Rope => curves_of_rope()?,
             Self::Alone => Prior {
-                level_deviation_rad: ALONE_RAD,
+                level_std_rad: ALONE_RAD,
                 ..curves_of_rope()?
             },
             Self::Generic => {
@@ -44,31 +44,31 @@ impl Forecaster {
                 prior::any_rope(all.ropes(), Some(tendon), 21.0, SEED).0
             }
             Self::Oracle => Prior {
-                noises: PACE_ERRORS
-                    .map(|pace_error| Noise {
-                        slow_deviation_rad: errors.slow_rad.max(LEAST_RAD),
+                noises: CREEP_RATE_REL_ERRORS
+                    .map(|creep_rate_rel_error| Noise {
+                        slow_std_rad: errors.slow_rad.max(MIN_SLOW_STD_RAD),
                         slow_time_s: errors.slow_time_s,
-                        // What the thermometer's error adds is the drift's, of this robot.
+                        // The error of the thermometer adds to the drift of this robot.
                         white_scale: 1e-3
-                            * (errors.white_deviation_mrad())
+                            * (errors.white_std_mrad())
                                 .hypot(mrad(errors.drift_rad_per_k) * errors.thermometer_k)
                             / errors.own_unit_rad(),
-                        pace_error,
+                        creep_rate_rel_error,
                         log_weight: 0.0,
                     })
                     .to_vec(),
                 ..Prior::new(true_curves(rope, tendon, curves)?)
             },
         };
-        // As `sinew trend` takes it from the tolerances of a robot.
-        out.temperature_deviation_rad_per_k = DRIFT_RAD_PER_K;
+        // As derived by `sinew trend` from the tolerances of a robot.
+        out.temperature_std_rad_per_k = DRIFT_RAD_PER_K;
         out.temperature_ref_c = 21.0;
         Ok(out)
     }
 }
 
 impl Forecaster {
-    /// A session as this one takes it.
+    /// Converts a session for this forecaster.
     pub(super) fn takes(self, record: Record) -> Record {
         let all_own = SharedError::default();
         Record {
@@ -98,8 +98,8 @@ fn true_curves(
         let values: Vec<f64> = node_times_s()
             .iter()
             .map(|&t| {
-                // Mornings are an hour and so many days after tensioning; beyond the year the last
-                // month goes on, halved from octave to octave by nobody's knowledge.
+                // Mornings are an hour and a number of days after tensioning; beyond the year the last month
+                // continues, halved from octave to octave as an arbitrary assumption.
                 let day = (t / DAY_S).min(end as f64);
                 let (below, rest) = (day as usize, day.fract());
                 let next = year.creep_rad[(below + 1).min(end)];
@@ -109,7 +109,7 @@ fn true_curves(
         out.push(Curve {
             values,
             amplitude: 1.0,
-            amplitude_deviation: 0.1,
+            amplitude_std: 0.1,
             log_weight: 0.0,
         });
     }

@@ -2,16 +2,18 @@
 //!
 //! Truth: [`sinew_sim::year::truth`]. A day's session is either a draw of the estimator's measured errors
 //! ([`sinew_sim::year::surrogate`]) or the whole chain of simulated recording, baseline and absolute estimate
-//! ([`chain`]). [`run`] gives each robot's year to the forecasters and counts what they found.
+//! ([`chain`]). [`run`] passes the year of each robot to the forecasters and assesses their results.
 
+mod assessment;
 pub mod chain;
+mod extrapolation;
 mod forecaster;
-mod judge;
 mod result;
 mod simulated_year;
 mod summary;
 mod table;
 
+pub use extrapolation::{Extrapolation, ExtrapolationDay, RopePrior, extrapolate};
 pub use result::{
     DayForecast, DayInterval, DaysInside, ForecastSummary, Forecaster, RobotYear, SessionSource,
     TendonResult, YearReport, YearSummary,
@@ -21,10 +23,10 @@ pub use table::render_table;
 
 use crate::jobs;
 use crate::journal::{self, Journal, JournalError};
+use assessment::Fleet;
 use chain::{ChainError, ChainRequest, Session};
-use judge::Fleet;
 use rayon::prelude::*;
-use simulated_year::WATCHED;
+use simulated_year::DAYS_PER_YEAR;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_model::robot::Robot;
 use sinew_rope::{Catalogue, CatalogueError};
@@ -32,27 +34,27 @@ use sinew_sim::year::surrogate::SessionErrors;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Other numbers or names: what older files hold can't go on.
+/// Format of the file of results; the version changes with numbers or names, because older files cannot be resumed.
 const YEARS: journal::Kind = journal::Kind {
     format: "sinew-years",
     version: 4,
     holds: "simulated years",
 };
 
-/// What years are asked for.
+/// Request for simulated years.
 #[derive(Debug, Clone, PartialEq)]
 pub struct YearRequest {
-    /// Robots.
+    /// Number of robots.
     pub robots: u64,
     /// Seed of the first; the others follow.
     pub seed: u64,
-    /// Joints watched; the strand fails in one of them.
+    /// Monitored joints; the strand fails in one of them.
     pub joints: Vec<String>,
     /// Errors of a session.
     pub errors: SessionErrors,
-    /// Forecasters.
+    /// Forecasters to run.
     pub forecasters: Vec<Forecaster>,
-    /// Curves of the one that knows the law.
+    /// Number of curves of the forecaster with the true creep law.
     pub oracle_curves: usize,
     /// Robots at a time.
     pub jobs: usize,
@@ -78,41 +80,39 @@ impl YearRequest {
     }
 }
 
-/// Why there are no years.
+/// Errors of simulated years.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum YearError {
-    /// The robot.
+    /// The robot could not be read.
     #[error(transparent)]
     Robot(#[from] RobotDirError),
-    /// A rope.
+    /// A rope could not be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
-    /// A joint without a rope.
-    #[error(
-        "joint '{0}' has no tendon with a rope and a pretension in robot.toml; a year needs them"
-    )]
+    /// A joint has no rope.
+    #[error("joint '{0}' has no tendon with a rope and a pretension; add both in robot.toml")]
     Joint(String),
     /// The file of years.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// A simulated session.
+    /// A simulated session failed.
     #[error(transparent)]
     Chain(#[from] ChainError),
-    /// There are no threads to work on.
-    #[error("can't start threads: {0}")]
+    /// The threads could not be started.
+    #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The trend refused its prior.
+    /// The prior of the trend is invalid.
     #[error(transparent)]
     Trend(#[from] sinew_trend::filter::TrendError),
 }
 
-/// Lives through the years of `request`, sessions drawn. Up to `jobs` at a time, the same whatever their
-/// number. Where `out` is given, a line per year goes there as it is finished, and years that are there
-/// already aren't lived through again. `progress` is told how many of how many are done.
+/// Simulates the years of `request` with drawn sessions, up to `jobs` at a time; the result does not depend on this
+/// number. With `out`, a line per year is written to that file when it is finished, and years in the file are not
+/// simulated again. Calls `progress` with the number done and the total.
 ///
 /// # Errors
-/// [`YearError`]; years finished before are in `out`.
+/// Returns a [`YearError`]; years finished before are in `out`.
 pub fn run(
     robot: &Robot,
     catalogue: &Catalogue,
@@ -161,11 +161,12 @@ pub fn run(
     Ok(report(robot, request, source, years))
 }
 
-/// Years through the whole chain: simulates every robot's sessions and gives them to the forecasters. Returns
-/// each robot's sessions and what became of them. `progress` is told how many of how many sessions are done.
+/// Simulates years through the whole chain: every robot's sessions are simulated and passed to the forecasters.
+/// Returns each robot's sessions and the assessed years. Calls `progress` with the number of sessions done and the
+/// total.
 ///
 /// # Errors
-/// [`YearError`]; sessions finished before are in the file of `chain`.
+/// Returns a [`YearError`]; sessions finished before are in the file of `chain`.
 pub fn run_chain(
     robot: &Robot,
     catalogue: &Catalogue,
@@ -174,7 +175,7 @@ pub fn run_chain(
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Vec<(Vec<Session>, RobotYear)>, YearError> {
     let mut request = request.clone();
-    if chain.days < WATCHED {
+    if chain.days < DAYS_PER_YEAR {
         request.forecasters.clear();
     }
     let fleet = Fleet::new(robot, catalogue, &request)?;
@@ -191,7 +192,7 @@ pub fn run_chain(
         .collect()
 }
 
-/// What sessions and years of [`run_chain`] show.
+/// Returns the report of sessions and years of [`run_chain`].
 pub fn report_chain(
     robot: &Robot,
     request: &YearRequest,
@@ -200,7 +201,7 @@ pub fn report_chain(
 ) -> YearReport {
     let (sessions, mut years): (Vec<_>, Vec<_>) = lived.into_iter().unzip();
     let (errors, failures) = chain::statistics(&sessions);
-    if chain.days < WATCHED {
+    if chain.days < DAYS_PER_YEAR {
         years.clear();
     }
     let source = SessionSource::Simulated {
@@ -228,7 +229,7 @@ fn report(
     }
 }
 
-/// The same work on every item, on all threads, in the order of the items.
+/// Processes every item on all threads; results are in the order of the items.
 fn in_order<I: Sync, R: Send>(items: &[I], work: impl Fn(&I) -> R + Sync + Send) -> Vec<R> {
     items.par_iter().map(work).collect()
 }

@@ -1,4 +1,4 @@
-//! What simulated years show, as data in SI. The clock of a year is its day: sessions are one a day.
+//! Results of simulated years, as data in SI units. The clock of a year is its day: sessions are one a day.
 
 use super::chain::{FailureSeen, JointErrors, SessionKind};
 use serde::{Deserialize, Serialize};
@@ -10,65 +10,65 @@ use sinew_sim::year::surrogate::{Failure, SessionErrors};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct YearReport {
-    /// Version of the program that made it.
+    /// Version of the program that created the result.
     pub sinew_version: String,
-    /// Robot.
+    /// Name of the robot.
     pub robot: String,
-    /// Joints watched; a strand fails in one of them.
+    /// Monitored joints; a strand fails in one of them.
     pub joints: Vec<String>,
-    /// Where sessions come from.
+    /// Source of the sessions.
     pub sessions: SessionSource,
-    /// What each forecaster reached.
+    /// Results of each forecaster.
     pub summary: Vec<YearSummary>,
     /// The years, in the order of seeds; none where only part of a year was simulated.
     pub years: Vec<RobotYear>,
 }
 
 impl JsonDocument for YearReport {
-    const SCHEMA: &'static str = "sinew/trend-simulate/1";
+    const SCHEMA: &'static str = "sinew/trend-simulate/2";
 }
 
-/// Where the sessions of a year come from.
+/// Source of the sessions of a year.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum SessionSource {
     /// Truth plus errors drawn.
     Drawn {
-        /// The errors.
+        /// Error model of the sessions.
         errors: SessionErrors,
     },
     /// Simulated recordings, estimated.
     Simulated {
-        /// What the robot does.
+        /// Motion of the robot.
         session: SessionKind,
-        /// Whether each session starts from what the last one learned.
+        /// Whether each session starts from the posterior of the previous one.
         chained: bool,
-        /// How wrong they were, per joint.
+        /// Error statistics per joint.
         errors: Vec<JointErrors>,
-        /// What failed strands did to them.
+        /// Effects of failed strands on them.
         failures: Vec<FailureSeen>,
     },
 }
 
-/// Who forecasts.
+/// Forecaster of the trend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Forecaster {
     /// `sinew trend` with the rope named in the robot file.
-    #[value(help = "sinew trend, the rope named in robot.toml")]
+    #[value(help = "sinew trend with the rope named in robot.toml")]
     Rope,
-    /// The same, but every error is taken for its session's own, so that many sessions average it away: what it was
-    /// before sessions said what they share.
-    #[value(help = "The same, taking every error for its session's own")]
+    /// `sinew trend` with every error taken as independent, so that many sessions average it out: the method used
+    /// before sessions reported their systematic error.
+    #[value(help = "sinew trend with the rope, and every error taken as independent")]
     Alone,
-    /// `sinew trend` without.
+    /// `sinew trend` without a named rope.
     #[value(help = "sinew trend without a rope")]
     Generic,
-    /// Knows the law, how ropes, duties and errors are drawn, and lacks this tendon's numbers: what
-    /// is reachable at all.
-    #[value(help = "Knows the true law")]
+    /// Forecaster that knows the creep law and the distributions of ropes, duties and errors, but not the values of
+    /// the tendon: the best attainable result.
+    #[value(help = "Forecaster with the true creep law")]
     Oracle,
 }
 
@@ -81,45 +81,45 @@ impl Forecaster {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotYear {
-    /// Seed.
+    /// Seed of the year.
     pub seed: u64,
     /// Joint whose strand failed.
     pub failed_joint: String,
-    /// The failure.
+    /// Failure of the year.
     pub failure: Failure,
     /// One entry per forecaster and tendon.
     pub tendons: Vec<TendonResult>,
 }
 
-/// What a forecaster made of one tendon.
+/// Results of a forecaster for one tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonResult {
-    /// Who.
+    /// Name of the forecaster.
     pub forecaster: Forecaster,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Days from the first session after the failure to its confirmation; `None`: not found, or
     /// no failure here.
     pub found_after_days: Option<f64>,
-    /// Days of confirmed changes that weren't there.
+    /// Days of confirmed changes that did not occur.
     pub false_alarm_days: Vec<f64>,
     /// Days of confirmed changes that were there and no failure: a hard day's work lengthened the rope.
     pub sudden_creep_days: Vec<f64>,
     /// RMS of the filtered offset against the truth, rad.
     pub error_rms_rad: f64,
-    /// Days, every fifteenth, on which the filtered offset was held against the truth while the tendon was whole.
+    /// Coverage on every fifteenth day while the tendon was intact: filtered offset compared with the truth.
     pub whole: DaysInside,
-    /// The same after its failure.
+    /// Coverage after the failure of the tendon.
     pub failed: DaysInside,
-    /// Mean half of the 95 % interval, rad.
+    /// Mean half-width of the 95 % interval, rad.
     pub half_width_95_rad: f64,
-    /// Forecasts.
+    /// Forecasts of the year.
     pub forecasts: Vec<DayForecast>,
 }
 
 impl TendonResult {
-    /// Of no records yet.
+    /// Returns a result without records.
     pub(super) fn new(forecaster: Forecaster, joint: &str) -> Self {
         Self {
             forecaster,
@@ -136,13 +136,13 @@ impl TendonResult {
     }
 }
 
-/// Days on which an interval was held against the truth.
+/// Days on which an interval was compared with the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DaysInside {
-    /// How many.
+    /// Number of days compared.
     pub checked: usize,
-    /// Those of them on which the truth was inside the 95 % interval.
+    /// Number of days on which the truth was inside the 95 % interval.
     pub inside_95: usize,
 }
 
@@ -153,13 +153,13 @@ impl DaysInside {
     }
 }
 
-/// A forecast of the day a limit is passed, no further failure supposed.
+/// Forecast of the day of limit exceedance, without further failures.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DayForecast {
-    /// Day it was made.
+    /// Day of the forecast.
     pub made_day: f64,
-    /// True day, had nothing failed since.
+    /// True day without any failure after the forecast.
     pub true_day: f64,
     /// Median; `None`: beyond ten years.
     pub median_day: Option<f64>,
@@ -186,23 +186,23 @@ impl DayInterval {
     }
 }
 
-/// What one forecaster reached.
+/// Results of one forecaster.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct YearSummary {
-    /// Who.
+    /// Name of the forecaster.
     pub forecaster: Forecaster,
-    /// Robots.
+    /// Number of robots.
     pub robots: usize,
-    /// Failures there were.
+    /// Number of simulated failures.
     pub failures: usize,
-    /// Found within two days of the first session that could see them.
+    /// Number of failures detected within two days of the first session after them.
     pub found_two_days: usize,
-    /// Found at all.
+    /// Number of detected failures.
     pub found: usize,
-    /// Median delay of those found, days.
+    /// Median delay of the detected failures, days.
     pub delay_median_days: Option<f64>,
-    /// False alarms.
+    /// Number of false alarms.
     pub false_alarms: usize,
     /// Confirmed changes that were a hard day's creep.
     pub sudden_creep: usize,
@@ -212,25 +212,25 @@ pub struct YearSummary {
     pub tracking_rms_rad: f64,
     /// Share of days, every fifteenth, on which the true offset of a whole tendon was inside the 95 % interval.
     pub covered_95: Option<Gaussian>,
-    /// The same of tendons of which a strand has failed.
+    /// Coverage of tendons with a failed strand.
     pub failed_covered_95: Option<Gaussian>,
-    /// Mean half of that interval, rad.
+    /// Mean half-width of that interval, rad.
     pub half_width_95_rad: Option<f64>,
-    /// Forecasts by the day they were made.
+    /// Forecasts by the day of the forecast.
     pub forecasts: Vec<ForecastSummary>,
 }
 
-/// Forecasts made on one day. What is infinite is `None`.
+/// Forecasts of one day. Infinite values are `None`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForecastSummary {
-    /// Day they were made.
+    /// Day of the forecasts.
     pub made_day: f64,
-    /// How many.
+    /// Number of forecasts.
     pub forecasts: usize,
     /// Median of |error| over the true day.
     pub error_of_day_ratio: Option<f64>,
-    /// Median of |error| over what was left until the true day.
+    /// Median ratio of |error| to the time remaining until the true day.
     pub error_of_rest_ratio: Option<f64>,
     /// Share of true days inside the 90 % interval, with its standard error.
     pub covered_90: Gaussian,

@@ -40,7 +40,7 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<YearSummary> {
         .collect();
     days.sort_unstable_by(f64::total_cmp);
     days.dedup();
-    // A tendon's days are wrong together: each tendon counts once.
+    // Errors of a tendon's days are correlated: each tendon counts once.
     let covered = |days: &dyn Fn(&TendonResult) -> DaysInside| {
         let shares: Vec<f64> = (own.iter()).filter_map(|(_, t)| days(t).share()).collect();
         mean_of_independent(&shares)

@@ -25,15 +25,15 @@ pub fn render_table(report: &YearReport) -> String {
 
 fn forecaster_name(forecaster: Forecaster) -> String {
     let name = match forecaster {
-        Forecaster::Rope => "rope known",
-        Forecaster::Alone => "errors alone",
+        Forecaster::Rope => "with rope",
+        Forecaster::Alone => "indep. errors",
         Forecaster::Generic => "no rope",
-        Forecaster::Oracle => "true law known",
+        Forecaster::Oracle => "true law",
     };
     name.into()
 }
 
-/// What the years came to.
+/// Formats the summary of the years.
 fn render_summary(summaries: &[YearSummary]) -> String {
     let head = [
         "forecaster",
@@ -43,8 +43,8 @@ fn render_summary(summaries: &[YearSummary]) -> String {
         "sudden creep",
         "tracking RMS\nmrad",
         "± (95 %)\nmrad",
-        "inside ±\n%",
-        "failed: inside ±\n%",
+        "coverage\n%",
+        "failed: coverage\n%",
     ];
     let rows = summaries
         .iter()
@@ -90,29 +90,29 @@ fn render_summary(summaries: &[YearSummary]) -> String {
     out.push_str(&table(&head, rows, 1));
     out.push('\n');
     out + &paragraph(
-        "Inside ±: days, every fifteenth, on which the true offset was within the trend's 95 % interval, \
-         before and after the tendon's own failure. Brackets: standard errors; a tendon counts once. Errors alone: the same trend, taking every error for its session's own. \
-         Error: median of |forecast - true day| over the true day, and over what was left until it. \
-         A forecast supposes no further failure and is held against the day without one. Sudden creep: \
-         alarms on days on which the rope itself grew by a millirad more than on the days around.",
+        "Coverage: every fifteenth day, share of days on which the true offset was within the trend's 95 % interval, \
+         before and after the tendon's own failure. Brackets: standard errors; a tendon counts once. Indep. errors: the same trend with every error taken as independent. \
+         Error: median of |forecast - true day| over the true day, and over the time remaining until it. \
+         A forecast assumes no further failure and is compared with the day without one. Sudden creep: \
+         alarms on days on which the rope itself elongated by 1 mrad more than on the adjacent days.",
         0,
     )
 }
 
-/// A share in percent with its standard error.
+/// Formats a share in per cent with its standard error.
 fn share(share: Option<Gaussian>) -> String {
     share.map_or("–".into(), |share| {
-        let error = (100.0 * share.deviation).max(1.0);
+        let error = (100.0 * share.std).max(1.0);
         format!("{:.0} ({error:.0})", 100.0 * share.mean)
     })
 }
 
-/// Two digits of a number in a unit of which `factor` make one of SI, or a dash.
+/// Formats a value multiplied by `factor` with two digits, or a dash if it is missing.
 fn number(value: Option<f64>, factor: f64) -> String {
     rounded(value.map_or(f64::NAN, |v| factor * v), 2)
 }
 
-/// How wrong simulated sessions were.
+/// Formats the errors of simulated sessions.
 fn render_errors(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
     let head = ["sessions' errors"]
         .into_iter()
@@ -129,25 +129,25 @@ fn render_errors(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
         row("robots, sessions", &|e| {
             format!("{}, {}", e.robots, e.sessions)
         }),
-        row("couldn't tell, %", &|e| number(e.refused_share, 100.0)),
+        row("inconclusive, %", &|e| number(e.inconclusive_share, 100.0)),
         row("RMS, mrad", &|e| number(e.rms_rad, 1e3)),
         row("constant, mrad", &|e| number(e.bias_rad, 1e3)),
         row("drift, mrad/K", &|e| number(e.drift_rad_per_k, 1e3)),
         row("scatter, mrad", &|e| number(e.scatter_rad, 1e3)),
-        row("99 % over 68 % of it", &|e| number(e.tails_ratio, 1.0)),
+        row("99 % / 68 % quantile", &|e| number(e.tails_ratio, 1.0)),
     ];
     let lags = errors.first().map_or(0, |e| e.correlation.len());
     for k in 0..lags {
         let lag = errors[0].correlation[k].lag_days;
-        rows.push(row(&format!("correlation, {lag} d apart"), &|e| {
+        rows.push(row(&format!("correlation, lag {lag} d"), &|e| {
             number(e.correlation.get(k).map(|c| c.correlation), 1.0)
         }));
     }
     rows.extend([
-        row("stated ± (95 %), mrad", &|e| {
-            number(e.stated_rad, 1e3 * Z95)
+        row("reported ± (95 %), mrad", &|e| {
+            number(e.reported_std_rad, 1e3 * Z95)
         }),
-        row("inside it, %", &|e| {
+        row("coverage, %", &|e| {
             rounded(e.inside_95_share.map_or(f64::NAN, |v| 100.0 * v), 3)
         }),
         row("stiffness: scatter, %", &|e| {
@@ -156,13 +156,13 @@ fn render_errors(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
         row("stiffness: drift, %/K", &|e| {
             number(e.stiffness_drift_ratio_per_k, 100.0)
         }),
-        row("jumps within, %", &|e| number(e.steps_share, 100.0)),
+        row("false steps, %", &|e| number(e.steps_share, 100.0)),
     ]);
     let mut out = table(&head, rows, 1);
     out.push('\n');
     out.push_str(&paragraph(
-        "Estimate less truth, before anything failed. Constant and drift: RMS over robots of a straight \
-         line over the temperature read; scatter: what is left.",
+        "Estimate minus truth, before any failure. Constant and drift: RMS over robots of a straight \
+         line over the measured temperature; scatter: residual.",
         0,
     ));
     if failures.is_empty() {
@@ -173,9 +173,9 @@ fn render_errors(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
         "failed strand",
         "seed",
         "true\nmrad",
-        "read\nmrad",
+        "estimate\nmrad",
         "lost\n%",
-        "read\n%",
+        "estimate\n%",
     ];
     let rows = failures
         .iter()
@@ -184,9 +184,9 @@ fn render_errors(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
                 plain(&f.joint),
                 f.seed.to_string(),
                 rounded(1e3 * f.size_rad, 2),
-                rounded(1e3 * f.seen_rad, 2),
+                rounded(1e3 * f.estimated_rise_rad, 2),
                 rounded(100.0 * f.lost_ratio, 2),
-                rounded(100.0 * f.seen_lost_ratio, 2),
+                rounded(100.0 * f.estimated_loss_ratio, 2),
             ]
         })
         .collect();

@@ -1,4 +1,4 @@
-//! The linear problem at a point of the nonlinear parameters: columns, solution, likelihood.
+//! Linear problem at a point of the nonlinear parameters: columns, solution, likelihood.
 
 use super::{Block, Fixed, Model, Point, REFERENCE_K};
 use crate::curve::Curve;
@@ -7,12 +7,13 @@ use crate::noise::{Filter, Noise};
 
 /// Gas constant, J/(mol K), exact since 2019.
 const GAS: f64 = 8.314_462_618_153_24;
-/// 0 °C in K.
+/// 0 °C in kelvin.
 const ZERO_C_K: f64 = 273.15;
 
 impl Model {
-    /// Rows of a curve's columns at rising times, one after another: terms, elastic step; without
-    /// the ε₀. `curve` is that with index `index`, or what it goes on as. Beside them the strain that no coefficient enters, m/m.
+    /// Rows of a curve's columns at increasing times, one after another: terms, elastic step;
+    /// without ε₀. `curve` is that with index `index`, or its continuation. Also returns the strain
+    /// that no coefficient enters, m/m.
     pub(crate) fn rows(
         &self,
         values: &[f64],
@@ -27,7 +28,7 @@ impl Model {
             let (rows, offset) = plan.rows(shapes, held, curve, &steps, times);
             return (rows, Some(offset));
         }
-        // Boltzmann's superposition of the law's answers to the steps before each time.
+        // Boltzmann superposition of the law's responses to the steps before each time.
         let terms = self.terms.len();
         let shift = self.shift(values, curve);
         let level = |load: f64| match self.exponent {
@@ -55,7 +56,7 @@ impl Model {
         (rows, None)
     }
 
-    /// Factor on time that the temperature of a curve makes.
+    /// Time scale factor from the temperature of a curve.
     fn shift(&self, values: &[f64], curve: &Curve) -> f64 {
         match (self.activation, curve.temperature_c) {
             (Some(index), Some(celsius)) => {
@@ -65,7 +66,8 @@ impl Model {
         }
     }
 
-    /// Columns of a block, and its readings less what no coefficient enters, over the scale.
+    /// Columns of a block, and its measurements minus the strain that no coefficient enters, over
+    /// the scale.
     pub(crate) fn columns(&self, block: &Block, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (n, p) = (block.readings, block.positive.len());
         let shared = p - block.members.len();
@@ -82,8 +84,12 @@ impl Model {
                     columns[j * n + from + i] = *value;
                 }
             }
-            let beside = |i: usize| offset.as_ref().map_or(0.0, |offset| offset[i]);
-            let left = curve.strain.iter().enumerate().map(|(i, e)| e - beside(i));
+            let fixed_strain = |i: usize| offset.as_ref().map_or(0.0, |offset| offset[i]);
+            let left = curve
+                .strain
+                .iter()
+                .enumerate()
+                .map(|(i, e)| e - fixed_strain(i));
             y.extend(left.map(|e| e / self.scale));
         }
         (columns, y)
@@ -94,7 +100,8 @@ impl Model {
         self.solve_values(&self.values(x), self.noise_at(x), information, None)
     }
 
-    /// The same at values of the shapes and of what is held, with one coefficient kept at a value (its solution reads 0).
+    /// Solves it at values of the shapes and of the fixed parameters, with one coefficient fixed
+    /// (its solution is 0).
     pub(crate) fn solve_values(
         &self,
         values: &[f64],
@@ -145,13 +152,14 @@ impl Model {
         point
     }
 
-    /// Residuals whose squares have their minimum where the likelihood has its maximum:
-    /// `r̃ |K|^{1/2n}`, since `n ln(r̃ᵀr̃) + ln |K| = n ln(r̃ᵀr̃ |K|^{1/n})`.
+    /// Residuals whose squares have their minimum where the likelihood has its maximum: `r̃
+    /// |K|^{1/2n}`, since
+    /// `n ln(r̃ᵀr̃) + ln |K| = n ln(r̃ᵀr̃ |K|^{1/n})`.
     pub(crate) fn residuals(&self, x: &[f64]) -> Vec<f64> {
         self.held_residuals(x, &self.held_z, None)
     }
 
-    /// The same with what is held so many deviations from the base rope's values.
+    /// Residuals with the fixed parameters at deviations `held_z` from the base rope's values.
     pub(crate) fn held_residuals(
         &self,
         x: &[f64],
@@ -165,8 +173,8 @@ impl Model {
         point.residuals
     }
 
-    /// Logarithm of the likelihood with the coefficients and the size of the noise integrated
-    /// out (restricted likelihood), flat in the unit-cube coordinates of the nonlinear parameters.
+    /// Restricted log-likelihood, with the coefficients and the size of the noise integrated out;
+    /// flat in the unit-cube coordinates of the nonlinear parameters.
     pub(crate) fn log_restricted(&self, x: &[f64]) -> f64 {
         if x.iter().any(|x| !(0.0..=1.0).contains(x)) {
             return f64::NEG_INFINITY;

@@ -1,4 +1,4 @@
-//! Several curves under one law: the columns of the linear problem for given shapes.
+//! Several curves under one law: columns of the linear problem for given shapes.
 
 mod evaluate;
 mod records;
@@ -18,36 +18,37 @@ use records::{add_zero, levels, span, temperatures_differ, typical_gap};
 /// Reference of the temperature shift, K: 23 °C, the standard atmosphere of ISO 291.
 pub const REFERENCE_K: f64 = 296.15;
 
-/// A law on curves.
+/// Creep law applied to curves.
 #[derive(Debug, Clone)]
 pub(crate) struct Model {
     pub(crate) law: Law,
     pub(crate) curves: Vec<Curve>,
-    /// Law's shapes, then the load exponent and activation energy where fitted.
+    /// Shapes of the law, then the load exponent and activation energy if fitted.
     pub(crate) shapes: Vec<Shape>,
     pub(crate) terms: Vec<Term>,
-    /// The rope law's part of the work.
+    /// Data of the rope law.
     pub(crate) rope: Option<RopePlan>,
-    /// Deviations of the rope law's held parameters from the base rope's values.
+    /// Deviations of the rope law's fixed parameters from the base rope's values, in standard
+    /// deviations.
     pub(crate) held_z: Vec<f64>,
     pub(crate) law_shapes: usize,
     pub(crate) exponent: Option<usize>,
     pub(crate) activation: Option<usize>,
-    /// Steps whose moment is searched: the last shapes, in this order.
+    /// Steps whose time is searched: the last shapes, in this order.
     pub(crate) moments: Vec<Moment>,
     pub(crate) noise: NoiseKind,
     pub(crate) memory: Shape,
     pub(crate) clock: Clock,
-    /// The clock at the readings of every curve.
+    /// Clock values at the measurements of every curve.
     pub(crate) clocks: Vec<Vec<f64>>,
-    /// Curves with coefficients in common.
+    /// Curves with common coefficients.
     pub(crate) blocks: Vec<Block>,
-    /// Strain is divided by this, so that residuals are of order one.
+    /// Divisor of the strain, so that residuals are of order one.
     pub(crate) scale: f64,
     pub(crate) readings: usize,
 }
 
-/// A step whose moment between two readings is searched.
+/// Step whose time between two measurements is searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Moment {
     pub(crate) curve: usize,
@@ -56,8 +57,8 @@ pub(crate) struct Moment {
     pub(crate) shape: usize,
 }
 
-/// Curves with coefficients in common: the terms, the elastic step where a load falls, and an ε₀
-/// per curve.
+/// Curves with common coefficients: the terms, the elastic step if a load decreases, and an ε₀ per
+/// curve.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     pub(crate) members: Vec<usize>,
@@ -66,7 +67,7 @@ pub(crate) struct Block {
     pub(crate) readings: usize,
 }
 
-/// A coefficient that is kept at a value.
+/// Coefficient that is fixed at a value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fixed {
     pub(crate) block: usize,
@@ -82,27 +83,28 @@ pub(crate) struct Point {
     pub(crate) log_det_noise: f64,
     /// ln |XᵀK⁻¹X| − ln |XᵀX|.
     pub(crate) log_det_information: f64,
-    /// Whitened residuals.
+    /// Whitened residuals of the measurements.
     pub(crate) residuals: Vec<f64>,
 }
 
-/// Steps whose moment matters, each with its shape.
+/// Steps whose time affects the fit, each with its shape.
 fn moments(curves: &[Curve], shapes: &mut Vec<Shape>) -> Vec<Moment> {
-    /// Standard deviations of the readings that a moment must move: half of one widens no interval by an eighth.
-    const MATTERS: f64 = 0.5;
+    /// Minimum shift of the measurements by a step time, in standard deviations: half of one widens
+    /// no interval by an eighth.
+    const MIN_SHIFT_STDS: f64 = 0.5;
     let mut moments = Vec::new();
     for (curve, record) in curves.iter().enumerate() {
         for window in record
             .windows
             .iter()
-            .filter(|w| record.moved_by(w) > MATTERS)
+            .filter(|w| record.moved_by(w) > MIN_SHIFT_STDS)
         {
             moments.push(Moment {
                 curve,
                 step: window.step,
                 shape: shapes.len(),
             });
-            // At the reading before it the step would count for that one.
+            // At the previous measurement the step would count for that one.
             let (from_s, to_s) = (window.from_s.next_up(), window.to_s);
             shapes.push(Shape::linear("step_s", "s", from_s, to_s));
         }
@@ -205,35 +207,36 @@ impl Model {
         })
     }
 
-    /// Nonlinear parameters: shapes, then share and memory of the noise.
+    /// Number of nonlinear parameters: shapes, then share and correlation time of the noise.
     pub(crate) fn dimension(&self) -> usize {
         self.shapes.len() + if self.noise == NoiseKind::White { 0 } else { 2 }
     }
 
-    /// Coefficients that enter linearly.
+    /// Number of linear coefficients.
     pub(crate) fn coefficients(&self) -> usize {
         self.blocks.iter().map(|b| b.positive.len()).sum()
     }
 
-    /// Readings less the numbers of the law.
+    /// Degrees of freedom: measurements minus the numbers of the law.
     pub(crate) fn freedom(&self) -> f64 {
         let fitted = self.coefficients() + self.shapes.len();
         self.readings.saturating_sub(fitted).max(1) as f64
     }
 
-    /// Values of the shapes, then how many deviations each held parameter stands from the base rope's value.
+    /// Values of the shapes, then the deviation of each fixed parameter from the base rope's value,
+    /// in standard deviations.
     pub(crate) fn values(&self, x: &[f64]) -> Vec<f64> {
         self.values_held(x, &self.held_z)
     }
 
-    /// The same with what is held elsewhere.
+    /// Values with the fixed parameters at deviations `held_z`.
     pub(crate) fn values_held(&self, x: &[f64], held_z: &[f64]) -> Vec<f64> {
         let shapes = self.shapes.iter().zip(x).map(|(s, x)| s.value(*x));
         shapes.chain(held_z.iter().copied()).collect()
     }
 
-    /// The steps of a curve's load, those of unknown moment where the values have them. `member` is the curve with index
-    /// `index`, or what it goes on as.
+    /// Load steps of a curve, with fitted times if the values contain them. `member` is the curve
+    /// with index `index`, or its continuation.
     pub(crate) fn steps<'a>(
         &self,
         values: &[f64],
@@ -248,16 +251,16 @@ impl Model {
         steps
     }
 
-    /// Shapes that are numbers of the law; the others are moments of steps.
+    /// Number of shapes that are numbers of the law; the others are step times.
     pub(crate) fn law_numbers(&self) -> usize {
         self.shapes.len() - self.moments.len()
     }
 
-    /// A coefficient in the unit of its parameter.
+    /// Converts a coefficient to the unit of its parameter.
     pub(crate) fn number(&self, column: usize, beta: f64) -> f64 {
         let number = beta * self.scale;
         match self.terms.get(column) {
-            // A coefficient of zero is a rope that doesn't give way.
+            // A coefficient of zero corresponds to a rigid rope.
             Some(term) if term.inverse => 1.0 / number.max(1e-9),
             Some(term) => number * term.factor,
             None => 100.0 * number,

@@ -1,9 +1,9 @@
-//! What a set of curves has in common: times, loads, temperatures.
+//! Common properties of a set of curves: times, loads, temperatures.
 
 use crate::curve::Curve;
 use sinew_model::statistics::upper_median;
 
-/// First and last time of a reading after its first load, over all curves.
+/// First and last measurement time after the first load, over all curves, s.
 pub(super) fn span(curves: &[Curve]) -> (f64, f64) {
     let since = |curve: &Curve| -> (f64, f64) {
         let start = curve.steps.first().map_or(0.0, |step| step.0);
@@ -17,7 +17,7 @@ pub(super) fn span(curves: &[Curve]) -> (f64, f64) {
     })
 }
 
-/// The largest load over the smallest.
+/// Ratio of the largest to the smallest load.
 pub(super) fn levels(curves: &[Curve]) -> f64 {
     let loads = || {
         let all = curves.iter().flat_map(|c| c.steps.iter().map(|s| s.1));
@@ -32,7 +32,7 @@ pub(super) fn temperatures_differ(curves: &[Curve]) -> bool {
     warm().count() == curves.len() && span > 3.0
 }
 
-/// Median time between readings, s.
+/// Median time between measurements, s.
 pub(super) fn typical_gap(curves: &[Curve]) -> f64 {
     let mut gaps: Vec<f64> = curves
         .iter()
@@ -42,7 +42,8 @@ pub(super) fn typical_gap(curves: &[Curve]) -> f64 {
     upper_median(&mut gaps).unwrap_or(1.0)
 }
 
-/// The zero as one more reading, before the load: a mean of as many as it was taken from.
+/// Adds the zero as one measurement before the load: a mean of the measurements it was computed
+/// from.
 pub(super) fn add_zero(curve: &mut Curve) {
     if curve.zero_count > 0.0 {
         let start = curve.steps.first().map_or(0.0, |step| step.0);

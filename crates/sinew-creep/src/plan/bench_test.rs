@@ -1,42 +1,42 @@
-//! A test on the bench, and the record that a rope would make of it.
+//! Bench test, and the record that a rope would give in it.
 
 use crate::curve::{Curve, Tension};
 use crate::rope_walk::Walk;
 use serde::{Deserialize, Serialize};
 use sinew_rope::law::{Law, Parameters};
 
-/// Preload, load, and what comes after it.
+/// Bench test: preload, load, and recovery.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchTest {
-    /// Tension before and after, N.
+    /// Tension before and after the load, N.
     pub preload_n: f64,
-    /// How long it is held before, s.
+    /// Duration of the preload, s.
     pub preloaded_s: f64,
     /// Tension of the test, N.
     pub load_n: f64,
-    /// °C.
+    /// Temperature of the test, °C.
     pub temperature_c: f64,
-    /// How long the load is held, s.
+    /// Duration of the load, s.
     pub loaded_s: f64,
-    /// How long the rope is watched after it, s; 0: not at all.
+    /// Duration of the recovery measured after the load, s; 0 for none.
     pub recovery_s: f64,
 }
 
-/// Readings of a stage, even in the logarithm of its time.
+/// Number of measurements of each stage, uniform in the logarithm of its time.
 const READINGS: [usize; 2] = [60, 40];
-/// The first of them, s after the step.
+/// Time of the first measurement, s after the step.
 const FIRST_S: f64 = 5.0;
-/// Readings whose mean is the zero.
+/// Number of measurements whose mean is the zero.
 const ZERO: f64 = 20.0;
 
 impl BenchTest {
-    /// Time on the bench, s.
+    /// Total time on the bench, s.
     pub fn bench_s(&self) -> f64 {
         self.preloaded_s + self.loaded_s + self.recovery_s
     }
 
-    /// Times of its readings, s after the load.
+    /// Times of the measurements, s after the load.
     pub fn readings_s(&self) -> Vec<f64> {
         let stage = |count: usize, last_s: f64| {
             (0..count)
@@ -49,7 +49,7 @@ impl BenchTest {
         times
     }
 
-    /// Its load, without readings.
+    /// Load history of the test, without measurements.
     fn curve(&self) -> Curve {
         let mut steps = vec![(0.0, 1.0)];
         if self.recovery_s > FIRST_S {
@@ -73,7 +73,7 @@ impl BenchTest {
     }
 }
 
-/// What a rope shows in a test, without errors; none where the test breaks it.
+/// Error-free record of a rope in a test; `None` if the test breaks it.
 pub(super) fn virtual_record(parameters: &Parameters, test: &BenchTest) -> Option<Curve> {
     let mut curve = test.curve();
     curve.time_s = test.readings_s();
@@ -82,7 +82,7 @@ pub(super) fn virtual_record(parameters: &Parameters, test: &BenchTest) -> Optio
     Some(curve)
 }
 
-/// Strain of a rope at a curve's readings, m/m, from its state under the preload.
+/// Strain of a rope at the times of a curve, m/m, from its state under the preload.
 pub(super) fn strain(parameters: &Parameters, curve: &Curve) -> Option<Vec<f64>> {
     let law = Law::new(*parameters).ok()?;
     let most = curve
@@ -94,7 +94,7 @@ pub(super) fn strain(parameters: &Parameters, curve: &Curve) -> Option<Vec<f64>>
     }
     let mut walk = Walk::new(&law, curve, &curve.steps);
     let total = |walk: &Walk<'_>| walk.parts().iter().sum::<f64>();
-    // Where a fit takes the zero to have been read: in the middle of the preload.
+    // A fit assumes the zero in the middle of the preload.
     let middle_s = -0.5 * curve.tension?.preloaded_s;
     let zero = total(&Walk::waiting(&law, curve, &curve.steps, middle_s));
     let at = |t: &f64| {

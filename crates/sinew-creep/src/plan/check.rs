@@ -1,15 +1,15 @@
-//! Whether a plan's promise comes true: its tests on virtual ropes, fitted and predicted in full.
+//! Validation of a plan: its tests on virtual ropes, with complete fits and predictions.
 
 use super::bench_test::virtual_record;
 use super::duty::Duty;
 use super::{Plan, PlanRequest};
+use crate::artefacts::median;
 use crate::error::CreepError;
 use crate::fit::fit;
 use crate::law::Law;
 use crate::options::{FitOptions, NoiseKind};
 use crate::parallel::each;
 use crate::rope_entry::{EntrySource, rope_entry};
-use crate::scan::median;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -18,24 +18,26 @@ use sinew_rope::law::Law as RopeLaw;
 use sinew_rope::predict::{Request, predict};
 use sinew_rope::{CatalogueRope, Draws};
 
-/// A plan carried out on virtual ropes.
+/// Plan carried out on virtual ropes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlanCheck {
-    /// Ropes drawn as the catalogue leaves them open, tested and fitted.
+    /// Number of ropes drawn from the catalogue's uncertainty, tested and fitted.
     pub ropes: usize,
-    /// Median half width of the prediction's 95 % interval after the tests, as a share of the stretch.
+    /// Median half-width of the prediction's 95 % interval after the tests, as a share of the
+    /// elongation.
     pub half_width_share: f64,
-    /// Ropes whose stretch lay within it.
+    /// Number of ropes whose elongation lay within the interval.
     pub inside: usize,
-    /// Ropes whose tests could not be fitted or whose duty could not be predicted.
+    /// Number of ropes whose tests could not be fitted or whose duty could not be predicted.
     pub failed: usize,
 }
 
-/// Carries a plan out on so many virtual ropes. Records that are known already belong to a real rope, so that they are left out.
+/// Carries out a plan on `ropes` virtual ropes. Existing records belong to a real rope and are
+/// excluded.
 ///
 /// # Errors
-/// [`CreepError::NoPlan`] where the rope or its duty is refused.
+/// Returns [`CreepError::NoPlan`] if the rope or its duty is invalid.
 pub fn check(
     plan: &Plan,
     request: &PlanRequest,
@@ -44,7 +46,7 @@ pub fn check(
 ) -> Result<PlanCheck, CreepError> {
     let duty = Duty::new(request)?;
     let rope = request.base.rope();
-    // Other ropes than those that the plan was made with.
+    // Ropes independent of those used for planning.
     let draws =
         Draws::new(&rope, ropes, request.seed ^ 0xc4ec).map_err(|e| CreepError::NoPlan {
             reason: e.to_string(),
@@ -69,7 +71,7 @@ pub fn check(
     })
 }
 
-/// One rope: half width of its prediction as a share, and whether that holds its own stretch.
+/// One rope: half-width of its prediction as a share, and whether that contains its own elongation.
 fn carried_out(
     plan: &Plan,
     request: &PlanRequest,
@@ -103,14 +105,14 @@ fn carried_out(
         date: "2026-01-01".into(),
     };
     let entry = rope_entry(&found, &request.base, &from).ok()?;
-    let asked = Request {
+    let prediction_request = Request {
         times_s: vec![plan.time_s],
         draws: 400,
         seed,
         ..request.duty.clone()
     };
-    let told = predict(&CatalogueRope { entry, file: None }, &asked).ok()?;
-    let interval = told.readings.first()?.since_tensioned_m;
+    let prediction = predict(&CatalogueRope { entry, file: None }, &prediction_request).ok()?;
+    let interval = prediction.readings.first()?.since_tensioned_m;
     let half = 0.5 * (interval.high / interval.low).ln();
     let inside = (interval.low..=interval.high).contains(&stretch_m);
     half.is_finite().then(|| (half.exp_m1(), inside))

@@ -1,4 +1,5 @@
-//! What a fit of records would leave open: the fit's own choice of what is fitted and what is held, linearised about a rope.
+//! Uncertainty that a fit of records would leave: free and fixed parameters as in the fit,
+//! linearised about a rope.
 
 use super::bench_test::strain;
 use super::coordinate::moved;
@@ -8,19 +9,19 @@ use crate::rope_base::RopeBase;
 use crate::rope_entry;
 use crate::rope_law::RopePlan;
 use sinew_model::cholesky;
-use sinew_rope::law::holds::Holds;
+use sinew_rope::law::tested_range::TestedRange;
 use sinew_rope::law::{Parameter, Parameters};
 
-/// Step of the differences, in what a parameter's interval calls a deviation, or of its logarithm.
+/// Step of the differences, in standard deviations of a parameter's interval, or of its logarithm.
 const STEP: f64 = 0.02;
 
-/// A record with how it goes with every parameter.
+/// Record with its sensitivity to every parameter.
 pub(super) struct Record {
     curve: Curve,
-    /// Change of every reading per unit of every parameter's coordinate, over the reading's deviation; zeros where it doesn't
-    /// matter.
+    /// Change of every measurement per unit of every parameter's coordinate, over the measurement's
+    /// standard deviation; zeros for parameters without an effect.
     slopes: Vec<Vec<f64>>,
-    /// What one unit of ε₀ changes, over the readings' deviations, and over that of the zero.
+    /// Change per unit of ε₀, divided by the standard deviation of the measurements and by that of the zero.
     zero: (f64, f64),
 }
 
@@ -44,12 +45,12 @@ impl Record {
     }
 }
 
-/// A fit of records.
+/// Information of a fit of records.
 pub(super) struct Design {
-    /// Parameters of the law that are fitted, then those that are held within their interval.
+    /// Indices of the fitted parameters of the law, then of those fixed within their interval.
     free: Vec<usize>,
     held: Vec<usize>,
-    /// Lower Cholesky factor of the information, row by row: fitted, held, ε₀ of every record.
+    /// Lower Cholesky factor of the information, row by row: fitted, fixed, ε₀ of every record.
     factor: Vec<f64>,
     curves: Vec<Curve>,
 }
@@ -62,9 +63,10 @@ fn index(parameter: Parameter) -> usize {
 }
 
 impl Design {
-    /// None where the rope law can't be fitted to these records.
+    /// Linearises a fit; `None` if the rope law cannot be fitted to these records.
     pub(super) fn new(records: &[&Record], base: &RopeBase) -> Option<Self> {
-        /// What the searched ranges alone say of a fitted parameter, as a deviation of its coordinate.
+        /// Prior standard deviation of a fitted parameter's coordinate from the searched range
+        /// alone.
         const OPEN: f64 = 5.0;
         let curves: Vec<Curve> = records.iter().map(|r| r.curve.clone()).collect();
         let plan = RopePlan::new(&curves, base).ok()?;
@@ -104,9 +106,10 @@ impl Design {
         })
     }
 
-    /// Variance of the logarithm of the duty's stretch that an entry of the fit leaves, and what the base leaves of what the fit
-    /// doesn't touch. An entry's correlations are a thousandth smaller than the fit's: where numbers make up for one another,
-    /// that counts.
+    /// Variance of the logarithm of the duty's elongation after a fit, including the base rope's
+    /// part for parameters that the fit does not affect. The correlations of a catalogue entry are
+    /// a thousandth smaller than those of the fit, which matters if parameters compensate each
+    /// other.
     pub(super) fn variance(&self, duty: &Slopes) -> f64 {
         let touched: Vec<usize> = self.free.iter().chain(&self.held).copied().collect();
         let mut along: Vec<f64> = touched.iter().map(|i| duty.slopes[*i]).collect();
@@ -122,7 +125,7 @@ impl Design {
         shrink * together + (1.0 - shrink) * apart + duty.variance_without(&touched)
     }
 
-    /// Fitted, held, and an ε₀ for every record.
+    /// Number of fitted and fixed parameters, and an ε₀ for every record.
     fn numbers(&self) -> usize {
         self.free.len() + self.held.len() + self.curves.len()
     }
@@ -133,9 +136,9 @@ impl Design {
         b.iter().map(|x| x * x).sum()
     }
 
-    /// The data behind the entry that the fit would write.
-    pub(super) fn holds(&self, base: &RopeBase) -> Holds {
-        rope_entry::holds_of(&self.curves, base)
+    /// Tested range of the entry that the fit would write.
+    pub(super) fn tested_range(&self, base: &RopeBase) -> TestedRange {
+        rope_entry::tested_range_of(&self.curves, base)
     }
 }
 
@@ -143,10 +146,11 @@ impl Design {
 mod tests {
     use super::*;
 
-    /// Two numbers of a fit, `b = (1, 2)` along them, and one it doesn't touch. `L⁻¹ b = (1/2, (2 − 1/2)/3)`, so together they leave
-    /// 1/2. One by one it is `(1/2, −1/6)` and `(0, 2/3)`: 13/18.
+    // Analytic value: two numbers of a fit, `b = (1, 2)` along them, and one it does not affect.
+    // `L⁻¹ b = (1/2, (2 − 1/2)/3)`, so together they contribute 1/2. One by one it is `(1/2, −1/6)`
+    // and `(0, 2/3)`: 13/18.
     #[test]
-    fn what_a_fit_leaves_open_by_hand() {
+    fn variance_matches_analytic_value() {
         let design = Design {
             free: vec![2],
             held: vec![0],
@@ -159,7 +163,7 @@ mod tests {
         };
         let fitted = 0.999 * 0.5 + 0.001 * 13.0 / 18.0;
         assert!((design.variance(&duty) - (fitted + 9.0)).abs() < 1e-12);
-        // Where the base states no interval nobody knows.
+        // A parameter without an interval in the base contributes nothing.
         duty.stated[1] = false;
         assert!((design.variance(&duty) - fitted).abs() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! The duty's stretch, and how it goes with every parameter.
+//! Elongation under a duty, and its sensitivity to every parameter.
 
 use super::PlanRequest;
 use super::coordinate::moved;
@@ -6,28 +6,28 @@ use crate::error::CreepError;
 use crate::rope_base::RopeBase;
 use sinew_rope::CatalogueRope;
 use sinew_rope::law::entry::Uncertainty;
-use sinew_rope::law::holds::Holds;
+use sinew_rope::law::tested_range::TestedRange;
 use sinew_rope::law::{Parameter, Parameters};
 use sinew_rope::predict::{Request, predict};
 
 /// Step of the differences, in coordinates.
 const STEP: f64 = 0.05;
 
-/// A duty whose stretch since tensioned counts.
+/// Duty with the elongation since tensioning as its result.
 pub(super) struct Duty {
     request: Request,
     rope: CatalogueRope,
-    /// When, s.
+    /// Time of the elongation, s.
     pub(super) time_s: f64,
     /// Mean and largest tension over breaking load; lowest and highest temperature, °C.
     load_share: [f64; 2],
     temperature_c: [f64; 2],
 }
 
-/// Slopes of the logarithm of the stretch with every parameter's coordinate.
+/// Slopes of the logarithm of the elongation with every parameter's coordinate.
 pub(super) struct Slopes {
     pub(super) slopes: Vec<f64>,
-    /// Whether the base states an interval.
+    /// Whether the base reports an interval.
     pub(super) stated: Vec<bool>,
 }
 
@@ -35,23 +35,23 @@ impl Duty {
     pub(super) fn new(request: &PlanRequest) -> Result<Self, CreepError> {
         let rope = request.base.rope();
         let time_s = request.duty.times_s.last().copied().unwrap_or(0.0);
-        let asked = Request {
+        let prediction_request = Request {
             times_s: vec![time_s],
             draws: 0,
             ..request.duty.clone()
         };
-        let told = predict(&rope, &asked).map_err(|e| CreepError::NoPlan {
+        let prediction = predict(&rope, &prediction_request).map_err(|e| CreepError::NoPlan {
             reason: e.to_string(),
         })?;
-        if told.readings.is_empty() {
+        if prediction.readings.is_empty() {
             return Err(CreepError::NoPlan {
-                reason: "the rope breaks under this duty before the time asked for".into(),
+                reason: "the rope breaks under this duty before the requested time".into(),
             });
         }
         let summary = request.duty.duty.summary();
         let mbl = request.base.parameters.breaking_load_n;
         Ok(Self {
-            request: asked,
+            request: prediction_request,
             rope,
             time_s,
             load_share: [summary.tension_mean_n / mbl, summary.tension_max_n / mbl],
@@ -59,14 +59,15 @@ impl Duty {
         })
     }
 
-    /// Stretch since tensioned of a rope with these values, m; none where it breaks or doesn't stretch.
+    /// Elongation since tensioning of a rope with these values, m; `None` if it breaks or does not
+    /// elongate.
     pub(super) fn stretch_m(&self, p: &Parameters) -> Option<f64> {
         let mut rope = self.rope.clone();
         for (parameter, value) in &mut rope.entry.law {
             value.value = p.get(*parameter);
         }
-        let told = predict(&rope, &self.request).ok()?;
-        let found = told.readings.first()?.since_tensioned_m.value;
+        let prediction = predict(&rope, &self.request).ok()?;
+        let found = prediction.readings.first()?.since_tensioned_m.value;
         (found > 0.0).then_some(found)
     }
 
@@ -80,8 +81,8 @@ impl Duty {
             }
         };
         let stated = |parameter: &Parameter| {
-            let known = base.entry.law.get(parameter);
-            known.is_some_and(|v| v.uncertainty != Uncertainty::NotStated)
+            let entry = base.entry.law.get(parameter);
+            entry.is_some_and(|v| v.uncertainty != Uncertainty::NotSpecified)
         };
         Some(Slopes {
             slopes: Parameter::ALL.iter().map(slope).collect(),
@@ -89,10 +90,10 @@ impl Duty {
         })
     }
 
-    /// Deviation of the logarithm that is due to what a law may miss beyond such data.
-    pub(super) fn beyond(&self, holds: &Holds) -> f64 {
-        let beyond = holds.beyond(self.load_share, self.temperature_c);
-        beyond.deviation_after(holds.decades_beyond(self.time_s))
+    /// Standard deviation of the logarithm due to the model error outside the tested range.
+    pub(super) fn beyond(&self, tested_range: &TestedRange) -> f64 {
+        let extrapolation = tested_range.extrapolation(self.load_share, self.temperature_c);
+        extrapolation.std_after(tested_range.decades_beyond(self.time_s))
     }
 }
 
@@ -102,7 +103,7 @@ impl Slopes {
         self.variance_without(&[])
     }
 
-    /// The part of parameters other than these.
+    /// Variance due to parameters other than these.
     pub(super) fn variance_without(&self, touched: &[usize]) -> f64 {
         (0..self.slopes.len())
             .filter(|i| self.stated[*i] && !touched.contains(i))

@@ -1,11 +1,12 @@
-//! The creep test that would tell most about a stated duty.
+//! Planning of creep tests that reduce the uncertainty of a specified duty most.
 //!
-//! A test is worth what it takes from the interval of the prediction. So the command goes through the work before it is done:
-//! a rope is drawn as the catalogue leaves it open, tests of it are made on paper, the rope law is fitted to them, and the
-//! duty is predicted from the fit. All that is linearised about the drawn rope. [`check`](check::check) does it in full.
+//! A test is evaluated by the reduction of the prediction's interval. The planner simulates the
+//! work beforehand: a rope is drawn from the catalogue's uncertainty, tests of it are simulated,
+//! the rope law is fitted to them, and the duty is predicted from the fit. All of this is
+//! linearised about the drawn rope. [`check`](check::check) performs it completely.
 //!
-//! Reading order: `bench_test` (a test and its record), `design` (what a fit of records would leave open), `duty` (what that
-//! means for the prediction), this file (which test is next), `check`.
+//! Reading order: `bench_test` (a test and its record), `design` (uncertainty after a fit of
+//! records), `duty` (effect on the prediction), this file (selection of the next test), `check`.
 
 mod bench_test;
 mod check;
@@ -30,111 +31,116 @@ use sinew_rope::Draws;
 use sinew_rope::predict::Request;
 use std::sync::Arc;
 
-/// What is asked of a plan.
+/// Inputs of a plan: rope, duty, candidate tests and limits.
 #[derive(Debug, Clone)]
 pub struct PlanRequest {
-    /// The rope: where fits start from, and what is open.
+    /// Base rope: start of the fits, and its uncertainty.
     pub base: Arc<RopeBase>,
-    /// The duty; its last time is the one that counts.
+    /// Duty of the rope; its last time is the one that counts.
     pub duty: Request,
-    /// Tests that may be chosen.
+    /// Candidate tests for selection.
     pub candidates: Vec<BenchTest>,
-    /// Tests to plan at most.
+    /// Maximum number of tests.
     pub tests: usize,
-    /// Time on the bench for all of them, s.
+    /// Total time on the bench for all of them, s.
     pub bench_s: f64,
-    /// Records there are already: they are fitted along.
-    pub known: Vec<Curve>,
-    /// Standard deviation of a reading's strain, m/m.
+    /// Existing records, which are fitted together with the planned ones.
+    pub existing: Vec<Curve>,
+    /// Standard deviation of a measurement's strain, m/m.
     pub reading_ratio: f64,
-    /// Ropes drawn to go through the work with.
+    /// Number of ropes drawn for the simulation.
     pub truths: usize,
     /// Seed of the draws.
     pub seed: u64,
 }
 
-/// A test that was looked at.
+/// Candidate test of a step and its expected result.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
-    /// The test.
+    /// Test conditions and durations.
     pub test: BenchTest,
-    /// Expected half width of the 95 % interval after it, as a share of the stretch: `exp(1.96 s) − 1`.
+    /// Expected half-width of the 95 % interval after it, as a share of the elongation: `exp(1.96
+    /// s) − 1`.
     pub half_width_share: f64,
 }
 
-/// One step of the plan.
+/// Step of the plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlannedTest {
-    /// The test to make.
+    /// Test to perform.
     pub test: BenchTest,
-    /// Half width expected after it and those before, as a share of the stretch.
+    /// Half-width expected after this and the previous tests, as a share of the elongation.
     pub half_width_share: f64,
-    /// Part of that which no fit of these tests removes: what the law may miss beyond their loads, temperatures and times.
+    /// Part of it that no fit of these tests removes: model error outside their loads, temperatures
+    /// and times.
     pub beyond_share: f64,
-    /// The best of the tests looked at for this step, the best first.
+    /// Best candidates of this step, the best first.
     pub candidates: Vec<Candidate>,
 }
 
-/// Tests to make, the most telling first.
+/// Planned tests, the most informative first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
-    /// Rope.
+    /// Name of the rope.
     pub rope: String,
-    /// The duty in words.
+    /// Description of the duty.
     pub duty: String,
-    /// Time that counts, s.
+    /// Time of the elongation, s.
     pub time_s: f64,
-    /// Half width of the interval before these tests, as a share of the stretch since tensioned: what the catalogue's entry
-    /// leaves, or a fit of the records taken as given, whichever is narrower.
+    /// Half-width of the interval before these tests, as a share of the elongation since
+    /// tensioning: from the catalogue's entry, or from a fit of the existing records, whichever is
+    /// narrower.
     pub half_width_share: f64,
-    /// Part of it beyond the data behind it.
+    /// Part of it outside the tested range.
     pub beyond_share: f64,
-    /// Tests, in the order to make them.
+    /// Tests in the order to perform them.
     pub tests: Vec<PlannedTest>,
-    /// Time of all of them on the bench, s.
+    /// Total time of all tests on the bench, s.
     pub bench_s: f64,
-    /// Standard deviation of a reading's strain, m/m.
+    /// Standard deviation of a measurement's strain, m/m.
     pub reading_ratio: f64,
-    /// Records taken as given.
-    pub known: usize,
-    /// Half width that a fit of those records alone leaves, where it is wider than before them: the entry knows more.
+    /// Number of existing records.
+    pub existing: usize,
+    /// Half-width after a fit of the existing records alone, if it is wider than that of the
+    /// catalogue's entry.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub known_half_width_share: Option<f64>,
-    /// Ropes drawn.
+    pub prior_half_width_share: Option<f64>,
+    /// Number of ropes drawn.
     pub truths: usize,
-    /// The plan carried out on virtual ropes, where it was asked for.
+    /// Validation on virtual ropes, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub check: Option<PlanCheck>,
 }
 
 impl JsonDocument for Plan {
-    const SCHEMA: &'static str = "sinew/creep-plan/1";
+    const SCHEMA: &'static str = "sinew/creep-plan/2";
 }
 
-/// Candidates shown of every step.
-const SHOWN: usize = 8;
-/// A shorter test is taken where it leaves at most so much more.
-const AS_GOOD: f64 = 1.02;
-/// A further test must leave at most so much of the interval; else the plan ends.
-const WORTH: f64 = 0.98;
+/// Maximum number of candidates reported per step.
+const MAX_CANDIDATES: usize = 8;
+/// Maximum ratio of half-widths for which a shorter test is preferred.
+const MAX_PREFERENCE_RATIO: f64 = 1.02;
+/// Maximum ratio of half-widths for a further test; otherwise the plan ends.
+const MAX_WIDTH_RATIO: f64 = 0.98;
 
 /// Plans tests.
 ///
 /// # Errors
-/// [`CreepError::NoPlan`] where the duty can't be predicted, no candidate fits the time, or none can be fitted.
+/// Returns [`CreepError::NoPlan`] if the duty cannot be predicted, no candidate fits the time, or
+/// none can be fitted.
 pub fn plan(
     request: &PlanRequest,
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Plan, CreepError> {
     let duty = Duty::new(request)?;
     let rope = request.base.rope();
-    let refuse = |reason: String| CreepError::NoPlan { reason };
+    let no_plan = |reason: String| CreepError::NoPlan { reason };
     let draws =
-        Draws::new(&rope, request.truths, request.seed).map_err(|e| refuse(e.to_string()))?;
-    // What each drawn rope would do on the bench and in the duty.
+        Draws::new(&rope, request.truths, request.seed).map_err(|e| no_plan(e.to_string()))?;
+    // Simulated results of each drawn rope on the bench and in the duty.
     let truths: Vec<Truth> = each(
         &draws.laws,
         |law| Truth::of(law.parameters(), request, &duty),
@@ -144,34 +150,35 @@ pub fn plan(
     .flatten()
     .collect();
     if truths.is_empty() {
-        return Err(refuse(
+        return Err(no_plan(
             "the rope breaks under this duty in every draw".into(),
         ));
     }
-    let holds_now = request
+    let tested_range_now = request
         .base
         .entry
-        .holds
-        .unwrap_or(sinew_rope::law::holds::Holds::NOT_STATED);
-    let beyond_now = duty.beyond(&holds_now);
+        .tested_range
+        .unwrap_or(sinew_rope::law::tested_range::TestedRange::UNSPECIFIED);
+    let beyond_now = duty.beyond(&tested_range_now);
     let unknown = || {
         let left = truths.iter();
         mean(left.map(|t| t.duty.variance_now().sqrt().hypot(beyond_now)))
     };
-    // Records that are there already are worth what a fit of them leaves, where that is less than the entry leaves open.
+    // Existing records count with the uncertainty of their fit, if it is smaller than that of the
+    // entry.
     let entry = (unknown(), beyond_now);
     let (mut now, mut beyond_now) = entry;
-    let mut known_wider = None;
-    if !request.known.is_empty() {
-        let of_known = expected(request, &duty, &truths, &[]);
-        let Some(of_known) = of_known.filter(|(width, _)| width.is_finite()) else {
-            return Err(refuse(
-                "the rope law can't be fitted to the records given: they need the force of every reading, and minutes under load".into(),
+    let mut existing_wider = None;
+    if !request.existing.is_empty() {
+        let of_existing = expected(request, &duty, &truths, &[]);
+        let Some(of_existing) = of_existing.filter(|(width, _)| width.is_finite()) else {
+            return Err(no_plan(
+                "the rope law cannot be fitted to the specified records; expected a force for every measurement, and several minutes under load".into(),
             ));
         };
-        match of_known.0 <= now {
-            true => (now, beyond_now) = of_known,
-            false => known_wider = Some(share(of_known.0)),
+        match of_existing.0 <= now {
+            true => (now, beyond_now) = of_existing,
+            false => existing_wider = Some(share(of_existing.0)),
         }
     }
     let mut chosen: Vec<usize> = Vec::new();
@@ -198,8 +205,8 @@ pub fn plan(
         let Some(&(_, least, _)) = found.first() else {
             break;
         };
-        let as_good = found.iter().filter(|f| f.1 <= AS_GOOD * least);
-        let best = as_good.min_by(|a, b| {
+        let equivalent = found.iter().filter(|f| f.1 <= MAX_PREFERENCE_RATIO * least);
+        let best = equivalent.min_by(|a, b| {
             let time = |i: usize| request.candidates[i].bench_s();
             time(a.0).total_cmp(&time(b.0))
         });
@@ -207,15 +214,18 @@ pub fn plan(
             break;
         };
         let before = tests.last().map(|t: &PlannedTest| t.half_width_share);
-        if before.is_some_and(|before| share(width) > WORTH * before) {
+        if before.is_some_and(|before| share(width) > MAX_WIDTH_RATIO * before) {
             break;
         }
         left_s -= request.candidates[best].bench_s();
         chosen.push(best);
-        let shown = found.iter().take(SHOWN).map(|&(i, width, _)| Candidate {
-            test: request.candidates[i],
-            half_width_share: share(width),
-        });
+        let shown = found
+            .iter()
+            .take(MAX_CANDIDATES)
+            .map(|&(i, width, _)| Candidate {
+                test: request.candidates[i],
+                half_width_share: share(width),
+            });
         tests.push(PlannedTest {
             test: request.candidates[best],
             half_width_share: share(width),
@@ -227,11 +237,11 @@ pub fn plan(
         let hours = request.bench_s / 3600.0;
         let fits = |test: &BenchTest| test.bench_s() <= request.bench_s;
         let fitting = request.candidates.iter().filter(|test| fits(test));
-        return Err(refuse(match (request.candidates.len(), fitting.count()) {
+        return Err(no_plan(match (request.candidates.len(), fitting.count()) {
             (0, _) => "no load is 1.5 times the preload or more".into(),
             (_, 0) => format!("no test fits into {hours:.1} h on the bench"),
-            _ => "the rope law can't be fitted to any of these tests: loads that break the rope, held too shortly, or readings \
-                  finer than a double holds"
+            _ => "the rope law cannot be fitted to any of these tests: the loads break the rope or act too briefly, or the \
+                  standard deviation of a measurement is below the resolution of floating-point numbers"
                 .into(),
         }));
     }
@@ -247,16 +257,16 @@ pub fn plan(
             .sum(),
         tests,
         reading_ratio: request.reading_ratio,
-        known: request.known.len(),
-        known_half_width_share: known_wider,
+        existing: request.existing.len(),
+        prior_half_width_share: existing_wider,
         truths: truths.len(),
         check: None,
     })
 }
 
-/// Half a 95 % interval of a logarithm, as a share.
-fn share(deviation: f64) -> f64 {
-    (Z95 * deviation).exp_m1()
+/// Half-width of a 95 % interval of a logarithm, as a share.
+fn share(std: f64) -> f64 {
+    (Z95 * std).exp_m1()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -264,11 +274,11 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     all.iter().sum::<f64>() / all.len().max(1) as f64
 }
 
-/// A drawn rope: its records and its duty, each with how they go with every parameter.
+/// Drawn rope: its records and its duty, each with the sensitivity to every parameter.
 struct Truth {
-    /// By candidate; none where the test would break the rope.
+    /// Records by candidate; `None` if the test would break the rope.
     records: Vec<Option<Record>>,
-    known: Vec<Record>,
+    existing: Vec<Record>,
     duty: duty::Slopes,
 }
 
@@ -283,14 +293,14 @@ impl Truth {
         let candidate = |test: &BenchTest| virtual_record(parameters, test).map(|c| record(&c));
         Some(Self {
             records: request.candidates.iter().map(candidate).collect(),
-            known: request.known.iter().map(record).collect(),
+            existing: request.existing.iter().map(record).collect(),
             duty: duty.slopes(parameters, base)?,
         })
     }
 }
 
-/// Deviation of the logarithm of the stretch that is expected after tests, and the part beyond them; none where a fit of them
-/// is refused.
+/// Expected standard deviation of the logarithm of the elongation after tests, and its part outside
+/// the tested range; `None` if a fit of them is rejected.
 fn expected(
     request: &PlanRequest,
     duty: &Duty,
@@ -302,9 +312,9 @@ fn expected(
     for truth in truths {
         let own = tests.iter().map(|i| truth.records[*i].as_ref());
         let own: Option<Vec<&Record>> = own.collect();
-        let records: Vec<&Record> = truth.known.iter().chain(own?).collect();
+        let records: Vec<&Record> = truth.existing.iter().chain(own?).collect();
         let design = Design::new(&records, &request.base)?;
-        beyond = duty.beyond(&design.holds(&request.base));
+        beyond = duty.beyond(&design.tested_range(&request.base));
         left.push(design.variance(&truth.duty).sqrt().hypot(beyond));
     }
     Some((mean(left.into_iter()), beyond))

@@ -1,21 +1,21 @@
-//! What the force says: preload, ramp, stages, steps.
+//! Load history from the force: preload, ramp, stages, steps.
 
-use super::{Fault, Stage};
+use super::{Artefact, Stage};
+use crate::artefacts::{median, plateaus, smoothed};
 use crate::curve::StepWindow;
 use crate::error::{CreepError, Unusable};
-use crate::scan::{median, plateaus, smoothed};
 use crate::span::extremes;
 
-/// ISO 899-1: the load stays within this share of its value.
+/// Tolerance of a constant load by ISO 899-1, as a share of its value.
 const LOAD_TOLERANCE: f64 = 0.01;
-/// ISO 899-1: the load comes on within 1 s to 5 s.
+/// Maximum duration of the load ramp by ISO 899-1 (1 s to 5 s), s.
 const RAMP_S: f64 = 5.0;
 
-/// What the force column says.
+/// Load history from the force column.
 pub(super) struct Load {
-    /// First reading that counts.
+    /// Index of the first measurement that counts.
     pub(super) first: usize,
-    /// Readings before the load that give the zero: where from, how many.
+    /// Start and number of the measurements before the load that determine the zero.
     pub(super) before_from: usize,
     pub(super) before: usize,
     pub(super) start_s: f64,
@@ -32,9 +32,9 @@ impl Load {
         strain: &[f64],
         force: Option<&[f64]>,
         name: &str,
-        faults: &mut Vec<Fault>,
+        artefacts: &mut Vec<Artefact>,
     ) -> Result<Load, CreepError> {
-        let refuse = |reason: Unusable| CreepError::Specimen {
+        let invalid = |reason: Unusable| CreepError::Specimen {
             specimen: name.to_owned(),
             reason,
         };
@@ -56,21 +56,21 @@ impl Load {
             preload_n: None,
         };
         let Some(force) = force else {
-            faults.push(Fault::NoForce);
+            artefacts.push(Artefact::NoForce);
             return Ok(unramped(None));
         };
         let smooth = smoothed(force);
         let largest = smooth.iter().copied().fold(0.0, f64::max);
         if largest <= 0.0 {
-            return Err(refuse(Unusable::ForceNeverPositive));
+            return Err(invalid(Unusable::ForceNeverPositive));
         }
         let share: Vec<f64> = smooth.iter().map(|f| f / largest).collect();
         let plateaus = plateaus(&share);
-        /// A creep load is at least this share of the largest.
-        const LOADED: f64 = 0.3;
-        let Some(loaded) = plateaus.iter().position(|p| p.level > LOADED) else {
-            swapped(time, strain, force).map_err(refuse)?;
-            return Err(refuse(Unusable::NoLevel));
+        /// Minimum creep load as a share of the largest load.
+        const MIN_LOAD_SHARE: f64 = 0.3;
+        let Some(loaded) = plateaus.iter().position(|p| p.level > MIN_LOAD_SHARE) else {
+            swapped(time, strain, force).map_err(invalid)?;
+            return Err(invalid(Unusable::NoLevel));
         };
         let first = plateaus[loaded];
         swapped(
@@ -78,18 +78,18 @@ impl Load {
             &strain[first.from..first.to],
             &force[first.from..first.to],
         )
-        .map_err(refuse)?;
+        .map_err(invalid)?;
         let reference = first.level * largest;
         if first.from == 0 {
             let constant = force
                 .iter()
                 .all(|f| (f - reference).abs() < 1e-6 * reference);
-            faults.push(Fault::NoRamp);
+            artefacts.push(Artefact::NoRamp);
             if constant && plateaus.len() == 1 {
                 return Ok(unramped(Some(reference)));
             }
         }
-        // The ramp begins with the last reading that is still at the level before.
+        // The ramp starts with the last measurement that is still at the previous level.
         let before = (loaded > 0).then(|| plateaus[loaded - 1]);
         let base = before.map_or_else(|| share[0].min(0.0), |p| p.level);
         let begin = (0..first.from)
@@ -103,7 +103,7 @@ impl Load {
             time[first.from] - start_s
         };
         if ramp_s > RAMP_S {
-            faults.push(Fault::SlowRamp {
+            artefacts.push(Artefact::SlowRamp {
                 time_s: start_s,
                 ramp_s,
             });
@@ -113,7 +113,7 @@ impl Load {
             .filter(|p| p.abs() > 0.005 * largest);
         let (before_from, before_count) = match before {
             Some(p) => {
-                // The last readings before the ramp; the earlier ones may belong to the clamping.
+                // The last measurements before the ramp; earlier ones may belong to the clamping.
                 let count = (begin + 1 - p.from).min(20);
                 (begin + 1 - count, count)
             }
@@ -128,7 +128,7 @@ impl Load {
             let (low, high) = extremes(inside);
             let drift = (high - level).max(level - low);
             if level > 0.05 * largest && drift > LOAD_TOLERANCE * level {
-                faults.push(Fault::LoadDrift {
+                artefacts.push(Artefact::LoadDrift {
                     time_s: time[p.from],
                     load_n: level,
                     drift_share: drift / level,
@@ -163,7 +163,7 @@ impl Load {
     }
 }
 
-/// In a creep test the force stays and the strain grows; the other way round, columns are swapped.
+/// Checks for swapped columns: in a creep test the force is constant and the strain grows.
 fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), Unusable> {
     let third = time.len() / 3;
     if third < 3 {
@@ -173,7 +173,7 @@ fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), Unusable> 
         let (early, late) = (median(&v[third / 2..third]), median(&v[v.len() - third..]));
         (late - early).abs() / late.abs().max(1e-300)
     };
-    // A load held to a part in ten thousand that "creeps" is a strain, and the reverse.
+    // A column constant to 1e-4 next to one that creeps is the force, not the strain.
     if change(strain) < 1e-4 && change(force) > 0.01 {
         return Err(Unusable::Swapped {
             force_change_share: change(force),
@@ -183,8 +183,8 @@ fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), Unusable> 
     Ok(())
 }
 
-/// The load as steps, a new one where it has left the last by more than a dead band, and the readings between which those came
-/// that came at once.
+/// Load as steps, a new one after a deviation from the last by more than a dead band, and the
+/// measurements between which immediate steps occurred.
 fn steps(
     time: &[f64],
     force: &[f64],
@@ -192,19 +192,19 @@ fn steps(
     start_s: f64,
     preload: f64,
 ) -> (Vec<(f64, f64)>, Vec<StepWindow>) {
-    /// Steps beyond which a finer band changes nothing that can be seen.
-    const MOST: usize = 60;
+    /// Maximum number of steps; a finer band changes nothing noticeable.
+    const MAX_STEPS: usize = 60;
     let mut band = 0.005;
     loop {
         let mut steps: Vec<(f64, f64)> = Vec::new();
-        // Reading at which each is seen first, and its height.
+        // Measurement at which each step is first observed, and its height.
         let mut seen: Vec<(usize, f64)> = Vec::new();
         let mut level = 0.0;
         for i in 0..time.len() {
             // The strain counts from the preload, so the load does too.
             let now = (force[i] - preload) / (reference - preload);
             if (now - level).abs() > band {
-                // The middle, until a fit knows better.
+                // The middle of the interval, until a fit determines the time.
                 let at = if i > 0 {
                     0.5 * (time[i] + time[i - 1])
                 } else {
@@ -215,7 +215,7 @@ fn steps(
                 level = now;
             }
         }
-        if steps.len() <= MOST || band > 0.3 {
+        if steps.len() <= MAX_STEPS || band > 0.3 {
             if steps.is_empty() {
                 return (vec![(0.0, 1.0)], Vec::new());
             }
@@ -233,16 +233,16 @@ fn steps(
     }
 }
 
-/// Whether a step stands alone: its neighbours among the readings are no parts of the same ramp.
+/// Whether a step is isolated: neighbouring measurements are not parts of the same ramp.
 fn at_once(seen: &[(usize, f64)], k: usize) -> bool {
-    /// Smaller ones follow a drift of the load.
-    const STEP: f64 = 0.05;
-    /// Of its height, from which on a neighbour is part of a ramp.
-    const PART: f64 = 0.2;
+    /// Minimum height; smaller steps follow a drift of the load.
+    const MIN_STEP: f64 = 0.05;
+    /// Minimum share of its height for a neighbour to be part of a ramp.
+    const MIN_RAMP_SHARE: f64 = 0.2;
     let (at, height) = seen[k];
-    let beside = |other: Option<&(usize, f64)>| {
-        other.is_some_and(|(i, h)| i.abs_diff(at) == 1 && h.abs() > PART * height.abs())
+    let same_ramp = |other: Option<&(usize, f64)>| {
+        other.is_some_and(|(i, h)| i.abs_diff(at) == 1 && h.abs() > MIN_RAMP_SHARE * height.abs())
     };
     let before = k.checked_sub(1).and_then(|k| seen.get(k));
-    at > 0 && height.abs() > STEP && !beside(before) && !beside(seen.get(k + 1))
+    at > 0 && height.abs() > MIN_STEP && !same_ramp(before) && !same_ramp(seen.get(k + 1))
 }

@@ -1,66 +1,66 @@
-//! From a specimen's columns to a curve: zero, preload, ramp, stages, faults.
+//! Preparation of a specimen's columns as a curve: zero, preload, ramp, stages, artefacts.
 
 use crate::test_file::{Specimen, TestQuantity};
 
-mod faults;
+mod artefacts;
 mod load;
 
+use super::artefacts::median;
 use super::curve::{Curve, Tension};
 use super::error::{CreepError, Unusable};
-use super::scan::median;
 use super::span::Span;
-pub use faults::Fault;
-use faults::{clean, take_out_faults};
+pub use artefacts::Artefact;
+use artefacts::{clean, remove_artefacts};
 use load::Load;
 
-/// What a file may not say.
+/// Properties that a file may lack.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PrepareOptions {
-    /// Gauge length, m; needed for an elongation where the file has none.
+    /// Gauge length, m; required for an elongation if the file has none.
     pub gauge_length_m: Option<f64>,
     /// Cross-section, m²; without it there is no creep modulus.
     pub area_m2: Option<f64>,
-    /// Temperature, °C, of files that don't record it.
+    /// Temperature, °C, of files that do not record it.
     pub temperature_c: Option<f64>,
-    /// Keep jumps (grip slips) and outliers instead of taking them out.
-    pub keep_faults: bool,
+    /// Whether steps (grip slips) and outliers are kept.
+    pub keep_artefacts: bool,
 }
 
-/// What was taken for strain zero.
+/// Reference of the strain zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum StrainZero {
-    /// Mean of readings before the load.
+    /// Mean of measurements before the load.
     BeforeLoad {
-        /// How many.
+        /// Number of those measurements.
         readings: usize,
     },
-    /// As recorded; no reading before the load.
+    /// Recorded value, without a measurement before the load.
     AsRecorded,
 }
 
-/// A part of the record under one load.
+/// Part of the record under one load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
-    /// First reading at the load, s since the load began.
+    /// First measurement at the load, s since the load started.
     pub start_s: f64,
-    /// Last reading, s.
+    /// Last measurement, s since the load started.
     pub end_s: f64,
-    /// Mean load, N; NaN where none is recorded.
+    /// Mean load, N; NaN if not recorded.
     pub force_n: f64,
-    /// How long the load took to come or go before, s.
+    /// Duration of the load change before, s.
     pub ramp_s: f64,
 }
 
-/// A specimen ready to be analysed.
+/// Specimen prepared for the analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
-    /// Name.
+    /// Name of the specimen.
     pub name: String,
-    /// Group of repeats it belongs to.
+    /// Group of repeats of the specimen.
     pub group: Option<String>,
-    /// Readings under load and after, all of them; strain counts from the zero.
+    /// All measurements under load and after it; strain counts from the zero.
     pub curve: Curve,
     /// Load of the first stage, N.
     pub force_n: Option<f64>,
@@ -68,42 +68,42 @@ pub struct Prepared {
     pub preload_n: Option<f64>,
     /// Stress of the first stage, Pa.
     pub stress_pa: Option<f64>,
-    /// Time of the record at which the load begins, s.
+    /// Time of the record at which the load starts, s.
     pub load_start_s: f64,
     /// Stages from the first under load.
     pub stages: Vec<Stage>,
-    /// What was taken for strain zero.
+    /// Reference of the strain zero.
     pub zero: StrainZero,
-    /// Temperature, °C.
+    /// Temperature of the record, °C.
     pub temperature_c: Option<Span>,
     /// Relative humidity or moisture, %.
     pub humidity_percent: Option<Span>,
-    /// Oddities.
-    pub faults: Vec<Fault>,
+    /// Artefacts found in the record.
+    pub artefacts: Vec<Artefact>,
 }
 
-/// Strain below zero that no reading error makes, m/m.
-const SHORTER: f64 = 1e-5;
-/// Fewest readings of a creep test.
-const FEWEST: usize = 5;
+/// Minimum negative strain, beyond measurement errors, m/m.
+const MIN_SHORTENING: f64 = 1e-5;
+/// Minimum number of measurements of a creep test.
+const MIN_MEASUREMENTS: usize = 5;
 
 /// Prepares a specimen.
 ///
 /// # Errors
-/// [`CreepError::Specimen`] with what was found: too few readings, no gauge length, a strain or
-/// force that must be another unit, force and elongation that look swapped.
+/// Returns [`CreepError::Specimen`] with the reason: too few measurements, no gauge length, a
+/// strain or force in another unit, or swapped force and elongation.
 pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared, CreepError> {
-    let refuse = |reason: Unusable| CreepError::Specimen {
+    let invalid = |reason: Unusable| CreepError::Specimen {
         specimen: specimen.name.clone(),
         reason,
     };
-    let mut faults = Vec::new();
+    let mut artefacts = Vec::new();
     let (raw_time, raw_strain, raw_force) = columns(specimen, options)?;
-    let kept = clean(&raw_time, &raw_strain, raw_force.as_deref(), &mut faults);
-    if kept.len() < FEWEST {
-        return Err(refuse(Unusable::TooFewReadings {
+    let kept = clean(&raw_time, &raw_strain, raw_force.as_deref(), &mut artefacts);
+    if kept.len() < MIN_MEASUREMENTS {
+        return Err(invalid(Unusable::TooFewReadings {
             readings: kept.len(),
-            needed: FEWEST,
+            needed: MIN_MEASUREMENTS,
         }));
     }
     let time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
@@ -112,23 +112,23 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         .as_ref()
         .map(|force| kept.iter().map(|&i| force[i]).collect());
     let most = strain.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
-    // No fibre, rope or plastic reaches its own length again; wood and metals far less.
+    // No fibre, rope or plastic elongates by its own length; wood and metals far less.
     if most > 2.0 {
-        return Err(refuse(Unusable::StrainTooLarge { strain_ratio: most }));
+        return Err(invalid(Unusable::StrainTooLarge { strain_ratio: most }));
     }
     if most > 0.5 {
-        faults.push(Fault::DoubtfulStrain { strain_ratio: most });
+        artefacts.push(Artefact::ImplausibleStrain { strain_ratio: most });
     }
     let span = time[time.len() - 1] - time[0];
     if span < 60.0 {
-        faults.push(Fault::DoubtfulTime { duration_s: span });
+        artefacts.push(Artefact::ImplausibleTime { duration_s: span });
     }
     let load = Load::read(
         &time,
         &strain,
         force.as_deref(),
         &specimen.name,
-        &mut faults,
+        &mut artefacts,
     )?;
     let at_zero = load.first;
     let zero = if load.before > 0 {
@@ -160,13 +160,13 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         }),
         zero_count: load.before as f64,
     };
-    faults.extend(take_out_faults(
+    artefacts.extend(remove_artefacts(
         &mut curve,
         &load.stages,
-        options.keep_faults,
+        options.keep_artefacts,
         start,
     ));
-    // Readings while the load changes belong to no stage.
+    // Measurements during a change of the load belong to no stage.
     let in_stage = |t: f64| {
         load.stages
             .iter()
@@ -184,10 +184,10 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         .map_or(f64::INFINITY, |s| s.end_s + 1e-9);
     let under_load = curve.time_s.partition_point(|t| *t <= first_end);
     if let Some(&last) = curve.strain[..under_load].last()
-        && last < -SHORTER
-        && median(&curve.strain[..under_load]) < -SHORTER
+        && last < -MIN_SHORTENING
+        && median(&curve.strain[..under_load]) < -MIN_SHORTENING
     {
-        faults.push(Fault::Shortens { strain_ratio: last });
+        artefacts.push(Artefact::Shortens { strain_ratio: last });
     }
     let temperature_c = range(specimen, TestQuantity::Temperature)
         .or_else(|| options.temperature_c.map(Span::point));
@@ -213,20 +213,20 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         zero,
         temperature_c,
         humidity_percent: range(specimen, TestQuantity::Humidity),
-        faults,
+        artefacts,
     })
 }
 
 type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
 
 fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, CreepError> {
-    let refuse = |reason: Unusable| CreepError::Specimen {
+    let invalid = |reason: Unusable| CreepError::Specimen {
         specimen: specimen.name.clone(),
         reason,
     };
     let time = specimen
         .column(TestQuantity::Time)
-        .ok_or_else(|| refuse(Unusable::NoTime))?
+        .ok_or_else(|| invalid(Unusable::NoTime))?
         .to_vec();
     let strain = if let Some(strain) = specimen.column(TestQuantity::Strain) {
         strain.to_vec()
@@ -234,13 +234,13 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
         let length = options
             .gauge_length_m
             .or_else(|| specimen.constant(TestQuantity::GaugeLength))
-            .ok_or_else(|| refuse(Unusable::NoGaugeLength))?;
+            .ok_or_else(|| invalid(Unusable::NoGaugeLength))?;
         if length <= 0.0 || length.is_nan() {
-            return Err(refuse(Unusable::GaugeLength { length_m: length }));
+            return Err(invalid(Unusable::GaugeLength { length_m: length }));
         }
         elongation.iter().map(|e| e / length).collect()
     } else {
-        return Err(refuse(Unusable::NoStrain));
+        return Err(invalid(Unusable::NoStrain));
     };
     Ok((
         time,

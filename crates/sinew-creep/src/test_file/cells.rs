@@ -1,23 +1,23 @@
-//! A table before anybody knows what its columns mean.
+//! Table of cells before the interpretation of its columns.
 
 use crate::error::TestFileError;
 use sinew_files::csv::Dialect;
 use sinew_files::limits;
 use sinew_files::text::{Encoding, decode};
 
-/// A cell as found.
+/// Cell of a table as read.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
     Empty,
     Number(f64),
-    /// A time that carries its own unit, s: a workbook's time of day, a Parquet timestamp.
+    /// Time with its own unit, s: a workbook's time of day, a Parquet timestamp.
     #[cfg_attr(not(any(feature = "parquet", feature = "sheets")), allow(dead_code))]
     Clock(f64),
     Text(String),
 }
 
 impl Cell {
-    /// A number where it is one.
+    /// Cell from text, as a number if it is one.
     pub(super) fn of_text(text: &str, dialect: Dialect) -> Cell {
         match dialect.number(text.as_bytes()) {
             Some(Some(value)) => Cell::Number(value),
@@ -43,7 +43,7 @@ impl Cell {
     }
 }
 
-/// What cells may still be read.
+/// Counter of the cells read, with a limit.
 pub(super) struct Room<'f> {
     file: &'f str,
     taken: u64,
@@ -54,43 +54,43 @@ impl<'f> Room<'f> {
         Self { file, taken: 0 }
     }
 
-    /// Takes a row, which needs as much memory as some cells.
+    /// Counts a row, which needs as much memory as some cells.
     pub(super) fn take_row(&mut self) -> Result<(), TestFileError> {
         const AS_CELLS: usize = 4;
         self.take(AS_CELLS)
     }
 
-    /// Takes cells.
+    /// Counts cells against the limit.
     pub(super) fn take(&mut self, cells: usize) -> Result<(), TestFileError> {
         self.taken = self.taken.saturating_add(cells as u64);
         if self.taken <= limits::TEST_CELLS.most {
             return Ok(());
         }
         let limit = limits::TEST_CELLS;
-        let reason = format!("it has more cells; {limit}: leave out columns, or thin out the rows");
-        Err(TestFileError::refused(self.file, reason))
+        let reason = format!("it has more cells; {limit}: remove columns or rows");
+        Err(TestFileError::invalid(self.file, reason))
     }
 }
 
-/// Rows of cells, each with its place for messages.
+/// Rows of cells, each with its location for messages.
 #[derive(Debug, Default)]
 pub(super) struct Table {
-    /// Sheet, or empty.
+    /// Name of the sheet, or empty.
     pub(super) title: String,
     pub(super) rows: Vec<Vec<Cell>>,
-    /// Line (text), row (workbook, from one) of each row.
+    /// Line (text) or row (workbook, from one) of each row.
     pub(super) places: Vec<u64>,
-    /// What was repaired while reading.
+    /// Notes on repairs while reading.
     pub(super) notes: Vec<String>,
 }
 
 impl Table {
-    /// Delimited text as cells.
+    /// Table of cells from delimited text.
     pub(super) fn of_text(bytes: &[u8], file: &str) -> Result<Table, TestFileError> {
         let mut table = Table::default();
         let (text, encoding) = decode(bytes, file)?;
         if encoding == Encoding::Cp1252 {
-            let note = "not UTF-8: read as code page 1252 (Latin)";
+            let note = "not UTF-8: interpreted as code page 1252 (Latin)";
             table.notes.push(note.to_owned());
         }
         let dialect = Dialect::of_lines(&text);
@@ -102,7 +102,7 @@ impl Table {
         let mut room = Room::new(file);
         for record in reader.records() {
             let record = record.map_err(|error| {
-                TestFileError::refused(file, format!("it is not delimited text: {error}"))
+                TestFileError::invalid(file, format!("it is not delimited text: {error}"))
             })?;
             room.take_row()?;
             room.take(record.len())?;

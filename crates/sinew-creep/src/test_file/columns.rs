@@ -1,4 +1,4 @@
-//! What a header says: quantity and unit.
+//! Quantity and unit of a column from its header.
 
 use super::quantity::{TestQuantity as Q, parse_unit};
 use super::{ColumnChoice, TestQuantity};
@@ -7,7 +7,7 @@ use sinew_files::names::{hint, list};
 use sinew_files::unit::Unit;
 use sinew_files::{Fault, Located};
 
-/// A column with its meaning.
+/// Column with its quantity and unit.
 #[derive(Debug, Clone)]
 pub(super) struct Role {
     pub(super) quantity: TestQuantity,
@@ -16,7 +16,7 @@ pub(super) struct Role {
     pub(super) unit_name: String,
 }
 
-/// Words of a header, in English and German, and what they mean.
+/// Words of a header, in English and German, and their quantities.
 const WORDS: [(TestQuantity, &str); 10] = [
     (
         Q::GaugeLength,
@@ -36,11 +36,11 @@ const WORDS: [(TestQuantity, &str); 10] = [
     (Q::Time, "time zeit prüfzeit elapsed timestamp t"),
 ];
 
-/// Words that make another quantity of the one beside them; the last three are ends of an interval, and what pulls two
-/// strands at once.
+/// Words that change the quantity of the word next to them; the last three are ends of an interval,
+/// and a force on two strands at the same time.
 const STRANGERS: &str = "compliance rate degree velocity speed std error target max min setpoint soll date low high carriage";
 
-/// Units at the end of a name as Sinew's own tables write them.
+/// Units at the end of a name in Sinew's own tables.
 const IN_NAMES: [(&str, &str); 8] = [
     ("n", "N"),
     ("kn", "kN"),
@@ -52,7 +52,8 @@ const IN_NAMES: [(&str, &str); 8] = [
     ("k", "K"),
 ];
 
-/// Header split into name and unit: `Force (N)`, `Force [N]`, `F / N`, `force_N`, `force_n`, `Force, N`.
+/// Splits a header into name and unit: `Force (N)`, `Force [N]`, `F / N`, `force_N`, `force_n`,
+/// `Force, N`.
 pub(super) fn split(header: &str) -> (String, Option<String>) {
     let header = header.trim();
     let found = |name: &str, unit: &str| (name.trim().to_owned(), Some(unit.trim().to_owned()));
@@ -63,9 +64,9 @@ pub(super) fn split(header: &str) -> (String, Option<String>) {
             return found(name, unit);
         }
     }
-    // `force_n`, `strain_percent`: only where the unit can be one of what the name says.
+    // `force_n`, `strain_percent`: only if the unit is possible for the quantity of the name.
     if let Some((name, end)) = header.rsplit_once('_')
-        && let Some((_, unit)) = IN_NAMES.iter().find(|(known, _)| *known == end)
+        && let Some((_, unit)) = IN_NAMES.iter().find(|(suffix, _)| *suffix == end)
         && let (Some(quantity), Ok(parsed)) = (quantity_of(name, None), parse_unit(unit))
         && quantity.may_be_in(parsed)
     {
@@ -83,10 +84,10 @@ pub(super) fn split(header: &str) -> (String, Option<String>) {
     (header.to_owned(), None)
 }
 
-/// What a header measures, if a word of it says so.
+/// Quantity of a header, if a word of it names one.
 pub(super) fn quantity_of(name: &str, unit: Option<&str>) -> Option<TestQuantity> {
     let unit = unit.and_then(|unit| parse_unit(unit).ok());
-    // One letter means what its unit or its case says.
+    // A single letter is interpreted by its unit or its case.
     match name.trim() {
         "T" if unit.is_none_or(|unit| Q::Temperature.may_be_in(unit)) => {
             return Some(Q::Temperature);
@@ -95,18 +96,19 @@ pub(super) fn quantity_of(name: &str, unit: Option<&str>) -> Option<TestQuantity
         _ => {}
     }
     let lower = name.to_lowercase();
-    let is_among = |known: &str| {
+    let is_among = |list: &str| {
         let mut words = lower.split(|c: char| !c.is_alphanumeric());
-        words.any(|word| !word.is_empty() && known.split(' ').any(|known| known == word))
+        words.any(|word| !word.is_empty() && list.split(' ').any(|listed| listed == word))
     };
     if is_among(STRANGERS) {
         return None;
     }
-    let found = WORDS.iter().find(|(_, known)| is_among(known));
+    let found = WORDS.iter().find(|(_, words)| is_among(words));
     found.map(|(quantity, _)| *quantity)
 }
 
-/// Index of a column that was asked for by its header, exactly, without regard to case, or (with `bare`) without its unit.
+/// Index of a requested column by its header, exactly, without regard to case, or (with `bare`)
+/// without its unit.
 pub(super) fn column_index(
     headers: &[String],
     wanted: &str,
@@ -123,12 +125,12 @@ pub(super) fn column_index(
             let (hint, list) = (hint(wanted, headers), list(headers));
             TestFileError::Request {
                 file: file.to_owned(),
-                reason: format!("no column '{wanted}'{hint} columns are {list}"),
+                reason: format!("column '{wanted}' not found{hint} columns are {list}"),
             }
         })
 }
 
-/// Meaning of every column that has one.
+/// Role of every column that has one.
 pub(super) fn roles(
     headers: &[String],
     units: &[String],
@@ -136,7 +138,7 @@ pub(super) fn roles(
     file: &str,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Role>, TestFileError> {
-    let refuse =
+    let invalid =
         |reason: String| TestFileError::from(Located::new(file, Fault::NotAllowed, reason));
     let below = |index: usize| units.get(index).filter(|unit| !unit.is_empty()).cloned();
     let mut roles: Vec<Role> = Vec::new();
@@ -145,7 +147,7 @@ pub(super) fn roles(
         let header = &headers[index];
         let stated = choice.unit.clone().or_else(|| split(header).1);
         let unit = stated.or_else(|| below(index));
-        roles.push(role(choice.quantity, index, header, unit, notes).map_err(refuse)?);
+        roles.push(role(choice.quantity, index, header, unit, notes).map_err(invalid)?);
     }
     for (index, header) in headers.iter().enumerate() {
         if roles.iter().any(|role| role.index == index) {
@@ -168,9 +170,9 @@ pub(super) fn roles(
         }
         match role(quantity, index, header, unit, notes) {
             Ok(found) => roles.push(found),
-            // Without these no test can be read right; anything else is left out, and said.
+            // Without these no test can be read correctly; any other column is ignored with a note.
             Err(reason) if matches!(quantity, Q::Time | Q::Force | Q::Elongation | Q::Strain) => {
-                return Err(refuse(reason));
+                return Err(invalid(reason));
             }
             Err(reason) => notes.push(format!("column not used: {reason}")),
         }
@@ -190,13 +192,13 @@ fn role(
         Some(unit) => unit,
         None if quantity == Q::Strain => {
             notes.push(format!(
-                "column '{header}' has no unit: taken as a ratio (m/m); say strain={header}:% if it is in percent"
+                "column '{header}' has no unit: interpreted as a ratio (m/m); set strain={header}:% if it is in percent"
             ));
             "1".to_owned()
         }
         None => {
             return Err(format!(
-                "column '{header}' ({name}) has no unit; say it, such as {name}={header}:{}",
+                "column '{header}' ({name}) has no unit; set it, for example {name}={header}:{}",
                 quantity.customary_unit()
             ));
         }
@@ -204,7 +206,7 @@ fn role(
     let unit = parse_unit(&unit_name).map_err(|error| format!("column '{header}': {error}"))?;
     if !quantity.may_be_in(unit) {
         return Err(format!(
-            "column '{header}' is taken as {name}, but its unit {unit_name} can't be one; say what it is, such as elongation={header}:mm"
+            "column '{header}' is interpreted as {name}, but {unit_name} is not a unit of it; set its quantity, for example elongation={header}:mm"
         ));
     }
     Ok(Role {

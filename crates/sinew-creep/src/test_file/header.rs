@@ -1,27 +1,27 @@
-//! Where the table starts: names and values above, header, units, rows.
+//! Location of the table in a file: names and values above, header, units, rows.
 
 use super::cells::{Cell, Table};
 use super::columns::{quantity_of, split};
 use super::quantity::{TestQuantity, parse_unit};
 
-/// Rows above the first row of numbers that may belong to the head of a file.
+/// Maximum number of rows above the first row of numbers.
 const HEAD_ROWS: usize = 200;
 
-/// The head of a table.
+/// Head of a table.
 #[derive(Debug, Default)]
 pub(super) struct Head {
     pub(super) headers: Vec<String>,
-    /// Line of units under the header; empty when there is none.
+    /// Line of units under the header; empty if there is none.
     pub(super) units: Vec<String>,
-    /// First row of values.
+    /// Index of the first row of values.
     pub(super) first_row: usize,
     /// Names and values above the header.
     pub(super) words: Vec<(String, String)>,
-    /// Quantities above the header, in the units they are kept in.
+    /// Quantities above the header, in their internal units.
     pub(super) constants: Vec<(TestQuantity, f64)>,
 }
 
-/// Finds the header; the error says what was looked for.
+/// Finds the header; the error describes the expected format.
 pub(super) fn find(table: &Table) -> Result<Head, String> {
     let mut head = Head::default();
     let header = table
@@ -39,7 +39,7 @@ pub(super) fn find(table: &Table) -> Result<Head, String> {
         })
         .ok_or_else(|| {
             format!(
-                "no header found in the first {HEAD_ROWS} rows: a row of column names followed by a row with numbers, such as time_s,force_N,elongation_mm"
+                "no header found in the first {HEAD_ROWS} rows: expected a row of column names followed by a row with numbers, for example time_s,force_N,elongation_mm"
             )
         })?;
     head.headers = table.rows[header].iter().map(Cell::text).collect();
@@ -77,7 +77,7 @@ pub(super) fn find(table: &Table) -> Result<Head, String> {
     Ok(head)
 }
 
-/// At least two names, no number, and one of them a time or another quantity.
+/// Whether a row has at least two names and no number.
 fn is_names(row: &[Cell]) -> bool {
     row.iter().filter(|cell| cell.is_text()).count() >= 2
         && !row.iter().any(Cell::is_number)
@@ -88,7 +88,7 @@ fn holds_numbers(row: &[Cell], columns: usize) -> bool {
     row.len() >= columns.min(2) && row.iter().filter(|cell| cell.is_number()).count() >= 2
 }
 
-/// A row of units: text that names units, gaps and dashes.
+/// Whether a row contains units: text that names units, gaps and dashes.
 fn is_units(row: &[Cell], columns: usize) -> bool {
     row.len() <= columns
         && row.iter().any(Cell::is_text)

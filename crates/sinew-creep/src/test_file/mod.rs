@@ -1,14 +1,14 @@
-//! Recordings of creep, recovery and relaxation tests: columns in stated units, from CSV,
-//! XLSX or Parquet, one specimen or many in a file.
+//! Recordings of creep, recovery and relaxation tests: columns with units, from CSV, XLSX or
+//! Parquet, one or several specimens per file.
 //!
-//! A test file is a table. Above its header may stand lines of names and values (`L0 (mm), 350`),
-//! under it a line of units. What a column measures is told by its header, its unit by
-//! `time_s`, `Force (N)`, `Strain [%]`, `t / min` or the line of units; both can be said by
-//! [`TestOptions`]. A unit is never guessed where a guess would change a number: a force without a
-//! unit is refused. A strain without a unit is taken as a ratio, and a note says so.
+//! A test file is a table, optionally with lines of names and values above its header (`L0 (mm),
+//! 350`) and a line of units below it. The header determines the quantity of a column; `time_s`,
+//! `Force (N)`, `Strain [%]`, `t / min` or the line of units determine its unit; [`TestOptions`]
+//! overrides both. A unit is never assumed if it would change a number: a force without a unit is
+//! rejected. A strain without a unit is interpreted as a ratio, with a note.
 //!
-//! Rows belong to one specimen as long as their text cells and the specimen columns stay the same
-//! and time doesn't start anew.
+//! Rows belong to one specimen as long as their text cells and the specimen columns are constant
+//! and time does not restart.
 
 mod cells;
 mod columns;
@@ -30,36 +30,36 @@ use serde::{Deserialize, Serialize};
 use sha2::Digest;
 use std::path::{Path, PathBuf};
 
-/// The format of a test file.
+/// Format of a test file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TestFormat {
-    /// Delimited text.
+    /// Delimited text (CSV).
     Csv,
     /// Office Open XML workbook.
     Xlsx,
-    /// Apache Parquet.
+    /// Apache Parquet file.
     Parquet,
 }
 
-/// A column named by the user.
+/// Column specified by the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnChoice {
-    /// What it measures.
+    /// Quantity of the column.
     pub quantity: TestQuantity,
-    /// Its header, exactly or without regard to case.
+    /// Header of the column, exactly or without regard to case.
     pub column: String,
-    /// Its unit; `None`: as the header says.
+    /// Unit of the column; `None` for that of the header.
     pub unit: Option<String>,
 }
 
 impl std::str::FromStr for ColumnChoice {
     type Err = String;
 
-    /// `QUANTITY=COLUMN` or `QUANTITY=COLUMN:UNIT`.
+    /// Parses `QUANTITY=COLUMN` or `QUANTITY=COLUMN:UNIT`.
     fn from_str(text: &str) -> Result<Self, String> {
         let (quantity, rest) = text.split_once('=').ok_or_else(|| {
             format!(
-                "'{text}' is not QUANTITY=COLUMN or QUANTITY=COLUMN:UNIT, such as force=Kraft:N"
+                "'{text}' is not QUANTITY=COLUMN or QUANTITY=COLUMN:UNIT, for example force=Kraft:N"
             )
         })?;
         let quantity = quantity.trim().parse()?;
@@ -78,72 +78,72 @@ impl std::str::FromStr for ColumnChoice {
     }
 }
 
-/// How a test file shall be read.
+/// Options for reading a test file.
 #[derive(Debug, Clone, Default)]
 pub struct TestOptions {
-    /// Columns said by the user; the others are told by their headers.
+    /// Columns specified by the user; the others are identified by their headers.
     pub columns: Vec<ColumnChoice>,
-    /// Columns that name a specimen; empty: all text columns, and those called `specimen`,
-    /// `sample`, `set`, `test` or the like.
+    /// Columns that name a specimen; empty for all text columns, and those called `specimen`,
+    /// `sample`, `set`, `test` or similar.
     pub specimen_columns: Vec<String>,
-    /// Sheet of a workbook; `None`: every sheet that holds a test.
+    /// Sheet of a workbook; `None` for every sheet that contains a test.
     pub sheet: Option<String>,
 }
 
-/// A raw data file.
+/// Raw data file of a test.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Source {
-    /// File as named.
+    /// File name as specified.
     pub file: String,
-    /// SHA-256 of its bytes.
+    /// SHA-256 checksum of its bytes.
     pub sha256: String,
-    /// Columns used.
+    /// Columns that were used.
     pub columns: Vec<SourceColumn>,
     /// Assumptions made when reading it.
     pub notes: Vec<String>,
 }
 
-/// A column of a file and what it was taken for.
+/// Column of a file and its role.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SourceColumn {
-    /// What it measures.
+    /// Quantity of the column.
     pub quantity: TestQuantity,
-    /// Its header.
+    /// Header of the column.
     pub column: String,
-    /// Unit the file writes it in.
+    /// Unit of the column in the file.
     pub unit: String,
 }
 
-/// What the file can't say, as the laboratory states it.
+/// Test conditions stated by the laboratory, which the file does not contain.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Conditions {
-    /// Standard followed.
+    /// Standard of the test.
     pub standard: String,
-    /// What was done to the specimens before.
+    /// Treatment of the specimens before the test.
     pub preconditioning: Option<String>,
-    /// Atmosphere, conditioning time, grips, how extension was measured.
+    /// Atmosphere, conditioning time, grips, and measurement of the extension.
     pub conditions: Option<String>,
 }
 
-/// A test file as read.
+/// Content of a test file.
 #[derive(Debug, Clone)]
 pub struct TestFile {
-    /// Its name, its checksum, the columns used, and what a reader should know.
+    /// File name, checksum, used columns, and notes for the user.
     pub source: Source,
-    /// Its format.
+    /// Format of the file.
     pub format: TestFormat,
     /// Specimens in the order of the file.
     pub specimens: Vec<Specimen>,
 }
 
-/// Reads test files: what was read of each, and all their specimens. `note` hears what a reader
-/// should know, file by file.
+/// Reads test files: returns the source of each, and all their specimens. `note` is called with
+/// each note for the user, file by file.
 ///
 /// # Errors
-/// [`TestFileError`] of the first file that is refused.
+/// Returns the [`TestFileError`] of the first invalid file.
 pub fn read_specimens(
     files: &[PathBuf],
     options: &TestOptions,
@@ -153,7 +153,7 @@ pub fn read_specimens(
     Ok(specimens_of(read.collect::<Result<_, _>>()?, note))
 }
 
-/// What was read of each file, and all their specimens; `note` as for [`read_specimens`].
+/// Collects the sources of all files, and all their specimens; `note` as for [`read_specimens`].
 pub fn specimens_of(
     files: Vec<TestFile>,
     note: &mut dyn FnMut(&str),
@@ -166,7 +166,7 @@ pub fn specimens_of(
             note(&format!("{name}: {text}"));
         }
         for mut specimen in file.specimens {
-            // The same name in two files is two specimens.
+            // Specimens of the same name in two files are two specimens.
             if specimens.iter().any(|s| s.name == specimen.name) {
                 specimen.name = format!("{} ({name})", specimen.name);
             }
@@ -177,21 +177,21 @@ pub fn specimens_of(
     (sources, specimens)
 }
 
-/// Reads a test file whole.
+/// Reads a complete test file.
 ///
 /// # Errors
-/// [`TestFileError`] with line and column: no file, no table, no time or no elongation, strain or
-/// modulus, a unit that is missing, unknown or of another dimension, a cell that is no number.
+/// Returns a [`TestFileError`] with line and column: no file, no table, no time or no elongation,
+/// strain or modulus, a unit that is missing, unknown or of another dimension, a non-numeric cell.
 pub fn read_test(path: &Path, options: &TestOptions) -> Result<TestFile, TestFileError> {
     let name = path.display().to_string();
     let bytes = sinew_files::read_bytes(path, &sinew_files::limits::TEST_FILE)?;
     read_test_bytes(bytes, &name, options)
 }
 
-/// Reads a test file from memory; `name` stands in messages.
+/// Reads a test file from memory; `name` is used in messages.
 ///
 /// # Errors
-/// As [`read_test`].
+/// Returns a [`TestFileError`] as [`read_test`] does.
 pub fn read_test_bytes(
     bytes: Vec<u8>,
     name: &str,
@@ -201,21 +201,21 @@ pub fn read_test_bytes(
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    let refuse = |reason: &str| Err(TestFileError::refused(name, reason));
+    let invalid = |reason: &str| Err(TestFileError::invalid(name, reason));
     if bytes.is_empty() {
-        return refuse("the file is empty");
+        return invalid("the file is empty");
     }
     let (format, tables) = if bytes.starts_with(b"PAR1") {
         #[cfg(not(feature = "parquet"))]
-        return refuse(
-            "it is a Parquet file, and this program is built without them (cargo feature parquet)",
+        return invalid(
+            "it is a Parquet file, which this build does not support (cargo feature parquet)",
         );
         #[cfg(feature = "parquet")]
         (TestFormat::Parquet, vec![parquet::read(bytes, name)?])
     } else if bytes.starts_with(b"PK\x03\x04") {
         #[cfg(not(feature = "sheets"))]
-        return refuse(
-            "it is a workbook, and this build reads none; save it as CSV, or build with cargo build --release --features sheets",
+        return invalid(
+            "it is a workbook, which this build does not support; save it as CSV, or build with cargo build --release --features sheets",
         );
         #[cfg(feature = "sheets")]
         {
@@ -223,12 +223,12 @@ pub fn read_test_bytes(
             (TestFormat::Xlsx, workbook::read(bytes, name, sheet)?)
         }
     } else if bytes.starts_with(b"\xd0\xcf\x11\xe0") {
-        return refuse("it is an old .xls workbook; save it as .xlsx or CSV");
+        return invalid("it is an old .xls workbook; save it as .xlsx or CSV");
     } else {
         (TestFormat::Csv, vec![Table::of_text(&bytes, name)?])
     };
     if options.sheet.is_some() && format != TestFormat::Xlsx {
-        return refuse("a sheet is asked for, but it is no workbook");
+        return invalid("a sheet is requested, but the file is not a workbook");
     }
     let mut file = TestFile {
         source: Source {
@@ -239,7 +239,7 @@ pub fn read_test_bytes(
         format,
         specimens: Vec::new(),
     };
-    // Of several sheets those without a test are named; of one the reason is the error.
+    // Of several sheets those without a test are noted; of a single one the reason is the error.
     let many = tables.len() > 1;
     let mut last = None;
     for table in tables {
@@ -253,7 +253,7 @@ pub fn read_test_bytes(
         }
     }
     if file.specimens.is_empty() {
-        return last.map_or_else(|| refuse("it holds no rows of a test"), Err);
+        return last.map_or_else(|| invalid("it contains no rows of a test"), Err);
     }
     Ok(file)
 }

@@ -1,4 +1,4 @@
-//! Parquet as cells: names in the first row.
+//! Parquet file as cells: names in the first row.
 
 use ::parquet::errors::ParquetError;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
@@ -13,14 +13,14 @@ use crate::error::TestFileError;
 pub(super) fn read(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
     // The library's decoders may panic on damaged pages.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| cells(bytes, file)))
-        .map_err(|_| TestFileError::refused(file, "its pages are damaged"))?
+        .map_err(|_| TestFileError::invalid(file, "its pages are damaged"))?
 }
 
 fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
-    let refuse = |error: ParquetError| {
-        TestFileError::refused(file, format!("not readable as Parquet: {error}"))
+    let invalid = |error: ParquetError| {
+        TestFileError::invalid(file, format!("not readable as Parquet: {error}"))
     };
-    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(refuse)?;
+    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(invalid)?;
     let mut room = Room::new(file);
     let names: Vec<Cell> = reader
         .metadata()
@@ -35,11 +35,11 @@ fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
         places: vec![0],
         ..Table::default()
     };
-    for (index, row) in reader.get_row_iter(None).map_err(refuse)?.enumerate() {
+    for (index, row) in reader.get_row_iter(None).map_err(invalid)?.enumerate() {
         room.take_row()?;
         room.take(table.rows[0].len())?;
         table.rows.push(
-            row.map_err(refuse)?
+            row.map_err(invalid)?
                 .get_column_iter()
                 .map(|(_, field)| cell(field))
                 .collect(),

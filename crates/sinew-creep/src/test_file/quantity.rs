@@ -1,40 +1,40 @@
-//! What a column of a test measures, and in which units.
+//! Quantities of test columns, and their units.
 
 use sinew_files::unit::{Dimension as D, Unit};
 
-/// What a column of a test measures.
+/// Quantity of a test column.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TestQuantity {
-    /// Time, s.
+    /// Time since the start, s.
     Time,
-    /// Force, N.
+    /// Tensile force, N.
     Force,
-    /// Stress, Pa.
+    /// Tensile stress, Pa.
     Stress,
     /// Elongation of the gauge length or grip travel, m.
     Elongation,
-    /// Strain, m/m.
+    /// Strain of the specimen, m/m.
     Strain,
     /// Relaxation or creep modulus, Pa.
     Modulus,
-    /// Temperature, °C.
+    /// Temperature of the test, °C.
     Temperature,
     /// Relative humidity or moisture, %.
     Humidity,
-    /// Cross-section, m².
+    /// Cross-section of the specimen, m².
     Area,
-    /// Gauge length, m.
+    /// Gauge length of the specimen, m.
     GaugeLength,
 }
 
 use TestQuantity as Q;
 
-/// Name in options and messages, unit that values are kept in, unit that a message proposes, dimensions of its units; in the
-/// order of [`TestQuantity::ALL`].
+/// Name in options and messages, internal unit, unit proposed in messages, dimensions of its units;
+/// in the order of [`TestQuantity::ALL`].
 const TABLE: [(&str, &str, &str, &[D]); 10] = [
     ("time", "s", "s", &[D::Time]),
     ("force", "N", "N", &[D::Force]),
@@ -63,27 +63,27 @@ impl TestQuantity {
         Q::GaugeLength,
     ];
 
-    /// The name used in options and messages.
+    /// Name in options and messages.
     pub fn name(self) -> &'static str {
         TABLE[self as usize].0
     }
 
-    /// The unit values are kept in.
+    /// Internal unit of the values.
     pub fn unit(self) -> &'static str {
         TABLE[self as usize].1
     }
 
-    /// A customary unit, for messages.
+    /// Customary unit for messages.
     pub(super) fn customary_unit(self) -> &'static str {
         TABLE[self as usize].2
     }
 
-    /// Whether a value in this unit can be the quantity.
+    /// Whether a unit is possible for the quantity.
     pub(super) fn may_be_in(self, unit: Unit) -> bool {
         TABLE[self as usize].3.contains(&unit.dimension)
     }
 
-    /// A raw value in the unit the quantity is kept in.
+    /// Converts a raw value to the internal unit of the quantity.
     pub(super) fn convert(self, unit: Unit, raw: f64) -> f64 {
         let percent = if self == Q::Humidity { 100.0 } else { 1.0 };
         percent * (raw * unit.factor + unit.offset)
@@ -94,13 +94,13 @@ impl std::str::FromStr for TestQuantity {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let known = Q::ALL.map(TestQuantity::name);
+        let names = Q::ALL.map(TestQuantity::name);
         let found = Q::ALL.into_iter().find(|quantity| quantity.name() == text);
-        found.ok_or_else(|| format!("unknown quantity '{text}'; known are {}", known.join(", ")))
+        found.ok_or_else(|| format!("unknown quantity '{text}'; available: {}", names.join(", ")))
     }
 }
 
-/// Finds a unit; the error lists what is known.
+/// Parses a unit; the error lists the available ones.
 pub(super) fn parse_unit(text: &str) -> Result<Unit, String> {
     const DIMENSIONS: [D; 8] = [
         D::One,

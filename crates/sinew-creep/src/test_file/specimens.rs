@@ -1,4 +1,4 @@
-//! Rows to specimens.
+//! Conversion of table rows to specimens.
 
 use super::cells::{Cell, Table};
 use super::columns::{Role, column_index, roles, split};
@@ -8,7 +8,7 @@ use crate::error::TestFileError;
 use sinew_files::names::{list, shorten};
 use sinew_files::{Fault, Located};
 
-/// Headers that name a specimen though their cells may be numbers.
+/// Headers that name a specimen even if their cells are numbers.
 const SPECIMEN_WORDS: [&str; 10] = [
     "specimen",
     "sample",
@@ -21,17 +21,17 @@ const SPECIMEN_WORDS: [&str; 10] = [
     "experiment",
     "run",
 ];
-/// Most specimens of one file: more means that a column of values names them.
-const SPECIMEN_LIMIT: usize = 20_000;
-/// Stands for an attribute that doesn't stay the same over a specimen.
+/// Maximum number of specimens of one file; more indicate that a column of values names them.
+const MAX_SPECIMENS: usize = 20_000;
+/// Marker of an attribute that varies over a specimen.
 const VARIES: &str = "\u{0}varies";
 
-/// One specimen: a column of numbers per quantity, NaN where nothing was recorded.
+/// Data of one specimen: a column of numbers per quantity, NaN for missing values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Specimen {
-    /// Name, unique in its file; the file's stem where the file has one specimen.
+    /// Name, unique in its file; the file's stem if the file has one specimen.
     pub name: String,
-    /// Cells that stay the same over the specimen, and names and values above the header.
+    /// Cells that are constant over the specimen, and names and values above the header.
     pub attributes: Vec<(String, String)>,
     /// Line, or row of a workbook, of each sample.
     pub lines: Vec<u64>,
@@ -39,17 +39,17 @@ pub struct Specimen {
 }
 
 impl Specimen {
-    /// Samples of a quantity in the unit it is kept in; `None`: not recorded.
+    /// Samples of a quantity in its internal unit; `None` if not recorded.
     pub fn column(&self, quantity: TestQuantity) -> Option<&[f64]> {
         self.columns[quantity as usize].as_deref()
     }
 
-    /// Sets a column, for specimens that come from a program.
+    /// Sets a column of a specimen created by a program.
     pub fn set_column(&mut self, quantity: TestQuantity, values: Vec<f64>) {
         self.columns[quantity as usize] = Some(values);
     }
 
-    /// The only value of a quantity, where it doesn't change by more than one part in a million.
+    /// Value of a quantity that is constant within one part in a million.
     pub fn constant(&self, quantity: TestQuantity) -> Option<f64> {
         let values = self.column(quantity)?;
         let mut finite = values.iter().copied().filter(|value| value.is_finite());
@@ -59,7 +59,7 @@ impl Specimen {
             .then_some(first)
     }
 
-    /// An attribute by its name, without regard to case.
+    /// Value of an attribute by its name, without regard to case.
     pub fn attribute(&self, name: &str) -> Option<&str> {
         let mut attributes = self.attributes.iter();
         let found = attributes.find(|(key, _)| key.eq_ignore_ascii_case(name));
@@ -81,7 +81,7 @@ impl Specimen {
     }
 }
 
-/// A row of a table as numbers, one for each role; none of a last line that ends within a word.
+/// Row of a table as numbers, one for each role; `None` for a last line that ends within a word.
 fn numbers(
     row: &[Cell],
     roles: &[Role],
@@ -93,7 +93,7 @@ fn numbers(
         values.push(match row.get(role.index).unwrap_or(&Cell::Empty) {
             Cell::Empty => f64::NAN,
             Cell::Number(raw) => role.quantity.convert(role.unit, *raw),
-            // It says its own unit, whatever the header says.
+            // A clock cell has its own unit, independent of the header.
             Cell::Clock(seconds) if role.quantity == TestQuantity::Time => *seconds,
             Cell::Clock(_) => {
                 let name = role.quantity.name();
@@ -103,7 +103,7 @@ fn numbers(
             Cell::Text(text) => {
                 return Err(wrong("is not a number".to_owned(), role)
                     .value(format!("'{}'", shorten(text, 60)))
-                    .cure("empty or nan means not recorded"));
+                    .cure("leave it empty or use nan for a missing value"));
             }
         });
     }
@@ -118,8 +118,8 @@ impl TestFile {
         options: &TestOptions,
     ) -> Result<(), TestFileError> {
         let name = self.source.file.clone();
-        let refuse = |reason: String| TestFileError::refused(&name, reason);
-        let head = header::find(table).map_err(refuse)?;
+        let invalid = |reason: String| TestFileError::invalid(&name, reason);
+        let head = header::find(table).map_err(invalid)?;
         let mut notes = table.notes.clone();
         let chosen = &options.columns;
         let roles = roles(&head.headers, &head.units, chosen, &name, &mut notes)?;
@@ -141,7 +141,7 @@ impl TestFile {
             .position(|role| role.quantity == TestQuantity::Time);
         let mut key_open: Option<Vec<String>> = None;
         let (mut first_time, mut last_time) = (f64::NAN, f64::NAN);
-        let mut left_out = 0_usize;
+        let mut ignored = 0_usize;
         for (index, row) in table.rows.iter().enumerate().skip(head.first_row) {
             if row.iter().all(|cell| matches!(cell, Cell::Empty)) {
                 continue;
@@ -154,28 +154,28 @@ impl TestFile {
             };
             let is_last = index + 1 == table.rows.len();
             let Some(values) = numbers(row, &roles, is_last, wrong)? else {
-                notes.push(format!("the last line ({line}) is cut off and left out"));
+                notes.push(format!("the last line ({line}) is incomplete and ignored"));
                 break;
             };
             let at = time.map_or(f64::NAN, |time| values[time]);
             if at.is_nan() {
-                left_out += 1;
+                ignored += 1;
                 continue;
             }
             let key: Vec<String> = keys
                 .iter()
                 .map(|key| row.get(*key).map(Cell::text).unwrap_or_default())
                 .collect();
-            // A clock that falls back to its start by more than half of what has passed is another
-            // specimen; a smaller step back is a fault of the recording, for the analysis to judge.
-            // (Some programs write the latest reading first: that is no new start.)
-            let anew = last_time > first_time
+            // A clock that returns towards its start by more than half of the elapsed time starts
+            // another specimen; a smaller step back is an artefact of the recording, which the
+            // analysis handles. (Some programs write the latest sample first: that is no restart.)
+            let is_restarted = last_time > first_time
                 && at < last_time
                 && at - first_time < 0.5 * (last_time - first_time);
-            if key_open.as_ref() != Some(&key) || anew {
-                if self.specimens.len() - start >= SPECIMEN_LIMIT {
-                    return Err(refuse(format!(
-                        "more than {SPECIMEN_LIMIT} specimens; name the columns that tell them apart (--specimen)"
+            if key_open.as_ref() != Some(&key) || is_restarted {
+                if self.specimens.len() - start >= MAX_SPECIMENS {
+                    return Err(invalid(format!(
+                        "more than {MAX_SPECIMENS} specimens; name the columns that identify a specimen (--specimen)"
                     )));
                 }
                 self.specimens.push(open(&key, &head, &keys, &roles));
@@ -193,11 +193,11 @@ impl TestFile {
                 specimen.add_attributes(row, &head, &roles);
             }
         }
-        if left_out > 0 {
-            notes.push(format!("{left_out} rows without a time are left out"));
+        if ignored > 0 {
+            notes.push(format!("{ignored} rows without a time are ignored"));
         }
         for specimen in &mut self.specimens[start..] {
-            // What varies is a signal nobody asked for, not an attribute.
+            // A varying attribute is an unused signal.
             specimen.attributes.retain(|(_, value)| value != VARIES);
             let samples = specimen.lines.len();
             for &(quantity, value) in &head.constants {
@@ -232,7 +232,7 @@ fn open(key: &[String], head: &Head, keys: &[usize], roles: &[Role]) -> Specimen
     specimen
 }
 
-/// Unique names; a file of one nameless specimen gives its own name.
+/// Assigns unique names; a single nameless specimen gets the name of its file.
 fn name_all(specimens: &mut [Specimen], file: &str, sheet: &str) {
     let stem = std::path::Path::new(file).file_stem();
     let stem = stem.map_or_else(|| file.into(), |stem| stem.to_string_lossy());
@@ -257,9 +257,9 @@ fn check_roles(roles: &[Role], head: &Head, file: &str) -> Result<(), TestFileEr
     use TestQuantity::{Elongation, Modulus, Strain, Time};
     let has = |quantities: &[TestQuantity]| roles.iter().any(|r| quantities.contains(&r.quantity));
     let problem = if !has(&[Time]) {
-        "no column is a time; say which, such as time=COLUMN:s"
+        "no column is a time; set it, for example time=COLUMN:s"
     } else if !has(&[Elongation, Strain, Modulus]) {
-        "no column is an elongation, strain or modulus; say which, such as elongation=COLUMN:mm"
+        "no column is an elongation, strain or modulus; set one, for example elongation=COLUMN:mm"
     } else {
         return Ok(());
     };

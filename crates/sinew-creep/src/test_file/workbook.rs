@@ -1,4 +1,4 @@
-//! Workbooks as cells.
+//! Workbook sheets as cells.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -13,7 +13,7 @@ use crate::error::TestFileError;
 use sinew_files::limits;
 use sinew_files::names::list;
 
-/// Seconds of a day: workbooks keep times as days.
+/// Number of seconds of a day: workbooks store times as days.
 const DAY_S: f64 = 86_400.0;
 
 pub(super) fn read(
@@ -21,13 +21,13 @@ pub(super) fn read(
     file: &str,
     sheet: Option<&str>,
 ) -> Result<Vec<Table>, TestFileError> {
-    let refuse = |reason: String| TestFileError::refused(file, reason);
+    let invalid = |reason: String| TestFileError::invalid(file, reason);
     // The library decodes foreign bytes; a panic in it must not end the program.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         check_parts(&bytes, file)?;
         let mut room = Room::new(file);
         let mut book: Xlsx<_> = open_workbook_from_rs(Cursor::new(bytes))
-            .map_err(|error| refuse(format!("not a workbook: {error}")))?;
+            .map_err(|error| invalid(format!("not a workbook: {error}")))?;
         let names = book.sheet_names();
         let wanted: Vec<String> = match sheet {
             None => names,
@@ -35,15 +35,15 @@ pub(super) fn read(
             Some(sheet) => {
                 return Err(TestFileError::Request {
                     file: file.to_owned(),
-                    reason: format!("no sheet '{sheet}'; sheets are {}", list(&names)),
+                    reason: format!("sheet '{sheet}' not found; sheets are {}", list(&names)),
                 });
             }
         };
         let mut tables = Vec::new();
         for title in wanted {
-            let damaged = |error: XlsxError| refuse(format!("sheet '{title}': {error}"));
+            let damaged = |error: XlsxError| invalid(format!("sheet '{title}': {error}"));
             let mut reader = book.worksheet_cells_reader(&title).map_err(damaged)?;
-            // Only rows and columns that are there: one cell far off costs its row, no more.
+            // Only existing rows and columns: a single remote cell costs its row only.
             let mut rows: BTreeMap<u32, Vec<Cell>> = BTreeMap::new();
             let mut first_column = usize::MAX;
             while let Some(found) = reader.next_cell().map_err(damaged)? {
@@ -82,14 +82,14 @@ pub(super) fn read(
         }
         Ok(tables)
     }))
-    .map_err(|_| refuse("its workbook is damaged".to_owned()))?
+    .map_err(|_| invalid("its workbook is damaged".to_owned()))?
 }
 
-/// Unpacks every part once, piece by piece, and refuses what would not fit in memory.
+/// Decompresses every part once, piece by piece, and rejects parts that exceed the memory limits.
 fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
     const PIECE_BYTES: usize = 1 << 16;
-    let refuse = |reason: String| TestFileError::refused(file, reason);
-    let damaged = |error: &dyn std::fmt::Display| refuse(format!("not a workbook: {error}"));
+    let invalid = |reason: String| TestFileError::invalid(file, reason);
+    let damaged = |error: &dyn std::fmt::Display| invalid(format!("not a workbook: {error}"));
     let mut parts = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(&e))?;
     let [mut sheets, mut others] = [0_u64; 2];
     for index in 0..parts.len() {
@@ -101,7 +101,8 @@ fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
         };
         let is_xml = name.ends_with(".xml");
         let mut part = BufReader::with_capacity(PIECE_BYTES, part);
-        // Bytes since the last bracket: a text or an element, kept whole by the reader.
+        // Number of bytes since the last bracket: a text or an element, which the reader stores as
+        // a whole.
         let mut text = 0_u64;
         loop {
             let piece = part.fill_buf().map_err(|e| damaged(&e))?;
@@ -111,7 +112,7 @@ fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
             for span in piece.split_inclusive(|byte| *byte == b'<') {
                 text += span.len() as u64;
                 if is_xml && text > limits::WORKBOOK_TEXT.most {
-                    return Err(refuse(limits::WORKBOOK_TEXT.to_string()));
+                    return Err(invalid(limits::WORKBOOK_TEXT.to_string()));
                 }
                 if span.ends_with(b"<") {
                     text = 0;
@@ -119,7 +120,7 @@ fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
             }
             let length = piece.len();
             *unpacked += length as u64;
-            limit.check(*unpacked).map_err(refuse)?;
+            limit.check(*unpacked).map_err(invalid)?;
             part.consume(length);
         }
     }

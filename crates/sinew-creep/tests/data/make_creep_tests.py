@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 HERE = Path(__file__).resolve().parent
-# Files don't change from run to run.
+# Files do not change from run to run.
 WHEN = datetime.datetime(2026, 1, 1)
 
 

@@ -1,5 +1,5 @@
-//! Creep tests made here, with known truth: intervals cover, criteria choose right, faults are
-//! found.
+//! Simulated creep tests with known truth: coverage of intervals, selection by criteria, detection
+//! of artefacts.
 
 use crate::support::laws::{KNOWN, noisy, times};
 use sinew_creep::*;
@@ -7,7 +7,7 @@ use sinew_creep::*;
 mod records;
 mod shifts;
 
-/// Runs `work` for seeds on all processors.
+/// Runs `work` for all seeds on all processors.
 fn for_seeds<T: Send>(count: u64, work: impl Fn(u64) -> T + Sync) -> Vec<T> {
     let workers = std::thread::available_parallelism().map_or(1, |w| w.get() as u64);
     std::thread::scope(|scope| {
@@ -30,7 +30,7 @@ fn for_seeds<T: Send>(count: u64, work: impl Fn(u64) -> T + Sync) -> Vec<T> {
 }
 
 #[test]
-fn intervals_of_laws_are_neither_narrow_nor_wide() {
+fn law_intervals_are_calibrated() {
     for known in &KNOWN {
         for (scores, (name, _)) in known.scores(150).iter().zip(known.numbers) {
             scores.hold(&format!("{} {name}", known.law.name()));
@@ -39,7 +39,7 @@ fn intervals_of_laws_are_neither_narrow_nor_wide() {
 }
 
 #[test]
-fn criteria_choose_the_law_that_made_the_data_and_its_forecast_covers_the_next_decade() {
+fn criteria_select_generating_law_and_forecast_covers() {
     type Truth = fn(f64) -> f64;
     let makers: [(Law, Truth); 3] = [
         (Law::LogTime, |t| 2e-3 + 3e-4 * (1.0 + t / 60.0).ln()),
@@ -91,20 +91,20 @@ fn criteria_choose_the_law_that_made_the_data_and_its_forecast_covers_the_next_d
             maker.name(),
             100.0 * covered
         );
-        // AICc keeps a needless parameter in about one case of ten.
+        // AICc keeps a superfluous parameter in about one case of ten.
         assert!(
             chosen * 10 >= DRAWS as usize * 8,
             "{} chosen {chosen}",
             maker.name()
         );
-        // Points of one forecast stand and fall together: the error of 100 draws is 2.2 %.
+        // Points of one forecast are fully correlated: the error of 100 draws is 2.2 %.
         assert!(covered >= 0.885, "{} covered {covered}", maker.name());
     }
 }
 
 #[test]
-fn what_a_record_does_not_tell_is_said_per_parameter() {
-    // Far beyond the record's end: only the slope c/τ is told.
+fn unidentifiable_parameters_are_reported() {
+    // Far beyond the record's end: only the slope c/τ is identifiable.
     let time = times(40, 5100.0);
     let strain = noisy(
         |t| 1e-3 + 0.05 * (1.0 - (-t / 1e6_f64).exp()),
@@ -124,7 +124,7 @@ fn what_a_record_does_not_tell_is_said_per_parameter() {
 }
 
 #[test]
-fn unloading_loads_and_temperatures_are_fitted_together() {
+fn loads_temperatures_and_unloading_are_fitted_jointly() {
     // ε = (F/60)^1.3 (J₀ + b ln(1 + t a_T/τ)), unloaded after 4000 s, two loads, two temperatures.
     let (j0, b, tau, p, energy) = (4e-3, 3e-4, 40.0, 1.3, 60.0);
     let shift = |c: f64| (energy * 1e3 / 8.314_462_618 * (1.0 / 296.15 - 1.0 / (c + 273.15))).exp();
@@ -152,7 +152,7 @@ fn unloading_loads_and_temperatures_are_fitted_together() {
         curves.push(curve);
     }
     let fit = fit(Law::LogTime, &curves, &FitOptions::default()).unwrap();
-    // Each is one draw: within four standard errors, 6e-5 by chance.
+    // One draw each: within four standard errors, probability 6e-5.
     for (name, truth) in [
         ("tau", tau),
         ("p", p),

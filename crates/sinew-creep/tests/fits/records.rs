@@ -1,4 +1,4 @@
-//! From a record with faults to a curve.
+//! Preparation of records with artefacts.
 
 use super::{for_seeds, noisy};
 use rand::SeedableRng;
@@ -58,7 +58,7 @@ fn zero_preload_ramp_stages_and_recovery_are_found() {
         prepared.load_start_s
     );
     assert!(prepared.stages[0].ramp_s <= 5.0, "{:?}", prepared.stages);
-    assert!(prepared.faults.is_empty(), "{:?}", prepared.faults);
+    assert!(prepared.artefacts.is_empty(), "{:?}", prepared.artefacts);
     let analysis = analyze(
         &prepared,
         &AnalyzeOptions {
@@ -72,7 +72,7 @@ fn zero_preload_ramp_stages_and_recovery_are_found() {
         .find(|r| r.time_s == 3600.0)
         .unwrap();
     let truth = 100.0 * (4e-3 + 2e-4 * (1.0 + 3600.0 / 20.0_f64).ln());
-    // The zero's own error is 5e-6/√20, the reading's far less: 4 of them, in %.
+    // The zero has an error of 5e-6/√20, a measurement far less: four of them, in %.
     assert!(
         (100.0 * one_hour.strain_ratio - truth).abs() < 4.0 * 1.2e-4 + 1e-4,
         "{one_hour:?} {truth}"
@@ -80,24 +80,24 @@ fn zero_preload_ramp_stages_and_recovery_are_found() {
     assert_eq!(analysis.recovery.len(), 1);
     let recovery = analysis.recovery[0];
     assert!(
-        (100.0 * recovery.at_once_strain_ratio - 0.41).abs() < 0.02,
+        (100.0 * recovery.immediate_strain_ratio - 0.41).abs() < 0.02,
         "{recovery:?}"
     );
     assert!(recovery.delayed_strain_ratio > 5e-4 && recovery.residual_strain_ratio > 0.0);
     let slope = analysis.slope_per_s.unwrap().scaled(PERCENT_PER_H);
-    // Mean slope of the law over the same stretch; a curved truth widens the interval.
+    // Mean slope of the law over the same segment; a curved truth widens the interval.
     let mean = 100.0 * 2e-4 * ((4020.0_f64 / 1220.0).ln()) / (2800.0 / 3600.0);
     assert!(slope.low < mean && mean < slope.high, "{slope:?} {mean}");
 }
 
 #[test]
-fn faults_are_caught_or_survived() {
-    let fault = |p: &Prepared| match p.faults[..] {
-        [fault] => fault,
-        _ => panic!("{:?}", p.faults),
+fn artefacts_are_detected_or_tolerated() {
+    let artefact = |p: &Prepared| match p.artefacts[..] {
+        [artefact] => artefact,
+        _ => panic!("{:?}", p.artefacts),
     };
     let options = PrepareOptions::default();
-    // Grip slip: taken out, so that the slope stays.
+    // Grip slip: removed, so that the slope is unchanged.
     let (time, force, strain) = bench_record(2);
     let clean = prepare(
         &specimen(time.clone(), force.clone(), strain.clone()),
@@ -107,7 +107,10 @@ fn faults_are_caught_or_survived() {
     let mut slipped = strain.clone();
     slipped[2000..].iter_mut().for_each(|e| *e += 3e-4);
     let prepared = prepare(&specimen(time.clone(), force.clone(), slipped), &options).unwrap();
-    assert!(matches!(fault(&prepared), Fault::Slip { kept: false, .. }));
+    assert!(matches!(
+        artefact(&prepared),
+        Artefact::Slip { kept: false, .. }
+    ));
     let end = |p: &Prepared| {
         let analysis = analyze(p, &AnalyzeOptions::default()).unwrap();
         analysis.end_strain_ratio
@@ -126,18 +129,22 @@ fn faults_are_caught_or_survived() {
         })
         .collect();
     let prepared = prepare(&specimen(time.clone(), drifting, strain.clone()), &options).unwrap();
-    let drifts = |f: &Fault| matches!(f, Fault::LoadDrift { .. });
-    assert!(prepared.faults.iter().any(drifts), "{:?}", prepared.faults);
-    // Repeated and falling stamps.
+    let drifts = |f: &Artefact| matches!(f, Artefact::LoadDrift { .. });
+    assert!(
+        prepared.artefacts.iter().any(drifts),
+        "{:?}",
+        prepared.artefacts
+    );
+    // Duplicate and decreasing time stamps.
     let mut clock = time.clone();
     clock[100] = clock[99];
     clock[200] = clock[198];
     let prepared = prepare(&specimen(clock, force.clone(), strain.clone()), &options).unwrap();
     let clock = [
-        Fault::ClockGoesBack { readings: 1 },
-        Fault::RepeatedStamps { readings: 1 },
+        Artefact::NonMonotonicTime { readings: 1 },
+        Artefact::DuplicateTimestamps { readings: 1 },
     ];
-    assert_eq!(prepared.faults, clock);
+    assert_eq!(prepared.artefacts, clock);
     fit(Law::LogTime, &[prepared.curve], &FitOptions::default()).unwrap();
     // No ramp.
     let from = 40;
@@ -150,7 +157,7 @@ fn faults_are_caught_or_survived() {
         &options,
     )
     .unwrap();
-    assert_eq!(fault(&prepared), Fault::NoRamp);
+    assert_eq!(artefact(&prepared), Artefact::NoRamp);
     // Swapped columns.
     let swapped = prepare(
         &specimen(time.clone(), strain.clone(), force.clone()),
@@ -158,13 +165,13 @@ fn faults_are_caught_or_survived() {
     );
     let text = swapped.unwrap_err().to_string();
     assert!(text.contains("swapped") || text.contains("m/m"), "{text}");
-    // Percent taken as a ratio.
+    // Percent interpreted as a ratio.
     let percent = strain.iter().map(|e| 1000.0 * e).collect();
     let text = prepare(&specimen(time.clone(), force.clone(), percent), &options)
         .unwrap_err()
         .to_string();
     assert!(text.contains("strain=COLUMN:%"), "{text}");
-    // Nothing but NaN, and no change.
+    // Only NaN, and constant strain.
     let nan = vec![f64::NAN; time.len()];
     assert!(prepare(&specimen(time.clone(), force.clone(), nan), &options).is_err());
     let flat = prepare(
@@ -180,7 +187,7 @@ fn faults_are_caught_or_survived() {
 }
 
 #[test]
-fn a_file_goes_from_bytes_to_numbers() {
+fn file_is_read_from_bytes_to_numbers() {
     let (time, force, strain) = bench_record(3);
     let mut text = String::from("L0 (mm),350\nArea (mm2),2.0\ntime_s,force_N,elongation_mm\n");
     for ((t, f), e) in time.iter().zip(&force).zip(&strain) {
@@ -195,11 +202,11 @@ fn a_file_goes_from_bytes_to_numbers() {
     assert!((modulus - 30.0 / reading.strain_ratio).abs() < 1e-6 * modulus);
 }
 
-/// A straight line with an error that lasts 300 s, as a room's climate does: taken as independent,
-/// readings every 20 s would make the slope's interval five times too narrow and right in a
-/// quarter of the records.
+// A straight line with an error that lasts 300 s, as from a room's climate: assumed independent,
+// measurements every 20 s would make the slope's interval five times too narrow and its coverage
+// one quarter.
 #[test]
-fn the_slopes_interval_knows_that_neighbouring_errors_are_alike() {
+fn slope_interval_accounts_for_correlated_errors() {
     const RECORDS: u64 = 40;
     const PER_S: f64 = 3e-8;
     let decay = (-20.0_f64 / 300.0).exp();

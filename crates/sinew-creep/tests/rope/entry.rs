@@ -3,11 +3,11 @@
 use crate::support::bench::{COLD, SIGMA, base, options, records, truth};
 use crate::support::seeds;
 use sinew_creep::*;
-use sinew_rope::law::holds::Holds;
+use sinew_rope::law::tested_range::TestedRange;
 use sinew_rope::law::{Law as RopeLaw, RopeLoad, State};
 
 #[test]
-fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
+fn fitted_entry_prediction_covers_truth() {
     use sinew_rope::law::entry::{CatalogueEntry, Origin, Uncertainty};
     use sinew_rope::predict::{Request, Route, predict};
     use sinew_rope::{CatalogueRope, Duty};
@@ -39,16 +39,16 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
                 if fitted {
                     assert_eq!(value.date.as_deref(), Some("2026-11-21"));
                     assert!(read.sources[&value.source].contains("made.csv"));
-                    assert_ne!(value.uncertainty, Uncertainty::NotStated);
+                    assert_ne!(value.uncertainty, Uncertainty::NotSpecified);
                 }
             }
-            // Data behind the entry: 60 and 240 N of the records, at 23 °C, for their length.
-            let holds = read.holds.unwrap();
+            // Tested range of the entry: 60 and 240 N of the records, at 23 °C, for their duration.
+            let tested_range = read.tested_range.unwrap();
             let shares = [60.0, 240.0].map(|n| n / truth().breaking_load_n);
-            for (found, made) in holds.load_share.iter().zip(shares) {
-                assert!((found / made - 1.0).abs() < 0.01, "{holds:?}");
+            for (found, made) in tested_range.load_share.iter().zip(shares) {
+                assert!((found / made - 1.0).abs() < 0.01, "{tested_range:?}");
             }
-            assert_eq!(holds.temperature_c, [23.0, 23.0]);
+            assert_eq!(tested_range.temperature_c, [23.0, 23.0]);
             let mut rope = CatalogueRope {
                 entry: read,
                 file: None,
@@ -56,25 +56,26 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
             let asked = |draws| Request {
                 duty: Duty::constant(120.0, 23.0),
                 route: Route::straight(1.0),
-                times_s: vec![0.9 * holds.duration_s, 30.0 * 86_400.0],
+                times_s: vec![0.9 * tested_range.duration_s, 30.0 * 86_400.0],
                 read_at: None,
                 draws,
                 seed,
             };
-            // A month lies beyond them, and the law may be wrong there.
+            // A month is outside the tested range, where the law may be wrong.
             let told = predict(&rope, &asked(400)).unwrap();
             let widths = [0, 1].map(|i| {
                 let strain = told.readings[i].strain_ratio;
                 (strain.high - strain.low) / strain.value
             });
             assert!(widths[0] < 0.1 && widths[1] > 2.0 * widths[0], "{widths:?}");
-            // The law that made these records is the one fitted: what is left is the parameters'
-            // part, and it alone is held against the truth below.
-            rope.entry.holds = Some(Holds {
+            // The fitted law generated these records: only the parameters' part remains, and it
+            // alone is compared with the truth below.
+            rope.entry.tested_range = Some(TestedRange {
                 duration_s: 30.0 * 86_400.0,
-                ..holds
+                ..tested_range
             });
-            // Loads between and within those tested; held parameters (flow, λ_t) are the truth's.
+            // Loads between and within those tested; fixed parameters (flow, λ_t) have the true
+            // values.
             [60.0, 120.0]
                 .into_iter()
                 .flat_map(|tension| {
@@ -114,6 +115,6 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
     );
     let least = if count >= 100 { 0.92 } else { 0.7 };
     assert!(share >= least, "{share}");
-    // And says something: a catalogue guess is ten times wider.
+    // The interval is informative: that of an assumed catalogue value is ten times wider.
     assert!(width < 0.1, "{width}");
 }

@@ -1,5 +1,5 @@
-//! The rope law as a law of creep fits: what is put in comes out, intervals cover, and what a
-//! record can't tell is held or said.
+//! Rope law as a law of creep fits: parameters are recovered, intervals cover, and parameters that
+//! are not identifiable are fixed or reported.
 
 use crate::support::bench::{
     COLD, SIGMA, Test, by_name, certain, options, records, records_of, sampled, scores, truth,
@@ -13,7 +13,7 @@ use sinew_rope::law::{Parameter as P, Parameters};
 mod entry;
 
 #[test]
-fn two_loads_and_their_recovery_give_the_rope_back() {
+fn two_loads_with_recovery_determine_rope() {
     let started = std::time::Instant::now();
     let found = fit(Law::Rope, &records(&COLD, SIGMA, 1), &certain(1)).unwrap();
     println!("{:?}", started.elapsed());
@@ -26,7 +26,7 @@ fn two_loads_and_their_recovery_give_the_rope_back() {
         );
         let parameter = P::ALL.iter().find(|q| q.name() == p.name).unwrap();
         let value = true_values.get(*parameter);
-        // One draw: four standard errors, 6e-5 by chance; and known to a twentieth.
+        // One draw: four standard errors, probability 6e-5; standard error below one twentieth.
         assert!((p.value - value).abs() < 4.0 * p.std_error, "{p:?} {value}");
         assert!(
             p.std_error < 0.05 * value && p.not_identifiable.is_none(),
@@ -34,7 +34,8 @@ fn two_loads_and_their_recovery_give_the_rope_back() {
         );
     }
     assert_eq!(found.parameters.len(), 9);
-    // What is held leaves the elasticity open, and it alone: two changes of load tell two of its three numbers.
+    // Fixed parameters leave only the elasticity uncertain: two changes of load determine two of
+    // its three numbers.
     let open = fit(Law::Rope, &records(&COLD, SIGMA, 1), &options(1)).unwrap();
     for (own, open) in found.parameters.iter().zip(&open.parameters) {
         let wider = open.std_error / own.std_error;
@@ -45,7 +46,7 @@ fn two_loads_and_their_recovery_give_the_rope_back() {
     }
 }
 
-/// Scores over so many records of a set of tests.
+/// Scores over a number of records of a set of tests.
 fn over_seeds(
     count: u64,
     truth: impl Fn(u64) -> Parameters + Sync,
@@ -63,7 +64,7 @@ fn over_seeds(
     by_name(rows)
 }
 
-/// All parameters' scores together.
+/// Scores of all parameters combined.
 fn together(rows: &[(&str, Scores)]) -> Scores {
     let mut all = Scores::default();
     for (name, own) in rows {
@@ -74,7 +75,7 @@ fn together(rows: &[(&str, Scores)]) -> Scores {
 }
 
 #[test]
-fn intervals_of_the_rope_law_are_neither_narrow_nor_wide() {
+fn rope_law_intervals_are_calibrated() {
     let rows = over_seeds(seeds(40), truth_of, |seed| {
         records_of(truth_of(seed), &COLD, SIGMA, 100 + seed)
     });
@@ -83,8 +84,8 @@ fn intervals_of_the_rope_law_are_neither_narrow_nor_wide() {
 }
 
 #[test]
-fn a_step_of_the_load_between_two_readings_is_not_taken_for_a_ramp() {
-    // Readings every 30 s; the load comes and goes anywhere between two of them.
+fn load_step_between_measurements_is_no_ramp() {
+    // One measurement every 30 s; the load changes anywhere between two of them.
     let rows = over_seeds(seeds(12), truth_of, |seed| {
         let test = |(i, t): (u64, &Test)| {
             sampled(truth_of(seed), *t, 30.0, SIGMA, 700 + 10 * seed + i).curve
@@ -99,18 +100,18 @@ fn a_step_of_the_load_between_two_readings_is_not_taken_for_a_ramp() {
 }
 
 #[test]
-fn one_load_with_recovery_holds_the_load_ratio_of_bedding_in() {
+fn one_load_with_recovery_fixes_bedding_load_ratio() {
     let rows = over_seeds(seeds(24), truth_of_one_load, |seed| {
         records_of(truth_of_one_load(seed), &COLD[..1], SIGMA, 900 + seed)
     });
     let names: Vec<&str> = rows.iter().map(|r| r.0).collect();
     assert!(!names.contains(&"bedding_load_ratio"), "{names:?}");
-    // The truth's λ_b is anywhere within the base rope's interval, and B goes with it.
+    // The true λ_b is anywhere within the base rope's interval, and B depends on it.
     together(&rows).hold("rope, one load and recovery");
 }
 
 #[test]
-fn what_one_load_does_not_tell_is_held_or_said() {
+fn unidentifiable_parameters_are_fixed_or_reported() {
     let alone = [Test {
         after_s: 0.0,
         ..COLD[0]
@@ -125,7 +126,7 @@ fn what_one_load_does_not_tell_is_held_or_said() {
         assert!(fixed.contains(&name), "{fixed:?}");
         assert!(found.parameter(name).is_none());
     }
-    // Without unloading, what never recovers and what does look alike.
+    // Without unloading, recoverable and permanent strain are indistinguishable.
     let untold: Vec<&str> = found
         .parameters
         .iter()
@@ -143,7 +144,7 @@ fn what_one_load_does_not_tell_is_held_or_said() {
 }
 
 #[test]
-fn a_hot_record_tells_the_retraction_and_the_energies() {
+fn hot_record_determines_retraction_and_energies() {
     let hot = Test {
         celsius: 60.0,
         ..COLD[0]
@@ -165,7 +166,7 @@ fn a_hot_record_tells_the_retraction_and_the_energies() {
             own.high,
             p.get(q)
         );
-        // Four standard errors: one draw.
+        // One draw: four standard errors.
         assert!(
             (own.value - p.get(q)).abs() < 4.0 * own.std_error.max(1e-3 * p.get(q)),
             "{own:?}"
@@ -174,7 +175,7 @@ fn a_hot_record_tells_the_retraction_and_the_energies() {
 }
 
 #[test]
-fn criteria_choose_the_rope_law_for_its_own_data() {
+fn criteria_select_rope_law_for_its_own_records() {
     let curves = records(&COLD, SIGMA, 31);
     let options = FitOptions {
         intervals: false,
@@ -187,7 +188,7 @@ fn criteria_choose_the_rope_law_for_its_own_data() {
         .collect();
     fits.sort_by(|a, b| a.aicc.total_cmp(&b.aicc));
     assert_eq!(fits[0].law, Law::Rope);
-    // What never recovers is in no other law.
+    // No other law has permanent strain.
     assert!(
         fits[1].aicc > fits[0].aicc + 100.0,
         "{}",
@@ -196,7 +197,7 @@ fn criteria_choose_the_rope_law_for_its_own_data() {
 }
 
 #[test]
-fn the_rope_law_refuses_what_it_can_not_use() {
+fn rope_law_rejects_unsuitable_records() {
     let curves = records(&COLD[..1], SIGMA, 1);
     let refused = |curve: Curve, options: &FitOptions| {
         fit(Law::Rope, &[curve], options).unwrap_err().to_string()
@@ -210,7 +211,10 @@ fn the_rope_law_refuses_what_it_can_not_use() {
     let mut heavy = curves[0].clone();
     heavy.tension.as_mut().unwrap().per_step_n = 5000.0;
     let text = refused(heavy, &options(1));
-    assert!(text.contains("breaks a rope of 4450 N"), "{text}");
+    assert!(
+        text.contains("exceeds the breaking load of 4450 N"),
+        "{text}"
+    );
     let mut hot = curves[0].clone();
     hot.temperature_c = Some(400.0);
     let text = refused(hot, &options(1));
@@ -218,8 +222,8 @@ fn the_rope_law_refuses_what_it_can_not_use() {
 }
 
 #[test]
-fn profile_and_bootstrap_intervals_agree_with_the_draws() {
-    // One load tells much less: what is held makes most of an interval there.
+fn profile_and_bootstrap_intervals_agree_with_draws() {
+    // One load determines much less: fixed parameters contribute most of an interval there.
     for tests in [&COLD[..], &COLD[..1]] {
         let curves = records_of(truth(), tests, SIGMA, 21);
         let of = |kind: IntervalKind| {
@@ -234,13 +238,13 @@ fn profile_and_bootstrap_intervals_agree_with_the_draws() {
             let other = of(kind);
             for (a, b) in draws.parameters.iter().zip(&other.parameters) {
                 assert_eq!(b.interval, kind);
-                // One load leaves it open whether a rope gives way at all: a profile ends at the bound.
+                // With one load the rope may be rigid: a profile ends at the bound.
                 if tests.len() == 1 && a.name == "elastic_k" {
                     continue;
                 }
                 let ratio = (b.high - b.low) / (a.high - a.low);
                 println!("{:24} {:?}: width {ratio:.2} of the draws'", a.name, kind);
-                // 300 replicates know a 2.5 % quantile to a tenth of the width.
+                // The 2.5 % quantile of 300 replicates has an error of a tenth of the width.
                 assert!((0.7..1.4).contains(&ratio), "{a:?} {b:?}");
                 assert!(b.low <= b.value && b.value <= b.high, "{b:?}");
             }

@@ -11,7 +11,7 @@ use sinew_rope::law::entry::Uncertainty;
 use sinew_rope::law::{Law as RopeLaw, Parameter as P, Parameters, RopeLoad, State};
 use std::sync::Arc;
 
-/// One bench test: preload 2 N for a minute, a load, then 2 N again.
+/// Bench test: preload 2 N for a minute, a load, then 2 N again.
 #[derive(Clone, Copy)]
 pub(crate) struct Test {
     pub(crate) load_n: f64,
@@ -22,7 +22,7 @@ pub(crate) struct Test {
 
 const PRELOAD_N: f64 = 2.0;
 const PRELOADED_S: f64 = 60.0;
-/// Standard deviation of a reading: 0.002 %, 7 µm over 350 mm.
+/// Standard deviation of a measurement's strain: 0.002 %, 7 µm over 350 mm.
 pub(crate) const SIGMA: f64 = 2e-5;
 
 pub(crate) fn base() -> RopeBase {
@@ -30,7 +30,7 @@ pub(crate) fn base() -> RopeBase {
     RopeBase::new(catalogue.find("liros-dc000-0301").unwrap().entry.clone()).unwrap()
 }
 
-/// The catalogue's rope, elsewhere within its intervals.
+/// Parameters of the catalogue's rope, moved within its intervals.
 pub(crate) fn truth() -> Parameters {
     let mut p = base().entry.parameters().unwrap();
     p.set(P::Bedding, 0.50);
@@ -43,7 +43,8 @@ pub(crate) fn truth() -> Parameters {
     p
 }
 
-/// The same, with the ratio of the toe's load anywhere within the catalogue's interval: these tests hold it.
+/// The same, with the toe load ratio anywhere within the catalogue's interval: it is fixed in fits
+/// of these tests.
 pub(crate) fn truth_of(seed: u64) -> Parameters {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x70e);
     let z: f64 = StandardNormal.sample(&mut random);
@@ -52,7 +53,8 @@ pub(crate) fn truth_of(seed: u64) -> Parameters {
     p
 }
 
-/// The same, with all that one load holds anywhere within the catalogue's intervals.
+/// The same, with all parameters that one load does not determine anywhere within the catalogue's
+/// intervals.
 pub(crate) fn truth_of_one_load(seed: u64) -> Parameters {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x10ad);
     let mut p = truth();
@@ -67,12 +69,12 @@ fn even_in_log(count: usize, last_s: f64) -> impl Iterator<Item = f64> {
     (0..count).map(move |i| 5.0 * (last_s / 5.0).powf(i as f64 / (count - 1) as f64))
 }
 
-/// The law's own record, with noise; the zero is a mean of 20 readings.
+/// Record simulated by the law, with noise; the zero is a mean of 20 measurements.
 pub(crate) fn record(p: Parameters, test: Test, sigma: f64, random: &mut ChaCha8Rng) -> Curve {
     let law = RopeLaw::new(p).unwrap();
     let load = |n: f64| RopeLoad::celsius(n, test.celsius);
     let strain = |s: &State, n: f64| 0.01 * law.strain(s, load(n)).unwrap().total_percent();
-    // The zero's readings are spread over the preload.
+    // The measurements of the zero are distributed over the preload.
     let mut middle = State::default();
     law.hold(&mut middle, load(PRELOAD_N), 0.5 * PRELOADED_S)
         .unwrap();
@@ -138,11 +140,11 @@ pub(crate) fn options(seed: u64) -> FitOptions {
     }
 }
 
-/// The same with a base rope that knows for certain what these tests hold.
+/// The same with a base rope whose fixed parameters are exact.
 pub(crate) fn certain(seed: u64) -> FitOptions {
     let mut entry = base().entry;
     let toe = entry.law.get_mut(&P::ToeLoadRatio).unwrap();
-    toe.uncertainty = Uncertainty::NotStated;
+    toe.uncertainty = Uncertainty::NotSpecified;
     FitOptions {
         rope: Some(Arc::new(RopeBase::new(entry).unwrap())),
         ..options(seed)
@@ -161,7 +163,8 @@ pub(crate) fn records_of(p: Parameters, tests: &[Test], sigma: f64, seed: u64) -
         .collect()
 }
 
-/// The same test as a testing machine writes it: readings every `every_s`, the load changes anywhere between two of them.
+/// The same test as recorded by a testing machine: a measurement every `every_s`, the load changes
+/// anywhere between two of them.
 pub(crate) fn sampled(p: Parameters, test: Test, every_s: f64, sigma: f64, seed: u64) -> Prepared {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let law = RopeLaw::new(p).unwrap();
@@ -199,7 +202,7 @@ pub(crate) fn sampled(p: Parameters, test: Test, every_s: f64, sigma: f64, seed:
     prepare(&specimen, &PrepareOptions::default()).unwrap()
 }
 
-/// Scores of a fitted rope's numbers against the truth, by name.
+/// Scores of a fitted rope's parameters against the truth, by name.
 pub(crate) fn scores(found: &Fit, p: &Parameters) -> Vec<(&'static str, Scores)> {
     P::ALL
         .iter()
@@ -212,7 +215,7 @@ pub(crate) fn scores(found: &Fit, p: &Parameters) -> Vec<(&'static str, Scores)>
         .collect()
 }
 
-/// Rows of scores added up by name.
+/// Scores combined by name.
 pub(crate) fn by_name(rows: Vec<Vec<(&'static str, Scores)>>) -> Vec<(&'static str, Scores)> {
     let mut all: Vec<(&'static str, Scores)> = Vec::new();
     for (name, own) in rows.into_iter().flatten() {

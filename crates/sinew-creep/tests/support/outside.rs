@@ -1,21 +1,21 @@
-//! Creep that no law of the set made: relaxation spectra drawn over thirteen decades.
+//! Creep that no law of the set generated: relaxation spectra drawn over thirteen decades.
 
 use super::laws::noisy;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use sinew_creep::{Curve, FitOptions, Forecast, Law, Outlook};
+use sinew_creep::{Curve, FitOptions, Forecast, ForecastSet, Law};
 
-/// A family of materials; each seed is one.
+/// Family of materials; each seed is one material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Family {
     /// Three to seven Kelvin elements, their times anywhere from 1 s to 30 years.
     Elements,
-    /// A smooth spectrum that wanders by a factor of e over two decades.
+    /// A smooth spectrum that varies by a factor of e over two decades.
     Smooth,
-    /// The logarithm of time until a spectrum ends, somewhere between 20 min and 30 years.
+    /// Logarithm of time up to the end of a spectrum, between 20 min and 30 years.
     Cut,
-    /// A power of time that bends into another, as ageing and free volume do.
+    /// Power of time that changes to another exponent, as by ageing and free volume.
     Bent,
 }
 
@@ -33,7 +33,7 @@ impl Family {
     }
 }
 
-/// One material.
+/// Material with a random spectrum.
 pub(crate) struct Material {
     /// Kelvin elements: time and share.
     elements: Vec<(f64, f64)>,
@@ -50,7 +50,7 @@ fn between(random: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
     random.random_range(low..high)
 }
 
-/// End of the record, s: that of the paper's creep tests.
+/// End of the record, s: duration of the paper's creep tests.
 pub(crate) const END_S: f64 = 5100.0;
 
 impl Material {
@@ -95,7 +95,7 @@ impl Material {
             bent,
             scale: 1.0,
         };
-        // A creep of 0.1 % in the record.
+        // Creep of 0.1 % in the record.
         let creep = material.strain(END_S) - material.strain(5.0);
         material.scale = 1e-3 / creep;
         material
@@ -109,14 +109,14 @@ impl Material {
             .map(|(tau, c)| -c * (-t / tau).exp_m1())
             .sum();
         let bent = self.bent.map_or(0.0, |[tau, n, m]| {
-            // Smooth within a decade about τ: the slope in the logarithm goes from n to m.
+            // Smooth within a decade about τ: the slope in the logarithm changes from n to m.
             let u = t / tau;
             u.powf(n) * (1.0 + u).powf(m - n)
         });
         self.scale * (elements + bent)
     }
 
-    /// A record of 85 min with errors of 0.001 %.
+    /// Record of 85 min with errors of 0.001 %.
     pub(crate) fn record(&self, seed: u64) -> Curve {
         let time = super::laws::times(60, END_S);
         let strain = noisy(|t| self.strain(t), &time, 1e-5, seed);
@@ -124,7 +124,8 @@ impl Material {
     }
 }
 
-/// What all laws together forecast of a material's record at times beyond it, if they can, and what is true there.
+/// Forecast of all laws combined for a material's record at times beyond it, if possible, and the
+/// truth there.
 pub(crate) fn forecast_and_truth<const N: usize>(
     family: Family,
     seed: u64,
@@ -135,6 +136,6 @@ pub(crate) fn forecast_and_truth<const N: usize>(
         seed,
         ..FitOptions::default()
     };
-    let found = Outlook::new(&Law::ALL, &[material.record(seed)], 0, &options, later_s);
+    let found = ForecastSet::new(&Law::ALL, &[material.record(seed)], 0, &options, later_s);
     Some((found.combined?, later_s.map(|t| material.strain(t))))
 }

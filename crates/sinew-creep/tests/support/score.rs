@@ -1,8 +1,9 @@
-//! How intervals are held against the truth: errors in units of the interval's own deviation. Tests of other crates use it too.
+//! Comparison of intervals with the truth: errors in units of the interval's own standard
+//! deviation. Tests of other crates use it too.
 
 #![allow(dead_code, reason = "each crate uses its own part")]
 
-/// Errors of many intervals, each over its own deviation.
+/// Errors of many intervals, each over its own standard deviation.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scores(Vec<f64>);
 
@@ -10,7 +11,7 @@ pub(crate) struct Scores(Vec<f64>);
 const Z95: f64 = 1.96;
 
 impl Scores {
-    /// Adds an interval around a value and the truth.
+    /// Adds an interval of a value, and the truth.
     pub(crate) fn add(&mut self, value: f64, low: f64, high: f64, truth: f64) {
         let side = if truth > value {
             high - value
@@ -21,9 +22,9 @@ impl Scores {
             .push(Z95 * (truth - value) / side.max(f64::MIN_POSITIVE));
     }
 
-    /// Adds an error with the deviation stated of it.
-    pub(crate) fn add_error(&mut self, error: f64, deviation: f64) {
-        self.0.push(error / deviation.max(f64::MIN_POSITIVE));
+    /// Adds an error with its reported standard deviation.
+    pub(crate) fn add_error(&mut self, error: f64, std: f64) {
+        self.0.push(error / std.max(f64::MIN_POSITIVE));
     }
 
     pub(crate) fn append(&mut self, other: Scores) {
@@ -34,20 +35,22 @@ impl Scores {
         self.0.len()
     }
 
-    /// Share of the truths inside, with intervals so many times as wide.
+    /// Coverage of the truths with intervals scaled by `times`.
     pub(crate) fn inside(&self, times: f64) -> f64 {
         let inside = self.0.iter().filter(|z| z.abs() <= Z95 * times).count();
         inside as f64 / self.0.len().max(1) as f64
     }
 
-    /// Mean square with intervals so many times as wide: 1 where they are right. A miss counts as five deviations at most.
+    /// Mean square with intervals scaled by `times`: 1 if they are calibrated. An error counts as
+    /// five standard deviations at most.
     pub(crate) fn mean_square(&self, times: f64) -> f64 {
         let squares = self.0.iter().map(|z| (z / times).abs().min(5.0).powi(2));
         squares.sum::<f64>() / self.0.len().max(1) as f64
     }
 
-    /// Whether intervals so many times as wide pass for right. Halfway, as a ratio, between right and 0.7 or 1.4 times as wide:
-    /// mean squares of 2.0, 1 and 0.5. A hundred independent scores scatter by 0.14.
+    /// Whether intervals scaled by `times` pass as calibrated. Halfway, as a ratio, between 1 and
+    /// 0.7 or 1.4 times the width: mean squares of 2.0, 1 and 0.5. A hundred independent scores
+    /// scatter by 0.14.
     pub(crate) fn right(&self, times: f64) -> bool {
         self.is_about(times, 1.0)
     }
@@ -56,13 +59,15 @@ impl Scores {
         (0.71..=1.43).contains(&(self.mean_square(times) / mean_square))
     }
 
-    /// Intervals are right, and the same test would notice if they were 0.7 or 1.4 times as wide.
+    /// Asserts that intervals are calibrated, and that the same test would fail for 0.7 or 1.4
+    /// times the width.
     #[track_caller]
     pub(crate) fn hold(&self, name: &str) {
         self.hold_as(name, 1.0);
     }
 
-    /// The same of intervals that the documentation says are too wide: squares of the errors are so much of what they claim.
+    /// Asserts the mean square of intervals that are documented as too wide: squared errors divided by
+    /// those of the interval.
     #[track_caller]
     pub(crate) fn hold_as(&self, name: &str, mean_square: f64) {
         println!("{}", self.row(name));
@@ -79,7 +84,7 @@ impl Scores {
         }
     }
 
-    /// A row of a table: how many, shares inside at 0.7, 1 and 1.4 times the interval, mean square.
+    /// Row of a table: count, coverage at 0.7, 1 and 1.4 times the interval, mean square.
     pub(crate) fn row(&self, name: &str) -> String {
         let percent = |times| 100.0 * self.inside(times);
         format!(

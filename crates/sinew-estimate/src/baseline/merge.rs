@@ -1,34 +1,36 @@
-//! What several recordings learned, put together: of one robot, or of robots of one type.
+//! Merging of several baselines, of one robot or of robots of one type.
 //!
-//! Both in information form ([`beliefs::merge`], [`alike::pool_bodies`]), so that what all started
-//! from counts once and order doesn't matter.
+//! Both use the information form ([`state_estimates::merge`], [`shared_parameters::pool_bodies`]), so that the common prior
+//! counts once and the order has no effect.
 //!
 //! | | recordings of one robot | robots of one type |
 //! |---|---|---|
-//! | masses, first moments, inertias of the links | together | together, up to what differs between two |
-//! | stiffness, stiffening, friction, encoders, gear, motor torque | together | each robot's own: as robot.toml says |
-//! | offsets, the encoders' zero, slack, what the gripper holds | of a recording: forgotten | forgotten |
+//! | masses, first moments, inertias of the links | merged | merged, up to the scatter between robots |
+//! | stiffness, stiffening, friction, encoders, gear, motor torque | merged | independent per robot: prior of robot.toml |
+//! | offsets, encoder zero, slack, payload | specific to a recording: discarded | discarded |
 //!
-//! A rope's stiffness depends on how it was made fast, an encoder's error on how it was glued:
-//! what a data sheet gives a tolerance for is drawn anew for every robot. Links are cut from the
-//! same drawing, and it is the drawing that the robots' description gets wrong.
+//! The stiffness of a rope depends on its termination and the error of an encoder on its mounting, so
+//! parameters with a data-sheet tolerance are independent for each robot. Links are made from the
+//! same drawing, and errors of the robot description are errors of that drawing.
 
 use super::file::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator};
 use crate::nuisance::NuisanceChange;
 use sinew_files::JsonDocument;
-use sinew_model::offset::alike::{self, Alike};
-use sinew_model::offset::{Belief, MapError, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs};
+use sinew_model::offset::shared_parameters::{self, SharedParameters};
+use sinew_model::offset::{
+    MapError, Payload, Prior, StateEstimate, UNKNOWN_OFFSET_RAD, state_estimates,
+};
 use sinew_model::robot::Robot;
 
-/// How beliefs are put together.
+/// Options of the merging of baselines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MergeOptions {
-    /// The recordings are of several robots of one type.
+    /// Whether the recordings are of several robots of one type.
     pub fleet: bool,
-    /// How far the masses of two robots of a type may differ, relative, one standard deviation;
-    /// first moments and inertias in proportion to their tolerances.
+    /// Relative standard deviation of the mass difference between two robots of a type; that of
+    /// first moments and inertias is in proportion to their tolerances.
     pub scatter: f64,
 }
 
@@ -41,34 +43,34 @@ impl Default for MergeOptions {
     }
 }
 
-/// What became surer.
+/// Summary of merged baselines: prior and posterior of the parameters.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MergeSummary {
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
-    /// All recordings it rests on.
+    /// Names of all recordings that the result is based on.
     pub recordings: Vec<String>,
-    /// Temperature that offsets and stiffness refer to, °C.
+    /// Reference temperature of offsets and stiffness, °C; `None` if unknown.
     pub temperature_c: Option<f64>,
-    /// Everything that is estimated along: believed at the start, and now.
+    /// Prior and posterior of each nuisance parameter.
     pub nuisance: Vec<NuisanceChange>,
 }
 
 impl JsonDocument for MergeSummary {
-    const SCHEMA: &'static str = "sinew/baseline-merge/1";
+    const SCHEMA: &'static str = "sinew/baseline-merge/2";
 }
 
-/// Puts together what `parts` (baselines with their files' names) learned from `common`, the file
-/// they all started from; `None`: from the tolerances of robot.toml, as `sinew baseline` does.
+/// Merges `parts` (baselines with the names of their files), which have the common prior `common`; `None` is the
+/// prior from the tolerances in robot.toml, as in `sinew baseline`.
 ///
-/// The result is a start for `sinew baseline --start`; its offsets are unknown, and so is the
-/// encoders' zero where robot.toml doesn't say that it is known.
+/// The result is a prior for `sinew baseline --start`. Its offsets are unknown, and the
+/// encoder zero is unknown too unless robot.toml specifies it.
 ///
 /// # Errors
-/// [`SessionError::Baseline`]: a file of another robot or stiffness, fewer than two files, one that
-/// didn't start from `common`, a recording that would count twice, temperatures some have and some
-/// don't.
+/// Returns [`SessionError::Baseline`] if a file belongs to another robot or stiffness, if there are fewer than two
+/// files, if one is not based on `common`, if a recording would count twice, or if only some files have a temperature;
+/// and [`SessionError::Map`] if the posteriors cannot be merged.
 pub fn merge(
     robot: &Robot,
     parts: &[(&Baseline, &str)],
@@ -77,104 +79,111 @@ pub fn merge(
 ) -> Result<(Baseline, MergeSummary), SessionError> {
     let estimator = estimator(robot, &SessionOptions::default());
     let prior = estimator.prior();
-    let Learned {
+    let Posteriors {
         recordings,
         start,
-        parts: learned,
-    } = Learned::of(robot, prior, parts, common, options.fleet)?;
-    let refused = |error| refused(parts, error);
-    let (belief, noise) = if options.fleet {
-        let alike = (options.scatter / robot.tolerances.mass.max(1e-9)).min(1.0);
-        let mut belief = alike::pool_bodies(prior, &learned, alike).map_err(refused)?;
-        belief.temperature_c = f64::NAN;
-        (belief, Default::default())
+        parts: posteriors,
+    } = Posteriors::of(robot, prior, parts, common, options.fleet)?;
+    let failed = |error| map_error(parts, error);
+    let (state_estimate, noise) = if options.fleet {
+        let scatter = (options.scatter / robot.tolerances.mass.max(1e-9)).min(1.0);
+        let mut state_estimate =
+            shared_parameters::pool_bodies(prior, &posteriors, scatter).map_err(failed)?;
+        state_estimate.temperature_c = f64::NAN;
+        (state_estimate, Default::default())
     } else {
-        let mut together = start.clone();
-        prior.open_offsets(&mut together, UNKNOWN_OFFSET_RAD);
-        prior.open_zero(&mut together);
-        prior.open_payload(&mut together, Payload::Unknown);
-        for [before, after] in &learned {
-            together = beliefs::merge(prior, before, &together, after).map_err(refused)?;
+        let mut merged = start.clone();
+        prior.reset_offsets(&mut merged, UNKNOWN_OFFSET_RAD);
+        prior.reset_zero(&mut merged);
+        prior.reset_payload(&mut merged, Payload::Unknown);
+        for [before, after] in &posteriors {
+            merged = state_estimates::merge(prior, before, &merged, after).map_err(failed)?;
         }
         let rad = parts.iter().map(|(b, _)| &b.noise_rad[..]);
         let nm = parts.iter().map(|(b, _)| &b.motor_noise_nm[..]);
-        (together, [middle(rad), middle(nm)])
+        (merged, [root_mean_square(rad), root_mean_square(nm)])
     };
-    Ok(put_together(
+    Ok(summarise(
         robot,
         prior,
         parts,
         recordings,
-        [&start, &belief],
+        [&start, &state_estimate],
         noise,
     ))
 }
 
-/// What a further robot of a type starts from, by what `parts`, baselines of robots of the type with their files' names,
-/// have learned: masses, stiffness, friction, encoders and drives, each as far as robots are found to be alike in it.
+/// Estimates the prior of a further robot of a type from `parts`, baselines of robots of that type with the names of
+/// their files.
 ///
-/// The result is a start for `sinew baseline --start`; its offsets are unknown, and so is the encoders' zero where
-/// robot.toml doesn't say that it is known.
+/// Masses, stiffness, friction, encoders and drives are pooled in proportion to their estimated correlation between
+/// robots. The result is a prior for `sinew baseline --start`. Its offsets are unknown, and the encoder zero is unknown
+/// too unless robot.toml specifies it.
 ///
 /// # Errors
 /// As [`merge`].
 pub fn pool(
     robot: &Robot,
     parts: &[(&Baseline, &str)],
-) -> Result<(Baseline, MergeSummary, Vec<Alike>), SessionError> {
+) -> Result<(Baseline, MergeSummary, Vec<SharedParameters>), SessionError> {
     let estimator = estimator(robot, &SessionOptions::default());
     let prior = estimator.prior();
-    let Learned {
+    let Posteriors {
         recordings,
         start,
-        parts: learned,
-    } = Learned::of(robot, prior, parts, None, true)?;
-    let (mut belief, alike) =
-        alike::learn_type(prior, &learned).map_err(|error| refused(parts, error))?;
-    belief.temperature_c = start.temperature_c;
-    let ends = [&start, &belief];
-    let (baseline, summary) =
-        put_together(robot, prior, parts, recordings, ends, Default::default());
-    Ok((baseline, summary, alike))
+        parts: posteriors,
+    } = Posteriors::of(robot, prior, parts, None, true)?;
+    let (mut state_estimate, shared) = shared_parameters::learn_type(prior, &posteriors)
+        .map_err(|error| map_error(parts, error))?;
+    state_estimate.temperature_c = start.temperature_c;
+    let ends = [&start, &state_estimate];
+    let (baseline, summary) = summarise(robot, prior, parts, recordings, ends, Default::default());
+    Ok((baseline, summary, shared))
 }
 
-fn refused(parts: &[(&Baseline, &str)], error: MapError) -> SessionError {
+fn map_error(parts: &[(&Baseline, &str)], error: MapError) -> SessionError {
     SessionError::Map {
         file: parts.first().map_or("", |(_, file)| file).into(),
         error,
     }
 }
 
-/// The file of what is believed, and what became surer from the start.
-fn put_together(
+/// Creates the baseline file of the posterior `state_estimate`, and the summary of its change from the prior `start`.
+fn summarise(
     robot: &Robot,
     prior: &Prior,
     parts: &[(&Baseline, &str)],
     recordings: Vec<String>,
-    [start, belief]: [&Belief; 2],
+    [start, state_estimate]: [&StateEstimate; 2],
     noise: [Vec<f64>; 2],
 ) -> (Baseline, MergeSummary) {
     let end_time_ns = parts.iter().map(|(b, _)| b.end_time_ns).max().unwrap_or(0);
-    let baseline = Baseline::new(robot, recordings.clone(), end_time_ns, belief, noise);
+    let baseline = Baseline::new(
+        robot,
+        recordings.clone(),
+        end_time_ns,
+        state_estimate,
+        noise,
+    );
     let summary = MergeSummary {
         robot: robot.name.clone(),
         recordings,
         temperature_c: baseline.temperature_c,
-        nuisance: nuisance(prior, robot, start, belief),
+        nuisance: nuisance(prior, robot, start, state_estimate),
     };
     (baseline, summary)
 }
 
-/// What each of several baselines learned from their common start, at one temperature.
-struct Learned {
-    /// All they rest on.
+/// Priors and posteriors of several baselines with a common prior, at one reference temperature.
+struct Posteriors {
+    /// Names of all recordings that they are based on.
     recordings: Vec<String>,
-    start: Belief,
-    /// Of each what it believed before and after.
-    parts: Vec<[Belief; 2]>,
+    start: StateEstimate,
+    /// Prior and posterior of each baseline.
+    parts: Vec<[StateEstimate; 2]>,
 }
 
-impl Learned {
+impl Posteriors {
     fn of(
         robot: &Robot,
         prior: &Prior,
@@ -185,25 +194,25 @@ impl Learned {
         let recordings = check_recordings(parts, common, fleet)?;
         let reference_c = reference(parts, common)?;
         let mut start = match common {
-            None => prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD),
+            None => prior.state_estimate(Payload::Unknown, UNKNOWN_OFFSET_RAD),
             Some((baseline, file)) => {
-                // Whoever goes on from a baseline after a pause believes it a little less.
-                let mut belief = baseline.belief(robot, prior, file)?;
-                beliefs::age(prior, &mut belief);
-                belief
+                // The variances of a prior grow in the time until the next recording.
+                let mut state_estimate = baseline.state_estimate(robot, prior, file)?;
+                state_estimates::age(prior, &mut state_estimate);
+                state_estimate
             }
         };
-        let mut learned = Vec::new();
+        let mut posteriors = Vec::new();
         for (baseline, file) in parts {
-            let mut after = baseline.belief(robot, prior, file)?;
+            let mut after = baseline.state_estimate(robot, prior, file)?;
             let mut before = start.clone();
             if common.is_none() {
-                // What robot.toml says is about the recording's own temperature.
+                // The prior of robot.toml refers to the temperature of the recording itself.
                 before.temperature_c = after.temperature_c;
             }
-            beliefs::refer_to(prior, &mut before, reference_c);
-            beliefs::refer_to(prior, &mut after, reference_c);
-            learned.push([before, after]);
+            state_estimates::refer_to(prior, &mut before, reference_c);
+            state_estimates::refer_to(prior, &mut after, reference_c);
+            posteriors.push([before, after]);
         }
         if common.is_none() {
             start.temperature_c = reference_c;
@@ -211,13 +220,13 @@ impl Learned {
         Ok(Self {
             recordings,
             start,
-            parts: learned,
+            parts: posteriors,
         })
     }
 }
 
-/// Root mean square, joint by joint; as long as the shortest.
-fn middle<'a>(noise: impl Iterator<Item = &'a [f64]> + Clone) -> Vec<f64> {
+/// Root mean square of the noise per joint; the length is that of the shortest list.
+fn root_mean_square<'a>(noise: impl Iterator<Item = &'a [f64]> + Clone) -> Vec<f64> {
     let joints = noise.clone().map(<[f64]>::len).min().unwrap_or(0);
     let parts = noise.clone().count().max(1) as f64;
     (0..joints)
@@ -225,43 +234,46 @@ fn middle<'a>(noise: impl Iterator<Item = &'a [f64]> + Clone) -> Vec<f64> {
         .collect()
 }
 
-/// All recordings the result rests on: every file must go on from the common one, and none may
-/// count twice.
+/// Returns the names of all recordings that the result is based on.
+///
+/// # Errors
+/// Returns [`SessionError::Baseline`] for fewer than two files, a file that is not based on the common one, or a
+/// recording that would count twice.
 fn check_recordings(
     parts: &[(&Baseline, &str)],
     common: Option<(&Baseline, &str)>,
     fleet: bool,
 ) -> Result<Vec<String>, SessionError> {
-    let wrong = |file: &str, why: String| SessionError::Baseline {
+    let wrong = |file: &str, reason: String| SessionError::Baseline {
         file: file.into(),
-        why,
+        reason,
     };
     if parts.len() < 2 {
         let file = parts.first().map_or("merge", |(_, file)| file);
         return Err(wrong(
             file,
-            "is alone; merging needs two files or more".into(),
+            "is a single file; merging requires at least two files".into(),
         ));
     }
     if let (true, Some((_, file))) = (fleet, common) {
         return Err(wrong(
             file,
-            "robots of a type have no common start but robot.toml; leave --common out".into(),
+            "conflicts with --fleet: the only common prior of several robots is robot.toml; leave --common out".into(),
         ));
     }
-    let known = common.map_or_else(Vec::new, |(c, _)| c.rests_on());
+    let shared = common.map_or_else(Vec::new, |(c, _)| c.based_on());
     let mut seen: Vec<(String, &str)> = Vec::new();
     for (part, file) in parts {
-        let whole = part.rests_on();
-        let rest = whole.strip_prefix(&known[..]).filter(|r| !r.is_empty());
+        let whole = part.based_on();
+        let rest = whole.strip_prefix(&shared[..]).filter(|r| !r.is_empty());
         let Some(rest) = rest else {
             return Err(wrong(
                 file,
                 format!(
-                    "does not go on from {}: it rests on {}, that on {}",
+                    "does not continue {}: it is based on {}, the common file on {}",
                     common.map_or("", |(_, file)| file),
                     whole.join(", "),
-                    known.join(", ")
+                    shared.join(", ")
                 ),
             ));
         };
@@ -269,7 +281,7 @@ fn check_recordings(
             return Err(wrong(
                 file,
                 format!(
-                    "rests on {} recordings; name the file all of them started from with --common",
+                    "is based on {} recordings; specify the common prior with --common",
                     rest.len()
                 ),
             ));
@@ -279,19 +291,23 @@ fn check_recordings(
             if let (false, Some((_, other))) = (fleet, seen.iter().find(|(n, _)| n == name)) {
                 return Err(wrong(
                     file,
-                    format!("rests on {name} as {other} does; it would count twice"),
+                    format!("is based on {name}, as is {other}; it would count twice"),
                 ));
             }
             seen.push((name.clone(), file));
         }
     }
-    Ok(known
+    Ok(shared
         .into_iter()
         .chain(seen.into_iter().map(|(name, _)| name))
         .collect())
 }
 
-/// The temperature the result refers to: the common file's, else the last recording's.
+/// Returns the reference temperature of the result, °C: that of the common file, otherwise that of the last recording;
+/// NaN if unknown.
+///
+/// # Errors
+/// Returns [`SessionError::Baseline`] if only some files have a temperature.
 fn reference(
     parts: &[(&Baseline, &str)],
     common: Option<(&Baseline, &str)>,
@@ -301,8 +317,8 @@ fn reference(
     if let (Some((_, with)), Some((_, without))) = (with, without) {
         return Err(SessionError::Baseline {
             file: (*without).into(),
-            why: format!(
-                "was learned without a temperature, {with} with one; stiffness can't be put together then"
+            reason: format!(
+                "was estimated without a temperature, {with} with one; their stiffness cannot be merged"
             ),
         });
     }
@@ -320,16 +336,21 @@ fn reference(
         .unwrap_or(f64::NAN))
 }
 
-/// Everything but offsets and payload, before and after.
-fn nuisance(prior: &Prior, robot: &Robot, before: &Belief, after: &Belief) -> Vec<NuisanceChange> {
-    /// What is held fixed isn't estimated.
-    const FIXED: f64 = 1e-8;
+/// Prior and posterior of each parameter except offsets and payload.
+fn nuisance(
+    prior: &Prior,
+    robot: &Robot,
+    before: &StateEstimate,
+    after: &StateEstimate,
+) -> Vec<NuisanceChange> {
+    /// Maximum standard deviation of a fixed parameter, which is not estimated.
+    const MAX_FIXED_STD: f64 = 1e-8;
     (0..prior.payload_place())
         .filter_map(|k| {
             let entry = prior.describe(k)?;
             entry.joint?;
             let (prior_, posterior) = (before.entry(k), after.entry(k));
-            if prior.parameter(k)?.kind.is_none() || prior_.deviation < FIXED {
+            if prior.parameter(k)?.kind.is_none() || prior_.std < MAX_FIXED_STD {
                 return None;
             }
             Some(NuisanceChange::new(&entry, robot, [prior_, posterior]))

@@ -1,5 +1,5 @@
-//! Baselines: what recordings since tensioning have taught about a robot, as a file, and what several
-//! of them teach together.
+//! Baselines: posteriors from the recordings of a robot since tensioning, as files, and merging of several
+//! of them.
 
 mod file;
 mod merge;

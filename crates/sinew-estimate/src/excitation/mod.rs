@@ -1,13 +1,12 @@
-//! Which poses to visit so that the offsets show.
+//! Search for poses that make the offsets identifiable.
 //!
-//! An offset is told from a wrong mass, a payload or a wrong stiffness only by how the torque
-//! changes from pose to pose. [`propose`] looks for a short list of poses within the limits that
-//! makes the interval of the absolute estimate small, by asking the estimator itself: each list is
+//! An offset is separable from a mass error, a payload or a stiffness error only by the change of the torque
+//! from pose to pose. [`propose`] searches a short list of poses within the limits that
+//! minimises the interval of the absolute estimate: each list is
 //! visited in a synthetic recording of the nominal robot ([`Visit`]), and the interval that
-//! `watch` gives on it is the figure of merit.
+//! the estimator returns for it is the figure of merit.
 //!
-//! Poses only: whether the way between them is free is not checked, and nothing here commands a
-//! robot.
+//! The paths between the poses are not checked for collisions, and nothing here commands a robot.
 
 mod proposal;
 mod search;
@@ -20,37 +19,49 @@ pub use visit::{Sensors, Visit};
 use crate::session::SessionError;
 use sinew_model::StepError;
 
-/// Why no poses can be proposed.
+/// Error of a pose search.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExcitationError {
-    /// The robot has nothing to watch.
-    #[error("{robot} has no elastic joint; give its joints stiffness_nm_per_rad in robot.toml")]
+    /// The robot has no elastic joint.
+    #[error(
+        "{robot} has no elastic joint; specify stiffness_nm_per_rad of its joints in robot.toml"
+    )]
     Rigid {
-        /// The robot.
+        /// Name of the robot.
         robot: String,
     },
-    /// No pose within the limits can be held.
+    /// Tendons are estimated with one equation per joint, which the search does not support.
     #[error(
-        "{robot}: none of {tried} random poses within the limits of the URDF can be held with {share:.0} % of the efforts there; check effort and masses"
+        "{robot}: pose search does not support tendons with one equation per joint ({tendons}); record a motion over the range of every joint that varies the co-contraction, with the torque of every motor or the tension of every tendon"
+    )]
+    JointEquations {
+        /// Name of the robot.
+        robot: String,
+        /// Names of the tendons.
+        tendons: String,
+    },
+    /// No pose within the limits can be held statically.
+    #[error(
+        "{robot}: none of {tried} random poses within the limits of the URDF can be held with {share:.0} % of the effort limits; check effort limits and masses"
     )]
     TooHeavy {
-        /// The robot.
+        /// Name of the robot.
         robot: String,
-        /// Poses tried.
+        /// Number of poses tried.
         tried: usize,
-        /// Share of the effort that holding may take, %.
+        /// Maximum share of the effort limit for holding a pose, %.
         share: f64,
     },
-    /// The model can't be evaluated.
+    /// The model of the arm cannot be evaluated.
     #[error("{robot}: {error}")]
     Model {
-        /// The robot.
+        /// Name of the robot.
         robot: String,
-        /// Why.
+        /// Error of the model.
         error: StepError,
     },
-    /// The estimator refused.
+    /// The estimator has no solution.
     #[error(transparent)]
     Absolute(#[from] Box<SessionError>),
 }

@@ -1,111 +1,111 @@
-//! A list of poses with what to expect of it, and as a file.
+//! Proposed poses with the expected intervals, and their file formats.
 
 use serde::Serialize;
 use sinew_files::{JsonDocument, csv_cell};
 use std::fmt::Write as _;
 
-/// Poses to visit, and what to expect from it.
+/// Proposed poses and the expected intervals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proposal {
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
-    /// Its joints, in the order of a pose.
+    /// Names of the joints, in the order of a pose.
     pub joints: Vec<String>,
-    /// The poses, in order.
+    /// Poses in the order of the visit.
     pub poses: Vec<Pose>,
-    /// Length of the recording, s, with a rest before the first move.
+    /// Duration of the recording including a rest before the first move, s.
     pub duration_s: f64,
-    /// What to expect, per elastic joint.
+    /// Expected standard deviations, one entry per elastic joint.
     pub expected: Vec<Expected>,
-    /// What the expectation rests on.
+    /// Baseline on which the expectation is based.
     pub baseline: BaselineSource,
-    /// Whether the gripper may hold something unknown.
+    /// Whether the gripper may hold an unknown payload.
     pub payload: bool,
-    /// Bits of the joint encoder assumed.
+    /// Assumed resolution of the joint encoder, bits per revolution.
     pub joint_bits: u32,
-    /// Lists of poses that were looked at.
+    /// Number of pose lists evaluated.
     pub lists_tried: usize,
-    /// What the intervals of a robot exactly as described were multiplied by.
+    /// Factor by which the intervals of the nominal robot were widened.
     pub inflation_factor: f64,
 }
 
-/// One pose of a list.
+/// Pose of a proposed list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Pose {
-    /// Positions in the order of the joints, rad (m).
+    /// Joint positions in the order of the joints, rad (m).
     pub pose_rad: Vec<f64>,
-    /// Length of the move to it, s.
+    /// Duration of the move to the pose, s.
     pub move_s: f64,
-    /// Rest there, s.
+    /// Duration of the rest at the pose, s.
     pub pause_s: f64,
 }
 
-/// What to expect of one joint.
+/// Expected standard deviation of one joint's offset.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Expected {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
-    /// Standard deviation of its offset, rad.
-    pub offset_deviation_rad: f64,
-    /// The same as elongation, m; `None` without tendon geometry.
-    pub elongation_deviation_m: Option<f64>,
-    /// The same for random poses, median of the random lists, rad.
-    pub random_offset_deviation_rad: f64,
-    /// Whether the poses show the offset.
+    /// Standard deviation of the offset, rad.
+    pub offset_std_rad: f64,
+    /// Standard deviation of the elongation, m; none without tendon geometry.
+    pub elongation_std_m: Option<f64>,
+    /// Standard deviation of the offset with random poses, median of the random lists, rad.
+    pub random_offset_std_rad: f64,
+    /// Whether the poses make the offset identifiable.
     pub identifiable: bool,
 }
 
-/// Which baseline the expectation rests on.
+/// Baseline on which an expectation is based.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum BaselineSource {
-    /// One that was given.
+    /// Baseline of a specified file.
     Given {
-        /// Its file.
+        /// Name of the baseline file.
         file: String,
-        /// Recordings it was learned from.
+        /// Recordings from which the baseline was estimated.
         recordings: Vec<String>,
     },
-    /// What random poses right after tensioning would teach.
+    /// Simulated baseline of random poses directly after tensioning.
     Assumed {
-        /// How many.
+        /// Number of poses.
         poses: usize,
-        /// Length of their recording, s.
+        /// Duration of the simulated recording, s.
         duration_s: f64,
     },
 }
 
 impl JsonDocument for Proposal {
-    const SCHEMA: &'static str = "sinew/excitation/1";
+    const SCHEMA: &'static str = "sinew/excitation/2";
 }
 
 impl Proposal {
-    /// What the reader should know, in sentences.
+    /// Returns notes on assumptions and limits of the proposal, as sentences.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![
-            "poses stay 10 % of the range away from the limits and take at most half of the effort to hold an empty gripper; moves stay below half of the speed limits".into(),
+            "poses keep a distance of 10 % of the range from the limits and need at most half of the effort limit with an empty gripper; moves stay below half of the speed limits".into(),
             "collisions, cables and people are not checked; Sinew never commands the robot".into(),
-            format!("intervals are {} times those of a robot exactly as described, which is what simulated robots of scenario S6 showed on the BioRob-like arm; another arm may differ", self.inflation_factor),
+            format!("intervals of the nominal robot are widened by a factor of {}, the ratio found with simulated robots of scenario S6 on the BioRob-like arm; another arm may differ", self.inflation_factor),
         ];
-        let unseen = self.expected.iter().filter(|e| !e.identifiable);
-        notes.extend(unseen.map(|e| {
+        let unobservable = self.expected.iter().filter(|e| !e.identifiable);
+        notes.extend(unobservable.map(|e| {
             format!(
-                "{}: no poses found that show its offset; gravity hardly loads it, or its range is too small",
+                "{}: no poses found that make its offset identifiable; its gravity load or its range is too small",
                 e.name
             )
         }));
         notes
     }
 
-    /// A motion for `sinew simulate`: a scenario of this robot that visits the poses.
+    /// Writes a scenario for `sinew simulate` that visits the poses.
     pub fn to_toml(&self) -> String {
         let mut out = String::new();
         for note in self.notes() {
-            // Writing to a string can't fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(out, "# {note}");
         }
         let pose = |pose_rad: &[f64]| -> String {
@@ -127,7 +127,7 @@ impl Proposal {
         );
         let _ = writeln!(out, "\n[motion]\nkind = \"waypoints\"");
         let _ = writeln!(out, "start_rad = {}", pose(&first.pose_rad));
-        // Rest at the first pose too: the filters settle.
+        // Rest also at the first pose, so that the filters settle.
         let rest_s = self.duration_s - rest.iter().map(|p| p.move_s + p.pause_s).sum::<f64>();
         let stay = [(first, 0.01, (rest_s - 0.01).max(0.0))];
         let moves = rest.iter().map(|p| (p, p.move_s, p.pause_s));
@@ -142,7 +142,7 @@ impl Proposal {
         out
     }
 
-    /// A row per pose: `move_s`, `pause_s`, then every joint.
+    /// Writes one row per pose: `move_s`, `pause_s`, then the position of every joint.
     pub fn to_csv(&self) -> String {
         let mut out = String::from("move_s,pause_s");
         for joint in &self.joints {
@@ -160,7 +160,7 @@ impl Proposal {
     }
 }
 
-/// A joint's name as a TOML key.
+/// Formats a joint's name as a TOML key.
 fn quoted(name: &str) -> String {
     let bare = !name.is_empty()
         && name

@@ -1,4 +1,4 @@
-//! The search for poses, by exchange.
+//! Pose search by greedy exchange.
 
 use super::ExcitationError;
 use super::proposal::{BaselineSource, Expected, Pose, Proposal};
@@ -14,24 +14,24 @@ use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
 use sinew_model::statistics::upper_median;
 
-/// How to search.
+/// Options of a pose search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Poses in the list, at least 2.
+    /// Number of poses in the list, at least 2.
     pub poses: usize,
-    /// Rest at each, s.
+    /// Duration of the rest at each pose, s.
     pub pause_s: f64,
-    /// Poses tried in the place of each, per round.
+    /// Number of candidates that are tried to replace each pose, per round.
     pub candidates: usize,
-    /// Rounds.
+    /// Number of rounds.
     pub rounds: usize,
-    /// Random lists to compare with; the best is where the search starts.
+    /// Number of random lists for comparison; the search starts from the best.
     pub random_lists: usize,
-    /// Whether the gripper may hold something unknown.
+    /// Whether the gripper may hold an unknown payload.
     pub payload: bool,
-    /// What the recording will be like.
+    /// Sensors of the future recording.
     pub sensors: Sensors,
-    /// Seed of all that is drawn.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -50,33 +50,34 @@ impl Default for Options {
     }
 }
 
-/// Interval of simulated robots over that of the nominal one: those of scenario S6, which differ
-/// from their description in stiffness, masses and friction, show 2.9 times the interval (seeds 700
-/// to 711, 48 offsets; `tests/excitation.rs` holds 3 against others). Residuals and the baseline
-/// are worse than on a robot that is as described.
-const SEEN_OVER_NOMINAL: f64 = 3.0;
-/// Share of the range at each end that poses stay away from.
-const MARGIN: f64 = 0.1;
-/// Share of the effort that holding a pose may take.
-const EFFORT: f64 = 0.5;
-/// A joint that turns without end is moved this far to each side, rad.
+/// Ratio of the intervals of simulated robots to those of the nominal robot. Robots of scenario S6, which differ
+/// from their description in stiffness, masses and friction, have a ratio of 2.9 (seeds 700
+/// to 711, 48 offsets; `tests/excitation.rs` compares 3 with other seeds), because their residuals are larger and their
+/// baseline is less certain.
+const SIMULATED_TO_NOMINAL_RATIO: f64 = 3.0;
+/// Minimum distance of poses from the limits, as a share of the range.
+const MIN_LIMIT_DISTANCE: f64 = 0.1;
+/// Maximum share of the effort limit for holding a pose.
+const MAX_EFFORT_SHARE: f64 = 0.5;
+/// Range of a continuous joint to each side, rad.
 const CONTINUOUS_RAD: f64 = 1.5;
-/// Poses of the baseline that is assumed where none is given.
+/// Number of poses of the baseline that is simulated if none is specified.
 const BASELINE_POSES: usize = 25;
-/// An interval above this tells nothing, mrad (as in the estimate).
-const USELESS_MRAD: f64 = 5.0;
+/// Maximum half-width of the 95 % interval of an identifiable offset, mrad (as in the estimate).
+const MAX_HALF_WIDTH_MRAD: f64 = 5.0;
 
-/// Looks for poses that make the offsets of `robot` identifiable.
+/// Searches for poses that make the offsets of `robot` identifiable.
 ///
-/// Greedy exchange: the best of a few random lists, then each pose in turn is replaced by the
-/// candidate that makes the root mean square of the joints' intervals smallest. The same seed
-/// gives the same list. `progress` is told lists done and lists in all.
+/// Greedy exchange: starting from the best of a few random lists, each pose in turn is replaced by the
+/// candidate that minimises the root mean square of the joints' intervals. The same seed
+/// gives the same list. `progress` is called with the number of evaluated lists and their total.
 ///
-/// With a baseline its uncertainty is used, about the nominal robot; without one, what 25 random
-/// poses right after tensioning would teach.
+/// With a baseline, its covariance is used about the nominal robot; without one, the baseline is simulated with 25
+/// random poses directly after tensioning.
 ///
 /// # Errors
-/// [`ExcitationError`].
+/// Returns [`ExcitationError`] if the robot has no elastic joint or unsupported tendons, if no pose can be held, or if
+/// the baseline belongs to another robot.
 pub fn propose(
     robot: &Robot,
     baseline: Option<(&Baseline, &str)>,
@@ -86,6 +87,15 @@ pub fn propose(
     if robot.transmissions.iter().all(Option::is_none) {
         return Err(ExcitationError::Rigid {
             robot: robot.name.clone(),
+        });
+    }
+    // A visit has one motor and one tendon per joint.
+    if robot.has_joint_equations() {
+        let axes = 0..robot.axes();
+        let tendons: Vec<&str> = axes.filter_map(|i| robot.pulling_tendon(i)).collect();
+        return Err(ExcitationError::JointEquations {
+            robot: robot.name.clone(),
+            tendons: tendons.join(", "),
         });
     }
     let mut search = Search::new(robot, baseline, options)?;
@@ -120,7 +130,7 @@ pub fn propose(
     Ok(search.proposal(poses, &expected, &medians, done))
 }
 
-/// Root mean square of the joints' intervals, mrad.
+/// Returns the root mean square of the joints' interval half-widths, mrad.
 fn merit(expected: &SessionEstimate) -> f64 {
     let sum: f64 = expected
         .joints
@@ -130,15 +140,12 @@ fn merit(expected: &SessionEstimate) -> f64 {
     (sum / expected.joints.len().max(1) as f64).sqrt()
 }
 
-/// Median standard deviation of each joint's offset, rad.
+/// Returns the median standard deviation of each joint's offset, rad.
 fn medians(of: &[&SessionEstimate]) -> Vec<f64> {
     let joints = of.first().map_or(0, |a| a.joints.len());
     (0..joints)
         .map(|i| {
-            let mut values: Vec<f64> = of
-                .iter()
-                .map(|a| a.joints[i].offset_rad.deviation)
-                .collect();
+            let mut values: Vec<f64> = of.iter().map(|a| a.joints[i].offset_rad.std).collect();
             upper_median(&mut values).unwrap_or(f64::NAN)
         })
         .collect()
@@ -157,7 +164,7 @@ struct Search<'r> {
 impl<'r> Search<'r> {
     fn new(
         robot: &'r Robot,
-        given: Option<(&Baseline, &str)>,
+        specified: Option<(&Baseline, &str)>,
         options: &Options,
     ) -> Result<Self, ExcitationError> {
         let ranges = robot
@@ -166,7 +173,10 @@ impl<'r> Search<'r> {
             .map(|limit| {
                 let width = limit.upper - limit.lower;
                 if width.is_finite() && width > 0.0 {
-                    (limit.lower + MARGIN * width, limit.upper - MARGIN * width)
+                    (
+                        limit.lower + MIN_LIMIT_DISTANCE * width,
+                        limit.upper - MIN_LIMIT_DISTANCE * width,
+                    )
                 } else {
                     (-CONTINUOUS_RAD, CONTINUOUS_RAD)
                 }
@@ -178,7 +188,7 @@ impl<'r> Search<'r> {
             ranges,
             rng: ChaCha8Rng::seed_from_u64(options.seed),
             ws: ArmWorkspace::new(&robot.arm),
-            // Replaced below: learning needs the rest of this.
+            // Replaced below: the baseline is estimated with the other fields.
             baseline: Baseline {
                 format: String::new(),
                 version: 0,
@@ -189,8 +199,8 @@ impl<'r> Search<'r> {
                 recordings: Vec::new(),
                 end_time_ns: 0,
                 temperature_c: None,
-                temperature_deviation_k: 0.0,
-                change_deviation_k: 0.0,
+                temperature_std_k: 0.0,
+                change_std_k: 0.0,
                 anchors: Vec::new(),
                 zero_time_ns: None,
                 mean: Vec::new(),
@@ -216,19 +226,19 @@ impl<'r> Search<'r> {
             },
         )
         .map_err(Box::new)?;
-        match given {
-            Some((given, file)) => {
-                // Let the estimator say whether it belongs to this robot.
+        match specified {
+            Some((specified, file)) => {
+                // The estimator checks that the baseline belongs to this robot.
                 let empty = session_options(false);
-                session::estimate_recorded(robot, &recorded, file, Some((given, file)), &empty)
+                session::estimate_recorded(robot, &recorded, file, Some((specified, file)), &empty)
                     .map_err(Box::new)?;
                 search.baseline = Baseline {
-                    covariance_lower: given.covariance_lower.clone(),
+                    covariance_lower: specified.covariance_lower.clone(),
                     ..learned
                 };
                 search.source = BaselineSource::Given {
                     file: file.into(),
-                    recordings: given.recordings.clone(),
+                    recordings: specified.recordings.clone(),
                 };
             }
             None => {
@@ -242,11 +252,11 @@ impl<'r> Search<'r> {
         Ok(search)
     }
 
-    /// A pose within the ranges that takes no more than its share of the efforts to hold.
+    /// Draws a pose within the ranges that can be held with the maximum share of the effort limits.
     fn random_pose(&mut self) -> Result<Vec<f64>, ExcitationError> {
-        const TRIES: usize = 1000;
+        const MAX_TRIES: usize = 1000;
         let still = vec![0.0; self.ranges.len()];
-        for _ in 0..TRIES {
+        for _ in 0..MAX_TRIES {
             let q: Vec<f64> = self
                 .ranges
                 .iter()
@@ -263,8 +273,8 @@ impl<'r> Search<'r> {
                     error,
                 })?;
             let held = torque.iter().zip(&self.robot.limits).all(|(tau, limit)| {
-                let known = limit.effort.is_finite() && limit.effort > 0.0;
-                !known || tau.abs() <= EFFORT * limit.effort
+                let is_specified = limit.effort.is_finite() && limit.effort > 0.0;
+                !is_specified || tau.abs() <= MAX_EFFORT_SHARE * limit.effort
             });
             if held {
                 return Ok(q);
@@ -272,8 +282,8 @@ impl<'r> Search<'r> {
         }
         Err(ExcitationError::TooHeavy {
             robot: self.robot.name.clone(),
-            tried: TRIES,
-            share: 100.0 * EFFORT,
+            tried: MAX_TRIES,
+            share: 100.0 * MAX_EFFORT_SHARE,
         })
     }
 
@@ -291,7 +301,7 @@ impl<'r> Search<'r> {
             })
     }
 
-    /// What the estimator says of a visit.
+    /// Estimates the synthetic recording of a visit.
     fn expect(&self, poses: &[Vec<f64>]) -> Result<SessionEstimate, ExcitationError> {
         let recorded = self.record(poses)?;
         let baseline = Some((&self.baseline, "baseline"));
@@ -334,31 +344,33 @@ impl<'r> Search<'r> {
                 .zip(random)
                 .map(|(joint, random)| Expected {
                     name: joint.name.clone(),
-                    offset_deviation_rad: SEEN_OVER_NOMINAL * joint.offset_rad.deviation,
-                    elongation_deviation_m: joint
+                    offset_std_rad: SIMULATED_TO_NOMINAL_RATIO * joint.offset_rad.std,
+                    elongation_std_m: joint
                         .elongation_m
-                        .map(|m| SEEN_OVER_NOMINAL * m.deviation),
-                    random_offset_deviation_rad: SEEN_OVER_NOMINAL * random,
-                    identifiable: SEEN_OVER_NOMINAL * 1e3 * joint.offset_rad.half_width_95()
-                        <= USELESS_MRAD,
+                        .map(|m| SIMULATED_TO_NOMINAL_RATIO * m.std),
+                    random_offset_std_rad: SIMULATED_TO_NOMINAL_RATIO * random,
+                    identifiable: SIMULATED_TO_NOMINAL_RATIO
+                        * 1e3
+                        * joint.offset_rad.half_width_95()
+                        <= MAX_HALF_WIDTH_MRAD,
                 })
                 .collect(),
             baseline: self.source,
             payload: self.options.payload,
             joint_bits: self.options.sensors.joint_bits,
             lists_tried,
-            inflation_factor: SEEN_OVER_NOMINAL,
+            inflation_factor: SIMULATED_TO_NOMINAL_RATIO,
         }
     }
 }
 
-/// Temperature of both recordings, °C: it is recorded, as a promise to keep.
+/// Temperature of both recordings, °C, assumed to be recorded.
 const ROOM_C: Gaussian = Gaussian {
     mean: 20.0,
-    deviation: 0.0,
+    std: 0.0,
 };
 
-/// How the session to come will be estimated.
+/// Returns the options of the future session.
 fn session_options(payload: bool) -> SessionOptions {
     SessionOptions {
         payload: if payload {

@@ -1,4 +1,4 @@
-//! A synthetic recording of the nominal robot visiting poses.
+//! Synthetic recording of the nominal robot at proposed poses.
 
 use crate::session::{Recorded, Recorder};
 use rand_chacha::ChaCha8Rng;
@@ -10,19 +10,19 @@ use sinew_model::arm::ArmWorkspace;
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 
-/// Frames per second of a synthetic recording: the features look no closer.
+/// Frames per second of a synthetic recording; the features need no higher rate.
 const RATE_HZ: f64 = 250.0;
 /// Stroke over which joint friction builds up, rad.
 const PRESLIDING_RAD: f64 = 1e-3;
-/// Rest before the first move, s: the filters settle.
+/// Rest before the first move during which the filters settle, s.
 const FIRST_REST_S: f64 = 3.0;
 
-/// What the recorded positions are like.
+/// Properties of the position sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensors {
-    /// Bits of a turn of the joint encoder.
+    /// Resolution of the joint encoder, bits per revolution.
     pub joint_bits: u32,
-    /// White noise of the motor angle, rad.
+    /// Standard deviation of the white noise of the motor position, rad.
     pub motor_noise_rad: f64,
 }
 
@@ -35,26 +35,26 @@ impl Default for Sensors {
     }
 }
 
-/// Poses in order, with the length of the move to each and the rest there.
+/// Visit of poses in order, with the durations of moves and rests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visit {
-    /// Poses, `n` each, rad (m); the recording starts at the first.
+    /// Joint positions of each pose, length `n`, rad (m); the recording starts at the first pose.
     pub poses: Vec<Vec<f64>>,
-    /// Length of the move to each pose from the one before, s; the first has none.
+    /// Duration of the move to each pose, s; 0 for the first.
     pub move_s: Vec<f64>,
-    /// Rest at each pose, s.
+    /// Duration of the rest at each pose, s.
     pub pause_s: f64,
 }
 
 impl Visit {
-    /// Minimum-jerk moves that keep every joint below half of its speed limit.
+    /// Plans minimum-jerk moves with every joint below half of its speed limit.
     ///
-    /// The speed of such a move peaks at 15/8 of its mean.
+    /// The maximum speed of such a move is 15/8 of its mean.
     pub fn new(robot: &Robot, poses: Vec<Vec<f64>>, pause_s: f64) -> Self {
-        const SHARE: f64 = 0.5;
-        const PEAK: f64 = 15.0 / 8.0;
-        // Below this a move shakes an arm on its ropes, s.
-        const LEAST_S: f64 = 1.0;
+        const MAX_SPEED_SHARE: f64 = 0.5;
+        const PEAK_TO_MEAN: f64 = 15.0 / 8.0;
+        // Minimum duration of a move that does not excite vibrations of the arm, s.
+        const MIN_MOVE_S: f64 = 1.0;
         let mut move_s = vec![0.0];
         for pair in poses.windows(2) {
             let longest = robot
@@ -62,8 +62,10 @@ impl Visit {
                 .iter()
                 .zip(pair[0].iter().zip(&pair[1]))
                 .filter(|(limit, _)| limit.velocity.is_finite() && limit.velocity > 0.0)
-                .map(|(limit, (from, to))| PEAK * (to - from).abs() / (SHARE * limit.velocity))
-                .fold(LEAST_S, f64::max);
+                .map(|(limit, (from, to))| {
+                    PEAK_TO_MEAN * (to - from).abs() / (MAX_SPEED_SHARE * limit.velocity)
+                })
+                .fold(MIN_MOVE_S, f64::max);
             // Whole hundredths are easier to write down.
             move_s.push((100.0 * longest).ceil() / 100.0);
         }
@@ -74,12 +76,12 @@ impl Visit {
         }
     }
 
-    /// Length of the recording, s.
+    /// Returns the duration of the recording, s.
     pub fn duration_s(&self) -> f64 {
         FIRST_REST_S + self.move_s.iter().sum::<f64>() + self.pause_s * self.poses.len() as f64
     }
 
-    /// The nominal robot's recording of the visit, as blocks:
+    /// Simulates the recording of the visit with the nominal robot, as blocks:
     ///
     /// ```text
     /// theta = q + tau_el/K,   tau_el = M ddq + C dq + g + F_c z + F_v dq
@@ -88,7 +90,7 @@ impl Visit {
     /// with the friction state `z` of Dahl's law, a quantised `q` and a noisy `theta`.
     ///
     /// # Errors
-    /// [`StepError`] of the arm's model.
+    /// Returns [`StepError`] if the model of the arm cannot be evaluated.
     pub fn record(
         &self,
         robot: &Robot,
@@ -147,7 +149,7 @@ impl Visit {
         Ok(recorded)
     }
 
-    /// Position, velocity and acceleration at `t`, s.
+    /// Computes position, velocity and acceleration at time `t`, s.
     fn at(&self, t: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
         dq.fill(0.0);
         ddq.fill(0.0);
@@ -183,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn velocity_and_acceleration_are_the_slopes_of_the_way() {
+    fn visit_derivatives_match_central_differences() {
         let visit = Visit {
             poses: vec![vec![0.0], vec![1.0], vec![-0.5]],
             move_s: vec![0.0, 1.2, 1.5],

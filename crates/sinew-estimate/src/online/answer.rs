@@ -1,10 +1,10 @@
-//! What the online estimate says, block by block.
+//! Answer of the online estimate after each block.
 
 use serde::{Deserialize, Serialize};
 use sinew_model::offset::ForceEstimate;
 use sinew_model::{Gaussian, Z95};
 
-/// Why an offset is provisional: its interval is wide, or may still move by more than it says.
+/// Reason why an offset is provisional: its interval is wide, or it may still change by more than the interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", tag = "reason")]
@@ -13,13 +13,13 @@ pub enum Provisional {
     Starting,
     /// The newest blocks are explained by a step of this offset. The interval is the hull of both hypotheses.
     Step {
-        /// Likeliest time of the step, s on the clock of the result.
+        /// Most probable time of the step, s on the clock of the result.
         since_s: f64,
         /// Posterior probability of a step.
         probability: f64,
     },
     /// The window contains a change so late that it may be a contact that has not ended.
-    ChangeMayEnd {
+    ChangeNearEnd {
         /// Time of the change, s on the clock of the result.
         since_s: f64,
     },
@@ -28,41 +28,42 @@ pub enum Provisional {
         /// Share of the window's blocks.
         share: f64,
     },
-    /// The window could not be solved: the estimate is the one before.
-    Refused,
+    /// The window could not be solved; the estimate is the previous one.
+    #[serde(alias = "refused")]
+    NotSolved,
 }
 
 impl Provisional {
-    /// The same reason on a clock that reads `by_s` more.
+    /// Shifts the times of the reason by `by_s` to another clock.
     #[must_use]
     pub fn on_clock(mut self, by_s: f64) -> Self {
-        if let Self::Step { since_s, .. } | Self::ChangeMayEnd { since_s } = &mut self {
+        if let Self::Step { since_s, .. } | Self::ChangeNearEnd { since_s } = &mut self {
             *since_s += by_s;
         }
         self
     }
 }
 
-/// One tendon, at the time of an answer.
+/// Estimate of one tendon at the time of an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnlineJoint {
     /// Index of the joint.
     pub joint: usize,
-    /// Offset, rad; not a number until a window has been solved.
+    /// Offset, rad; NaN until a window has been solved.
     pub offset_rad: Gaussian,
-    /// What a temperature that is not known, now or in the baseline, adds to the deviation of the offset, rad, which holds it; 0 where both
-    /// are known.
+    /// Part of the standard deviation of the offset due to an unknown temperature, now or in the baseline, rad; already
+    /// included in `offset_rad`; 0 if both temperatures are known.
     pub unknown_temperature_rad: f64,
-    /// Probability that the stiffness has changed since the baseline; `None` where that is not sought.
+    /// Probability that the stiffness has changed since the baseline; `None` if not estimated.
     pub stiffness_changed_probability: Option<f64>,
-    /// Why the offset is provisional; `None`: it is settled.
+    /// Reason why the offset is provisional; `None` if it is settled.
     pub provisional: Option<Provisional>,
 }
 
-/// The latest answer: a plain value of fixed size, which a control loop reads in constant time.
+/// Latest answer: a plain value of fixed size, which a control loop reads in constant time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnlineAnswer {
-    /// Blocks taken since the start of the session.
+    /// Number of blocks since the start of the session.
     pub blocks: u64,
     /// Middle of the last block, s since the start of the session; NaN before the first one.
     pub time_s: f64,
@@ -70,9 +71,9 @@ pub struct OnlineAnswer {
     pub solved_s: f64,
     /// One entry for every elastic joint.
     pub joints: Vec<OnlineJoint>,
-    /// A constant force from outside at the tool; `None`: there was none to be seen.
+    /// Constant external force at the tool; `None` if none was detected.
     pub external_force: Option<ForceEstimate>,
-    /// Probability that something touches the arm in the last block, 0 to 1; 0 until a window has been solved.
+    /// Probability of a contact in the last block, 0 to 1; 0 until a window has been solved.
     pub contact_probability: f64,
 }
 
@@ -97,7 +98,7 @@ impl OnlineAnswer {
         }
     }
 
-    /// Of a joint; `None` for a rigid one.
+    /// Returns the answer of a joint; `None` for a rigid one.
     pub fn joint(&self, joint: usize) -> Option<&OnlineJoint> {
         self.joints.iter().find(|own| own.joint == joint)
     }
@@ -108,7 +109,7 @@ impl OnlineAnswer {
     }
 }
 
-/// The Gaussian whose 95 % interval is the hull of those of two.
+/// Returns the Gaussian whose 95 % interval is the hull of the two 95 % intervals.
 pub(super) fn hull(a: Gaussian, b: Gaussian) -> Gaussian {
     let (a, b) = (a.interval_95(), b.interval_95());
     let (low, high) = (a.low.min(b.low), a.high.max(b.high));
@@ -120,12 +121,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hull_holds_both_intervals_and_no_more() {
+    fn hull_is_smallest_interval_around_both() {
         let (a, b) = (Gaussian::new(1.0, 0.5), Gaussian::new(4.0, 0.1));
         let both = hull(a, b).interval_95();
         assert!((both.low - a.interval_95().low).abs() < 1e-12);
         assert!((both.high - b.interval_95().high).abs() < 1e-12);
         let within = hull(a, Gaussian::new(1.1, 0.1));
-        assert!((within.mean - 1.0).abs() < 1e-12 && (within.deviation - 0.5).abs() < 1e-12);
+        assert!((within.mean - 1.0).abs() < 1e-12 && (within.std - 0.5).abs() < 1e-12);
     }
 }

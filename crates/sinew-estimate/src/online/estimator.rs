@@ -1,8 +1,9 @@
-//! The online estimate beside a control loop: samples in, answers out; nothing is allocated, locked or waited for in a step.
+//! Online estimate in a control loop: samples in, answers out; a step does not allocate, lock or wait.
 //!
-//! The loop's side turns samples into blocks and hands them over by a ring; a worker holds the [`Window`] and hands answers back by a
-//! triple buffer. The worker is a thread of its own ([`OnlineEstimator::start_worker`]), or the caller's, which calls
-//! [`OnlineWorker::work`] outside its loop.
+//! The loop converts samples to blocks and passes them through a ring buffer to a worker; the worker owns the
+//! [`Window`] and returns answers through a triple buffer. The worker runs in a separate thread
+//! ([`OnlineEstimator::start_worker`]), or in a thread of the caller, which calls [`OnlineWorker::work`] outside its
+//! loop.
 
 use super::answer::OnlineAnswer;
 use super::window::Window;
@@ -10,7 +11,7 @@ use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::SessionOptions;
 use crate::executor::Alone;
-use crate::feeder::{Fed, FeederOptions, Refusal};
+use crate::feeder::{FeedOutcome, FeederOptions, RejectionReason};
 use crate::sample::SampleFrame;
 use crate::session::{Recorded, Recorder, SessionEstimate};
 use sinew_model::StepError;
@@ -21,27 +22,27 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// What became of a sample.
+/// Outcome of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepOutcome {
-    /// The sample was taken.
-    Taken,
-    /// The sample was taken as the first one: at the start, or after a pause.
+    /// The sample was used.
+    Accepted,
+    /// The sample was used as the first one: at the start, or after a gap.
     Restarted,
-    /// The sample was taken and completed a block of some 0.2 s, which the worker may take.
+    /// The sample was used and completed a block of 0.2 s for the worker.
     Block,
-    /// The sample was not taken, and changed nothing. Its time has passed all the same: the next `dt_s` counts from it.
-    Refused(Refusal),
+    /// The sample was rejected and changed nothing except the time: the next `dt_s` refers to this sample.
+    Rejected(RejectionReason),
 }
 
-/// Parts that are under way between loop and worker at most.
-const PARTS: usize = 8;
-/// Room for blocks in each of them, s: what a worker may be late by before blocks are dropped.
+/// Maximum number of parts between loop and worker.
+const MAX_PARTS: usize = 8;
+/// Capacity of each part, s: maximum delay of the worker before blocks are dropped.
 const ROOM_S: f64 = 10.0;
-/// How often a worker's thread looks for blocks.
-const LOOKS_EVERY: Duration = Duration::from_millis(20);
+/// Period at which the worker thread polls for blocks.
+const POLL_PERIOD: Duration = Duration::from_millis(20);
 
-/// The last solution that worked, and why the last one did not, for readers that may wait.
+/// Latest successful solution, and the error of the latest attempt, for readers that may wait.
 #[derive(Debug, Clone, Default)]
 struct Latest {
     solved: Option<Arc<(SessionEstimate, Baseline)>>,
@@ -50,7 +51,7 @@ struct Latest {
 
 type SharedLatest = Arc<Mutex<Latest>>;
 
-/// The worker's side of an [`OnlineEstimator`]: it holds the window and solves it.
+/// Worker of an [`OnlineEstimator`], which owns and solves the window.
 #[derive(Debug)]
 pub struct OnlineWorker {
     window: Window,
@@ -61,17 +62,17 @@ pub struct OnlineWorker {
 }
 
 impl OnlineWorker {
-    /// Takes all blocks that are ready, and solves the window where that is due: some hundredths of a second every 2 s. Not for a
-    /// control loop.
+    /// Processes all available blocks, and solves the window when due, which takes some hundredths of a second every 2
+    /// s. Not real-time capable.
     pub fn work(&mut self) {
         let mut is_new = false;
         while let Ok(mut part) = self.ready.pop() {
             self.window.push(&part);
             part.clear();
-            // There are no more parts than it has room for.
+            // The buffer has capacity for all parts.
             let _always_fits = self.empty.push(part);
             is_new = true;
-            // In the order of blocks, so that a replay gives the same.
+            // After each part, so that a replay gives the same result.
             self.solve();
         }
         if is_new {
@@ -82,7 +83,7 @@ impl OnlineWorker {
         }
     }
 
-    /// The window.
+    /// Returns the window of blocks.
     pub fn window(&self) -> &Window {
         &self.window
     }
@@ -99,7 +100,7 @@ impl OnlineWorker {
     }
 }
 
-/// A worker's thread.
+/// Thread of a worker.
 #[derive(Debug)]
 struct Thread {
     ends: Arc<AtomicBool>,
@@ -110,16 +111,17 @@ impl Drop for Thread {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Release);
         if let Some(handle) = self.handle.take() {
-            // A worker that panicked has nothing to say any more.
+            // The result of a worker that panicked is ignored.
             let _ended = handle.join();
         }
     }
 }
 
-/// Absolute offsets of a robot's tendons since a baseline, sample by sample.
+/// Online estimator of the absolute offsets of a robot's tendons since a baseline, updated per sample.
 ///
 /// # Realtime
-/// [`OnlineEstimator::step`], [`OnlineEstimator::interrupt`] and [`OnlineEstimator::answer`]: no allocation, lock, panic, wait or clock.
+/// [`OnlineEstimator::step`], [`OnlineEstimator::interrupt`] and [`OnlineEstimator::answer`]: no allocation, lock,
+/// panic, wait or clock.
 #[derive(Debug)]
 pub struct OnlineEstimator {
     robot: Arc<Robot>,
@@ -129,20 +131,20 @@ pub struct OnlineEstimator {
     empty: rtrb::Consumer<Recorded>,
     answers: triple_buffer::Output<OnlineAnswer>,
     latest: SharedLatest,
-    /// Blocks completed.
+    /// Number of completed blocks.
     blocks: u64,
     blocks_dropped: u64,
-    /// Its own, until a thread has taken it.
+    /// Worker until it has been passed to a thread.
     worker: Option<Box<OnlineWorker>>,
     thread: Option<Thread>,
 }
 
 impl OnlineEstimator {
-    /// For `robot` since `baseline` (with the name of its file), or against the zero of the encoders. `name`: of the session. The loop's
-    /// memory is allocated here.
+    /// Creates an estimator of `robot` since `baseline` (with the name of its file), or relative to the encoder zero.
+    /// `name` is the name of the session. Allocates the memory of the loop.
     ///
     /// # Errors
-    /// [`SessionError`] when the baseline is of another robot.
+    /// Returns [`SessionError`] if the baseline belongs to another robot.
     pub fn new(
         robot: impl Into<Arc<Robot>>,
         baseline: Option<(Baseline, String)>,
@@ -154,13 +156,13 @@ impl OnlineEstimator {
         let gap_s = FeederOptions::default().gap_s;
         let mut recorder = Recorder::new(&robot, &FeatureConfig::default(), gap_s);
         recorder.make_room(ROOM_S);
-        let (ready, take) = rtrb::RingBuffer::new(PARTS);
-        let (mut give, empty) = rtrb::RingBuffer::new(PARTS);
+        let (ready, take) = rtrb::RingBuffer::new(MAX_PARTS);
+        let (mut give, empty) = rtrb::RingBuffer::new(MAX_PARTS);
         while give.push(recorder.room(ROOM_S)).is_ok() {}
         let (input, answers) = triple_buffer::triple_buffer(window.answer());
         let latest = SharedLatest::default();
         Ok(Self {
-            sample: SampleFrame::new(robot.arm.dof()),
+            sample: SampleFrame::new(robot.axes()),
             robot,
             recorder,
             ready,
@@ -180,19 +182,20 @@ impl OnlineEstimator {
         })
     }
 
-    /// The robot.
+    /// Returns the robot model.
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
 
-    /// Takes a sample, `dt_s` after the one before; of the first that does not matter.
+    /// Processes a sample. `dt_s`: time since the previous sample, s; ignored for the first sample.
     ///
-    /// * `q`, `theta`: `n` each, joint and motor positions, rad. The motor position of a rigid joint does not matter.
-    /// * `tau_m`: `n` or empty, motor torque, N·m; NaN where it is not known.
-    /// * `temperature_c`: °C; NaN where it is not known.
+    /// * `q`, `theta`: `n` each, joint and motor positions, rad. The motor position of a rigid joint is ignored.
+    /// * `tau_m`: `n` or empty, motor torque, N·m; NaN if unknown.
+    /// * `temperature_c`: temperature, °C; NaN if unknown.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::TimeStep`]; the state is then unchanged.
+    /// Returns [`StepError::Length`] for a slice of wrong length and [`StepError::TimeStep`] for an invalid `dt_s`; the
+    /// state is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic, wait or clock.
@@ -207,7 +210,7 @@ impl OnlineEstimator {
         let frame = self.sample.fill(dt_s, [q, theta, tau_m], temperature_c)?;
         let time_s = frame.time_ns as f64 * 1e-9;
         if !self.recorder.has_room() {
-            // The worker is later than there is room for: what waits is lost, and counted.
+            // The delay of the worker exceeds the capacity: waiting blocks are dropped and counted.
             let waiting = self.recorder.recorded().blocks.len();
             self.blocks_dropped = self.blocks_dropped.saturating_add(waiting as u64);
             self.recorder.clear();
@@ -215,34 +218,34 @@ impl OnlineEstimator {
         let fed = self.recorder.push(frame, time_s);
         if fed.output() == Some(true) {
             self.blocks = self.blocks.saturating_add(1);
-            self.hand_over();
+            self.send_part();
         }
         Ok(match fed {
-            Fed::Refused(why) => StepOutcome::Refused(why),
-            Fed::Taken(true) => StepOutcome::Block,
-            Fed::Taken(false) => StepOutcome::Taken,
-            Fed::Restarted(_) => StepOutcome::Restarted,
+            FeedOutcome::Rejected(reason) => StepOutcome::Rejected(reason),
+            FeedOutcome::Accepted(true) => StepOutcome::Block,
+            FeedOutcome::Accepted(false) => StepOutcome::Accepted,
+            FeedOutcome::Restarted(_) => StepOutcome::Restarted,
         })
     }
 
-    /// Hands over what was recorded, where there is an empty part to go on with.
-    fn hand_over(&mut self) {
+    /// Sends the recorded blocks to the worker if an empty part is available.
+    fn send_part(&mut self) {
         if let Ok(empty) = self.empty.pop() {
             let part = self.recorder.exchange(empty);
-            // There are no more parts than it has room for.
+            // The buffer has capacity for all parts.
             let _always_fits = self.ready.push(part);
         }
     }
 
-    /// Samples that follow do not go on where the last one was: the filters start anew, what is known stays.
+    /// Starts a new segment: the filters are re-initialised at the next sample; the state estimate is kept.
     pub fn interrupt(&mut self) {
         self.sample.interrupt();
     }
 
-    /// Starts a thread that takes blocks and solves windows, on one processor.
+    /// Starts a thread that processes blocks and solves windows, on one processor.
     ///
     /// # Errors
-    /// The system's, when it has no thread to give.
+    /// Returns the error of the operating system if it cannot start a thread.
     pub fn start_worker(&mut self) -> std::io::Result<()> {
         if self.worker.is_none() {
             return Ok(());
@@ -251,36 +254,37 @@ impl OnlineEstimator {
         let seen = Arc::clone(&ends);
         let (give, take) = std::sync::mpsc::channel::<Box<OnlineWorker>>();
         let thread = std::thread::Builder::new().name("sinew-online".into());
-        // The worker follows once there is a thread: one that can't be started loses nothing.
+        // The worker is sent once the thread runs, so that it is kept if the thread cannot be started.
         let handle = thread.spawn(move || {
             let Ok(mut worker) = take.recv() else { return };
-            // The other processors are the loop's.
+            // The other processors stay free for the loop.
             let _alone = Alone::new();
             while !seen.load(Ordering::Acquire) {
                 worker.work();
-                std::thread::sleep(LOOKS_EVERY);
+                std::thread::sleep(POLL_PERIOD);
             }
         })?;
-        let given = self.take_worker().map(|worker| give.send(worker));
-        debug_assert!(matches!(given, Some(Ok(()))), "the thread waits for it");
+        let sent = self.take_worker().map(|worker| give.send(worker));
+        debug_assert!(matches!(sent, Some(Ok(()))), "the thread waits for it");
         let handle = Some(handle);
         self.thread = Some(Thread { ends, handle });
         Ok(())
     }
 
-    /// The worker, for a thread of the caller's own that calls [`OnlineWorker::work`]; `None`: it has been taken.
+    /// Returns the worker for a thread of the caller that calls [`OnlineWorker::work`]; `None` if it has already been
+    /// returned.
     pub fn take_worker(&mut self) -> Option<Box<OnlineWorker>> {
         self.worker.take()
     }
 
-    /// [`OnlineWorker::work`] of a worker that has not been taken, in this thread; nothing otherwise.
+    /// Calls [`OnlineWorker::work`] in this thread, unless the worker has been passed to another thread.
     pub fn work(&mut self) {
         if let Some(worker) = &mut self.worker {
             worker.work();
         }
     }
 
-    /// The latest answer.
+    /// Returns the latest answer.
     ///
     /// # Realtime
     /// No allocation, lock, panic, wait or clock.
@@ -288,13 +292,13 @@ impl OnlineEstimator {
         self.answers.read()
     }
 
-    /// Blocks that were dropped because the worker was late by more than ten seconds.
+    /// Returns the number of blocks dropped because the worker was delayed by more than ten seconds.
     pub fn blocks_dropped(&self) -> u64 {
         self.blocks_dropped
     }
 
-    /// Blocks that the loop has completed and that are neither dropped nor in the latest answer. It stays at one or two where the worker keeps up; where
-    /// it grows, the answer is old, whatever its state.
+    /// Returns the number of completed blocks that are neither dropped nor in the latest answer. It is one or two if
+    /// the worker keeps up; if it grows, the answer is outdated, independent of its state.
     ///
     /// # Realtime
     /// No allocation, lock, panic, wait or clock.
@@ -309,21 +313,22 @@ impl OnlineEstimator {
         latest.clone()
     }
 
-    /// Why the window could not be solved last time; `None`: it was. It may wait.
+    /// Returns the error of the latest attempt to solve the window; `None` if it was solved. May wait.
     pub fn error(&self) -> Option<Arc<SessionError>> {
         self.latest().error
     }
 
-    /// What [`crate::session::estimate`] gives for the window's blocks, as of the last solution: the same value that
-    /// `sinew estimate` prints for a recording that ends there. `None` until a window has been solved. It may wait.
+    /// Returns the estimate of the window's blocks as of the latest solution: the same value as from
+    /// [`crate::session::estimate`] for a recording that ends there. `None` until a window has been solved. May wait.
     pub fn estimate(&self) -> Option<SessionEstimate> {
         self.latest().solved.map(|solved| solved.0.clone())
     }
 
-    /// The next baseline of the chain: `recording` names this session, which ended at `end_time_ns`. It may wait.
+    /// Returns the next baseline of the chain. `recording` is the name of this session, which ended at `end_time_ns`.
+    /// May wait.
     ///
     /// # Errors
-    /// [`SessionError::Provisional`] while an offset is provisional.
+    /// Returns [`SessionError::Provisional`] while an offset is provisional.
     pub fn save(&mut self, recording: &str, end_time_ns: i64) -> Result<Baseline, SessionError> {
         let provisional = self.answer().is_provisional();
         let solved = self.latest().solved.filter(|_| !provisional);

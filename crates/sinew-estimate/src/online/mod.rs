@@ -1,11 +1,12 @@
-//! The online estimate: the estimator of whole recordings on a sliding window, and a check of the blocks that came since.
+//! Online estimate: the estimator of whole recordings on a sliding window, and a check of the blocks since the last
+//! solution.
 //!
 //! ```text
 //! samples → Recorder ─ring→ Window: check every block, solve every 2 s ─triple buffer→ OnlineAnswer
 //! ```
 //!
-//! Reading order: `window` (what is held and when it is solved), `answer`, `estimator` (beside a control
-//! loop), `trajectory` (over what was recorded).
+//! Reading order: `window` (content and schedule), `answer`, `estimator` (in a control
+//! loop), `trajectory` (over a recording).
 
 mod answer;
 mod estimator;

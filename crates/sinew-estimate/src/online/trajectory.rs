@@ -1,19 +1,21 @@
-//! The online estimate over blocks that were recorded: what it would have said beside the running robot.
+//! Online estimate over recorded blocks, as it would have been on the running robot.
 
 use super::answer::OnlineJoint;
 use super::window::Window;
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::SessionOptions;
-use crate::session::{Doubt, LiveBlock, LiveCourse, LiveTendon, Recorded};
+use crate::session::{OnlineBlock, OnlineTendon, OnlineTrajectory, ProvisionalInterval, Recorded};
 use sinew_model::robot::Robot;
 
-/// The online estimate over a recording: `each` sees the window after every block; the result is the window after the last one.
+/// Computes the online estimate over a recording. `each` is called with the window after every block; returns the
+/// window after the last block.
 ///
-/// The window's schedule counts blocks, not seconds of a clock: a replay gives what the worker of a running robot gives that keeps up.
+/// The schedule of the window counts blocks, not time: a replay gives the same result as a worker without delay on the
+/// running robot.
 ///
 /// # Errors
-/// [`SessionError`] when the baseline is of another robot.
+/// Returns [`SessionError`] if the baseline belongs to another robot.
 pub fn replay(
     robot: &Robot,
     recorded: &Recorded,
@@ -34,45 +36,45 @@ pub fn replay(
     Ok(window)
 }
 
-/// [`replay`], as the result of a session holds it.
+/// Computes the online estimate by [`replay`] as part of a session's result.
 ///
 /// # Errors
-/// [`SessionError`] where no window could be solved.
+/// Returns [`SessionError`] if no window could be solved.
 pub fn trajectory(
     robot: &Robot,
     recorded: &Recorded,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
     name: &str,
-) -> Result<LiveCourse, SessionError> {
-    let mut out = LiveCourse {
+) -> Result<OnlineTrajectory, SessionError> {
+    let mut out = OnlineTrajectory {
         joints: Vec::new(),
         external_force: None,
-        in_doubt: true,
-        doubts: Vec::new(),
+        provisional: true,
+        provisional_intervals: Vec::new(),
         blocks: Vec::with_capacity(recorded.blocks.len()),
     };
     let mut each = |window: &Window| {
         let answer = window.answer();
-        let (time_s, in_doubt) = (answer.time_s, answer.is_provisional());
-        let goes_on = out
+        let (time_s, provisional) = (answer.time_s, answer.is_provisional());
+        let continues = out
             .blocks
             .last()
-            .is_some_and(|before: &LiveBlock| before.in_doubt);
-        if in_doubt {
-            match out.doubts.last_mut().filter(|_| goes_on) {
-                Some(doubt) => doubt.to_s = time_s,
-                None => out.doubts.push(Doubt {
+            .is_some_and(|before: &OnlineBlock| before.provisional);
+        if provisional {
+            match out.provisional_intervals.last_mut().filter(|_| continues) {
+                Some(interval) => interval.to_s = time_s,
+                None => out.provisional_intervals.push(ProvisionalInterval {
                     from_s: time_s,
                     to_s: time_s,
                 }),
             }
         }
-        out.blocks.push(LiveBlock {
+        out.blocks.push(OnlineBlock {
             time_s,
             weight: 1.0 - answer.contact_probability,
             offset_rad: answer.joints.iter().map(|own| own.offset_rad).collect(),
-            in_doubt,
+            provisional,
         });
     };
     let mut window = replay(robot, recorded, baseline, options, name, &mut each)?;
@@ -82,15 +84,15 @@ pub fn trajectory(
     }
     let window = window.solved()?;
     let answer = window.answer();
-    let tendon = |own: &OnlineJoint| LiveTendon {
+    let tendon = |own: &OnlineJoint| OnlineTendon {
         name: robot.tendon_name(own.joint).to_owned(),
         offset_rad: own.offset_rad,
         stiffness_changed_probability: own.stiffness_changed_probability,
     };
-    Ok(LiveCourse {
+    Ok(OnlineTrajectory {
         joints: answer.joints.iter().map(tendon).collect(),
         external_force: answer.external_force,
-        in_doubt: answer.is_provisional(),
+        provisional: answer.is_provisional(),
         ..out
     })
 }

@@ -1,4 +1,4 @@
-//! The window of blocks that is estimated again and again, and the check of what came since.
+//! Sliding window of blocks with periodic solutions, and the check of the blocks since the last one.
 
 use super::answer::{OnlineAnswer, OnlineJoint, Provisional, hull};
 use crate::baseline::Baseline;
@@ -12,26 +12,27 @@ use sinew_model::offset::{Block, FeatureConfig};
 use sinew_model::robot::Robot;
 use std::sync::Arc;
 
-/// Blocks that a window holds, s of them.
+/// Length of the window, s.
 const WINDOW_S: f64 = 120.0;
-/// Of a stand so much is held, s; later blocks replace each other, as they repeat what is known.
-const STAND_S: f64 = 10.0;
-/// A window is solved every so many blocks: 2 s.
-const SOLVE_EVERY: u64 = 10;
+/// Maximum length of a rest phase in the window, s. Later blocks of the phase replace each other, as they add no
+/// information.
+const MAX_REST_S: f64 = 10.0;
+/// Number of blocks between solutions, 2 s.
+const BLOCKS_PER_SOLUTION: u64 = 10;
 
-/// A solved window; the next blocks are checked against it.
+/// Solution of a window, against which the next blocks are checked.
 #[derive(Debug, Clone)]
 struct Solution {
     solved: Solved,
-    /// Middle of its last block, s.
+    /// Time at the middle of its last block, s.
     time_s: f64,
 }
 
-/// The online estimate of a session: the last blocks that carry information, estimated from the session's starting belief by the
+/// Online estimate of a session: the latest blocks that carry information, estimated from the session's prior by the
 /// estimator of whole recordings ([`crate::session::estimate`]).
 ///
-/// [`Window::push`] takes a block and checks it against the last solution; [`Window::solve`] solves the window. Both
-/// allocate: a worker's, not a control loop's.
+/// [`Window::push`] adds a block and checks it against the latest solution; [`Window::solve`] solves the window. Both
+/// allocate, so call them in a worker, not in a control loop.
 #[derive(Debug)]
 pub struct Window {
     robot: Arc<Robot>,
@@ -39,9 +40,9 @@ pub struct Window {
     options: SessionOptions,
     name: String,
     recorded: Recorded,
-    /// How the session follows on the baseline, where that is known better than from their times.
+    /// Time relation of the session to the baseline, if specified; otherwise derived from their times.
     since: Option<Since>,
-    /// Whether blocks have left the window.
+    /// Whether blocks have already been dropped from the window.
     slid: bool,
     is_due: bool,
     since_solved: u64,
@@ -51,10 +52,11 @@ pub struct Window {
 }
 
 impl Window {
-    /// Since `baseline`, with the name of its file, or against the zero of the encoders. `name`: of the session.
+    /// Creates a window since `baseline`, with the name of its file, or relative to the encoder zero. `name` is the
+    /// name of the session.
     ///
     /// # Errors
-    /// [`SessionError`] when the baseline is of another robot.
+    /// Returns [`SessionError`] if the baseline belongs to another robot.
     pub fn new(
         robot: impl Into<Arc<Robot>>,
         baseline: Option<(Baseline, String)>,
@@ -63,7 +65,7 @@ impl Window {
     ) -> Result<Self, SessionError> {
         let robot = robot.into();
         if let Some((baseline, file)) = &baseline {
-            baseline.belief(&robot, estimator(&robot, options).prior(), file)?;
+            baseline.state_estimate(&robot, estimator(&robot, options).prior(), file)?;
         }
         let recorded = Recorded::empty(&robot);
         Ok(Self {
@@ -82,37 +84,37 @@ impl Window {
         })
     }
 
-    /// The window of a session of which it is known how it follows on the baseline.
+    /// Sets the time relation of the session to the baseline.
     #[must_use]
     pub fn following(mut self, since: Since) -> Self {
         self.since = Some(since);
         self
     }
 
-    /// The latest answer.
+    /// Returns the latest answer.
     pub fn answer(&self) -> &OnlineAnswer {
         &self.answer
     }
 
-    /// What [`crate::session::estimate`] gives for the window's blocks, as of the last solution.
+    /// Returns the estimate of the window's blocks as of the latest solution, as from [`crate::session::estimate`].
     pub fn estimate(&self) -> Option<&SessionEstimate> {
         self.solution.as_ref().map(|s| &s.solved.estimate)
     }
 
-    /// The next baseline of the chain, as of the last solution.
+    /// Returns the next baseline of the chain, as of the latest solution.
     pub fn next(&self) -> Option<&Baseline> {
         self.solution.as_ref().map(|s| &s.solved.next)
     }
 
-    /// Why the last window could not be solved; `None`: it was.
+    /// Returns the error of the latest attempt to solve the window; `None` if it was solved.
     pub fn error(&self) -> Option<&Arc<SessionError>> {
         self.error.as_ref()
     }
 
-    /// The window, if it has been solved.
+    /// Returns the window if it has been solved.
     ///
     /// # Errors
-    /// Why it could not be.
+    /// Returns the error of the first attempt to solve it otherwise.
     pub(super) fn solved(mut self) -> Result<Self, SessionError> {
         let unsolved = self.error.take_if(|_| self.solution.is_none());
         match unsolved.and_then(Arc::into_inner) {
@@ -126,13 +128,13 @@ impl Window {
         self.is_due
     }
 
-    /// Blocks the window holds, and the memory they take, bytes.
+    /// Returns the number of blocks in the window, and their memory, bytes.
     pub fn size(&self) -> (usize, usize) {
         let blocks = &self.recorded.blocks;
         (blocks.len(), blocks.iter().map(Block::bytes).sum())
     }
 
-    /// Takes what was recorded since the last call, in order: blocks and the jumps of readings.
+    /// Adds the data recorded since the last call, in order: blocks and steps of positions.
     pub fn push(&mut self, part: &Recorded) {
         if self.answer.blocks == 0 {
             self.recorded.start_time_ns = part.start_time_ns;
@@ -147,25 +149,25 @@ impl Window {
     }
 
     fn push_block(&mut self, mut block: Block) {
-        if let Some(stated) = self.options.temperature_c {
-            block.temperature_c = stated.mean;
+        if let Some(specified) = self.options.temperature_c {
+            block.temperature_c = specified.mean;
         }
         self.answer.blocks += 1;
         self.answer.time_s = block.time_s;
         let blocks = &mut self.recorded.blocks;
-        let repeats =
-            block.stood_s > STAND_S && blocks.last().is_some_and(|last| last.stood_s > STAND_S);
+        let repeats = block.stood_s > MAX_REST_S
+            && blocks.last().is_some_and(|last| last.stood_s > MAX_REST_S);
         match blocks.last_mut() {
             Some(last) if repeats => {
-                // Nor do jumps of readings meanwhile say anything: memory stays bounded.
-                let stood = last.time_s..block.time_s;
-                self.recorded.jumps.forget_within(stood);
+                // Steps of positions meanwhile add no information either; removing them bounds the memory.
+                let at_rest = last.time_s..block.time_s;
+                self.recorded.jumps.forget_within(at_rest);
                 *last = block;
             }
             _ => {
                 blocks.push(block);
                 self.since_solved += 1;
-                self.is_due |= self.since_solved >= SOLVE_EVERY;
+                self.is_due |= self.since_solved >= BLOCKS_PER_SOLUTION;
             }
         }
         self.slide();
@@ -178,12 +180,12 @@ impl Window {
         }
     }
 
-    /// Drops blocks that no longer fit.
+    /// Drops blocks beyond the length of the window.
     fn slide(&mut self) {
         let block_s = FeatureConfig::default().block_s;
-        let most = (WINDOW_S / block_s) as usize;
+        let max_blocks = (WINDOW_S / block_s) as usize;
         let recorded = &mut self.recorded;
-        let over = recorded.blocks.len().saturating_sub(most);
+        let over = recorded.blocks.len().saturating_sub(max_blocks);
         if over > 0 {
             recorded.blocks.drain(..over);
             self.slid = true;
@@ -195,11 +197,11 @@ impl Window {
         recorded.duration_s = (recorded.end_time_ns - recorded.start_time_ns) as f64 * 1e-9;
     }
 
-    /// Solves the window; the answer is that of its last block.
+    /// Solves the window; the answer refers to its last block.
     pub fn solve(&mut self) {
         (self.is_due, self.since_solved) = (false, 0);
         let baseline = self.baseline.as_ref().map(|(b, file)| (b, file.as_str()));
-        // What was known when the session began may have changed before the window begins.
+        // The prior at the start of the session may be outdated at the start of the window.
         let continues = || continues(baseline.map(|(b, _)| b), &self.recorded);
         let since = match self.since {
             Some(since) => since,
@@ -223,14 +225,15 @@ impl Window {
             Err(error) => {
                 self.error = Some(Arc::new(error));
                 for joint in &mut self.answer.joints {
-                    joint.provisional = Some(Provisional::Refused);
+                    joint.provisional = Some(Provisional::NotSolved);
                 }
             }
         }
     }
 
-    /// The answer from a solution and the blocks checked against it; `refused`: a later window could not be solved.
-    fn update(answer: &mut OnlineAnswer, solution: &Solution, refused: bool) {
+    /// Updates the answer from a solution and the blocks checked against it. `has_failed`: a later window could not be
+    /// solved.
+    fn update(answer: &mut OnlineAnswer, solution: &Solution, has_failed: bool) {
         let Solved {
             estimate,
             unknown_temperature_rad: unknown_rad,
@@ -242,35 +245,32 @@ impl Window {
         answer.contact_probability = check.contact_probability();
         for (k, (own, tendon)) in (answer.joints.iter_mut().zip(&estimate.joints)).enumerate() {
             let may_end = estimate.warnings.iter().find_map(|warning| match warning {
-                Warning::ChangeMayEnd { joint, time_s, .. } if *joint == tendon.name => {
-                    Some(Provisional::ChangeMayEnd { since_s: *time_s })
+                Warning::ChangeNearEnd { joint, time_s, .. } if *joint == tendon.name => {
+                    Some(Provisional::ChangeNearEnd { since_s: *time_s })
                 }
                 _ => None,
             });
             let rejected = estimate.warnings.iter().find_map(|warning| match warning {
-                Warning::MuchLeftOut { share } => Some(Provisional::Rejected { share: *share }),
+                Warning::MuchRejected { share } => Some(Provisional::Rejected { share: *share }),
                 _ => None,
             });
-            let refused = refused.then_some(Provisional::Refused);
+            let failed = has_failed.then_some(Provisional::NotSolved);
             *own = OnlineJoint {
                 joint: own.joint,
                 offset_rad: tendon.offset_rad,
                 unknown_temperature_rad: unknown_rad.get(own.joint).copied().unwrap_or(0.0),
                 stiffness_changed_probability: tendon
-                    .stiffness_since_before
+                    .stiffness_change
                     .map(|since| since.probability),
-                provisional: may_end.or(rejected).or(refused),
+                provisional: may_end.or(rejected).or(failed),
             };
             let Some(step) = check.suspected(k) else {
                 continue;
             };
-            let known = tendon.offset_rad;
-            let stepped = Gaussian::new(
-                known.mean + step.mean_rad,
-                known.deviation.hypot(step.deviation_rad),
-            );
-            if step.probability_beyond(known.half_width_95()) > NEGLIGIBLE {
-                own.offset_rad = hull(known, stepped);
+            let before = tendon.offset_rad;
+            let after = Gaussian::new(before.mean + step.mean_rad, before.std.hypot(step.std_rad));
+            if step.probability_beyond(before.half_width_95()) > NEGLIGIBLE {
+                own.offset_rad = hull(before, after);
                 own.provisional = Some(Provisional::Step {
                     since_s: step.since_s,
                     probability: step.probability,

@@ -1,4 +1,4 @@
-//! What an estimate was made with, and what each number rests on.
+//! Settings of an estimate, and the origin of each quantity.
 
 use super::result::{Basis, Origin, Quantity, Settings};
 use crate::request::Request;
@@ -31,9 +31,9 @@ pub(super) fn basis(request: &Request, config: &OffsetConfig) -> Vec<Basis> {
         (Quantity::Transmission, Origin::Stated),
     ];
     if request.use_tau_ext {
-        rows.push((Quantity::ExternalTorque, Origin::TakenAsKnown));
+        rows.push((Quantity::ExternalTorque, Origin::AssumedExact));
     }
     rows.push((Quantity::Offset, Origin::Estimated));
-    let row = |(quantity, rests_on)| Basis { quantity, rests_on };
+    let row = |(quantity, based_on)| Basis { quantity, based_on };
     rows.into_iter().map(row).collect()
 }

@@ -1,71 +1,81 @@
-//! Which joints get an estimate.
+//! Check which joints of a recording can be estimated.
 
-use super::result::JointRefusal;
+use super::result::JointError;
 use crate::error::EstimateError;
 use crate::robot_dir::LoadedRobot;
 use sinew_log::Channels;
 use sinew_model::offset::{OffsetConfig, TorqueSource, VelocityFilter};
 use std::fmt::Write as _;
 
-/// Why a joint gets no estimate, one entry per joint; an error when none gets one.
-pub(super) fn refusals(
+/// Returns for each joint the reason why it cannot be estimated, or `None`.
+///
+/// # Errors
+/// Returns [`EstimateError::Mismatch`] if no joint can be estimated, or if the recorded velocities are required but
+/// missing.
+pub(super) fn joint_errors(
     file: &str,
     config: &OffsetConfig,
     loaded: &LoadedRobot,
     (channels, without_encoder): (&Channels, &[usize]),
-) -> Result<Vec<Option<JointRefusal>>, EstimateError> {
-    let mut refused = Vec::new();
+) -> Result<Vec<Option<JointError>>, EstimateError> {
+    let mut errors = Vec::new();
     let joints = loaded.robot.transmissions.iter().zip(&channels.joints);
     for (joint, (transmission, channel)) in joints.enumerate() {
-        refused.push(match (transmission, config.source) {
-            (None, _) if without_encoder.contains(&joint) => Some(JointRefusal::NoJointPosition),
-            (None, _) => Some(JointRefusal::Rigid),
-            (Some(_), _) if !channel.theta => Some(JointRefusal::NoMotorPosition),
-            (Some(_), TorqueSource::TorqueSensor) if !channel.tau_el => {
-                Some(JointRefusal::NoJointTorque)
+        errors.push(match (transmission, config.source) {
+            (None, _) if without_encoder.contains(&joint) => Some(JointError::NoJointPosition),
+            (None, _) => Some(JointError::Rigid),
+            (Some(_), _) if loaded.robot.pulling_tendon(joint).is_some() => {
+                Some(JointError::JointEquations)
             }
-            (Some(_), TorqueSource::Motor) if !channel.tau_m => Some(JointRefusal::NoMotorTorque),
+            (Some(_), _) if !channel.theta => Some(JointError::NoMotorPosition),
+            (Some(_), TorqueSource::TorqueSensor) if !channel.tau_el => {
+                Some(JointError::NoJointTorque)
+            }
+            (Some(_), TorqueSource::Motor) if !channel.tau_m => Some(JointError::NoMotorTorque),
             (Some(t), TorqueSource::Motor) if t.motor_inertia_kg_m2.is_none() => {
-                Some(JointRefusal::NoMotorInertia)
+                Some(JointError::NoMotorInertia)
             }
             (Some(_), _) => None,
         });
     }
-    if refused.iter().all(Option::is_some) {
-        let mut why = "no joint can be estimated".to_string();
-        for (name, reason) in loaded.robot.joint_names().iter().zip(&refused) {
-            if let Some(reason) = reason {
-                let _ = write!(why, "; {name}: {}", words(*reason));
+    let is_coupled = |error: &Option<JointError>| *error == Some(JointError::JointEquations);
+    if errors.iter().all(Option::is_some) && !errors.iter().any(is_coupled) {
+        let mut reason = "no joint can be estimated".to_string();
+        for (i, error) in errors.iter().enumerate() {
+            let name = loaded.robot.axis_name(i);
+            if let Some(error) = error {
+                let _ = write!(reason, "; {name}: {}", message(*error));
             }
         }
         if !channels.any_has(sinew_log::Quantity::Theta) {
-            why.push_str(
-                ". Name the motor side with --motor-topic, --motor-interface or --mapping",
+            reason.push_str(
+                ". Specify the motor positions with --motor-topic, --motor-interface or --mapping",
             );
         }
         return Err(EstimateError::Mismatch {
             file: file.into(),
-            why,
+            reason,
         });
     }
     if config.velocity == VelocityFilter::Recorded && !channels.all_have(sinew_log::Quantity::Dq) {
         return Err(EstimateError::Mismatch {
             file: file.into(),
-            why: "has no velocity for every joint; use --velocity-filter RAD_PER_S".into(),
+            reason: "has no velocity of some joints; set --velocity-filter RAD_PER_S".into(),
         });
     }
-    Ok(refused)
+    Ok(errors)
 }
 
-/// The same in an error's words.
-fn words(refusal: JointRefusal) -> &'static str {
-    match refusal {
-        JointRefusal::Rigid => "rigid in robot.toml: it has no elastic transmission",
-        JointRefusal::NoJointPosition => "its position is not recorded",
-        JointRefusal::NoMotorPosition => "its motor position is not recorded",
-        JointRefusal::NoJointTorque => "its joint torque is not recorded",
-        JointRefusal::NoMotorTorque => "its motor torque is not recorded",
-        JointRefusal::NoMotorInertia => "motor_inertia_kg_m2 is missing in robot.toml",
-        JointRefusal::NoUsableFrame(_) => "no frame could be used",
+/// Text of a joint error in messages.
+fn message(error: JointError) -> &'static str {
+    match error {
+        JointError::Rigid => "rigid in robot.toml: it has no elastic transmission",
+        JointError::NoJointPosition => "its position is not recorded",
+        JointError::NoMotorPosition => "its motor position is not recorded",
+        JointError::NoJointTorque => "its joint torque is not recorded",
+        JointError::NoMotorTorque => "its motor torque is not recorded",
+        JointError::NoMotorInertia => "motor_inertia_kg_m2 is missing in robot.toml",
+        JointError::JointEquations => "it is coupled with other tendons at a joint",
+        JointError::NoUsableFrame(_) => "no frame could be used",
     }
 }

@@ -1,4 +1,4 @@
-//! Every frame's estimate as a table.
+//! Table of the estimates of all frames.
 
 use super::frames::FrameOutcome;
 use crate::error::EstimateError;
@@ -6,7 +6,7 @@ use sinew_log::{Cell, CellKind, Column, TableWriter};
 use sinew_model::transmission::Transmission;
 use std::path::Path;
 
-/// `--csv`: every frame's estimate; CSV, or Parquet where the file's name ends so.
+/// Writer of the estimates of all frames (`--csv`); format CSV, or Parquet by the extension of the file name.
 pub(super) struct FrameTable {
     table: TableWriter,
     elastic: Vec<usize>,
@@ -43,17 +43,17 @@ impl FrameTable {
         self.row.push(outcome.time_ns.into());
         self.row.push((outcome.since_start_ns as f64 / 1e9).into());
         for &i in &self.elastic {
-            // A frame that could not be used has an empty estimate, not a stale one.
+            // A frame that was not used has an empty estimate instead of the last one.
             let usable = outcome.usable[i];
-            let known = |x: f64| Some(x).filter(|_| usable);
-            self.row.push(known(outcome.delta_e[i]).into());
-            self.row.push(known(outcome.tau_el[i]).into());
+            let estimate = |x: f64| Some(x).filter(|_| usable);
+            self.row.push(estimate(outcome.delta_e[i]).into());
+            self.row.push(estimate(outcome.tau_el[i]).into());
             self.row.push(i64::from(usable).into());
         }
         Ok(self.table.row(&self.row)?)
     }
 
-    /// The file appears under its name.
+    /// Completes the file under its final name.
     pub(super) fn finish(self) -> Result<(), EstimateError> {
         Ok(self.table.finish()?)
     }

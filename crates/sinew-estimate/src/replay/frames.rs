@@ -1,15 +1,15 @@
-//! Frame by frame through the estimator, with a tally of what could be used.
+//! Processing of the frames of a recording by the estimator, with statistics of the used frames.
 
 use super::result::{Loss, LossReason, Series};
 use super::series::{Point, SeriesBuilder};
 use super::tally::Tally;
-use crate::feeder::{Fed, Feeder, FeederOptions, Injection, MissingMotor};
+use crate::feeder::{FeedOutcome, Feeder, FeederOptions, Injection, MissingMotor};
 use sinew_log::Frame;
 use sinew_model::offset::OffsetObserver;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
 
-/// Reasons that are counted, in the order they are listed.
+/// Reasons of unused frames that are counted, in the order of the list.
 const REASONS: [LossReason; 7] = [
     LossReason::Settling,
     LossReason::JointPosition,
@@ -20,7 +20,7 @@ const REASONS: [LossReason; 7] = [
     LossReason::Range,
 ];
 
-/// Frames lost, by reason.
+/// Numbers of unused frames by reason.
 #[derive(Debug, Clone, Copy, Default)]
 struct Losses([u64; REASONS.len()]);
 
@@ -45,7 +45,7 @@ impl Losses {
     }
 }
 
-/// One joint's way through the recording.
+/// Accumulated statistics of one joint.
 #[derive(Debug)]
 struct Joint {
     stiffness: Option<f64>,
@@ -55,7 +55,7 @@ struct Joint {
     losses: Losses,
 }
 
-/// What a joint's way comes to.
+/// Summary of one joint after the last frame.
 #[derive(Debug)]
 pub(super) struct JointSummary {
     pub(super) delta_e: Tally,
@@ -64,7 +64,7 @@ pub(super) struct JointSummary {
     pub(super) losses: Vec<Loss>,
 }
 
-/// One frame's outcome for `--csv`.
+/// Estimates of one frame for `--csv`.
 #[derive(Debug)]
 pub(super) struct FrameOutcome<'a> {
     pub(super) time_ns: i64,
@@ -74,7 +74,7 @@ pub(super) struct FrameOutcome<'a> {
     pub(super) usable: &'a [bool],
 }
 
-/// The way of a recording through the estimator.
+/// Estimator of the paper, applied to the frames of a recording.
 pub(super) struct Replay {
     feeder: Feeder<OffsetObserver>,
     joints: Vec<Joint>,
@@ -87,8 +87,8 @@ pub(super) struct Replay {
 }
 
 impl Replay {
-    /// Before the first frame. A joint whose motor position is missing is given up until it is back;
-    /// the others go on.
+    /// Creates a replay before the first frame. A joint without motor position is not used until it is available again;
+    /// the other joints continue.
     pub(super) fn new(
         robot: &Robot,
         observer: OffsetObserver,
@@ -124,7 +124,7 @@ impl Replay {
         }
     }
 
-    /// Takes one frame.
+    /// Processes one frame, and returns its estimates.
     pub(super) fn frame(&mut self, frame: &Frame) -> FrameOutcome<'_> {
         if self.frames == 0 {
             self.start_ns = frame.time_ns;
@@ -138,8 +138,8 @@ impl Replay {
         self.last_ns = frame.time_ns;
         self.usable.fill(false);
         match fed {
-            Fed::Taken(()) | Fed::Restarted(()) => self.tally(frame),
-            Fed::Refused(refusal) => self.lose(frame, refusal.into()),
+            FeedOutcome::Accepted(()) | FeedOutcome::Restarted(()) => self.tally(frame),
+            FeedOutcome::Rejected(reason) => self.lose(frame, reason.into()),
         }
         FrameOutcome {
             time_ns: frame.time_ns,
@@ -150,7 +150,7 @@ impl Replay {
         }
     }
 
-    /// Counts a frame the estimator took.
+    /// Adds a frame that the estimator accepted to the statistics.
     fn tally(&mut self, frame: &Frame) {
         let since_start_ns = frame.time_ns - self.start_ns;
         let observer = self.feeder.observer();
@@ -208,7 +208,7 @@ impl Replay {
         }
     }
 
-    /// Counts a frame the estimator did not take.
+    /// Counts a frame that the estimator rejected.
     fn lose(&mut self, frame: &Frame, reason: LossReason) {
         let since_start_ns = frame.time_ns - self.start_ns;
         self.losses.count(reason);
@@ -252,7 +252,7 @@ impl Replay {
         self.intervals.rate_hz()
     }
 
-    /// Frames lost for every joint.
+    /// Numbers of frames that were not used for any joint, by reason.
     pub(super) fn losses(&self) -> Vec<Loss> {
         self.losses.list(self.frames)
     }
@@ -271,7 +271,7 @@ impl Replay {
     }
 }
 
-/// Time between frames, from the first thousand.
+/// Intervals between the first thousand frames, ns.
 #[derive(Debug, Default)]
 struct IntervalSample(Vec<i64>);
 
@@ -282,7 +282,7 @@ impl IntervalSample {
         }
     }
 
-    /// Median rate, with two frames or more.
+    /// Median frame rate, Hz; `None` with fewer than two frames.
     fn rate_hz(&self) -> Option<f64> {
         let mut sorted = self.0.clone();
         sorted.sort_unstable();

@@ -1,15 +1,15 @@
-//! What a reader should doubt: implausible values, and what was wrong with the recording.
+//! Warnings of an estimate: implausible values and errors of the recording.
 
 use super::result::{JointEstimate, Loss, LossReason};
 use crate::warning::RecordingWarning as Warning;
 use sinew_log::Health;
 
-/// A smaller part of a stream's samples is lost on every network.
-const WORTH_SAYING: f64 = 0.005;
+/// Maximum share of lost samples of a stream without a warning, 0 to 1: every network loses some.
+const MAX_LOST_SHARE: f64 = 0.005;
 
-/// What a reader should doubt.
-pub(super) fn judge(joints: &[JointEstimate], warnings: &mut Vec<Warning>) {
-    // The paper looks for 10 mrad; a tendon pulley of 25 mm turns 200 mrad for 5 mm of rope.
+/// Adds warnings for implausible offsets and for torque ranges that are too small.
+pub(super) fn check_estimates(joints: &[JointEstimate], warnings: &mut Vec<Warning>) {
+    // Offsets in the paper are about 10 mrad; 200 mrad on a pulley of 25 mm radius is an elongation of 5 mm.
     const IMPLAUSIBLE_RAD: f64 = 0.2;
     for joint in joints {
         if let Some(offset_rad) = joint.offset_rad.filter(|x| x.abs() > IMPLAUSIBLE_RAD) {
@@ -18,14 +18,14 @@ pub(super) fn judge(joints: &[JointEstimate], warnings: &mut Vec<Warning>) {
                 offset_rad,
             });
         }
-        // 1 % of stiffness times the torque range is what a wrong stiffness can hide.
+        // An error of the stiffness hides an offset in proportion to the torque range.
         let torque = joint.tau_el_nm.zip(joint.stiffness_nm_per_rad);
         if let Some((tau, stiffness)) = torque
-            && joint.refused.is_none()
+            && joint.reason.is_none()
             && joint.scatter_rad.is_some()
             && (tau.max - tau.min) / stiffness < 1e-3
         {
-            warnings.push(Warning::TorqueHardlyChanges {
+            warnings.push(Warning::TorqueRangeSmall {
                 joint: joint.name.clone(),
                 min_nm: tau.min,
                 max_nm: tau.max,
@@ -61,9 +61,9 @@ pub(super) fn health_warnings(health: &Health, warnings: &mut Vec<Warning>) {
             longest_s: health.longest_gap_s,
         });
     }
-    if health.clock_jumps > 0 {
+    if health.clock_steps > 0 {
         warnings.push(Warning::ClockJumps {
-            count: health.clock_jumps,
+            count: health.clock_steps,
         });
     }
     if health.out_of_order > 0 {
@@ -72,7 +72,7 @@ pub(super) fn health_warnings(health: &Health, warnings: &mut Vec<Warning>) {
         });
     }
     for stream in &health.streams {
-        if stream.lost_share() > WORTH_SAYING {
+        if stream.lost_share() > MAX_LOST_SHARE {
             warnings.push(Warning::SamplesLost {
                 stream: stream.role,
                 missing: stream.missing.unwrap_or(0),
@@ -95,6 +95,6 @@ pub(super) fn health_warnings(health: &Health, warnings: &mut Vec<Warning>) {
             count: signal.count,
         });
     }
-    let suspicions = health.suspicions.iter().cloned();
-    warnings.extend(suspicions.map(|text| Warning::Suspicion { text }));
+    let implausible_signals = health.implausible_signals.iter().cloned();
+    warnings.extend(implausible_signals.map(|text| Warning::ImplausibleSignal { text }));
 }

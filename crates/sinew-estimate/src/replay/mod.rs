@@ -1,20 +1,20 @@
-//! From a recording to each tendon's elongation.
+//! Estimation of the elongation of each tendon from a recording, by the method of the paper.
 //!
-//! [`run`] reads a [`Request`](crate::Request), opens the recording and the robot, takes every frame through
-//! [`sinew_model::offset::OffsetObserver`] and returns an [`Estimate`].
+//! [`run`] reads a [`Request`](crate::Request), opens the recording and the robot, processes every frame with
+//! [`sinew_model::offset::OffsetObserver`], and returns an [`Estimate`].
 //!
-//! What happens to imperfect data:
+//! Treatment of imperfect data:
 //!
-//! | in the recording | what happens |
+//! | in the recording | treatment |
 //! |---|---|
-//! | the first frames, and those after a gap or clock jump | the observer starts anew and settles; not used |
-//! | a joint position missing or NaN | the frame is left out for all joints; the filters step over it |
-//! | a motor position missing for up to 0.1 s | likewise |
-//! | a motor position missing longer | that joint is not used until it is back and settled; the others go on |
-//! | a joint of the robot that isn't recorded | refused, with the names there are |
-//! | a recorded joint that the robot doesn't have | left out, with a warning |
-//! | a joint without motor position or stiffness | no estimate for it; its motion still counts |
-//! | an offset above 200 mrad | reported with a warning: units, gear ratio, sign or zero |
+//! | first frames, and those after a gap or a clock step | observer re-initialised; not used until it has settled |
+//! | joint position missing or non-finite | frame excluded for all joints; filters bridge it |
+//! | motor position missing for up to 0.1 s | frame excluded for all joints; filters bridge it |
+//! | motor position missing for more than 0.1 s | joint not used until available and settled; other joints continue |
+//! | joint of the robot that is not recorded | error with the recorded names |
+//! | recorded joint that is not in the robot description | ignored, with a warning |
+//! | joint without motor position or stiffness | not estimated; its motion is used |
+//! | offset above 200 mrad | warning: check units, gear ratio, sign and zero |
 
 mod basis;
 mod checks;
@@ -29,7 +29,7 @@ mod tally;
 
 pub(crate) use pass::Pass;
 pub use result::{
-    Basis, Difference, Estimate, JointEstimate, JointRefusal, Loss, LossReason, Origin, Quantity,
+    Basis, Difference, Estimate, JointError, JointEstimate, Loss, LossReason, Origin, Quantity,
     RecordingInfo, RobotInfo, Series, Settings, TorqueStatistics,
 };
 pub use run::run;

@@ -1,12 +1,12 @@
-//! One recording through the paper's estimate.
+//! Single pass of the estimator of the paper through a recording.
 
 use super::basis::{basis, settings};
-use super::checks::refusals;
+use super::checks::joint_errors;
 use super::frame_table::FrameTable;
 use super::frames::{JointSummary, Replay};
-use super::health::{health_losses, health_warnings, judge};
+use super::health::{check_estimates, health_losses, health_warnings};
 use super::result::{
-    Estimate, JointEstimate, JointRefusal, RecordingInfo, RobotInfo, Series, TorqueStatistics,
+    Estimate, JointError, JointEstimate, RecordingInfo, RobotInfo, Series, TorqueStatistics,
 };
 use crate::error::EstimateError;
 use crate::recording::Opened;
@@ -16,29 +16,29 @@ use sinew_model::arm::JointKind;
 use sinew_model::offset::{OffsetConfig, OffsetObserver};
 use sinew_model::transmission::Transmission;
 
-/// The paper's estimate of a recording under way.
+/// Estimate of a recording by the method of the paper, in progress.
 pub(crate) struct Pass<'a> {
     request: &'a Request,
     config: OffsetConfig,
     replay: Replay,
-    /// Why a joint gets no estimate.
-    refused: Vec<Option<JointRefusal>>,
+    /// Reason why a joint cannot be estimated, per joint.
+    errors: Vec<Option<JointError>>,
     csv: Option<FrameTable>,
 }
 
 impl<'a> Pass<'a> {
-    /// Before the first frame of what was opened.
+    /// Creates a pass before the first frame of an opened recording.
     pub(crate) fn new(request: &'a Request, opened: &Opened) -> Result<Self, EstimateError> {
         let config = request.config();
         let (file, loaded) = (request.name(), &opened.loaded);
-        let names = loaded.robot.joint_names();
+        let names = loaded.robot.tendon_names();
         let channels = opened.recording.channels();
-        let refused = refusals(&file, &config, loaded, (channels, &opened.without_encoder))?;
+        let errors = joint_errors(&file, &config, loaded, (channels, &opened.without_encoder))?;
         if request.use_tau_ext && !channels.all_have(sinew_log::Quantity::TauExt) {
             return Err(EstimateError::Mismatch {
                 file,
-                why:
-                    "has no external torque for every joint; leave --tau-ext out, or record tau_ext"
+                reason:
+                    "has no external torque of some joints; leave --tau-ext out, or record tau_ext"
                         .into(),
             });
         }
@@ -46,8 +46,8 @@ impl<'a> Pass<'a> {
             .robot
             .transmissions
             .iter()
-            .zip(&refused)
-            .map(|(t, refused)| t.clone().filter(|_| refused.is_none()))
+            .zip(&errors)
+            .map(|(t, error)| t.clone().filter(|_| error.is_none()))
             .collect();
         let observer = OffsetObserver::new(&loaded.robot.arm, &transmissions, config)?;
         let replay = Replay::new(
@@ -60,18 +60,18 @@ impl<'a> Pass<'a> {
         );
         let csv = match &request.csv {
             None => None,
-            Some(path) => Some(FrameTable::create(path, names, &transmissions)?),
+            Some(path) => Some(FrameTable::create(path, &names, &transmissions)?),
         };
         Ok(Self {
             request,
             config,
             replay,
-            refused,
+            errors,
             csv,
         })
     }
 
-    /// Takes the next frame.
+    /// Processes the next frame.
     pub(crate) fn frame(&mut self, frame: &Frame) -> Result<(), EstimateError> {
         let outcome = self.replay.frame(frame);
         if let Some(csv) = &mut self.csv {
@@ -80,7 +80,7 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
-    /// The estimate, once the recording has ended; the CSV file is there then.
+    /// Returns the estimate after the last frame, and completes the CSV file.
     pub(crate) fn finish(self, opened: Opened) -> Result<Estimate, EstimateError> {
         let Opened {
             recording,
@@ -92,14 +92,15 @@ impl<'a> Pass<'a> {
             request,
             config,
             replay,
-            refused,
+            errors,
             csv,
         } = self;
         let file = request.name();
         if replay.frames() == 0 {
             return Err(EstimateError::Mismatch {
                 file,
-                why: "holds no frame: no sample with a time and a joint position".into(),
+                reason: "contains no frame: no sample with a time stamp and a joint position"
+                    .into(),
             });
         }
         let info = RecordingInfo {
@@ -120,19 +121,19 @@ impl<'a> Pass<'a> {
         let mut joints: Vec<JointEstimate> = replay
             .finish()
             .into_iter()
-            .zip(refused)
+            .zip(errors)
             .zip(&loaded.robot.tendon_names())
             .zip(&loaded.robot.transmissions)
-            .map(|(((summary, refused), name), transmission)| {
-                joint_estimate(name, transmission.as_ref(), refused, summary, frames)
+            .map(|(((summary, error), name), transmission)| {
+                joint_estimate(name, transmission.as_ref(), error, summary, frames)
             })
             .collect();
         for (i, joint) in joints.iter_mut().enumerate() {
             joint.slides = loaded.robot.arm.joint_kind(i) == Some(JointKind::Prismatic);
         }
-        judge(&joints, &mut warnings);
-        // Of nothing there is no file.
-        if let Some(csv) = csv.filter(|_| joints.iter().any(|j| j.refused.is_none())) {
+        check_estimates(&joints, &mut warnings);
+        // Without any estimate no file is written.
+        if let Some(csv) = csv.filter(|_| joints.iter().any(|j| j.reason.is_none())) {
             csv.finish()?;
         }
         Ok(Estimate {
@@ -141,6 +142,10 @@ impl<'a> Pass<'a> {
             settings: settings(request, &config),
             basis: basis(request, &config),
             robot: RobotInfo {
+                joints: match loaded.robot.is_named_by_joints() {
+                    true => Vec::new(),
+                    false => loaded.robot.joint_names().to_vec(),
+                },
                 name: loaded.robot.name,
                 file: loaded.file.display().to_string(),
                 urdf: loaded.urdf,
@@ -156,7 +161,7 @@ impl<'a> Pass<'a> {
 fn joint_estimate(
     name: &str,
     transmission: Option<&Transmission>,
-    refused: Option<JointRefusal>,
+    error: Option<JointError>,
     summary: JointSummary,
     frames: u64,
 ) -> JointEstimate {
@@ -166,26 +171,26 @@ fn joint_estimate(
         series,
         losses,
     } = summary;
-    let refused = refused.or_else(|| {
+    let reason = error.or_else(|| {
         let main = losses.iter().max_by_key(|l| l.frames);
         let main = main.map(|loss| loss.reason);
-        (delta_e.count() == 0).then_some(JointRefusal::NoUsableFrame(main))
+        (delta_e.count() == 0).then_some(JointError::NoUsableFrame(main))
     });
     let finite = |x: f64| x.is_finite().then_some(x);
     let stiffness = transmission.map(|t| t.stiffness_nm_per_rad);
     let mean = delta_e.mean();
-    let error = delta_e.standard_error();
+    let standard_error = delta_e.standard_error();
     let tendon = transmission
         .and_then(|t| t.tendon.as_ref())
-        .filter(|_| refused.is_none());
+        .filter(|_| reason.is_none());
     JointEstimate {
         name: name.into(),
         slides: false,
         offset_rad: finite(mean),
         scatter_rad: finite(delta_e.scatter()),
-        standard_error_rad: finite(error),
+        standard_error_rad: finite(standard_error),
         elongation_m: tendon.map(|t| t.elongation_m(mean)),
-        elongation_standard_error_m: tendon.and_then(|t| finite(t.elongation_m(error))),
+        elongation_standard_error_m: tendon.and_then(|t| finite(t.elongation_m(standard_error))),
         strain_ratio: tendon.map(|t| t.strain(mean)),
         usable_frames: delta_e.count(),
         usable_share: delta_e.count() as f64 / frames.max(1) as f64,
@@ -198,11 +203,11 @@ fn joint_estimate(
         }),
         offset_per_stiffness_error_rad: stiffness.and_then(|k| finite(tau_el.mean() / k)),
         difference: None,
-        series: if refused.is_some() {
+        series: if reason.is_some() {
             Series::default()
         } else {
             series
         },
-        refused,
+        reason,
     }
 }

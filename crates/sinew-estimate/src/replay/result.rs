@@ -1,245 +1,251 @@
-//! What the paper's estimate says of a recording, as data.
+//! Result of the estimate by the method of the paper, as data.
 
-use crate::feeder::{Injection, Refusal};
+use crate::feeder::{Injection, RejectionReason};
 use crate::warning::RecordingWarning;
 use serde::{Deserialize, Deserializer, Serialize};
 use sinew_log::{Format, SignalSource};
 use sinew_model::offset::{Comparison, TorqueSource};
 
-/// The estimate of one recording.
+/// Estimate of one recording by the method of the paper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
-    /// Version of the program that made it.
+    /// Version of the program that made the estimate.
     pub sinew_version: String,
-    /// The recording.
+    /// Properties of the recording.
     pub recording: RecordingInfo,
-    /// The robot.
+    /// Properties of the robot.
     pub robot: RobotInfo,
-    /// How it was made.
+    /// Settings of the estimate.
     pub settings: Settings,
-    /// One entry per joint of the robot, in its order.
+    /// Estimates of the joints of the robot, in their order in the URDF.
     pub joints: Vec<JointEstimate>,
-    /// Frames of the recording that could not be used for any joint, by reason.
+    /// Numbers of frames that were not used for any joint, by reason.
     pub losses: Vec<Loss>,
-    /// Whether data was lost to damage (exit code 3).
+    /// Whether data was lost because the recording is damaged (exit status 3).
     pub damaged: bool,
-    /// What the reader should know.
+    /// Warnings about the recording and the result.
     pub warnings: Vec<RecordingWarning>,
-    /// What the numbers rest on.
+    /// Origin of each quantity.
     pub basis: Vec<Basis>,
 }
 
-/// What was read.
+/// Properties of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingInfo {
-    /// File name as given.
+    /// File name as specified by the user.
     pub path: String,
-    /// Its format.
+    /// File format of the recording.
     pub format: Format,
-    /// Where each quantity is read from.
+    /// Source (topic, column or interface) of each quantity.
     pub sources: Vec<SignalSource>,
-    /// Time of the first frame, ns since the recording's epoch.
+    /// Time of the first frame, ns since the epoch of the recording.
     pub start_time_ns: i64,
-    /// From first to last frame, s.
+    /// Time from the first to the last frame, s.
     pub duration_s: f64,
-    /// Frames read.
+    /// Number of frames in the recording.
     pub frames: u64,
     /// Median frame rate, Hz; `None` with fewer than two frames.
     pub rate_hz: Option<f64>,
-    /// Segments without a gap or clock jump.
+    /// Number of segments without a gap or clock step.
     pub segments: u32,
 }
 
-/// What it was held against.
+/// Properties of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotInfo {
-    /// Name in the URDF.
+    /// Name of the robot in the URDF.
     pub name: String,
-    /// Where the robot's file is.
+    /// Path of the robot file (robot.toml).
     pub file: String,
-    /// Where the URDF comes from: a file, or the recording's own description.
+    /// Source of the URDF: a file, or the description in the recording.
     pub urdf: String,
+    /// Names of the joints, if results are named by tendons rather than joints; empty otherwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<String>,
 }
 
-/// How the estimate was made.
+/// Settings of an estimate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Settings {
-    /// Where `tau_el` comes from.
+    /// Source of the elastic torque `tau_el`.
     pub source: TorqueSource,
-    /// Whether `theta − q` lags like the observed torque.
+    /// Filtering of `theta − q`: by the filters of the observed torque, or none as in the paper.
     pub comparison: Comparison,
     /// Observer gain `K_I`, 1/s.
     pub gain_per_s: f64,
-    /// Cut-off of the velocity filter, rad/s; `None`: recorded velocities, unfiltered positions.
+    /// Cut-off of the velocity filter, rad/s; `None` with recorded velocities and unfiltered positions.
     pub velocity_filter_rad_per_s: Option<f64>,
-    /// Whether the recording's known external torque was used.
+    /// Whether the recorded external torque was used.
     pub tau_ext: bool,
-    /// Offsets added by hand.
+    /// Offsets that were added to the motor positions for a test (`--inject`).
     pub injected: Vec<Injection>,
-    /// Recording the estimate is compared with.
+    /// Name of the reference recording; `None` without one.
     pub reference: Option<String>,
 }
 
-/// Frames that gave no estimate, and why.
+/// Frames without an estimate, for one reason.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Loss {
-    /// Why.
+    /// Reason for the missing estimate.
     pub reason: LossReason,
-    /// How many frames.
+    /// Number of frames without an estimate.
     pub frames: u64,
     /// Share of all frames, 0 to 1.
     pub share: f64,
 }
 
-/// Why frames gave no estimate.
+/// Reason why frames have no estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LossReason {
-    /// The filters were settling after the start, a gap or missing samples.
+    /// Filters settling after the start, a gap or missing samples.
     Settling,
-    /// A joint position was missing or not finite.
+    /// Joint position missing or non-finite.
     JointPosition,
-    /// A joint velocity was missing or not finite.
+    /// Joint velocity missing or non-finite.
     JointVelocity,
-    /// The motor position was missing or not finite.
+    /// Motor position missing or non-finite.
     MotorPosition,
-    /// The measured torque was missing or not finite.
+    /// Measured torque missing or non-finite.
     Torque,
-    /// The external torque was missing or not finite.
+    /// External torque missing or non-finite.
     ExternalTorque,
-    /// A value was too large to be one.
+    /// Value outside the plausible range.
     Range,
-    /// Dropped: its time stamp had been seen before.
+    /// Duplicate time stamp; sample excluded.
     Duplicate,
-    /// Dropped: it came too late to be sorted in.
+    /// Sample too late to be reordered; excluded.
     Late,
-    /// Dropped: it could not be decoded.
+    /// Sample that cannot be decoded; excluded.
     Undecodable,
-    /// Dropped: a row without a time.
+    /// Row without a time stamp; excluded.
     WithoutTime,
 }
 
-impl From<Refusal> for LossReason {
-    fn from(refusal: Refusal) -> Self {
-        match refusal {
-            Refusal::JointPosition => Self::JointPosition,
-            Refusal::JointVelocity => Self::JointVelocity,
-            Refusal::MotorPosition => Self::MotorPosition,
-            Refusal::Torque => Self::Torque,
-            Refusal::ExternalTorque => Self::ExternalTorque,
-            Refusal::TimeStep => Self::Settling,
-            Refusal::Range => Self::Range,
+impl From<RejectionReason> for LossReason {
+    fn from(reason: RejectionReason) -> Self {
+        match reason {
+            RejectionReason::JointPosition => Self::JointPosition,
+            RejectionReason::JointVelocity => Self::JointVelocity,
+            RejectionReason::MotorPosition => Self::MotorPosition,
+            RejectionReason::Torque => Self::Torque,
+            RejectionReason::ExternalTorque => Self::ExternalTorque,
+            RejectionReason::TimeStep => Self::Settling,
+            RejectionReason::Range => Self::Range,
         }
     }
 }
 
-/// Why a joint got no estimate.
+/// Reason why a joint has no estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum JointRefusal {
-    /// It is rigid in robot.toml.
+pub enum JointError {
+    /// Joint that is rigid in robot.toml.
     Rigid,
-    /// Its position is not recorded.
+    /// Joint position not recorded.
     NoJointPosition,
-    /// Its motor position is not recorded.
+    /// Motor position not recorded.
     NoMotorPosition,
-    /// Its joint torque is not recorded.
+    /// Joint torque not recorded.
     NoJointTorque,
-    /// Its motor torque is not recorded.
+    /// Motor torque not recorded.
     NoMotorTorque,
-    /// robot.toml says no motor inertia.
+    /// Motor inertia missing in robot.toml.
     NoMotorInertia,
-    /// No frame could be used, mostly for this reason.
+    /// Tendon coupled with others at a joint; the method of the paper has only one offset per joint.
+    JointEquations,
+    /// No usable frame, with the most frequent reason.
     NoUsableFrame(Option<LossReason>),
 }
 
-/// The estimate of one joint.
+/// Estimate of one joint by the method of the paper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointEstimate {
-    /// Joint.
+    /// Name of the joint or tendon.
     pub name: String,
-    /// Whether it slides: rad is then m, and N·m is N.
+    /// Whether the joint is prismatic: values in rad are then in m, and values in N·m in N.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slides: bool,
-    /// `None` where there is an estimate; else why there is none.
-    pub refused: Option<JointRefusal>,
-    /// Mean offset of the motor position, rad; `None` where refused.
+    /// Reason why there is no estimate; `None` if there is one.
+    #[serde(alias = "refused")]
+    pub reason: Option<JointError>,
+    /// Mean offset of the motor position, rad; `None` without an estimate.
     pub offset_rad: Option<f64>,
-    /// Standard deviation of the single estimates, rad.
+    /// Standard deviation of the estimates of single frames, rad.
     pub scatter_rad: Option<f64>,
-    /// Standard error of the mean that respects their correlation (batch means), rad; `None` when the
-    /// recording is too short for one.
+    /// Standard error of the mean with correlated samples (method of batch means), rad; `None` if the
+    /// recording is too short.
     pub standard_error_rad: Option<f64>,
     /// Elongation of the tendon, m; `None` without tendon geometry.
     pub elongation_m: Option<f64>,
     /// Standard error of the elongation, m.
     pub elongation_standard_error_m: Option<f64>,
-    /// Strain of the tendon.
+    /// Strain of the tendon: elongation divided by length, m/m; `None` without tendon geometry.
     pub strain_ratio: Option<f64>,
-    /// Frames that gave an estimate.
+    /// Number of frames with an estimate.
     pub usable_frames: u64,
-    /// Their share of all frames, 0 to 1.
+    /// Share of frames with an estimate, 0 to 1.
     pub usable_share: f64,
-    /// Why the rest didn't.
+    /// Frames without an estimate, by reason.
     pub losses: Vec<Loss>,
-    /// Stiffness used, N·m/rad; `None` where rigid.
+    /// Stiffness used in the estimate, N·m/rad; `None` for a rigid joint.
     pub stiffness_nm_per_rad: Option<f64>,
-    /// Elastic torque, N·m; `None` without an estimate.
+    /// Statistics of the elastic torque, N·m; `None` without an estimate.
     pub tau_el_nm: Option<TorqueStatistics>,
-    /// What an error of the stiffness adds to the offset, rad per relative error: `mean(tau_el)/K`. An
-    /// error of the masses has the same size and the opposite sign.
+    /// Sensitivity of the offset to a relative error of the stiffness, rad: `mean(tau_el)/K`. The sensitivity to a
+    /// relative error of the masses has the same magnitude and the opposite sign.
     pub offset_per_stiffness_error_rad: Option<f64>,
-    /// Against the reference recording.
+    /// Difference from the reference recording; `None` without one.
     pub difference: Option<Difference>,
-    /// The estimate over time.
+    /// Time series of the estimate.
     pub series: Series,
 }
 
-/// Torque over a recording, N·m.
+/// Statistics of a torque over a recording, N·m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueStatistics {
-    /// Smallest.
+    /// Minimum torque, N·m.
     pub min: f64,
-    /// Mean.
+    /// Mean torque, N·m.
     pub mean: f64,
-    /// Largest.
+    /// Maximum torque, N·m.
     pub max: f64,
 }
 
-/// Change since a reference recording.
+/// Difference of an estimate from that of a reference recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Difference {
-    /// Offset of the reference, rad.
+    /// Offset in the reference recording, rad.
     pub reference_rad: f64,
-    /// Offset now minus offset then, rad.
+    /// Offset minus offset in the reference recording, rad.
     pub difference_rad: f64,
-    /// Standard error of the difference, rad; `None` when a recording is too short for one.
+    /// Standard error of the difference, rad; `None` if a recording is too short.
     pub standard_error_rad: Option<f64>,
-    /// The difference as elongation, m.
+    /// Difference as elongation of the tendon, m; `None` without tendon geometry.
     pub elongation_m: Option<f64>,
-    /// What an error of the stiffness adds to the difference, rad per relative error.
+    /// Sensitivity of the difference to a relative error of the stiffness, rad.
     pub offset_per_stiffness_error_rad: f64,
 }
 
-/// A joint's estimate over time, averaged into at most [`Series::POINTS`] intervals.
+/// Time series of the estimate of a joint, averaged over at most [`Series::POINTS`] intervals.
 ///
-/// All columns have the same length; intervals without an estimate hold NaN (null in JSON).
+/// All columns have the same length; intervals without an estimate contain NaN (null in JSON).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Series {
-    /// Middle of each interval, s from the start of the recording.
+    /// Middle of each interval since the start of the recording, s.
     pub time_s: Vec<f64>,
-    /// Mean offset, rad.
+    /// Mean offset in the interval, rad.
     #[serde(deserialize_with = "null_is_nan")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub offset_rad: Vec<f64>,
@@ -251,43 +257,43 @@ pub struct Series {
     #[serde(deserialize_with = "null_is_nan")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub offset_max_rad: Vec<f64>,
-    /// Mean elastic torque from the source chosen, N·m.
+    /// Mean elastic torque from the selected source, N·m.
     #[serde(deserialize_with = "null_is_nan")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub tau_el_nm: Vec<f64>,
-    /// Mean torque of the spring as the encoders show it, `K (theta_measured − q)`, N·m.
+    /// Mean torque of the spring by the encoders, `K (theta_measured − q)`, N·m.
     #[serde(deserialize_with = "null_is_nan")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub tau_spring_nm: Vec<f64>,
-    /// Mean joint position, rad.
+    /// Mean joint position in the interval, rad.
     #[serde(deserialize_with = "null_is_nan")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub q_rad: Vec<f64>,
-    /// Share of the interval's frames that could be used, 0 to 1.
+    /// Share of usable frames in the interval, 0 to 1.
     #[serde(deserialize_with = "null_is_nan")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub usable_share: Vec<f64>,
 }
 
 impl Series {
-    /// Most intervals a series holds, however long the recording.
+    /// Maximum number of intervals, for recordings of any length.
     pub const POINTS: usize = 2000;
 }
 
-/// JSON has no NaN: it is written as null.
+/// Deserialises a list of numbers with null for NaN, which JSON does not support.
 fn null_is_nan<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
     let values: Vec<Option<f64>> = Deserialize::deserialize(from)?;
     Ok(values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
 }
 
-/// What a quantity rests on.
+/// Origin of a quantity of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Basis {
-    /// Quantity.
+    /// Quantity of the estimate.
     pub quantity: Quantity,
-    /// Where it comes from.
-    pub rests_on: Origin,
+    /// Origin of the quantity.
+    pub based_on: Origin,
 }
 
 /// Quantities of an estimate.
@@ -297,31 +303,31 @@ pub struct Basis {
 pub enum Quantity {
     /// Motor and joint positions.
     Positions,
-    /// Elastic torque.
+    /// Elastic torque of the joints.
     ElasticTorque,
     /// Stiffness, friction and tendon geometry.
     Transmission,
-    /// External torque.
+    /// External torque at the joints.
     ExternalTorque,
     /// Offset, elongation and strain.
     Offset,
 }
 
-/// Where a quantity comes from.
+/// Origin of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Origin {
-    /// Measured, in the recording.
+    /// Measured value in the recording.
     Measured,
     /// Computed by the momentum observer from positions and masses.
     Observed,
     /// Computed from the recorded motor torque, motor inertia and friction.
     MotorTorque,
-    /// As robot.toml states it.
+    /// Specified in robot.toml.
     Stated,
-    /// As recorded, taken as known.
-    TakenAsKnown,
-    /// Estimated from the others.
+    /// Recorded value, assumed exact.
+    AssumedExact,
+    /// Estimated from the other quantities.
     Estimated,
 }

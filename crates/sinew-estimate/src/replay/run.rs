@@ -1,4 +1,4 @@
-//! From a request to an estimate.
+//! Estimation of a request.
 
 use super::pass::Pass;
 use super::result::{Difference, Estimate, JointEstimate};
@@ -11,11 +11,12 @@ use std::ops::ControlFlow;
 
 /// Estimates the offset of every joint of a recording.
 ///
-/// With a reference recording, that one is estimated first, with the same robot and settings but
+/// A reference recording is estimated first, with the same robot and settings but
 /// without injected offsets. `progress` is called every few thousand frames.
 ///
 /// # Errors
-/// [`EstimateError`]; no file has been written then.
+/// Returns an [`EstimateError`] if the recording or robot cannot be read, if both do not match, or if an output file
+/// cannot be written; no output file is left in that case.
 pub fn run(
     request: &Request,
     progress: &mut dyn FnMut(Progress),
@@ -28,7 +29,7 @@ pub fn run(
     Ok(estimate)
 }
 
-/// The estimate of the reference recording, where there is one.
+/// Estimates the reference recording; `None` if there is none.
 pub(crate) fn reference(
     request: &Request,
     progress: &mut dyn FnMut(Progress),
@@ -39,7 +40,7 @@ pub(crate) fn reference(
     let request = Request {
         log: log.clone(),
         robot: match (&request.robot, &request.given.robot) {
-            // The robot is that of the recording asked for, wherever the reference lies.
+            // The robot is that of the requested recording, independent of the folder of the reference.
             (None, None) => Some(robot_dir::find(&request.log)?),
             (place, _) => place.clone(),
         },
@@ -51,7 +52,7 @@ pub(crate) fn reference(
     one(&request, true, progress).map(Some)
 }
 
-/// Estimates one recording.
+/// Estimates a single recording.
 fn one(
     request: &Request,
     is_reference: bool,
@@ -66,7 +67,7 @@ fn one(
     pass.finish(opened)
 }
 
-/// Adds the difference to the reference recording.
+/// Adds the differences from the reference recording, and its warnings, to an estimate.
 pub(crate) fn compare(estimate: &mut Estimate, reference: &Estimate) {
     estimate.settings.reference = Some(reference.recording.path.clone());
     estimate.damaged |= reference.damaged;
@@ -83,7 +84,7 @@ pub(crate) fn compare(estimate: &mut Estimate, reference: &Estimate) {
 }
 
 fn difference(now: &JointEstimate, then: &JointEstimate) -> Option<Difference> {
-    if now.refused.is_some() || then.refused.is_some() {
+    if now.reason.is_some() || then.reason.is_some() {
         return None;
     }
     let (offset, reference_rad) = (now.offset_rad?, then.offset_rad?);

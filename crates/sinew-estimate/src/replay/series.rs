@@ -1,8 +1,8 @@
-//! A joint's estimate over time in bounded memory.
+//! Time series of the estimate of a joint in bounded memory.
 
 use super::result::Series;
 
-/// What one frame adds to a joint's series.
+/// Contribution of one frame to the time series of a joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Point {
     pub(super) delta_e: f64,
@@ -12,7 +12,7 @@ pub(super) struct Point {
     pub(super) usable: bool,
 }
 
-/// Sums over one interval.
+/// Sums over the frames of one interval.
 #[derive(Debug, Clone, Copy)]
 struct Bin {
     frames: u32,
@@ -49,7 +49,7 @@ impl Bin {
     }
 }
 
-/// Averages into intervals that double in length whenever there would be too many.
+/// Builder of a time series, averaged over intervals that double in length when their number exceeds the limit.
 #[derive(Debug, Clone)]
 pub(super) struct SeriesBuilder {
     width_ns: i64,
@@ -59,14 +59,14 @@ pub(super) struct SeriesBuilder {
 impl SeriesBuilder {
     pub(super) fn new() -> Self {
         Self {
-            // 10 ms: finer than any plot of a recording that fits into the intervals.
+            // 10 ms: finer than the resolution of a plot.
             width_ns: 10_000_000,
             bins: Vec::with_capacity(Series::POINTS),
         }
     }
 
     /// Adds a frame at `since_start_ns` from the start of the recording; a time before the start
-    /// (a clock that went back) counts as the start.
+    /// (non-monotonic clock) counts as the start.
     pub(super) fn add(&mut self, since_start_ns: i64, point: Point) {
         let since_start_ns = since_start_ns.max(0);
         let mut at = (since_start_ns / self.width_ns) as usize;
@@ -107,7 +107,7 @@ impl SeriesBuilder {
         let mut series = Series::default();
         let width_s = self.width_ns as f64 * 1e-9;
         for (i, bin) in self.bins.iter().enumerate() {
-            // Frames slower than the interval leave empty ones between: no points, not gaps.
+            // Intervals shorter than the frame period are empty between frames: they are not gaps.
             if bin.frames == 0 && !self.is_gap(i) {
                 continue;
             }
@@ -133,7 +133,7 @@ impl SeriesBuilder {
         series
     }
 
-    /// Whether an empty interval lies in a pause long enough to show as a gap in a plot.
+    /// Whether an empty interval is in a gap that is long enough to be visible in a plot.
     fn is_gap(&self, i: usize) -> bool {
         const GAP_NS: i64 = 500_000_000;
         let reach = (GAP_NS / self.width_ns).max(1) as usize;
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn means_survive_any_number_of_halvings() {
+    fn series_halving_preserves_means() {
         let mut builder = SeriesBuilder::new();
         // An hour at 100 Hz: a ramp from 0 to 1 mrad.
         let n = 360_000;
@@ -168,7 +168,7 @@ mod tests {
         assert!(series.time_s.len() <= Series::POINTS && series.time_s.len() > Series::POINTS / 2);
         let width = series.time_s[1] - series.time_s[0];
         for (t, d) in series.time_s.iter().zip(&series.offset_rad) {
-            // The last interval is not full: its mean sits up to half a width early.
+            // The last interval is not full: its mean is up to half a width early.
             assert!(
                 (1e3 * d - t / 3600.0).abs() <= 0.51 * width / 3600.0,
                 "{t} {d}"

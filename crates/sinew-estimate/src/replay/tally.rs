@@ -1,10 +1,10 @@
-//! Mean, scatter and standard error in one pass and bounded memory.
+//! Mean, standard deviation and standard error in one pass and bounded memory.
 
 /// Streaming statistics of a correlated signal.
 ///
-/// The standard error comes from batch means: neighbouring samples of a filtered signal are
-/// alike, so `scatter/√n` would be far too sure. Batches double in length whenever there are
-/// [`Tally::BATCHES`] of them, which keeps between half as many and as many.
+/// The standard error is that of batch means: neighbouring samples of a filtered signal are
+/// correlated, so `scatter/√n` would be far too small. The batch length doubles when the number of batches reaches
+/// [`Tally::BATCHES`], so that the number remains between half of this value and this value.
 #[derive(Debug, Clone)]
 pub(super) struct Tally {
     count: u64,
@@ -21,8 +21,8 @@ pub(super) struct Tally {
 
 impl Tally {
     const BATCHES: usize = 64;
-    /// Fewer batch means than this give no standard error.
-    const ENOUGH: usize = 8;
+    /// Minimum number of batch means for a standard error.
+    const MIN_BATCHES: usize = 8;
 
     pub(super) fn new() -> Self {
         Self {
@@ -32,7 +32,7 @@ impl Tally {
             min: f64::INFINITY,
             max: f64::NEG_INFINITY,
             // 25 samples: below the correlation time of the default filters at most rates, so
-            // that doubling, not the start, decides.
+            // that the doubling determines the length.
             batch_length: 25,
             batches: Vec::with_capacity(Self::BATCHES),
             batch_sum: 0.0,
@@ -56,7 +56,7 @@ impl Tally {
                 }
                 self.batches.truncate(Self::BATCHES / 2);
                 self.batch_length *= 2;
-                // The batch just filled is half of the new length: go on filling it.
+                // The completed batch is half of the new length and is filled further.
                 return;
             }
             self.batches.push(self.batch_sum / self.batch_count as f64);
@@ -69,7 +69,7 @@ impl Tally {
         self.count
     }
 
-    /// Mean, or NaN without a sample.
+    /// Mean of the samples, or NaN without a sample.
     pub(super) fn mean(&self) -> f64 {
         if self.count == 0 { f64::NAN } else { self.mean }
     }
@@ -91,10 +91,10 @@ impl Tally {
         }
     }
 
-    /// Standard error of the mean, or NaN with too few batches.
+    /// Standard error of the mean, or NaN with fewer than [`Tally::MIN_BATCHES`] batches.
     pub(super) fn standard_error(&self) -> f64 {
         let n = self.batches.len();
-        if n < Self::ENOUGH {
+        if n < Self::MIN_BATCHES {
             return f64::NAN;
         }
         let mean = self.batches.iter().sum::<f64>() / n as f64;
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn the_standard_error_respects_correlation() {
+    fn standard_error_correlated_noise_matches_analytic() {
         // Var(mean) of first-order noise: (1+a)/(1−a)/n ≈ 2 τ/n.
         let (n, tau) = (20_000, 50.0);
         let expected = (2.0 * tau / n as f64).sqrt();
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_and_scatter_are_those_of_the_samples() {
+    fn mean_and_scatter_match_analytic() {
         let mut tally = Tally::new();
         for x in [1.0, 2.0, 4.0] {
             tally.add(x);

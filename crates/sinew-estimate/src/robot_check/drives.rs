@@ -1,13 +1,13 @@
-//! Stiffness, motor inertia and friction against what the arm asks of a joint.
+//! Checks of stiffness, motor inertia and friction against the load of the arm.
 
-use super::finding::{Bounds, Finding, FindingKind, Measure, Written, judge};
+use super::finding::{Bounds, Finding, FindingKind, Measure, Written, check_range};
 use super::keys::Keys;
 use super::loads::Load;
 use sinew_files::bound::unit_of;
 use sinew_model::transmission::Transmission;
 use std::f64::consts::TAU;
 
-/// A joint's drive and its place.
+/// Drive of a joint, with the keys that describe it.
 pub(super) struct Drive<'a> {
     pub(super) joint: &'a str,
     pub(super) keys: &'a Keys,
@@ -16,7 +16,7 @@ pub(super) struct Drive<'a> {
 }
 
 impl Drive<'_> {
-    /// What is odd of it.
+    /// Returns the implausible values of the drive.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let mut out = Vec::from_iter(self.stiffness());
         out.extend(self.motor());
@@ -31,7 +31,7 @@ impl Drive<'_> {
         out
     }
 
-    fn judged(
+    fn assessed(
         &self,
         kind: FindingKind,
         key: &str,
@@ -39,17 +39,17 @@ impl Drive<'_> {
         bounds: Bounds,
     ) -> Option<Finding> {
         let path = format!("joints.{}.{key}", self.joint);
-        // Friction may be the URDF's, then no key has it.
+        // Friction may be specified in the URDF; then there is no key.
         let value = self.keys.number(&path)?;
         let written = Written {
             value,
             unit: unit_of(&path),
         };
-        let finding = judge(kind, || self.keys.at(&path), written, measure, bounds);
+        let finding = check_range(kind, || self.keys.at(&path), written, measure, bounds);
         finding.map(|finding| self.keys.sensible(finding))
     }
 
-    /// The spring under gravity, and the link swinging on it.
+    /// Checks the deflection of the spring by gravity, and the natural frequency of the link.
     fn stiffness(&self) -> Option<Finding> {
         let (k, load) = (self.transmission.stiffness_nm_per_rad, self.load);
         let key = "stiffness_nm_per_rad";
@@ -59,9 +59,9 @@ impl Drive<'_> {
             unit: "rad",
             power: -1.0,
         };
-        // An arm that hangs by 60 degrees can't be used; by a turn its tendon is off the pulley.
+        // A deflection of 60° makes an arm unusable; at one revolution the tendon leaves the pulley.
         let bounds = Bounds::usual(0.0, 1.0).possible(0.0, TAU);
-        let finding = self.judged(FindingKind::Sag, key, sag, bounds);
+        let finding = self.assessed(FindingKind::Sag, key, sag, bounds);
         if finding.is_some() || load.inertia_kg_m2 <= 0.0 {
             return finding;
         }
@@ -71,22 +71,22 @@ impl Drive<'_> {
             power: 0.5,
         };
         let bounds = Bounds::usual(0.5, 500.0);
-        let finding = self.judged(FindingKind::Frequency, key, frequency, bounds);
+        let finding = self.assessed(FindingKind::Frequency, key, frequency, bounds);
         finding.or_else(|| {
-            // Moving briskly, at 10 rad/s².
+            // Fast motion, at 10 rad/s².
             let torque = load.gravity_nm.max(10.0 * load.inertia_kg_m2);
-            let most = Measure {
+            let deflection = Measure {
                 value: 1e3 * torque / k,
                 unit: "mrad",
                 power: -1.0,
             };
             // A 20-bit encoder has steps of 0.006 mrad.
             let bounds = Bounds::usual(1e-3, f64::INFINITY);
-            self.judged(FindingKind::TooStiff, key, most, bounds)
+            self.assessed(FindingKind::TooStiff, key, deflection, bounds)
         })
     }
 
-    /// Motor inertia over the link's: a rotor whose gear was forgotten is far below.
+    /// Checks the ratio of motor inertia to link inertia; it is far too small if the gear ratio is missing.
     fn motor(&self) -> Option<Finding> {
         let motor = self.transmission.motor_inertia_kg_m2?;
         if self.load.inertia_kg_m2 <= 0.0 || motor == 0.0 {
@@ -98,7 +98,7 @@ impl Drive<'_> {
             power: 1.0,
         };
         let bounds = Bounds::usual(1e-3, 1e3);
-        self.judged(
+        self.assessed(
             FindingKind::MotorInertia,
             "motor_inertia_kg_m2",
             ratio,
@@ -106,7 +106,7 @@ impl Drive<'_> {
         )
     }
 
-    /// Friction as the deflection of the spring that it takes to overcome it.
+    /// Checks friction as the deflection of the spring that overcomes it.
     fn friction(&self, section: &str, coulomb_nm: f64) -> Option<Finding> {
         if coulomb_nm == 0.0 {
             return None;
@@ -118,6 +118,6 @@ impl Drive<'_> {
         };
         let bounds = Bounds::usual(2e-5, 0.3).possible(0.0, TAU);
         let key = format!("{section}.coulomb_nm");
-        self.judged(FindingKind::Friction, &key, over, bounds)
+        self.assessed(FindingKind::Friction, &key, over, bounds)
     }
 }

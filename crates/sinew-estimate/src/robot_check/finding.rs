@@ -1,174 +1,174 @@
-//! One odd value of a robot's description.
+//! Implausible value of a robot's description.
 
 use serde::Serialize;
 use sinew_files::{Fault, Located, Place};
 
-/// What looks odd.
+/// Kind of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
-    /// Something an estimate needs is not there.
+    /// Value that an estimate needs is missing.
     Gap,
-    /// A joint of robot.toml that the URDF lacks.
+    /// Joint of robot.toml that is not in the URDF.
     UnknownJoint,
-    /// Two values exclude each other.
+    /// Two conflicting values.
     Contradiction,
-    /// A value outside what such a key usually holds.
+    /// Value outside the usual range of its key.
     Range,
-    /// A joint's place or a centre of mass, by its distance.
+    /// Distance of a joint or a centre of mass from its link's origin, m.
     Distance,
-    /// The mass that moves, for the arm's reach (judged: mass over the reach cubed).
+    /// Moving mass relative to the arm's reach (compared: mass over the cube of the reach).
     ArmMass,
-    /// A link that is much heavier than all the others together (judged: the ratio).
+    /// Link that is much heavier than all others together (compared: ratio of the masses).
     HeavyLink,
-    /// A long link that weighs next to nothing (judged: its share of the moving mass).
+    /// Long link of very small mass (compared: share of the moving mass).
     LightLink,
-    /// A link denser than a material (judged: density of a ball of its mass and inertia).
+    /// Link denser than any material (compared: density of a ball of the same mass and inertia).
     Density,
-    /// An inertia too large for the link's size (judged: radius of gyration).
+    /// Inertia too large for the size of the link (compared: radius of gyration).
     InertiaSize,
-    /// An inertia no body has: not positive definite.
+    /// Inertia that is not positive definite.
     InertiaNotDefinite,
-    /// Principal moments that break the triangle inequality.
+    /// Principal moments that violate the triangle inequality.
     InertiaTriangle,
     /// Natural frequency of the link on the joint's spring.
     Frequency,
-    /// How far gravity deflects the spring.
+    /// Deflection of the spring by gravity.
     Sag,
-    /// So stiff that theta − q never shows.
+    /// Stiffness so large that `theta − q` is not measurable.
     TooStiff,
-    /// Stiffer than the tendon's own rope (judged: ratio of the two).
+    /// Stiffness larger than that of the tendon's rope (compared: ratio of both).
     StifferThanRope,
-    /// Motor inertia over the link's.
+    /// Ratio of motor inertia to link inertia.
     MotorInertia,
-    /// Coulomb friction over stiffness.
+    /// Ratio of Coulomb friction to stiffness.
     Friction,
-    /// A rope that the catalogue doesn't hold.
+    /// Rope that is not in the catalogue.
     UnknownRope,
-    /// Pretension over the rope's breaking load.
+    /// Ratio of pretension to the rope's breaking load.
     Pretension,
-    /// Pull of the strand that holds the arm up, over the rope's breaking load.
+    /// Ratio of the strand's tension under gravity to the rope's breaking load.
     HoldingPull,
-    /// Pull at the joint's largest torque, over the rope's breaking load.
+    /// Ratio of the tension at the joint's maximum torque to the rope's breaking load.
     LargestPull,
-    /// Diameter of the rope's path on a pulley over the rope's diameter.
+    /// Ratio of the diameter of the rope's path on a pulley to the rope's diameter.
     PulleyDiameter,
-    /// A limit of elongation over the strand's length.
+    /// Ratio of the elongation limit to the strand's length.
     ElongationLimit,
-    /// A joint whose range has no width.
+    /// Joint range of zero width.
     RangeWidth,
-    /// A joint whose upper end lies below its lower one.
+    /// Joint range whose upper limit is below its lower limit.
     RangeReversed,
-    /// Joint's largest torque over what gravity asks of it.
+    /// Ratio of the joint's maximum torque to its gravity torque.
     EffortLimit,
-    /// A torque or speed below 0.
+    /// Negative torque or speed limit.
     NegativeLimit,
-    /// Joint's largest speed.
+    /// Maximum speed of the joint.
     SpeedLimit,
-    /// Size of gravity.
+    /// Magnitude of gravity.
     Gravity,
-    /// Gravity that points up.
+    /// Gravity that points upwards.
     GravityUp,
 }
 
-/// How bad it is.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
-    /// Seldom right, but it may be.
-    Odd,
-    /// Not there, and an estimate needs it.
+    /// Implausible, but possible.
+    Implausible,
+    /// Missing, and needed by an estimate.
     Missing,
-    /// No robot has it.
+    /// Impossible for any robot.
     Impossible,
 }
 
-/// What was compared with what is usual.
+/// Comparison of a value with its usual range.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Judged {
-    /// Value, in `unit`.
+pub struct RangeCheck {
+    /// Compared value, in `unit`.
     pub value: f64,
     /// Unit; empty for a ratio.
     pub unit: &'static str,
-    /// Least that is usual.
+    /// Lower limit of the usual range; none if unbounded.
     pub low: Option<f64>,
-    /// Most that is usual.
+    /// Upper limit of the usual range; none if unbounded.
     pub high: Option<f64>,
 }
 
-/// Another unit in which the value would be usual.
+/// Unit in which the value would be plausible.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct UnitSlip {
-    /// The unit it looks as if it were in.
+pub struct UnitHint {
+    /// Probable unit of the value in the file.
     pub unit: &'static str,
-    /// The value in the unit that is meant.
+    /// Value converted to the expected unit.
     pub value: f64,
 }
 
-/// Where a value stands.
+/// Location of a value in a file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct At {
-    /// File.
+pub struct Location {
+    /// Name of the file.
     pub file: String,
-    /// Line, from 1.
+    /// Line number, from 1.
     pub line: Option<u64>,
-    /// Key of a TOML file, element of a URDF.
+    /// Key of a TOML file, or element of a URDF.
     pub key: String,
 }
 
-/// One odd value.
+/// Implausible, missing or impossible value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
-    /// What looks odd.
+    /// Kind of the finding.
     pub kind: FindingKind,
-    /// How bad it is.
+    /// Severity of the finding.
     pub severity: Severity,
-    /// Where it stands.
-    pub at: At,
-    /// The value as the file has it, in `unit`.
+    /// Location of the value.
+    pub at: Location,
+    /// Value in the file, in `unit`.
     pub value: Option<f64>,
-    /// Unit of the file's value.
+    /// Unit of the value in the file.
     pub unit: &'static str,
-    /// What was compared, and what is usual.
-    pub judged: Option<Judged>,
-    /// The unit it may have been written in.
-    pub slip: Option<UnitSlip>,
-    /// A name that isn't there, or what a reader of the file says.
+    /// Compared value and its usual range.
+    pub assessed: Option<RangeCheck>,
+    /// Unit in which the value may have been written.
+    pub slip: Option<UnitHint>,
+    /// Unknown name, or message of the file's parser.
     pub text: Option<String>,
-    /// Names that may have been meant, the nearest first.
+    /// Available names, most similar first.
     pub names: Vec<String>,
 }
 
 impl Finding {
-    /// A finding without a number.
-    pub(super) fn new(kind: FindingKind, severity: Severity, at: At) -> Self {
+    /// Creates a finding without a value.
+    pub(super) fn new(kind: FindingKind, severity: Severity, at: Location) -> Self {
         Self {
             kind,
             severity,
             at,
             value: None,
             unit: "",
-            judged: None,
+            assessed: None,
             slip: None,
             text: None,
             names: Vec::new(),
         }
     }
 
-    /// What keeps a robot from being built.
+    /// Creates the finding of a gap that prevents the use of a robot.
     pub(super) fn of_gap(gap: &Located) -> Self {
         let (kind, severity) = match gap.fault {
             Fault::UnknownName => (FindingKind::UnknownJoint, Severity::Impossible),
             Fault::MissingKey => (FindingKind::Gap, Severity::Missing),
             _ => (FindingKind::Contradiction, Severity::Impossible),
         };
-        let at = At {
+        let at = Location {
             file: gap.file.clone(),
             line: gap.line,
             key: match &gap.place {
@@ -184,10 +184,10 @@ impl Finding {
     }
 }
 
-/// Two ends; infinite where there is none.
+/// Lower and upper limit; infinite if unbounded.
 pub(super) type Range = (f64, f64);
 
-/// What is usual, and what is possible at all.
+/// Usual and possible range of a value.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     pub(super) usual: Range,
@@ -195,7 +195,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Odd outside; nothing is impossible.
+    /// Creates bounds of plausible values; none is impossible.
     pub(super) const fn usual(low: f64, high: f64) -> Self {
         Self {
             usual: (low, high),
@@ -203,21 +203,21 @@ impl Bounds {
         }
     }
 
-    /// Impossible outside these.
+    /// Sets the range of possible values.
     pub(super) const fn possible(mut self, low: f64, high: f64) -> Self {
         self.possible = (low, high);
         self
     }
 }
 
-/// A file's value and its unit.
+/// Value in a file and its unit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Written {
     pub(super) value: f64,
     pub(super) unit: &'static str,
 }
 
-/// A quantity to compare: it goes with the power `power` of the file's value.
+/// Quantity to compare, proportional to the file's value to the power of `power`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measure {
     pub(super) value: f64,
@@ -225,10 +225,10 @@ pub(super) struct Measure {
     pub(super) power: f64,
 }
 
-/// A finding where `measure` lies outside its bounds.
-pub(super) fn judge(
+/// Returns a finding if `measure` is outside its bounds.
+pub(super) fn check_range(
     kind: FindingKind,
-    at: impl FnOnce() -> At,
+    at: impl FnOnce() -> Location,
     written: Written,
     measure: Measure,
     bounds: Bounds,
@@ -238,13 +238,13 @@ pub(super) fn judge(
         return None;
     }
     let severity = match inside(bounds.possible, measure.value) {
-        true => Severity::Odd,
+        true => Severity::Implausible,
         false => Severity::Impossible,
     };
-    // A little outside is no other unit.
-    const FAR: f64 = 4.0;
+    // Minimum factor beyond the usual range for a unit error.
+    const MIN_UNIT_ERROR: f64 = 4.0;
     let (low, high) = bounds.usual;
-    let is_far = measure.value < low / FAR || measure.value > high * FAR;
+    let is_far = measure.value < low / MIN_UNIT_ERROR || measure.value > high * MIN_UNIT_ERROR;
     let fits = |factor: f64| {
         let moved = measure.value * libm::pow(factor, measure.power);
         is_far && inside(bounds.usual, moved)
@@ -253,7 +253,7 @@ pub(super) fn judge(
     Some(Finding {
         value: Some(written.value),
         unit: written.unit,
-        judged: Some(Judged {
+        assessed: Some(RangeCheck {
             value: measure.value,
             unit: measure.unit,
             low: end(bounds.usual.0),
@@ -264,20 +264,20 @@ pub(super) fn judge(
     })
 }
 
-/// The first unit a value may have been written in so that the value it stands for fits.
-pub(super) fn slip(written: Written, fits: impl Fn(f64) -> bool) -> Option<UnitSlip> {
+/// Returns the first unit in which the converted value satisfies `fits`.
+pub(super) fn slip(written: Written, fits: impl Fn(f64) -> bool) -> Option<UnitHint> {
     let (_, units) = SLIPS.iter().find(|(unit, _)| *unit == written.unit)?;
-    let mut slips = units.iter().map(|&(unit, factor)| UnitSlip {
+    let mut slips = units.iter().map(|&(unit, factor)| UnitHint {
         unit,
         value: written.value * factor,
     });
     slips.find(|slip| fits(slip.value))
 }
 
-/// [`judge`] of the file's value itself.
-pub(super) fn judge_value(
+/// Applies [`check_range`] to the file's value itself.
+pub(super) fn check_value(
     kind: FindingKind,
-    at: impl FnOnce() -> At,
+    at: impl FnOnce() -> Location,
     written: Written,
     bounds: Bounds,
 ) -> Option<Finding> {
@@ -286,12 +286,12 @@ pub(super) fn judge_value(
         unit: written.unit,
         power: 1.0,
     };
-    judge(kind, at, written, measure, bounds)
+    check_range(kind, at, written, measure, bounds)
 }
 
 type Slips = (&'static str, &'static [(&'static str, f64)]);
 
-/// Units that are mistaken for each other: unit meant, and unit written with its size in the first.
+/// Units that are confused with each other: expected unit, and written unit with its size in the expected one.
 const SLIPS: [Slips; 14] = [
     ("mm", &[("m", 1e3), ("µm", 1e-3), ("cm", 10.0)]),
     ("m", &[("mm", 1e-3), ("cm", 1e-2), ("km", 1e3)]),
@@ -325,7 +325,7 @@ const SLIPS: [Slips; 14] = [
 mod tests {
     use super::*;
 
-    /// What one of a unit is in SI, written from its definition.
+    // Size of a unit in SI, from its definition.
     fn si(unit: &str) -> f64 {
         let degree = std::f64::consts::PI / 180.0;
         match unit {
@@ -343,15 +343,15 @@ mod tests {
             "N·m/°" => 1.0 / degree,
             "°" | "°/s" => degree,
             "rpm" => 6.0 * degree,
-            other => panic!("{other}: say what it is"),
+            other => panic!("{other}: unknown unit"),
         }
     }
 
     #[test]
-    fn units_that_are_mistaken_have_the_size_of_their_definitions() {
+    fn unit_hints_match_si_definitions() {
         for (meant, others) in SLIPS {
             for &(written, size) in others {
-                // A mass written where a force is meant: its weight.
+                // A mass in place of a force: its weight.
                 let expected = match (meant, written) {
                     ("N", "kg") => 9.81,
                     _ => si(written) / si(meant),

@@ -1,23 +1,23 @@
-//! Numbers of a TOML file with their lines, and what each key usually holds.
+//! Numbers of a TOML file with their lines, and the usual range of each key.
 
 use super::finding::{
-    At, Bounds, Finding, FindingKind, Measure, Severity, Written, judge, judge_value,
+    Bounds, Finding, FindingKind, Location, Measure, Severity, Written, check_range, check_value,
 };
 use sinew_files::bound::unit_of;
 use sinew_files::{Bound, Located, Section, TomlFile, Value};
 use std::f64::consts::TAU;
 
-/// A key of a TOML file.
+/// Key of a TOML file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Key {
-    /// Section and key: `joints.elbow.tendon.length_mm`.
+    /// Section and key, such as `joints.elbow.tendon.length_mm`.
     pub(super) path: String,
     pub(super) line: u64,
-    /// Its number, if it is one.
+    /// Value of the key, if it is a number.
     pub(super) number: Option<f64>,
 }
 
-/// The keys of a TOML file.
+/// Keys of a TOML file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Keys {
     file: String,
@@ -25,7 +25,7 @@ pub(super) struct Keys {
 }
 
 impl Keys {
-    /// Reads a file's text.
+    /// Parses the text of a file.
     pub(super) fn parse(text: &str, file: &str) -> Result<Self, Located> {
         let mut all = Vec::new();
         gather(&TomlFile::parse(text, file)?.root(), "", &mut all);
@@ -35,22 +35,22 @@ impl Keys {
         })
     }
 
-    /// Place of a key; of the file where it has none.
-    pub(super) fn at(&self, path: &str) -> At {
+    /// Returns the location of a key, without a line for an unknown key.
+    pub(super) fn at(&self, path: &str) -> Location {
         let key = self.all.iter().find(|key| key.path == path);
-        At {
+        Location {
             file: self.file.clone(),
             line: key.map(|key| key.line),
             key: path.to_owned(),
         }
     }
 
-    /// The number at a key.
+    /// Returns the number at a key.
     pub(super) fn number(&self, path: &str) -> Option<f64> {
         self.all.iter().find(|key| key.path == path)?.number
     }
 
-    /// A unit that would make the value of a key unusual is none.
+    /// Removes a unit hint with which the value of the key would be implausible.
     pub(super) fn sensible(&self, mut finding: Finding) -> Finding {
         let usual = bounds_of(&finding.at.key).map(|bounds| bounds.usual);
         finding.slip = finding
@@ -59,9 +59,9 @@ impl Keys {
         finding
     }
 
-    /// Numbers outside what is usual for their keys.
+    /// Returns the numbers outside the usual range of their keys.
     pub(super) fn findings(&self) -> Vec<Finding> {
-        let odd = |key: &Key| {
+        let implausible = |key: &Key| {
             let bounds = bounds_of(&key.path)?;
             // `base_rpy_rad[0]` is in rad.
             let unit = unit_of(
@@ -78,18 +78,22 @@ impl Keys {
             };
             let written = Written { value, unit };
             let at = || self.at(&key.path);
-            judge(FindingKind::Range, at, written, measure, bounds)
+            check_range(FindingKind::Range, at, written, measure, bounds)
         };
         let gravity = self.gravity();
-        self.all.iter().filter_map(odd).chain(gravity).collect()
+        self.all
+            .iter()
+            .filter_map(implausible)
+            .chain(gravity)
+            .collect()
     }
 
-    /// Gravity of no planet, or one that points up.
+    /// Checks the magnitude and the direction of gravity.
     fn gravity(&self) -> Option<Finding> {
         let path = |i: usize| format!("gravity_m_s2[{i}]");
         let part = |i| self.number(&path(i));
         let g = [part(0)?, part(1)?, part(2)?];
-        let at = |i| At {
+        let at = |i| Location {
             key: "gravity_m_s2".into(),
             ..self.at(&path(i))
         };
@@ -98,15 +102,15 @@ impl Keys {
             value: size,
             unit: "m/s²",
         };
-        // Moon 1.6, Jupiter 25; none at all in orbit.
+        // Moon 1.6, Jupiter 25; 0 in orbit is allowed.
         let bounds = Bounds::usual(1.5, 26.0).possible(0.0, 275.0);
-        let odd = judge_value(FindingKind::Gravity, || at(0), written, bounds);
+        let finding = check_value(FindingKind::Gravity, || at(0), written, bounds);
         let up = (g[2] > 0.5 * size && size > 0.0).then(|| Finding {
             value: Some(g[2]),
             unit: "m/s²",
-            ..Finding::new(FindingKind::GravityUp, Severity::Odd, at(2))
+            ..Finding::new(FindingKind::GravityUp, Severity::Implausible, at(2))
         });
-        odd.filter(|_| size > 0.0).or(up)
+        finding.filter(|_| size > 0.0).or(up)
     }
 }
 
@@ -133,13 +137,13 @@ fn push(value: &Value<'_>, path: String, line: u64, all: &mut Vec<Key>) {
     }
 }
 
-/// What is usual by the key's name, in the key's unit, whatever the sign.
+/// Returns the usual range of the absolute value of a key, in the key's unit.
 fn bounds_of(path: &str) -> Option<Bounds> {
     let mut parts = path.rsplit('.');
     let last = parts.next()?;
     let parent = parts.next().unwrap_or_default();
     Some(match last {
-        // Finger tendons have centimetres, cranes aside no strand has 10 m.
+        // Tendons of fingers have centimetres; except in cranes no strand has 10 m.
         "length_mm" => Bounds::usual(15.0, 10_000.0).possible(2.0, 100_000.0),
         "joint_pulley_radius_mm" => Bounds::usual(2.0, 250.0).possible(0.5, 2_000.0),
         "radius_mm" => Bounds::usual(1.0, 250.0).possible(0.3, 2_000.0),
@@ -147,7 +151,7 @@ fn bounds_of(path: &str) -> Option<Bounds> {
         // Dry rope on steel 0.1 to 0.3.
         "friction" if parent.starts_with("guides[") => Bounds::usual(0.0, 0.6),
         "retension_at_mm" => Bounds::usual(0.01, 50.0),
-        // Fibres break at 3 to 5 %, slow creep goes to 10 %.
+        // Fibres break at 3 to 5 %; slow creep reaches 10 %.
         "replace_at_strain_percent" => Bounds::usual(0.05, 10.0).possible(0.0, 100.0),
         "pretension_n" => Bounds::usual(1.0, 20_000.0),
         "motor_inertia_kg_m2" => Bounds::usual(1e-7, 1e3),
@@ -163,7 +167,8 @@ fn bounds_of(path: &str) -> Option<Bounds> {
     })
 }
 
-/// What is usual of a tolerance: wide enough for a finger's and a crane's, narrow enough for a unit that is a thousand times another.
+/// Returns the usual range of a tolerance: wide enough for fingers and cranes, narrow enough to detect a unit error of
+/// a factor of 1000.
 fn tolerance(key: &str) -> Option<Bounds> {
     Some(match key {
         key if key.ends_with("_percent") => Bounds::usual(0.05, 100.0),
@@ -173,7 +178,7 @@ fn tolerance(key: &str) -> Option<Bounds> {
         "encoder_mrad" => Bounds::usual(2e-3, 20.0),
         "drift_mrad_per_k" => Bounds::usual(1e-3, 5.0),
         "zero_mrad" => Bounds::usual(0.05, 1_000.0),
-        // 295 is a temperature, not how far one is off.
+        // 295 would be a temperature, not a tolerance.
         "temperature_k" => Bounds::usual(0.05, 100.0),
         "external_force_n" => Bounds::usual(0.01, 500.0),
         _ => return None,

@@ -1,17 +1,17 @@
-//! Ranges, speeds and torques of a URDF's joints.
+//! Checks of the ranges, speeds and torques of a URDF's joints.
 
-use super::finding::{Bounds, Finding, FindingKind, Measure, Severity, Written, judge};
+use super::finding::{Bounds, Finding, FindingKind, Measure, Severity, Written, check_range};
 use super::loads::Load;
 use super::masses::Outline;
 use sinew_model::arm::urdf::{JointType, UrdfJoint};
 use std::f64::consts::TAU;
 
-/// Whether a limit is a placeholder: published URDFs have 100, 1000, 50 000, 1e16.
+/// Whether a limit is a placeholder; published URDFs contain 100, 1000, 50 000 and 1e16.
 fn is_placeholder(limit: f64) -> bool {
     limit == 100.0 || limit >= 1_000.0
 }
 
-/// Limits of a joint that are odd; `load` is what its arm asks of it, where masses are believed.
+/// Returns the implausible limits of a joint. `load`: load of the arm on the joint, if the masses are plausible.
 pub(super) fn findings(
     outline: &Outline<'_>,
     joint: &UrdfJoint,
@@ -43,16 +43,28 @@ pub(super) fn findings(
         if is_placeholder(value.abs()) {
             return None;
         }
-        judge(FindingKind::Range, || at(what), written, measure, bounds)
+        check_range(FindingKind::Range, || at(what), written, measure, bounds)
     };
     let mut out = Vec::new();
     let width = unit("rad", "m");
     if joint.range_stated && lower == upper {
         let kind = FindingKind::RangeWidth;
-        out.push(plain(kind, Severity::Odd, "upper limit", upper, width));
+        out.push(plain(
+            kind,
+            Severity::Implausible,
+            "upper limit",
+            upper,
+            width,
+        ));
     } else if joint.range_stated && upper < lower {
         let kind = FindingKind::RangeReversed;
-        out.push(plain(kind, Severity::Odd, "upper limit", upper, width));
+        out.push(plain(
+            kind,
+            Severity::Implausible,
+            "upper limit",
+            upper,
+            width,
+        ));
     }
     out.extend(range("upper limit", upper).or_else(|| range("lower limit", lower)));
     for (what, value, unit) in [
@@ -64,7 +76,7 @@ pub(super) fn findings(
             out.push(plain(kind, Severity::Impossible, what, value, unit));
         }
     }
-    // 600 rpm; light hands reach a tenth of it.
+    // 600 rpm; light hands reach 60 rpm.
     if velocity > 0.0 && !is_placeholder(velocity) {
         let written = Written {
             value: velocity,
@@ -77,10 +89,16 @@ pub(super) fn findings(
         };
         let bounds = Bounds::usual(0.0, 60.0);
         let at = || at("velocity limit");
-        out.extend(judge(FindingKind::SpeedLimit, at, written, measure, bounds));
+        out.extend(check_range(
+            FindingKind::SpeedLimit,
+            at,
+            written,
+            measure,
+            bounds,
+        ));
     }
     if let Some(load) = load.filter(|load| effort > 0.0 && load.gravity_nm > 0.0) {
-        // An arm may be too weak to hold itself stretched out, not ten times too weak.
+        // The effort limit may be below the gravity torque of the outstretched arm, but not below a tenth of it.
         let written = Written {
             value: effort,
             unit: unit("N·m", "N"),
@@ -92,7 +110,7 @@ pub(super) fn findings(
         };
         let bounds = Bounds::usual(0.1, f64::INFINITY);
         let at = || at("effort limit");
-        out.extend(judge(
+        out.extend(check_range(
             FindingKind::EffortLimit,
             at,
             written,

@@ -1,22 +1,22 @@
-//! What an arm asks of its joints.
+//! Maximum loads of an arm on its joints.
 
 use sinew_model::arm::urdf::JointLimits;
 use sinew_model::arm::{Arm, ArmWorkspace, JointKind};
 use std::f64::consts::PI;
 
-/// Poses looked at: enough to come near the largest torque of every joint.
+/// Number of evaluated poses, sufficient to approach the maximum torque of every joint.
 const POSES: usize = 256;
 
-/// What an arm asks of a joint at most, over its poses. Of a prismatic one, N and kg.
+/// Maximum load of an arm on a joint over its poses; in N and kg for a prismatic joint.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Load {
-    /// Torque of gravity, N·m.
+    /// Maximum gravity torque, N·m.
     pub(crate) gravity_nm: f64,
-    /// Inertia about its axis, `M_ii`, kg·m².
+    /// Maximum inertia about the joint axis, `M_ii`, kg·m².
     pub(crate) inertia_kg_m2: f64,
 }
 
-/// Loads of all joints over poses within their limits, spread evenly by the golden-ratio sequence
+/// Computes the loads of all joints over poses within their limits, distributed evenly by the golden-ratio sequence
 /// (Roberts' R_d).
 pub(crate) fn loads(arm: &Arm, limits: &[JointLimits]) -> Vec<Load> {
     let n = arm.dof();
@@ -44,18 +44,18 @@ pub(crate) fn loads(arm: &Arm, limits: &[JointLimits]) -> Vec<Load> {
     out
 }
 
-/// Range looked at: the joint's, or a turn where it states none.
+/// Returns the evaluated range: that of the joint, or one revolution if it is unlimited.
 fn range(arm: &Arm, limits: &[JointLimits], i: usize) -> (f64, f64) {
     let JointLimits { lower, upper, .. } = limits[i];
-    let stated = lower.is_finite() && upper.is_finite() && upper > lower;
-    match (stated, arm.joint_kind(i)) {
+    let is_specified = lower.is_finite() && upper.is_finite() && upper > lower;
+    match (is_specified, arm.joint_kind(i)) {
         (true, _) => (lower, upper),
         (false, Some(JointKind::Prismatic)) => (0.0, 0.0),
         (false, _) => (-PI, PI),
     }
 }
 
-/// Powers of `1/φ_d`, where `φ_d^(d+1) = φ_d + 1`.
+/// Returns the powers of `1/φ_d`, where `φ_d^(d+1) = φ_d + 1`.
 fn steps(n: usize) -> Vec<f64> {
     let mut phi = 2.0_f64;
     for _ in 0..32 {

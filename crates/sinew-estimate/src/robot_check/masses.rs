@@ -1,52 +1,54 @@
-//! Masses, inertias and distances of a URDF.
+//! Checks of the masses, inertias and distances of a URDF.
 
-use super::finding::{At, Bounds, Finding, FindingKind, Measure, Severity, Written, judge, slip};
+use super::finding::{
+    Bounds, Finding, FindingKind, Location, Measure, Severity, Written, check_range, slip,
+};
 use sinew_model::arm::urdf::{
     JointType, UrdfJoint, UrdfLink, UrdfRobot, is_positive_semidefinite, line_of, obeys_triangle,
 };
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Density of the densest element, osmium, 22 590 kg/m³, rounded up.
-const DENSEST_KG_M3: f64 = 23_000.0;
-/// Lead has 11 340 kg/m³.
-const DENSE_KG_M3: f64 = 12_000.0;
-/// As dense as links are, from thin tubes to solid steel: what another unit must lead to.
-const SOLID_KG_M3: std::ops::RangeInclusive<f64> = 5.0..=DENSE_KG_M3;
-/// A ball of osmium with the radius of the arm's reach.
-const HEAVIEST_KG_M3: f64 = 4.0 / 3.0 * PI * DENSEST_KG_M3;
+/// Maximum density of matter, kg/m³: osmium has 22 590 kg/m³, rounded up.
+const MAX_DENSITY_KG_M3: f64 = 23_000.0;
+/// Maximum usual density of a link, kg/m³: lead has 11 340 kg/m³.
+const MAX_USUAL_DENSITY_KG_M3: f64 = 12_000.0;
+/// Density range of links, from thin tubes to solid steel, that the value in another unit must satisfy, kg/m³.
+const LINK_DENSITY_KG_M3: std::ops::RangeInclusive<f64> = 5.0..=MAX_USUAL_DENSITY_KG_M3;
+/// Maximum mass of an arm per cube of its reach, kg/m³: a ball of osmium with the radius of the reach.
+const MAX_MASS_PER_REACH_KG_M3: f64 = 4.0 / 3.0 * PI * MAX_DENSITY_KG_M3;
 
-/// A URDF, its text and its file.
+/// Parsed URDF, its text and the name of its file.
 pub(super) struct Outline<'a> {
     pub(super) robot: &'a UrdfRobot,
     pub(super) text: &'a str,
     pub(super) file: &'a str,
 }
 
-/// A link that moves.
+/// Link that moves.
 struct Moving<'a> {
     link: &'a UrdfLink,
-    /// Way from the first moving joint to its own, m.
+    /// Length of the chain from the first moving joint to the joint of the link, m.
     way_m: f64,
-    /// Farthest of its centre of mass and the joints on it from its own joint, m.
+    /// Maximum distance of the centre of mass and of the child joints from the joint of the link, m.
     extent_m: f64,
 }
 
 impl Outline<'_> {
-    /// Place of an element: `link 'forearm'`, and what of it.
-    pub(super) fn at(&self, element: &str, what: &str) -> At {
-        At {
+    /// Returns the location of a property (`what`) of an element such as `link 'forearm'`.
+    pub(super) fn at(&self, element: &str, what: &str) -> Location {
+        Location {
             file: self.file.to_owned(),
             line: Some(line_of(self.text, element)).filter(|line| *line > 0),
             key: format!("{element}, {what}"),
         }
     }
 
-    fn at_link(&self, link: &UrdfLink, what: &str) -> At {
+    fn at_link(&self, link: &UrdfLink, what: &str) -> Location {
         self.at(&format!("link '{}'", link.name), what)
     }
 
-    /// Links that move, first those nearest to the base.
+    /// Returns the moving links, starting at the base.
     fn moving(&self) -> Vec<Moving<'_>> {
         let links: BTreeMap<&str, &UrdfLink> = (self.robot.links.iter())
             .map(|link| (link.name.as_str(), link))
@@ -57,7 +59,7 @@ impl Outline<'_> {
         }
         let is_child = |name: &str| self.robot.joints.iter().any(|j| j.child == name);
         let roots = links.keys().filter(|name| !is_child(name));
-        // Link, and the way to it once something before it moves.
+        // Link, and the length of the chain to it after the first moving joint.
         let mut open: Vec<(&str, Option<f64>)> = roots.map(|name| (*name, None)).collect();
         let mut out = Vec::new();
         while let Some((name, way)) = open.pop() {
@@ -84,11 +86,11 @@ impl Outline<'_> {
         out
     }
 
-    /// Distances, masses and inertias that are odd.
+    /// Returns the implausible distances, masses and inertias.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let mut out = self.distances();
         if !out.is_empty() {
-            // Nothing can be compared with a reach that isn't believed.
+            // Without a plausible reach nothing else can be checked.
             return out;
         }
         let moving = self.moving();
@@ -96,22 +98,22 @@ impl Outline<'_> {
         let reach_m = reach_m.fold(0.0, f64::max);
         let mass_kg: f64 = moving.iter().map(|m| m.link.mass_kg).sum();
         for one in &moving {
-            // Wide links that end near their joint are usual; wider than the arm none is.
+            // Links may be wider than the distance of their joints, but not wider than the arm.
             let widest_m = (3.0 * one.extent_m).max(0.5 * reach_m).max(0.05);
             out.extend(self.density(one, widest_m));
             out.extend(self.inertia(one, widest_m));
             out.extend(self.share(one, mass_kg, reach_m, moving.len()));
         }
-        // A reach of a few centimetres says nothing: all joints in one place.
+        // A reach of a few centimetres, with all joints in one place, is not informative.
         if out.is_empty() && reach_m > 0.05 {
             out.extend(self.whole(&moving, mass_kg, reach_m));
         }
         out
     }
 
-    /// Joints and centres of mass that are too far from their links.
+    /// Returns the joints and centres of mass that are too far from their links.
     fn distances(&self) -> Vec<Finding> {
-        // No arm has links of 5 m; excavators have.
+        // Arms have links below 5 m; excavators have longer ones.
         let bounds = Bounds::usual(0.0, 5.0).possible(0.0, 50.0);
         let far = |element: String, xyz: &[f64; 3]| {
             let value = xyz
@@ -125,7 +127,7 @@ impl Outline<'_> {
             };
             let written = Written { value, unit: "m" };
             let at = || self.at(&element, "origin");
-            judge(FindingKind::Distance, at, written, measure, bounds)
+            check_range(FindingKind::Distance, at, written, measure, bounds)
         };
         let joints = self.robot.joints.iter();
         let joints = joints.filter_map(|j| far(format!("joint '{}'", j.name), &j.origin.xyz));
@@ -134,21 +136,21 @@ impl Outline<'_> {
         joints.chain(links).collect()
     }
 
-    /// Denser than matter: of all bodies of a mass and a density the ball has the least inertia,
-    /// `tr I = 6/5 m r²`. An inertia of nothing is a point mass, and meant.
+    /// Checks the density: of all bodies of a given mass and density the ball has the smallest inertia,
+    /// `tr I = 6/5 m r²`. Zero inertia describes a point mass and is accepted.
     fn density(&self, one: &Moving<'_>, widest_m: f64) -> Option<Finding> {
         let (mass, trace) = (one.link.mass_kg, trace(one.link));
         if mass <= 0.0 || trace <= 0.0 || !is_positive_semidefinite(&matrix(one.link)) {
             return None;
         }
-        // Published URDFs hold placeholders of inertias: none of them is called impossible.
-        let bounds = Bounds::usual(0.0, DENSE_KG_M3);
+        // Published URDFs contain placeholder inertias, so none is reported as impossible.
+        let bounds = Bounds::usual(0.0, MAX_USUAL_DENSITY_KG_M3);
         let density = (density(mass, trace), "kg/m³");
         self.of_either(FindingKind::Density, one, density, bounds, widest_m)
     }
 
-    /// A finding of a link's mass and inertia together: of the one that would be usual in another unit,
-    /// of the mass where neither is.
+    /// Returns a finding about a link's mass and inertia: for the one that would be plausible in another unit,
+    /// for the mass if neither is.
     fn of_either(
         &self,
         kind: FindingKind,
@@ -159,7 +161,8 @@ impl Outline<'_> {
     ) -> Option<Finding> {
         let (mass, trace) = (one.link.mass_kg, trace(one.link));
         let is_body = |mass: f64, trace: f64| {
-            SOLID_KG_M3.contains(&density(mass, trace)) && gyration_m(mass, trace) <= widest_m
+            LINK_DENSITY_KG_M3.contains(&density(mass, trace))
+                && gyration_m(mass, trace) <= widest_m
         };
         let measure = Measure {
             value,
@@ -168,7 +171,7 @@ impl Outline<'_> {
         };
         let of = |what: &str, written: Written| {
             let at = || self.at_link(one.link, what);
-            judge(kind, at, written, measure, bounds)
+            check_range(kind, at, written, measure, bounds)
         };
         let mass_kg = Written {
             value: mass,
@@ -195,7 +198,7 @@ impl Outline<'_> {
         })
     }
 
-    /// An inertia no body has, or none of that size.
+    /// Checks that an inertia is physically possible and suits the size of the link.
     fn inertia(&self, one: &Moving<'_>, widest_m: f64) -> Option<Finding> {
         let (mass, trace) = (one.link.mass_kg, trace(one.link));
         let matrix = matrix(one.link);
@@ -205,26 +208,26 @@ impl Outline<'_> {
         }
         if !is_positive_semidefinite(&matrix) {
             let kind = FindingKind::InertiaNotDefinite;
-            return Some(Finding::new(kind, Severity::Odd, at()));
+            return Some(Finding::new(kind, Severity::Implausible, at()));
         }
         if !obeys_triangle(&matrix) {
             let kind = FindingKind::InertiaTriangle;
-            return Some(Finding::new(kind, Severity::Odd, at()));
+            return Some(Finding::new(kind, Severity::Implausible, at()));
         }
-        // How wide a link really is its meshes say, so that nothing is impossible.
+        // The actual width of a link is in its meshes, so no size is reported as impossible.
         let size = (gyration_m(mass, trace), "m");
         let bounds = Bounds::usual(0.0, widest_m);
         self.of_either(FindingKind::InertiaSize, one, size, bounds, widest_m)
     }
 
-    /// A link that outweighs the arm, or that weighs nothing though it is long.
+    /// Checks for a link that is heavier than the rest of the arm, or long and nearly massless.
     fn share(&self, one: &Moving<'_>, all_kg: f64, reach_m: f64, count: usize) -> Option<Finding> {
         let mass = one.link.mass_kg;
         let others_kg = all_kg - mass;
         if mass <= 0.0 || others_kg <= 0.0 || count < 3 {
             return None;
         }
-        let judged = |kind, ratio, bounds| {
+        let assessed = |kind, ratio, bounds| {
             let at = || self.at_link(one.link, "mass");
             let written = Written {
                 value: mass,
@@ -235,17 +238,17 @@ impl Outline<'_> {
                 unit: "",
                 power: 1.0,
             };
-            judge(kind, at, written, measure, bounds)
+            check_range(kind, at, written, measure, bounds)
         };
         let heavy = Bounds::usual(0.0, 30.0).possible(0.0, 300.0);
-        judged(FindingKind::HeavyLink, mass / others_kg, heavy).or_else(|| {
+        assessed(FindingKind::HeavyLink, mass / others_kg, heavy).or_else(|| {
             let long = one.extent_m > 0.2 * reach_m;
             let light = Bounds::usual(1e-3, f64::INFINITY);
-            long.then(|| judged(FindingKind::LightLink, mass / all_kg, light))?
+            long.then(|| assessed(FindingKind::LightLink, mass / all_kg, light))?
         })
     }
 
-    /// The mass of all of it for its reach: from carbon tubes, 1 kg/m³, to a press, 500 kg/m³.
+    /// Checks the moving mass per cube of the reach: carbon tubes have 1 kg/m³, a press has 500 kg/m³.
     fn whole(&self, moving: &[Moving<'_>], mass_kg: f64, reach_m: f64) -> Option<Finding> {
         let heaviest = moving
             .iter()
@@ -253,7 +256,7 @@ impl Outline<'_> {
         if mass_kg <= 0.0 {
             return None;
         }
-        let bounds = Bounds::usual(0.1, 5_000.0).possible(0.0, HEAVIEST_KG_M3);
+        let bounds = Bounds::usual(0.1, 5_000.0).possible(0.0, MAX_MASS_PER_REACH_KG_M3);
         let written = Written {
             value: heaviest.link.mass_kg,
             unit: "kg",
@@ -264,11 +267,11 @@ impl Outline<'_> {
             power: 1.0,
         };
         let at = || self.at_link(heaviest.link, "mass");
-        judge(FindingKind::ArmMass, at, written, measure, bounds)
+        check_range(FindingKind::ArmMass, at, written, measure, bounds)
     }
 }
 
-/// Density of a ball of a mass and a trace of its inertia, kg/m³.
+/// Returns the density of a ball from its mass and the trace of its inertia, kg/m³.
 fn density(mass: f64, trace: f64) -> f64 {
     let radius_m = libm::sqrt(5.0 * trace / (6.0 * mass));
     mass / (4.0 / 3.0 * PI * radius_m.powi(3))

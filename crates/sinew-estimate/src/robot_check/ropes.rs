@@ -1,17 +1,17 @@
-//! A tendon against its rope.
+//! Checks of a tendon against its rope.
 
 use super::drives::Drive;
-use super::finding::{Bounds, Finding, FindingKind, Measure, Severity, Written, judge};
+use super::finding::{Bounds, Finding, FindingKind, Measure, Severity, Written, check_range};
 use crate::strand_duty::{Strand, strand_tension_n};
 use sinew_files::names;
 use sinew_model::transmission::Tendon;
 use sinew_rope::{Catalogue, CatalogueRope};
 
-/// Share of the breaking load a synthetic rope is used to: a safety factor of 5.
-const WORKING_SHARE: f64 = 0.2;
+/// Maximum usual load of a synthetic rope as a share of the breaking load: a safety factor of 5.
+const MAX_WORKING_SHARE: f64 = 0.2;
 
 impl Drive<'_> {
-    /// What is odd of the tendon; `effort_nm` is the joint's largest torque, where it is stated.
+    /// Returns the implausible values of the tendon. `effort_nm`: maximum torque of the joint, N·m, if specified.
     pub(super) fn tendon(&self, catalogue: &Catalogue, effort_nm: Option<f64>) -> Vec<Finding> {
         let Some(tendon) = &self.transmission.tendon else {
             return Vec::new();
@@ -48,23 +48,30 @@ impl Drive<'_> {
             unit: "",
             power,
         };
-        let finding = judge(kind, || self.keys.at(&path), written, measure, bounds);
+        let finding = check_range(kind, || self.keys.at(&path), written, measure, bounds);
         finding.map(|finding| self.keys.sensible(finding))
     }
 
     fn unknown_rope(&self, name: &str, catalogue: &Catalogue) -> Finding {
-        let known = catalogue.names();
-        let near = names::nearest(name, &known).map(str::to_owned);
-        let others = known.iter().filter(|n| Some(*n) != near.as_ref()).cloned();
+        let available = catalogue.names();
+        let near = names::nearest(name, &available).map(str::to_owned);
+        let others = available
+            .iter()
+            .filter(|n| Some(*n) != near.as_ref())
+            .cloned();
         let kind = FindingKind::UnknownRope;
         Finding {
             text: Some(name.to_owned()),
             names: near.iter().cloned().chain(others).collect(),
-            ..Finding::new(kind, Severity::Odd, self.keys.at(&self.path("rope")))
+            ..Finding::new(
+                kind,
+                Severity::Implausible,
+                self.keys.at(&self.path("rope")),
+            )
         }
     }
 
-    /// A limit of elongation no strand reaches: fibres break at 3 to 5 %.
+    /// Checks that the elongation limit can be reached: fibres break at 3 to 5 %.
     fn elongation_limit(&self, tendon: &Tendon) -> Vec<Finding> {
         let strain = tendon.retension_at_m.map(|m| m / tendon.length_m);
         let bounds = Bounds::usual(1e-5, 0.1).possible(0.0, 1.0);
@@ -84,7 +91,7 @@ impl Drive<'_> {
             .or_else(|| law.as_ref().ok().map(|law| law.breaking_load_n));
         if let Some(breaking_n) = breaking_n {
             let pretension_n = tendon.pretension_n.unwrap_or(0.0);
-            let share = Bounds::usual(0.0, WORKING_SHARE).possible(0.0, 1.0);
+            let share = Bounds::usual(0.0, MAX_WORKING_SHARE).possible(0.0, 1.0);
             let pull = |torque| strand_tension_n(pretension_n, radius_m, torque, Strand::Positive);
             let kind = FindingKind::Pretension;
             let tight = self.of_tendon(
@@ -107,7 +114,7 @@ impl Drive<'_> {
             out.extend(tight.or_else(holding).or_else(largest));
         }
         if let Some(diameter_mm) = value(&rope.entry.diameter_mm) {
-            // Below 5 diameters a synthetic rope wears fast; a path inside the rope there is none.
+            // Below 5 diameters a synthetic rope wears fast; below 1 diameter the path would be inside the rope.
             let bounds = Bounds::usual(5.0, f64::INFINITY).possible(1.0, f64::INFINITY);
             let guides = (0..tendon.guides.len()).map(|i| format!("guides[{i}].radius_mm"));
             for key in std::iter::once("joint_pulley_radius_mm".to_owned()).chain(guides) {
@@ -120,11 +127,11 @@ impl Drive<'_> {
             }
         }
         if let Ok(law) = law {
-            // Two strands at most pull at the pulley: K = 2 r² E A/L.
+            // At most two strands act on the pulley: K = 2 r² E A/L.
             let strand_n_per_m = law.elastic_k * law.breaking_load_n / tendon.length_m;
             let ratio = self.transmission.stiffness_nm_per_rad
                 / (2.0 * strand_n_per_m * radius_m * radius_m);
-            // The catalogue's stiffness is a guess within a factor; ten times stiffer no rope is.
+            // The stiffness in the catalogue is approximate; no rope is stiffer by a factor of 10.
             let bounds = Bounds::usual(0.0, 2.0).possible(0.0, 10.0);
             let path = format!("joints.{}.stiffness_nm_per_rad", self.joint);
             let written = Written {
@@ -137,7 +144,7 @@ impl Drive<'_> {
                 power: 1.0,
             };
             let kind = FindingKind::StifferThanRope;
-            out.extend(judge(
+            out.extend(check_range(
                 kind,
                 || self.keys.at(&path),
                 written,

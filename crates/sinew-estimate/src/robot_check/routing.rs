@@ -1,9 +1,13 @@
-//! Routing of tendons: which motors pull which joints, and what of them can be estimated.
+//! Routing of tendons between motors and joints, and the observability of their elongations.
 
 use serde::Serialize;
+use sinew_model::arm::urdf::JointLimits;
 use sinew_model::tendons::{
     Coordinate, Coupling, CouplingState, Equations, Group, Sensors, TendonKind,
 };
+
+/// Evaluated range of a joint without limits, to each side, rad.
+const CONTINUOUS_RAD: f64 = 1.5;
 
 /// Tendons between motors and joints, where `robot.toml` has `[[tendons]]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,7 +21,8 @@ pub struct RoutingCheck {
     pub tendons: Vec<TendonRouting>,
     /// Joints and tendons that are connected with each other, and with no others.
     pub groups: Vec<GroupCheck>,
-    /// Combinations of elongations that the motion of the joints does not show at `q = 0`.
+    /// Combinations of elongations that are unobservable from the motion of the joints within their limits, with every
+    /// strand taut.
     pub unobservable: Vec<Combination>,
 }
 
@@ -83,29 +88,54 @@ pub struct GroupCheck {
 pub enum GroupEquations {
     /// One per tendon.
     Tendon,
-    /// One per joint, which the estimate does not have yet.
+    /// One per joint.
     Joint,
 }
 
-/// Elongations that go together.
+/// Combination of elongations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Combination {
-    /// Names of the tendons with their weights, of unit norm together.
+    /// Names and weights of the tendons; the weights have unit norm.
     pub weights: Vec<(String, f64)>,
+    /// Whether the combination is observable with the torque of every motor; with tension sensors it always is.
+    pub shown_by_motor_torque: bool,
 }
 
 impl RoutingCheck {
+    /// Whether the elongation of one of these tendons is unobservable from the motion of the joints.
+    pub fn hides_any(&self, tendons: &[String]) -> bool {
+        let mut hidden = self.unobservable.iter().flat_map(|c| &c.weights);
+        hidden.any(|(name, _)| tendons.contains(name))
+    }
+
     /// Describes the routing of a robot's joints, motors and tendons.
-    pub(super) fn of(coupling: &Coupling) -> Self {
+    ///
+    /// * `limits`: one entry per joint.
+    pub(super) fn of(coupling: &Coupling, limits: &[JointLimits]) -> Self {
         let joints: Vec<String> = coupling.joints().iter().map(|j| j.name.clone()).collect();
         let motors = coupling.motor_names().to_vec();
         let names: Vec<&str> = coupling.tendon_names().collect();
         let (n, m) = (joints.len(), motors.len());
         let mut state = CouplingState::new(coupling);
         let zeros = |length| vec![0.0; length];
-        // Zeros are positions that every coupling takes.
-        let _ = coupling.evaluate(&mut state, &zeros(m), &zeros(n), &zeros(names.len()));
+        // Every coupling accepts positions of the right length. With ropes shortened by one unit, strands without
+        // pretension are taut as well.
+        let short = vec![-1.0; names.len()];
+        let _ = coupling.evaluate(&mut state, &zeros(m), &zeros(n), &short);
+        let mut states = vec![state.clone()];
+        for (j, limit) in limits.iter().enumerate().take(n) {
+            for end in [limit.lower, limit.upper] {
+                let mut q = zeros(n);
+                q[j] = end.clamp(-CONTINUOUS_RAD, CONTINUOUS_RAD);
+                let mut there = CouplingState::new(coupling);
+                let _ = coupling.evaluate(&mut there, &zeros(m), &q, &short);
+                if there.moment_arms() != state.moment_arms() {
+                    states.push(there);
+                }
+            }
+        }
+        let states: Vec<&CouplingState> = states.iter().collect();
         let tendon = |(i, name): (usize, &&str)| TendonRouting {
             name: (*name).to_owned(),
             kind: match coupling.kind(i) {
@@ -135,8 +165,19 @@ impl RoutingCheck {
                 Equations::Joint(_) => None,
             },
         };
-        let unobservable = coupling.observability(&state, Sensors::default());
+        let unobservable = |motor_torque: &[usize]| {
+            let sensors = Sensors {
+                motor_torque,
+                ..Sensors::default()
+            };
+            let found = coupling.observability_over(&states, sensors);
+            found.map_or_else(|_| Vec::new(), |found| found.unobservable)
+        };
+        let with_torque = unobservable(&Vec::from_iter(0..m));
+        let hides = |i: usize| with_torque.iter().any(|weights| weights[i].abs() > 1e-9);
         let combination = |weights: Vec<f64>| Combination {
+            shown_by_motor_torque: !(weights.iter().enumerate())
+                .any(|(i, weight)| weight.abs() > 1e-9 && hides(i)),
             weights: (names.iter().zip(weights))
                 .filter(|(_, weight)| weight.abs() > 1e-9)
                 .map(|(name, weight)| ((*name).to_owned(), weight))
@@ -145,10 +186,7 @@ impl RoutingCheck {
         Self {
             tendons: names.iter().enumerate().map(tendon).collect(),
             groups: coupling.groups().iter().map(group).collect(),
-            unobservable: unobservable.map_or_else(
-                |_| Vec::new(),
-                |o| o.unobservable.into_iter().map(combination).collect(),
-            ),
+            unobservable: unobservable(&[]).into_iter().map(combination).collect(),
             joints,
             motors,
         }

@@ -1,35 +1,41 @@
-//! What the reader of a session's estimate should know.
+//! Warnings of a session estimate.
 
 use super::context::Context;
 use super::inflation::Inflation;
 use super::late_step::LASTING_S;
 use super::recorder::Recorded;
+use super::rest_phase::RestPhase;
 use super::result::{SessionEstimate, TendonEstimate, Verdict};
-use super::stand::Stand;
 use super::warning::Warning;
+use sinew_model::tendons::{Routing, TendonKind};
 
-/// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, rad.
-const POOR_RAD: f64 = 10e-3;
-/// More than this left unexplained is worth a word, rad.
-const NOISY_RAD: f64 = 1e-3;
-/// A joint that moved less than this while its motor turned ten times as far is stuck, rad.
-const STUCK_RAD: f64 = 5e-3;
-/// A payload so many half intervals below nothing is none.
-const LIGHTER: f64 = 2.0;
-/// A share left out above this makes what is left suspect: the breakdown point of the median that noise is found by.
-const MUCH: f64 = 0.5;
-/// Creep that is no likelier than this isn't worth a word.
-const CREEPS: f64 = 0.3;
-/// A change of stiffness that is no likelier than this isn't worth a word: 0.23 is believed before the
-/// data is seen.
-const LIKELY: f64 = 0.3;
+/// Minimum range of the spring deflection, rad: below it, stiffness and offset are not separable.
+const MIN_DEFLECTION_RANGE_RAD: f64 = 10e-3;
+/// Maximum residual without a warning, robust standard deviation, rad.
+const MAX_RESIDUAL_RAD: f64 = 1e-3;
+/// Maximum travel of a seized joint, rad; its motor travels more than ten times that of the joint.
+const MAX_SEIZED_TRAVEL_RAD: f64 = 5e-3;
+/// Minimum distance of a negative payload from zero to be reported, in half-widths of its 95 % interval.
+const NEGATIVE_PAYLOAD_HALF_WIDTHS: f64 = 2.0;
+/// Maximum share of rejected time without a warning, 0 to 1: the breakdown point of the median that estimates the
+/// noise.
+const MAX_REJECTED_SHARE: f64 = 0.5;
+/// Minimum probability of creep to be reported.
+const MIN_CREEP_PROBABILITY: f64 = 0.3;
+/// Minimum probability of a stiffness change to be reported; its prior probability is 0.23.
+const MIN_STIFFNESS_CHANGE_PROBABILITY: f64 = 0.3;
 
-/// Loops of `[[tendons]]` that carried more than both of their strands do.
+/// Warnings for loops of `[[tendons]]` whose torque exceeded twice the pretension, so that one strand was slack.
 fn beyond_pretension(context: &Context<'_>, joints: &[TendonEstimate]) -> Vec<Warning> {
     let of = |joint: &TendonEstimate| {
         let index = context.robot.tendon_index(&joint.name)?;
         let transmission = context.robot.transmissions.get(index)?.as_ref()?;
-        let tendon = (transmission.routing.as_ref()).and(transmission.tendon.as_ref())?;
+        let routing = transmission.routing.as_ref();
+        let is_loop = |routing: &&Routing| {
+            let pull = routing.pull.as_ref();
+            pull.is_none_or(|pull| pull.kind == TendonKind::Loop)
+        };
+        let tendon = routing.filter(is_loop).and(transmission.tendon.as_ref())?;
         let limit_nm = 2.0 * tendon.joint_pulley_radius_m * tendon.pretension_n?;
         let torque_nm = joint.torque_nm.min.abs().max(joint.torque_nm.max.abs());
         (torque_nm > limit_nm).then(|| Warning::BeyondPretension {
@@ -41,14 +47,14 @@ fn beyond_pretension(context: &Context<'_>, joints: &[TendonEstimate]) -> Vec<Wa
     joints.iter().filter_map(of).collect()
 }
 
-/// Warnings for an estimate; `far` are those of parameters far from what was believed, `stands` says of every elastic
-/// joint how it stands at the end.
+/// Returns the warnings of an estimate; `far` are those of parameters far from their prior, `rest_phases` has the final
+/// rest phase of each elastic joint.
 pub(super) fn warnings(
     context: &Context<'_>,
     estimate: &SessionEstimate,
     inflations: &[Inflation],
     far: Vec<Warning>,
-    stands: &[Option<Stand>],
+    rest_phases: &[Option<RestPhase>],
 ) -> Vec<Warning> {
     let recorded = context.recorded;
     let joints = &estimate.joints;
@@ -67,37 +73,47 @@ pub(super) fn warnings(
     for ((joint, travel), i) in joints.iter().zip(travels(recorded)).zip(elastic) {
         out.extend(torque_hardly_changed(joint, travel.deflection));
         let late = joint.changes.iter().filter(|c| context.may_end(*i, c));
-        out.extend(late.map(|change| Warning::ChangeMayEnd {
+        out.extend(late.map(|change| Warning::ChangeNearEnd {
             joint: joint.name.clone(),
             time_s: change.time_s,
             before_end_s: recorded.end_s() - change.time_s,
         }));
     }
     out.extend(beyond_pretension(context, joints));
-    out.extend(stands_at_end(joints, stands));
+    out.extend(at_rest_at_end(joints, rest_phases));
     for (joint, inflation) in joints.iter().zip(inflations) {
         if inflation.creep_95_rad > 0.0 {
-            out.push(Warning::RopeCreeps {
+            out.push(Warning::RopeMemory {
                 joint: joint.name.clone(),
                 half_width_95_rad: inflation.creep_95_rad,
             });
         }
     }
     out.extend(joints.iter().filter_map(|j| creeps(j, recorded.duration_s)));
-    // What its owner stated is no news to him.
-    let force = (estimate.external_force).filter(|f| f.is_worth_a_word() && !f.is_stated);
+    // A specified force needs no warning.
+    let force = (estimate.external_force).filter(|f| f.is_reportable() && !f.is_specified);
     out.extend(force.map(|force| Warning::ExternalForce {
         probability: force.probability,
         force_n: force.force_n,
     }));
-    let unexplained = joints.iter().filter(|joint| joint.noise_rad > NOISY_RAD);
-    out.extend(unexplained.map(|joint| Warning::Unexplained {
+    let unexplained = joints
+        .iter()
+        .filter(|joint| joint.noise_rad > MAX_RESIDUAL_RAD);
+    out.extend(unexplained.map(|joint| Warning::UnexplainedResidual {
         joint: joint.name.clone(),
         noise_rad: joint.noise_rad,
     }));
-    for (joint, travel) in joints.iter().zip(travels(recorded)) {
-        if travel.joint < STUCK_RAD && travel.motor > 10.0 * travel.joint.max(1e-3) {
-            out.push(Warning::Stuck {
+    // A motor of a single strand may change its tension without moving the joint.
+    let own = recorded
+        .elastic
+        .iter()
+        .map(|i| context.robot.pulling_tendon(*i).is_none());
+    for ((joint, travel), has_own) in joints.iter().zip(travels(recorded)).zip(own) {
+        if has_own
+            && travel.joint < MAX_SEIZED_TRAVEL_RAD
+            && travel.motor > 10.0 * travel.joint.max(1e-3)
+        {
+            out.push(Warning::JointSeized {
                 joint: joint.name.clone(),
                 joint_travel_rad: travel.joint,
                 motor_travel_rad: travel.motor,
@@ -105,22 +121,22 @@ pub(super) fn warnings(
         }
     }
     let payload_kg = estimate.payload_kg;
-    if payload_kg.mean + LIGHTER * payload_kg.half_width_95() < 0.0 {
+    if payload_kg.mean + NEGATIVE_PAYLOAD_HALF_WIDTHS * payload_kg.half_width_95() < 0.0 {
         out.push(Warning::NegativePayload { payload_kg });
     }
     let long = |from_s: f64, to_s: f64| to_s - from_s > LASTING_S;
-    let left_out = estimate.left_out.iter();
+    let rejected = estimate.rejected_intervals.iter();
     out.extend(
-        left_out
+        rejected
             .filter(|l| long(l.from_s, l.to_s))
-            .map(|l| Warning::NothingFits {
+            .map(|l| Warning::UnmodelledInterval {
                 from_s: l.from_s,
                 to_s: l.to_s,
             }),
     );
-    if estimate.left_out_share > MUCH {
-        out.push(Warning::MuchLeftOut {
-            share: estimate.left_out_share,
+    if estimate.rejected_share > MAX_REJECTED_SHARE {
+        out.push(Warning::MuchRejected {
+            share: estimate.rejected_share,
         });
     }
     if estimate.baseline.is_none() {
@@ -128,7 +144,7 @@ pub(super) fn warnings(
     }
     out.extend(far);
     if recorded.frames_missing > 0 {
-        out.push(Warning::FramesMissing {
+        out.push(Warning::FramesIncomplete {
             frames: recorded.frames_missing,
         });
     }
@@ -137,69 +153,70 @@ pub(super) fn warnings(
 }
 
 fn torque_hardly_changed(joint: &TendonEstimate, deflection_rad: f64) -> Option<Warning> {
-    (joint.verdict == Verdict::CannotTell && deflection_rad < POOR_RAD).then(|| {
-        Warning::TorqueHardlyChanged {
+    (joint.verdict == Verdict::Inconclusive && deflection_rad < MIN_DEFLECTION_RANGE_RAD).then(
+        || Warning::TorqueRangeSmall {
             joint: joint.name.clone(),
             torque_nm: joint.torque_nm,
-        }
-    })
+        },
+    )
 }
 
-/// What friction may hide where the arm stands at the end, of the joint where that is most; and every joint that reads more than
-/// friction can hold.
-fn stands_at_end(joints: &[TendonEstimate], stands: &[Option<Stand>]) -> Vec<Warning> {
-    let own = || {
+/// Warns of the largest slip that stiction can hide in the final rest phase, and of each joint whose residual there
+/// exceeds what stiction explains.
+fn at_rest_at_end(joints: &[TendonEstimate], rest_phases: &[Option<RestPhase>]) -> Vec<Warning> {
+    let phases = || {
         joints
             .iter()
-            .zip(stands)
-            .filter_map(|(j, s)| Some((j, (*s)?)))
+            .zip(rest_phases)
+            .filter_map(|(joint, phase)| Some((joint, (*phase)?)))
     };
-    let hides = own().filter(|(joint, stand)| stand.hidden_rad > joint.offset_rad.half_width_95());
-    let most = hides.max_by(|a, b| a.1.hidden_rad.total_cmp(&b.1.hidden_rad));
-    let hides = most.map(|(joint, stand)| Warning::StandsAtEnd {
+    let hidden = phases()
+        .filter(|(joint, phase)| phase.stiction_bound_rad > joint.offset_rad.half_width_95());
+    let most = hidden.max_by(|a, b| a.1.stiction_bound_rad.total_cmp(&b.1.stiction_bound_rad));
+    let hidden = most.map(|(joint, phase)| Warning::AtRestAtEnd {
         joint: joint.name.clone(),
-        from_s: stand.from_s,
-        hidden_rad: stand.hidden_rad,
+        from_s: phase.from_s,
+        stiction_bound_rad: phase.stiction_bound_rad,
     });
-    let off = own().filter(|(_, stand)| stand.is_more_than_friction());
-    let off = off.map(|(joint, stand)| Warning::StandReadsOff {
+    let inconsistent = phases().filter(|(_, phase)| phase.exceeds_stiction());
+    let inconsistent = inconsistent.map(|(joint, phase)| Warning::RestPhaseInconsistent {
         joint: joint.name.clone(),
-        from_s: stand.from_s,
-        off_rad: stand.off_rad,
-        hidden_rad: stand.hidden_rad,
+        from_s: phase.from_s,
+        inconsistency_rad: phase.inconsistency_rad,
+        stiction_bound_rad: phase.stiction_bound_rad,
     });
-    hides.into_iter().chain(off).collect()
+    hidden.into_iter().chain(inconsistent).collect()
 }
 
-/// An offset that moved, or may have.
+/// Warning for an offset that drifted with sufficient probability.
 fn creeps(joint: &TendonEstimate, duration_s: f64) -> Option<Warning> {
     let creep = joint.creep?;
-    (creep.probability > CREEPS).then(|| Warning::TendonCreeps {
+    (creep.probability > MIN_CREEP_PROBABILITY).then(|| Warning::TendonCreep {
         joint: joint.name.clone(),
         probability: creep.probability,
-        moved_rad: creep.moved_rad,
+        drift_rad: creep.drift_rad,
         duration_s,
     })
 }
 
-/// Stiffness that has, or may have, changed before the recording began.
+/// Warning for a stiffness that changed before the recording with sufficient probability.
 fn stiffness_before(joint: &TendonEstimate) -> Option<Warning> {
-    let since = joint.stiffness_since_before?;
-    (since.probability > LIKELY).then(|| Warning::StiffnessChangedBefore {
+    let since = joint.stiffness_change?;
+    (since.probability > MIN_STIFFNESS_CHANGE_PROBABILITY).then(|| Warning::StiffnessChanged {
         joint: joint.name.clone(),
         probability: since.probability,
         change_ratio: since.change_ratio,
     })
 }
 
-/// How far a joint, its motor and its spring moved, rad.
+/// Ranges of joint position, motor position and spring deflection, rad.
 struct Travel {
     joint: f64,
     motor: f64,
     deflection: f64,
 }
 
-/// Of every elastic joint.
+/// Travel of each elastic joint.
 fn travels(recorded: &Recorded) -> impl Iterator<Item = Travel> {
     let range = |values: &mut dyn Iterator<Item = f64>| {
         let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {

@@ -1,35 +1,49 @@
-//! What a session's result is made from.
+//! Inputs of the result of a session.
 
 use super::late_step::is_late;
 use super::predictive::NEGLIGIBLE;
 use super::recorder::Recorded;
 use super::result::TendonChange;
 use super::segments::Segments;
+use super::transmission_loss::TransmissionLoss;
 use sinew_model::offset::{MapEstimator, SharedError};
 use sinew_model::robot::Robot;
 
-/// What a result is made from.
+/// Inputs of the result of a session.
 #[derive(Clone, Copy)]
 pub(super) struct Context<'a> {
     pub(super) estimator: &'a MapEstimator,
     pub(super) robot: &'a Robot,
     pub(super) recorded: &'a Recorded,
     pub(super) segments: &'a Segments,
-    /// What is unknown of every joint's offset and looks the same in every block, rad; empty: nothing.
+    /// Standard deviation of each joint's offset from errors that are constant over all blocks, rad; empty if there are
+    /// none.
     pub(super) added_rad: &'a [f64],
-    /// What of every joint's error comes with the baseline; empty: all of it.
+    /// Systematic error of each joint from the baseline; empty if the whole error is systematic.
     pub(super) shared: &'a [SharedError],
-    /// By how much the lag between the sides was opened, s.
+    /// Prior standard deviation of the time offset between the encoders, s.
     pub(super) lag_s: f64,
+    /// Whether offsets are elongations ([`super::result::SessionEstimate::is_elongation`]).
+    pub(super) is_elongation: bool,
+    /// Standard deviation of the encoder zeros, rad, if offsets are elongations because of it.
+    pub(super) zero_std_rad: Option<f64>,
+    /// Transmissions that were lost.
+    pub(super) losses: &'a [TransmissionLoss],
 }
 
 impl Context<'_> {
-    /// Whether a joint's change may be a contact that had not ended yet.
+    /// Loss of the transmission of a joint; `None` if it transmits torque.
+    pub(super) fn loss(&self, joint: usize) -> Option<TransmissionLoss> {
+        self.losses.iter().copied().find(|loss| loss.joint == joint)
+    }
+
+    /// Whether a change of a joint may be a contact that has not ended.
     pub(super) fn may_end(&self, joint: usize, change: &TendonChange) -> bool {
         is_late(change, self.recorded) && 1.0 - self.lasts(joint, change) > NEGLIGIBLE
     }
 
-    /// Probability that a late change of a joint is none that ends: by the check of the last seconds, where that was made.
+    /// Probability that a late change of a joint is permanent, from the check of the last seconds; 0.5 without that
+    /// check.
     pub(super) fn lasts(&self, joint: usize, change: &TendonChange) -> f64 {
         const UNKNOWN: f64 = 0.5;
         let step = self.segments.step.filter(|step| step.is(joint, change));

@@ -1,21 +1,21 @@
-//! What the posterior does not know about itself, and by how much an interval is wider for it.
+//! Widening of the intervals for errors that the posterior does not contain.
 
 use super::context::Context;
 use super::recorder::Recorded;
+use super::rest_phase::RestPhase;
 use super::result::{BlockEstimate, SegmentEstimate, TendonChange};
 use super::segments::Segments;
-use super::stand::Stand;
 use sinew_model::offset::{JointParameter, Prior};
 use sinew_model::{Gaussian, Z95};
 
-/// What widens the interval of one joint.
+/// Contributions that widen the interval of one joint.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Inflation {
-    /// Changes that may end, or may have come: when, s, and how large, rad.
+    /// Uncertain changes near the end: time (s) and size (rad).
     late: Vec<(f64, f64)>,
-    /// Half a 95 % interval for what a viscoelastic rope followed before the recordings, rad.
+    /// Half-width of the 95 % interval for the unknown load history of a viscoelastic rope, rad.
     pub(super) creep_95_rad: f64,
-    /// What is unknown and looks the same in every block, rad: temperature, and what fits nothing.
+    /// Standard deviation of errors that are constant over all blocks, rad: temperature and excess residual.
     pub(super) constant_rad: f64,
 }
 
@@ -39,27 +39,29 @@ impl Inflation {
         }
     }
 
-    /// What a stand at the end reads off, and friction can't hold, may have come to stay: the interval holds both.
-    pub(super) fn with_stand(mut self, stand: Option<Stand>) -> Self {
-        let off = stand.filter(Stand::is_more_than_friction);
+    /// Widens the interval if the final rest phase is inconsistent with stiction: the interval then covers a slip there
+    /// and none.
+    pub(super) fn with_rest_phase(mut self, phase: Option<RestPhase>) -> Self {
+        let inconsistent = phase.filter(RestPhase::exceeds_stiction);
         self.late
-            .extend(off.map(|stand| (stand.from_s, stand.largest_rad())));
+            .extend(inconsistent.map(|phase| (phase.from_s, phase.largest_rad())));
         self
     }
 
-    /// An offset at a time, as unsure as it is: what adds to half a 95 % interval is in the deviation.
+    /// Returns an offset (rad) at `time_s` with the widened standard deviation; late changes add to the half-width of
+    /// its 95 % interval.
     pub(super) fn inflate(&self, offset: Gaussian, time_s: f64) -> Gaussian {
-        let come = self.late.iter().filter(|(at_s, _)| *at_s <= time_s);
+        let late = self.late.iter().filter(|(at_s, _)| *at_s <= time_s);
         let constant = self.constant_rad.hypot(self.creep_95_rad / Z95);
-        let deviation = offset.deviation.hypot(constant);
+        let std = offset.std.hypot(constant);
         Gaussian::new(
             offset.mean,
-            deviation + come.map(|(_, size)| size).sum::<f64>() / Z95,
+            std + late.map(|(_, size)| size).sum::<f64>() / Z95,
         )
     }
 }
 
-/// Inflates what is said over time as the joints' own intervals are.
+/// Widens the offsets of all segments and blocks in the same way as those of the joints.
 pub(super) fn inflate_all(
     inflations: &[Inflation],
     segments: &mut [SegmentEstimate],
@@ -78,18 +80,21 @@ pub(super) fn inflate_all(
     }
 }
 
-/// A rope that follows its load with a memory of half a minute is taken for settled when a
-/// recording begins. One that hung slack before shows `1 − (T/t)(1 − e^{−t/T})` of its share in a
-/// time `t`, 0.57 in a minute, so the share is off by at most 0.43 of itself, and the offset by
-/// that much of the mean deflection.
+/// Half-width of the 95 % interval of a joint's offset for the unknown load history of a viscoelastic rope, rad.
+///
+/// A rope with a relaxation time of half a minute is assumed to be in equilibrium when a recording begins. One that
+/// was unloaded before shows `1 − (T/t)(1 − e^{−t/T})` of its viscoelastic share after a time `t`, 0.57 after a minute.
+/// The relative error of the share is therefore at most 0.43, and the error of the offset is that share of the mean
+/// deflection.
 fn creep_95_rad(prior: &Prior, recorded: &Recorded, segments: &Segments, joint: usize) -> f64 {
-    const OFF: f64 = 0.43;
-    /// Less than this, or less sure, is no viscoelastic rope.
-    const LEAST_SHARE: f64 = 0.01;
-    const SURE: f64 = 3.0;
-    let at = |p: JointParameter| segments.belief.entry(prior.place(joint, p));
+    const MAX_RELATIVE_ERROR: f64 = 0.43;
+    /// Minimum viscoelastic share of the deflection; below it the rope is elastic.
+    const MIN_SHARE: f64 = 0.01;
+    /// Minimum z-score of the viscoelastic share; below it the rope is elastic.
+    const MIN_Z_SCORE: f64 = 3.0;
+    let at = |p: JointParameter| segments.state_estimate.entry(prior.place(joint, p));
     let share = at(JointParameter::Viscoelastic);
-    if !(share.mean.abs() > LEAST_SHARE && share.mean.abs() > SURE * share.deviation) {
+    if !(share.mean.abs() > MIN_SHARE && share.mean.abs() > MIN_Z_SCORE * share.std) {
         return 0.0;
     }
     let offset = at(JointParameter::Offset).mean;
@@ -98,5 +103,5 @@ fn creep_95_rad(prior: &Prior, recorded: &Recorded, segments: &Segments, joint: 
         slow * slow
     });
     let mean = squares.sum::<f64>() / recorded.blocks.len().max(1) as f64;
-    OFF * share.mean.abs() * mean.sqrt()
+    MAX_RELATIVE_ERROR * share.mean.abs() * mean.sqrt()
 }

@@ -1,13 +1,14 @@
-//! Changes in the last seconds of a recording: a contact that has not ended may look like one.
+//! Changes in the last seconds of a recording, which a contact that has not ended may imitate.
 
 use super::recorder::Recorded;
 use super::result::TendonChange;
 use sinew_model::offset::Onset;
 
-/// A contact longer than this looks like something that happened for good, s.
+/// Maximum duration of a contact, s: a longer one is indistinguishable from a permanent change.
 pub(super) const LASTING_S: f64 = 8.0;
 
-/// Whether a change came so late that it may be a contact that had not ended yet. No encoder's slip looks like that.
+/// Whether a change is so close to the end that it may be a contact that has not ended. A contact never imitates an
+/// encoder slip.
 pub(super) fn is_late(change: &TendonChange, recorded: &Recorded) -> bool {
     change.probability.is_some()
         && !is_encoder(change)
@@ -15,28 +16,28 @@ pub(super) fn is_late(change: &TendonChange, recorded: &Recorded) -> bool {
         && recorded.end_s() - change.time_s < LASTING_S
 }
 
-/// Whether an encoder's reading jumped: no contact looks like that, nor a rope.
+/// Whether a change is a step of an encoder reading, which neither a contact nor a rope causes.
 pub(super) fn is_encoder(change: &TendonChange) -> bool {
     change.cause.is_some_and(|cause| cause.is_encoder())
 }
 
-/// A step in the last seconds.
+/// Step change in the last seconds of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LateStep {
     pub(super) joint: usize,
-    /// Beginning of the first block that shows it, s.
+    /// Start of the first block that shows the step, s.
     pub(super) since_s: f64,
-    /// Posterior probability that it is one, and no contact.
+    /// Posterior probability of a step rather than a contact.
     pub(super) probability: f64,
 }
 
 impl LateStep {
-    /// Two dates of one step differ by less, s: low-pass, friction, and the block.
-    const NEAR_S: f64 = 1.5;
+    /// Maximum difference of two time estimates of one step, s: low-pass filter, friction and block length.
+    const MAX_TIME_DIFFERENCE_S: f64 = 1.5;
 
-    /// Whether a change that was found is this step.
+    /// Whether a detected change of a joint is this step.
     pub(super) fn is(&self, joint: usize, change: &TendonChange) -> bool {
-        joint == self.joint && (change.time_s - self.since_s).abs() < Self::NEAR_S
+        joint == self.joint && (change.time_s - self.since_s).abs() < Self::MAX_TIME_DIFFERENCE_S
     }
 
     pub(super) fn onset(&self) -> Onset {

@@ -1,44 +1,49 @@
-//! Absolute offsets of a session: learn a baseline after tensioning, then estimate since.
+//! Absolute offsets of a session: estimation of a baseline after tensioning, and of the offsets since then.
 //!
-//! [`learn`] takes a recording made right after tensioning, whose offsets are zero by definition,
-//! and learns what disguises itself as an offset: stiffness, masses, friction, encoder errors. The
-//! [`Baseline`](crate::baseline::Baseline) it returns is a small file. [`estimate`] takes a later
-//! recording and that file, and gives each tendon's offset since then as a [`SessionEstimate`], an
-//! unknown payload estimated along, contacts left out, slips found. Without a baseline the data-sheet
-//! priors stand in, and the interval is as wide as that makes it.
+//! [`learn`] takes a recording made directly after tensioning, whose offsets are zero by definition,
+//! and estimates the parameters that could be mistaken for an offset: stiffness, masses, friction and encoder errors.
+//! The [`Baseline`](crate::baseline::Baseline) it returns is a small file. [`estimate`] takes a later recording and
+//! that file, and returns the offset of each tendon since then as a [`SessionEstimate`]. An unknown payload is
+//! estimated jointly, contacts are rejected and slips are detected. Without a baseline the priors are the tolerances of
+//! the data sheets, and the intervals are correspondingly wide.
 //!
-//! The estimator is [`sinew_model::offset::MapEstimator`]; [`crate::online`] runs it on the last two minutes of a running robot.
+//! The estimator is [`sinew_model::offset::MapEstimator`]; [`crate::online`] runs it on the last two minutes of a
+//! running robot.
 //!
-//! Reading order: `recorder` (frames to blocks), `poses`, `witness` and `temperature` (what of them can be
-//! believed), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
-//! (contact or step in the last seconds), `changes`, `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `anchor` (stops and marks that were touched), `run`.
+//! Reading order: `recorder` (frames to blocks), `poses`, `transmission_loss`, `independent_torque` and `temperature`
+//! (validity of the recorded channels), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
+//! (contact or step in the last seconds), `encoder_slips`, `changes`, `inflation`, `summary` and `checks`
+//! (posteriors to the [`result`](SessionEstimate)), `anchor` (reference contacts and index marks), `run`.
 
 mod anchor;
 mod changes;
 mod checks;
 mod context;
 mod detector;
+mod encoder_slips;
+mod groups;
+mod independent_torque;
 mod inflation;
 mod late_step;
 mod poses;
 mod predictive;
 mod recent;
 mod recorder;
+mod repeated_motion;
+mod rest_phase;
 mod result;
-mod revisits;
 mod run;
 mod segments;
 mod sides;
-mod stand;
 pub mod stated;
 mod summary;
 mod temperature;
 mod torque_range;
+mod transmission_loss;
 mod warning;
-mod witness;
 mod zero;
 
-pub use crate::anchored::{AnchorReading, AnchoredOffset};
+pub use crate::anchored::{ReferenceMeasurement, ReferenceOffset};
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
 pub use crate::touch::{Touch, TouchReading};
@@ -46,15 +51,17 @@ pub use poses::Poses;
 pub(crate) use predictive::NEGLIGIBLE;
 pub use recorder::{Recorded, Recorder, Window};
 pub use result::{
-    BlockEstimate, Doubt, LeftOut, LimitState, LiveBlock, LiveCourse, LiveTendon, MotorTorque,
-    PayloadChange, RetensionLimit, SegmentEstimate, SessionEstimate, StiffnessSinceBefore,
-    TemperatureSource, TendonChange, TendonChangeKind, TendonCreep, TendonEstimate, Verdict,
+    BlockEstimate, JointOffset, LimitState, MotorTorque, OnlineBlock, OnlineTendon,
+    OnlineTrajectory, PayloadChange, ProvisionalInterval, RejectedInterval, Remedy, RetensionLimit,
+    SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TemperatureSource, TendonChange,
+    TendonChangeKind, TendonCreep, TendonEstimate, TendonWeight, UnattributedChange,
+    UnobservableCombination, Verdict,
 };
 pub use run::{
-    Learning, Since, estimate, estimate_recorded, estimate_stretch, estimate_with_replay, learn,
+    Learning, Since, estimate, estimate_recorded, estimate_segment, estimate_with_replay, learn,
     learn_recorded,
 };
 pub(crate) use run::{Solved, continues, solve_stretch};
 pub use sinew_model::offset::Payload;
 pub use torque_range::TorqueRange;
-pub use warning::{Warning, WitnessFault};
+pub use warning::{MotorTorqueError, Warning};

@@ -1,30 +1,30 @@
-//! Distinct poses, as far as gravity tells them apart.
+//! Distinct poses, which gravity loads differently.
 
 use sinew_model::offset::Block;
 
-/// Poses differ by more than this in some joint, rad.
-const APART_RAD: f64 = 0.2;
-/// Poses counted at most.
-const MOST: usize = 100;
+/// Minimum difference of two distinct poses in at least one joint, rad.
+const MIN_DIFFERENCE_RAD: f64 = 0.2;
+/// Maximum number of counted poses.
+const MAX_POSES: usize = 100;
 
-/// Distinct poses so far, greedily.
+/// Distinct poses so far, selected greedily.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poses {
     joints: usize,
-    /// One after the other, rad.
+    /// Joint positions, pose by pose, rad.
     poses_rad: Vec<f64>,
 }
 
 impl Poses {
-    /// None yet, of an arm of so many joints; allocates here only.
+    /// Creates an empty set for an arm with `joints` joints; the only function that allocates.
     pub fn new(joints: usize) -> Self {
         Self {
             joints: joints.max(1),
-            poses_rad: Vec::with_capacity(MOST * joints),
+            poses_rad: Vec::with_capacity(MAX_POSES * joints),
         }
     }
 
-    /// Those of some blocks.
+    /// Distinct poses in a list of blocks.
     pub fn of(blocks: &[Block]) -> Self {
         let mut poses = Self::new(blocks.first().map_or(0, |block| block.q.len()));
         for block in blocks {
@@ -33,32 +33,32 @@ impl Poses {
         poses
     }
 
-    /// Takes a pose; one of another arm is left out.
+    /// Adds a pose if it is distinct, rad; a pose with another number of joints is ignored.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn push(&mut self, q_rad: &[f64]) {
         let is_apart = |pose: &[f64]| {
             let mut pairs = pose.iter().zip(q_rad);
-            pairs.any(|(a, b)| (a - b).abs() > APART_RAD)
+            pairs.any(|(a, b)| (a - b).abs() > MIN_DIFFERENCE_RAD)
         };
         let is_new = self.poses_rad.chunks_exact(self.joints).all(is_apart);
-        if is_new && self.count() < MOST && q_rad.len() == self.joints {
+        if is_new && self.count() < MAX_POSES && q_rad.len() == self.joints {
             self.poses_rad.extend_from_slice(q_rad);
         }
     }
 
-    /// How many there are.
+    /// Number of distinct poses.
     pub fn count(&self) -> usize {
         self.poses_rad.len() / self.joints
     }
 
-    /// Forgets them.
+    /// Discards all poses, and keeps the allocation.
     pub fn clear(&mut self) {
         self.poses_rad.clear();
     }
 
-    /// One after the other, rad.
+    /// Joint positions of all poses, pose by pose, rad.
     pub fn as_slice(&self) -> &[f64] {
         &self.poses_rad
     }

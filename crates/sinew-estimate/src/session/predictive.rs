@@ -1,4 +1,4 @@
-//! The predictive check: newest blocks against what a posterior predicts of them.
+//! Predictive check: comparison of the newest blocks with the prediction of a posterior.
 
 use super::detector::{ChangeDetector, Innovations, Noise, SuspectedStep};
 use super::result::OUTLIER;
@@ -7,22 +7,22 @@ use sinew_model::offset::{
 };
 use sinew_model::statistics::{DEVIATION_PER_MEDIAN, upper_median};
 
-/// Less probable than this is what a 95 % interval leaves outside anyway.
+/// Probability outside a 95 % interval; events of smaller probability are negligible.
 pub(crate) const NEGLIGIBLE: f64 = 0.05;
 
-/// A posterior, and what blocks that came after it show.
+/// Posterior with the change detection on the blocks after it.
 #[derive(Debug, Clone)]
 pub(crate) struct PredictiveCheck {
     prediction: Prediction,
     detector: ChangeDetector,
-    /// Joints with an elastic transmission: those of the detector.
+    /// Indices of the joints with an elastic transmission, in the order of the detector.
     elastic: Vec<usize>,
-    /// Noise of every joint's motor equation, N·m; NaN: the posterior's blocks have none, or none that is believed.
+    /// Noise of the motor equation of each joint, N·m; NaN if the blocks of the posterior have no valid motor torque.
     motor_noise_nm: Vec<f64>,
 }
 
 impl PredictiveCheck {
-    /// Against the posterior `map` of `blocks`; `elastic`: joints with an elastic transmission.
+    /// Creates a check against the posterior `map` of `blocks`; `elastic` has the joints with an elastic transmission.
     pub(crate) fn new(
         estimator: &MapEstimator,
         map: &MapEstimate,
@@ -42,12 +42,12 @@ impl PredictiveCheck {
         }
     }
 
-    /// Takes the last `count` of `blocks`.
+    /// Updates the check with the last `count` of `blocks`.
     pub(crate) fn take(&mut self, estimator: &MapEstimator, blocks: &[Block], count: usize) {
-        /// Blocks before them from which a force's low-pass settles.
-        const SETTLES: usize = 10;
+        /// Number of preceding blocks in which the low-pass filter of a force settles.
+        const SETTLING_BLOCKS: usize = 10;
         let from = blocks.len() - count;
-        let before = from.saturating_sub(SETTLES);
+        let before = from.saturating_sub(SETTLING_BLOCKS);
         let n = estimator.prior().joints();
         let innovations = estimator.innovations(&self.prediction, &blocks[before..]);
         let block_s = FeatureConfig::default().block_s;
@@ -79,18 +79,18 @@ impl PredictiveCheck {
             let gain = motor.rad_per_nm / link.offset_gain;
             let noise_nm = self.motor_noise_nm[*i];
             let variance_rad2 = (motor.variance_nm2 + noise_nm * noise_nm) * gain * gain;
-            let is_known = variance_rad2.is_finite() && motor.residual_nm.is_finite();
-            is_known.then_some((motor.residual_nm * gain, variance_rad2))
+            let is_valid = variance_rad2.is_finite() && motor.residual_nm.is_finite();
+            is_valid.then_some((motor.residual_nm * gain, variance_rad2))
         };
         self.elastic.iter().map(of).collect()
     }
 
-    /// What is suspected of the offset of the `k`-th elastic joint; `None`: nothing is.
+    /// Returns the suspected step of the `k`-th elastic joint; `None` if there is none.
     pub(crate) fn suspected(&self, k: usize) -> Option<SuspectedStep> {
         self.detector.suspected(k)
     }
 
-    /// The most probable step, with its elastic joint's number.
+    /// Returns the most probable step, with the index of its joint among the elastic ones.
     pub(crate) fn most_suspected(&self) -> Option<(usize, SuspectedStep)> {
         let all = (0..self.elastic.len()).filter_map(|k| Some((k, self.suspected(k)?)));
         all.max_by(|a, b| a.1.probability.total_cmp(&b.1.probability))
@@ -102,15 +102,16 @@ impl PredictiveCheck {
     }
 }
 
-/// Noise of the link equations of the elastic joints, in the blocks of a posterior that were not rejected.
+/// Estimates the noise of the link equations of the elastic joints from the blocks of a posterior that were not
+/// rejected.
 fn noise(
     estimator: &MapEstimator,
     map: &MapEstimate,
     blocks: &[Block],
     elastic: &[usize],
 ) -> Noise {
-    /// A joint whose noise is all slow is trusted to so much of it.
-    const LEAST_WHITE: f64 = 0.1;
+    /// Minimum white noise relative to the whole noise, if the noise of a joint is almost all slow.
+    const MIN_WHITE_RATIO: f64 = 0.1;
     let n = map.noise_rad.len();
     let rho = estimator.noise_autocorrelation();
     let stationary = (1.0 - rho * rho).sqrt();
@@ -121,17 +122,27 @@ fn noise(
         follows && map.weights[k - 1..=*k].iter().all(|w| *w >= OUTLIER)
     };
     let used: Vec<usize> = (1..blocks.len()).filter(is_used).collect();
-    let white_rad: Vec<f64> = (elastic.iter())
-        .map(|i| {
+    // Equation that contains the offset, and its share of the offset.
+    let routings = estimator.prior().routings();
+    let rows = elastic.iter().map(|i| match routings {
+        None => (*i, 1.0),
+        Some(routings) => routings.shown_at(*i),
+    });
+    let rows: Vec<(usize, f64)> = rows.collect();
+    let white_rad: Vec<f64> = (rows.iter())
+        .map(|(i, share)| {
             let whole = map.noise_rad[*i] * stationary;
             let white = |k: &usize| residuals[k * n + i] - rho * residuals[(k - 1) * n + i];
             let mut sizes: Vec<f64> = used.iter().map(|k| white(k).abs()).collect();
             let found = upper_median(&mut sizes).map(|median| DEVIATION_PER_MEDIAN * median);
-            found.map_or(whole, |found| found.max(LEAST_WHITE * whole))
+            found.map_or(whole, |found| found.max(MIN_WHITE_RATIO * whole)) / share.abs()
         })
         .collect();
-    let slow_rad2 = (elastic.iter().zip(&white_rad))
-        .map(|(i, white)| (map.noise_rad[*i].powi(2) - (white / stationary).powi(2)).max(0.0))
+    let slow_rad2 = (rows.iter().zip(&white_rad))
+        .map(|((i, share), white)| {
+            let noise_rad = map.noise_rad[*i] / share.abs();
+            (noise_rad.powi(2) - (white / stationary).powi(2)).max(0.0)
+        })
         .collect();
     Noise {
         rho,

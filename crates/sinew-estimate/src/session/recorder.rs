@@ -1,7 +1,7 @@
-//! A recording as blocks of features.
+//! Conversion of a recording into blocks of features.
 
 use crate::error::EstimateError;
-use crate::feeder::{Fed, Feeder, FeederOptions, Injection, Refusal};
+use crate::feeder::{FeedOutcome, Feeder, FeederOptions, Injection, RejectionReason};
 use crate::jumps::Jumps;
 use crate::recording::Opened;
 use crate::request::{Progress, Request};
@@ -12,14 +12,15 @@ use sinew_files::names;
 use sinew_log::{Frame, Mapping};
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-/// Which part of a recording is used, s from its start.
+/// Interval of a recording that is evaluated, s from its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// From here.
+    /// Start of the interval, s.
     pub from_s: f64,
-    /// Up to here.
+    /// End of the interval, s; infinity for the end of the recording.
     pub to_s: f64,
 }
 
@@ -32,46 +33,58 @@ impl Default for Window {
     }
 }
 
-/// A recording, or a part of it, as features.
+/// Recording, or part of one, as blocks of features.
 #[derive(Debug, Clone, Default)]
 pub struct Recorded {
-    /// Blocks in the order of time.
+    /// Blocks of features in the order of time.
     pub blocks: Vec<Block>,
-    /// Length of the part used, s.
+    /// Duration of the evaluated interval, s.
     pub duration_s: f64,
-    /// When the part used began, ns on the recording's clock.
+    /// Start of the evaluated interval, ns on the clock of the recording.
     pub start_time_ns: i64,
-    /// When it ended.
+    /// End of the evaluated interval, ns on the clock of the recording.
     pub end_time_ns: i64,
-    /// Joints with an elastic transmission.
+    /// Indices of the joints with an elastic transmission.
     pub elastic: Vec<usize>,
-    /// Frames left out because a position was missing.
+    /// Number of frames excluded because a position is missing.
     pub frames_missing: u64,
     /// Whether the file was damaged.
     pub damaged: bool,
-    /// Whether motor torques are currents times torque constants.
+    /// Whether the motor torques are motor currents times torque constants.
     pub motor_current: bool,
-    /// What jumped between two samples.
+    /// Steps of the encoder readings between two samples.
     pub jumps: Jumps,
-    /// Room for further blocks ([`Recorder::room`]).
+    /// Preallocated blocks for later use ([`Recorder::room`]).
     pub room: Vec<Block>,
-    /// Where joint and motor stood when marks were passed.
+    /// Joint and motor positions at the index marks that were passed.
     pub touches: Vec<TouchReading>,
-    /// Joints that are taken as rigid, as their positions are not recorded.
+    /// Indices of the joints treated as rigid, because their positions are not recorded.
     pub without_encoder: Vec<usize>,
 }
 
-/// Touches that are still to come, and the frame before.
+/// Correction of the positions of a joint from the time on at which its encoder slipped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct EncoderCorrection {
+    /// Index of the joint.
+    pub(super) joint: usize,
+    /// Time of the slip since the start of the recording, s.
+    pub(super) from_s: f64,
+    /// Step of the offset by the slip, rad: the joint encoder shows this much too little.
+    pub(super) size_rad: f64,
+}
+
+/// Pending touches, and the previous frame.
 #[derive(Debug, Clone, Default)]
 struct Touches {
     ahead: Vec<(usize, Touch)>,
-    /// Nothing is read across a longer pause, s.
+    /// Maximum time between two frames for interpolation, s.
     gap_s: f64,
     last: Option<(f64, Vec<f64>, Vec<f64>)>,
 }
 
 impl Touches {
-    /// Takes the frame at `time_s`: readings between it and the one before, on a straight line.
+    /// Processes the frame at `time_s`, and returns positions at touches since the previous frame by linear
+    /// interpolation.
     fn push(&mut self, time_s: f64, q: &[f64], theta: &[f64]) -> Vec<TouchReading> {
         let mut out = Vec::new();
         if self.ahead.is_empty() {
@@ -106,7 +119,7 @@ impl Recorded {
     fn make_room(&mut self, duration_s: f64, block_s: f64, like: &Block) {
         let blocks = (duration_s / block_s).ceil().max(0.0) as usize;
         self.blocks.reserve(blocks.max(self.room.len()));
-        // What is cleared goes back here.
+        // Cleared blocks return to `room`.
         let missing = blocks.saturating_sub(self.room.len());
         self.room.reserve(missing + self.blocks.len());
         self.room
@@ -114,28 +127,28 @@ impl Recorded {
         self.jumps.reserve(duration_s);
     }
 
-    /// Nothing yet, of a robot.
+    /// Creates an empty recording of a robot.
     pub(crate) fn empty(robot: &Robot) -> Self {
         Self {
-            elastic: (0..robot.arm.dof())
+            elastic: (0..robot.axes())
                 .filter(|&i| robot.transmissions[i].is_some())
                 .collect(),
-            jumps: Jumps::new(robot.arm.dof()),
+            jumps: Jumps::new(robot.axes()),
             ..Self::default()
         }
     }
 
-    /// Forgets what was recorded, and keeps the room.
+    /// Discards all blocks, and keeps their allocation.
     pub fn clear(&mut self) {
         self.room.append(&mut self.blocks);
         self.jumps.clear();
         (self.frames_missing, self.duration_s) = (0, 0.0);
     }
 
-    /// Appends the last block of what `from` has recorded, and the jumps of readings in it, `by_s` later on another clock.
+    /// Appends the last block of `from` and the steps of the readings in it, with `by_s` added to their times.
     ///
     /// # Realtime
-    /// No allocation where there is [room](Recorder::make_room_in), lock, panic or clock.
+    /// No allocation if there is [room](Recorder::make_room_in); no lock, panic or clock.
     pub fn append_last(&mut self, from: &Self, by_s: f64) {
         let Some(last) = from.blocks.last() else {
             return;
@@ -154,7 +167,7 @@ impl Recorded {
         self.blocks.push(block);
     }
 
-    /// Block by block, in order: what a recorder would have handed over as it came.
+    /// Single blocks in order, as an online recorder passes them on.
     pub fn parts(&self) -> impl Iterator<Item = Self> + '_ {
         let mut from_s = f64::NEG_INFINITY;
         let end_s = self.end_s();
@@ -174,25 +187,26 @@ impl Recorded {
         })
     }
 
-    /// Time of the last block, s of the recording.
+    /// Time of the last block since the start of the recording, s.
     pub(crate) fn end_s(&self) -> f64 {
         self.blocks.last().map_or(0.0, |b| b.time_s)
     }
 }
 
-/// Turns frames into blocks of features, from a file, a simulation or a live source.
+/// Converter of frames into blocks of features, from a file, a simulation or a live source.
 #[derive(Debug, Clone)]
 pub struct Recorder {
     feeder: Feeder<FeatureObserver>,
     block_s: f64,
     first_s: Option<f64>,
     touches: Touches,
+    corrections: Vec<EncoderCorrection>,
     out: Recorded,
 }
 
 impl Recorder {
-    /// A recorder for `robot`; a pause of more than `gap_s` starts the filters anew. A block joins
-    /// all joints: a frame that lacks one's position is left out.
+    /// Creates a recorder for `robot`. The filters are re-initialised after a gap of more than `gap_s`. A block
+    /// contains all joints: a frame without the position of one joint is excluded.
     pub fn new(robot: &Robot, config: &FeatureConfig, gap_s: f64) -> Self {
         let features =
             FeatureObserver::new(&robot.arm, *config).with_transmissions(&robot.transmissions);
@@ -208,31 +222,40 @@ impl Recorder {
                 gap_s,
                 ..Touches::default()
             },
+            corrections: Vec::new(),
             out: Recorded::empty(robot),
         }
     }
 
-    /// Adds offsets to the motor positions on the way, as `--inject` asks; those of joints the robot
-    /// doesn't have are left out.
+    /// Adds offsets to the motor positions (`--inject`); injections at joints that are not in the robot are ignored.
     #[must_use]
     pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
         self.feeder = self.feeder.with_injections(robot, injections);
         self
     }
 
-    /// Reads joint and motor where marks are passed; those of joints the robot doesn't have are left out.
+    /// Corrects the poses of the arm after slips of joint encoders. Motor and joint position are shifted equally, so that
+    /// loads refer to the true pose and the offset still contains the slip.
     #[must_use]
-    pub fn with_touches(mut self, robot: &Robot, touches: &[Touch]) -> Self {
-        let place = |t: &Touch| Some((robot.tendon_index(&t.joint)?, t.clone()));
-        self.touches.ahead = touches.iter().filter_map(place).collect();
+    pub(super) fn with_corrections(mut self, corrections: &[EncoderCorrection]) -> Self {
+        self.corrections = corrections.to_vec();
         self
     }
 
-    /// Takes the frame at `time_s` of the recording; what became of it, and whether a block is complete.
+    /// Records joint and motor positions at index marks; touches of joints that are not in the robot are ignored.
+    #[must_use]
+    pub fn with_touches(mut self, robot: &Robot, touches: &[Touch]) -> Self {
+        let indexed = |t: &Touch| Some((robot.tendon_index(&t.joint)?, t.clone()));
+        self.touches.ahead = touches.iter().filter_map(indexed).collect();
+        self
+    }
+
+    /// Processes the frame at `time_s` of the recording, and returns whether it was used and whether a block is
+    /// complete.
     ///
     /// # Realtime
-    /// No allocation, lock, panic or clock as long as there is [room](Recorder::room).
-    pub fn push(&mut self, frame: &Frame, time_s: f64) -> Fed<bool> {
+    /// No allocation, lock, panic or clock while there is [room](Recorder::room).
+    pub fn push(&mut self, frame: &Frame, time_s: f64) -> FeedOutcome<bool> {
         let first_s = *self.first_s.get_or_insert_with(|| {
             self.out.start_time_ns = frame.time_ns;
             let since_start_ns = (time_s * 1e9).round() as i64;
@@ -241,13 +264,32 @@ impl Recorder {
         });
         self.out.end_time_ns = frame.time_ns;
         self.out.duration_s = time_s - first_s;
-        let fed = self.feeder.frame(frame);
-        if let Fed::Refused(Refusal::JointPosition | Refusal::MotorPosition) = fed {
+        let active = self.corrections.iter().filter(|c| time_s >= c.from_s);
+        let active: Vec<EncoderCorrection> = active.copied().collect();
+        let fed = match active.is_empty() {
+            true => self.feeder.frame(frame),
+            false => {
+                let mut corrected = frame.clone();
+                for c in &active {
+                    corrected.q[c.joint] += c.size_rad;
+                    corrected.theta[c.joint] += c.size_rad;
+                }
+                self.feeder.frame(&corrected)
+            }
+        };
+        if let FeedOutcome::Rejected(
+            RejectionReason::JointPosition | RejectionReason::MotorPosition,
+        ) = fed
+        {
             self.out.frames_missing += 1;
             return fed;
         }
-        self.out.jumps.push(time_s, self.feeder.theta(), &frame.q);
-        let touched = self.touches.push(time_s, &frame.q, self.feeder.theta());
+        let mut uncorrected = Cow::Borrowed(self.feeder.theta());
+        for c in &active {
+            uncorrected.to_mut()[c.joint] -= c.size_rad;
+        }
+        self.out.jumps.push(time_s, &uncorrected, &frame.q);
+        let touched = self.touches.push(time_s, &frame.q, &uncorrected);
         self.out.touches.extend(touched);
         if fed.output() == Some(true) {
             let latest = self.feeder.observer().block();
@@ -258,25 +300,25 @@ impl Recorder {
                 }
                 None => latest.clone(),
             };
-            // On the recording's clock, gaps and all.
+            // Time on the clock of the recording, including gaps.
             block.time_s = time_s - 0.5 * self.block_s;
             self.out.blocks.push(block);
         }
         fed
     }
 
-    /// Makes room for `duration_s` more, so that recording it allocates nothing. Allocates.
+    /// Allocates memory for a further `duration_s`, so that recording it does not allocate.
     pub fn make_room(&mut self, duration_s: f64) {
         self.out
             .make_room(duration_s, self.block_s, self.feeder.observer().block());
     }
 
-    /// Makes room for `duration_s` more in another recording. Allocates.
+    /// Allocates memory for a further `duration_s` in another recording.
     pub fn make_room_in(&self, part: &mut Recorded, duration_s: f64) {
         part.make_room(duration_s, self.block_s, self.feeder.observer().block());
     }
 
-    /// An empty recording with room for `duration_s`, to [exchange](Recorder::exchange). Allocates.
+    /// Creates an empty recording with memory for `duration_s`, to [exchange](Recorder::exchange). Allocates.
     pub fn room(&self, duration_s: f64) -> Recorded {
         let mut empty = Recorded {
             elastic: self.out.elastic.clone(),
@@ -287,12 +329,12 @@ impl Recorder {
         empty
     }
 
-    /// Whether the next block has [room](Recorder::make_room).
+    /// Whether memory for the next block is [allocated](Recorder::make_room).
     pub(crate) fn has_room(&self) -> bool {
         !self.out.room.is_empty() && self.out.jumps.has_room()
     }
 
-    /// Forgets what was recorded, and keeps the room. The filters go on.
+    /// Discards all blocks, and keeps their allocation. The filters continue.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -301,29 +343,29 @@ impl Recorder {
         self.out.clear();
     }
 
-    /// What was recorded since the beginning or the last call, for an empty recording that takes its place. The
-    /// filters go on: what comes next goes on with it.
+    /// Returns the recording since the start or the last call, and replaces it by an `empty` one. The
+    /// filters continue, so that the next blocks continue the returned ones.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn exchange(&mut self, empty: Recorded) -> Recorded {
         self.first_s = None;
         let mut recorded = std::mem::replace(&mut self.out, empty);
-        self.out.jumps.go_on_from(&mut recorded.jumps);
+        self.out.jumps.continue_from(&mut recorded.jumps);
         recorded
     }
 
-    /// What was recorded since the beginning or the last [`Recorder::exchange`].
+    /// Recording since the start or the last [`Recorder::exchange`].
     pub fn recorded(&self) -> &Recorded {
         &self.out
     }
 
-    /// The observer, after the last frame it took: its [block](FeatureObserver::block) is the last complete one.
+    /// Feature observer after the last frame; its [block](FeatureObserver::block) is the last complete one.
     pub fn observer(&self) -> &FeatureObserver {
         self.feeder.observer()
     }
 
-    /// The next frame is a start, as after a gap.
+    /// Re-initialises the filters with the next frame, as after a gap.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -331,64 +373,66 @@ impl Recorder {
         self.feeder.restart();
     }
 
-    /// The first mark that was to be passed and wasn't: its time is in a pause, or not of this recording.
+    /// First index mark without positions: its time is in a gap, or outside this recording.
     pub fn missed_touch(&self) -> Option<&Touch> {
         self.touches.ahead.first().map(|(_, touch)| touch)
     }
 
-    /// What was recorded.
+    /// Returns the recording.
     pub fn finish(self) -> Recorded {
         self.out
     }
 }
 
-/// That a joint's positions are missing, and what to do.
+/// Error message for a joint without recorded positions.
 fn without_positions(joint: &str, lacks: &str, warnings: &[RecordingWarning]) -> String {
-    let strangers = warnings.iter().find_map(|warning| match warning {
+    let unknown_joints = warnings.iter().find_map(|warning| match warning {
         RecordingWarning::UnknownJoints { joints } => Some(joints),
         _ => None,
     });
-    let instead = strangers.map_or(";".to_owned(), |joints| {
+    let instead = unknown_joints.map_or(";".to_owned(), |joints| {
         let hint = names::hint(joint, joints);
         let recorded = names::list(joints);
-        format!("{hint} recorded, but not in the robot: {recorded};")
+        format!("{hint} recorded, but not in the robot description: {recorded};")
     });
     format!(
-        "has no {lacks} of '{joint}', which the estimate needs of every joint with a tendon{instead} rename it with a mapping (--mapping); sinew log info lists what there is"
+        "has no {lacks} of '{joint}', which the estimate requires for every joint with a tendon{instead} rename it with a mapping (--mapping); sinew log info lists the recorded joints"
     )
 }
 
-/// The blocks of a part of a recording under way.
+/// Reader of the blocks of an interval of a recording.
 pub(super) struct Blocks<'a> {
     request: &'a Request,
     window: Window,
     recorder: Recorder,
     start_ns: Option<i64>,
     frames: u64,
-    /// Of each joint how many frames have no joint position, and no motor position.
+    /// Number of frames without joint position and without motor position, per joint.
     missing: Vec<[u64; 2]>,
 }
 
 impl<'a> Blocks<'a> {
-    /// Before the first frame of what was opened.
+    /// Creates a reader before the first frame of an opened recording.
     pub(super) fn new(
         request: &'a Request,
         window: Window,
         opened: &Opened,
+        corrections: &[EncoderCorrection],
     ) -> Result<Self, EstimateError> {
         let robot = &opened.loaded.robot;
         let channels = &opened.recording.channels().joints;
-        let names = robot.joint_names().iter().zip(robot.motor_names());
-        let joints = names.zip(&robot.transmissions);
-        for (i, (((joint, motor), transmission), channel)) in joints.zip(channels).enumerate() {
+        let motors = robot.motor_names();
+        let axes = motors.iter().zip(&robot.transmissions).zip(channels);
+        for (i, ((motor, transmission), channel)) in axes.enumerate() {
+            let joint = robot.joint_names().get(i);
             let lacks = match transmission.is_some() {
                 _ if opened.without_encoder.contains(&i) => None,
-                _ if !channel.q => Some("joint position"),
-                true if !channel.theta => Some("motor position"),
+                _ if joint.is_some() && !channel.q => Some("joint position"),
+                true if !channel.theta && !robot.shares_motor(i) => Some("motor position"),
                 _ => None,
             };
             if let Some(lacks) = lacks {
-                let name = if channel.q { &motor } else { joint };
+                let name = joint.filter(|_| !channel.q).unwrap_or(motor);
                 return Err(mismatch(
                     request,
                     without_positions(name, lacks, &opened.warnings),
@@ -400,14 +444,15 @@ impl<'a> Blocks<'a> {
             window,
             recorder: Recorder::new(robot, &FeatureConfig::default(), request.open.gap_s)
                 .with_injections(robot, &request.injections)
-                .with_touches(robot, &request.touches),
+                .with_touches(robot, &request.touches)
+                .with_corrections(corrections),
             start_ns: None,
             frames: 0,
-            missing: vec![[0; 2]; robot.joint_names().len()],
+            missing: vec![[0; 2]; robot.axes()],
         })
     }
 
-    /// Takes the next frame; whether there may be more to take.
+    /// Processes the next frame, and returns whether further frames may be in the interval.
     pub(super) fn frame(&mut self, frame: &Frame) -> bool {
         let start: i64 = *self.start_ns.get_or_insert(frame.time_ns);
         let t = (frame.time_ns - start) as f64 * 1e-9;
@@ -425,25 +470,26 @@ impl<'a> Blocks<'a> {
         true
     }
 
-    /// Which joint's positions are missing most, in words; empty where none is.
+    /// Message part that names the joint with most missing positions; empty if none is missing.
     fn most_missing(&self, robot: &Robot) -> String {
-        let (joints, motors) = (robot.joint_names(), robot.motor_names());
-        let names = joints.iter().zip(&motors).zip(&robot.transmissions);
-        let sides = names.zip(&self.missing).flat_map(|(names, [q, theta])| {
-            let ((joint, motor), transmission) = names;
-            let theta = if transmission.is_some() { *theta } else { 0 };
-            [(*q, "joint", joint), (theta, "motor", motor)]
+        let motors = robot.motor_names();
+        let axes = motors.iter().zip(&robot.transmissions).zip(&self.missing);
+        let sides = axes.enumerate().flat_map(|(i, (names, [q, theta]))| {
+            let ((motor, transmission), joint) = (names, robot.axis_name(i));
+            let has_own = transmission.is_some() && !robot.shares_motor(i);
+            let theta = if has_own { *theta } else { 0 };
+            [(*q, "joint", joint), (theta, "motor", motor.as_str())]
         });
         match sides.max_by_key(|(count, ..)| *count) {
             Some((count, side, name)) if count > 0 => format!(
-                ": the {side} position of '{name}' is missing or not a number in {count} of {} frames",
+                ": the {side} position of '{name}' is missing or non-finite in {count} of {} frames",
                 self.frames
             ),
             _ => String::new(),
         }
     }
 
-    /// All of them.
+    /// Returns all blocks.
     pub(super) fn finish(self, opened: &Opened) -> Result<Recorded, EstimateError> {
         let most_missing = self.most_missing(&opened.loaded.robot);
         let Self {
@@ -460,17 +506,16 @@ impl<'a> Blocks<'a> {
             return Err(mismatch(
                 request,
                 format!(
-                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle{most_missing}; {}, or look for gaps with sinew log info",
+                    "has no {:.0} s of joint and motor positions without a gap after {} s{}, which the filters require to settle{most_missing}; {}, or check for gaps with sinew log info",
                     7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
                     window.from_s,
                     if window.to_s.is_finite() {
-                        format!(" up to {} s", window.to_s)
+                        format!(" and before {} s", window.to_s)
                     } else {
                         String::new()
                     },
                     match out.damaged {
-                        true =>
-                            "the file is damaged, and what it lost is missing here: copy it again",
+                        true => "the file is damaged and data is missing: copy it again",
                         false => "record longer",
                     }
                 ),
@@ -478,7 +523,7 @@ impl<'a> Blocks<'a> {
         }
         if let Some(Touch { joint, time_s, .. }) = missed {
             return Err(EstimateError::Touch(format!(
-                "{}: joint '{joint}' has no positions at {time_s} s; what was read lasts {:.1} s, from {} s on, and a pause of more than {} s is no place to read",
+                "{}: joint '{joint}' has no positions at {time_s} s; the evaluated interval of {:.1} s starts at {} s, and gaps of more than {} s are not interpolated",
                 request.name(),
                 out.duration_s,
                 window.from_s,
@@ -486,35 +531,36 @@ impl<'a> Blocks<'a> {
             )));
         }
         for touch in &out.touches {
-            mark_of(&opened.loaded.robot, touch).map_err(|why| {
+            mark_of(&opened.loaded.robot, touch).map_err(|reason| {
                 let at = format!(
                     "{}: --touch {}@{}",
                     request.name(),
                     touch.joint,
                     touch.time_s
                 );
-                EstimateError::Touch(format!("{at}: {why}"))
+                EstimateError::Touch(format!("{at}: {reason}"))
             })?;
         }
         Ok(out)
     }
 }
 
-fn mismatch(request: &Request, why: String) -> EstimateError {
+fn mismatch(request: &Request, reason: String) -> EstimateError {
     EstimateError::Mismatch {
         file: request.name(),
-        why,
+        reason,
     }
 }
 
-/// Reads the blocks of a recording.
+/// Reads the blocks of an interval of a recording, with corrections for slips of joint encoders.
 pub(super) fn read(
     request: &Request,
     window: Window,
+    corrections: &[EncoderCorrection],
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(LoadedRobot, Recorded), EstimateError> {
     let mut opened = Opened::new(request)?;
-    let mut blocks = Blocks::new(request, window, &opened)?;
+    let mut blocks = Blocks::new(request, window, &opened, corrections)?;
     opened.each_frame(false, progress, |frame| {
         Ok(match blocks.frame(frame) {
             true => ControlFlow::Continue(()),

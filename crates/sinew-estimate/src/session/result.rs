@@ -1,272 +1,408 @@
-//! What a session says of every tendon, as data.
+//! Result of a session as data.
 
 use super::torque_range::TorqueRange;
 use super::warning::Warning;
-use crate::anchored::AnchoredOffset;
+use crate::anchored::ReferenceOffset;
 use crate::cause::Cause;
 use crate::nuisance::NuisanceChange;
 use serde::{Deserialize, Serialize};
 use sinew_model::offset::{ForceEstimate, SharedError};
 use sinew_model::{Gaussian, Interval95};
 
-/// Offsets since the baseline.
+/// Result of a session: offset of each tendon since the baseline, or relative to the encoder zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionEstimate {
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
-    /// The recording.
+    /// Name of the recording.
     pub recording: String,
-    /// First recording of the baseline; `None`: data-sheet priors only.
+    /// Name of the first recording of the baseline; `None` without a baseline (priors from data sheets only).
     pub baseline: Option<String>,
-    /// When that ended, s since 1970 UTC: every offset was zero then. `None` where its clock doesn't say.
+    /// End of that recording, when every offset was zero, s since 1970 UTC; `None` if its clock has no date.
     #[serde(default)]
     pub baseline_time_utc_s: Option<f64>,
-    /// When the part used began, s since 1970 UTC; `None` where the recording's clock doesn't say.
+    /// Standard deviation of the encoder zeros by robot.toml, rad, with which offsets without a baseline are elongations;
+    /// `None` with a baseline, or if robot.toml states none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zero_std_rad: Option<f64>,
+    /// Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date.
     pub start_time_utc_s: Option<f64>,
-    /// Length of the part used, s.
+    /// Duration of the evaluated interval, s.
     pub duration_s: f64,
-    /// Mean temperature, °C, where it was recorded or stated.
+    /// Mean temperature, °C; `None` if neither recorded nor specified.
     pub temperature_c: Option<f64>,
-    /// Where that comes from.
+    /// Source of the temperature.
     pub temperature_source: TemperatureSource,
-    /// Temperature the offsets refer to, °C, where it was recorded.
+    /// Reference temperature of the offsets, °C; `None` if unknown.
     pub reference_temperature_c: Option<f64>,
-    /// One entry per elastic joint.
+    /// Results of the tendons, one entry per elastic joint.
     pub joints: Vec<TendonEstimate>,
-    /// Offsets at the end of every segment the recording was estimated in.
+    /// Offsets of joints that are driven by several tendons or by strands; empty on other robots, and if a strand may
+    /// be slack.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joint_offsets: Vec<JointOffset>,
+    /// Combinations of elongations that are not observable from the recording.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unobservable: Vec<UnobservableCombination>,
+    /// Offsets at the end of each segment of the recording.
     pub segments: Vec<SegmentEstimate>,
-    /// Block by block, for a plot; not part of the JSON.
+    /// Estimates of all blocks, for a plot; not part of the JSON.
     #[serde(skip)]
     pub blocks: Vec<BlockEstimate>,
-    /// Payload at the end, kg.
+    /// Payload mass at the end of the recording, kg.
     pub payload_kg: Gaussian,
-    /// Loads picked up or put down within the recording.
+    /// Payload changes within the recording.
     pub payload_changes: Vec<PayloadChange>,
-    /// A constant force from outside at the tool; `None`: there was none to be seen. Of a long recording, in the stretch where
-    /// it is likeliest.
+    /// Constant external force at the tool; `None` if none was detected. For a recording of several segments, the force
+    /// of the segment with the highest probability.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub external_force: Option<ForceEstimate>,
-    /// Which torque of the motors was used as a second witness.
+    /// Source of the motor torque that was used as an independent measurement.
     pub motor_torque: MotorTorque,
-    /// Share of the time left out as contact or disturbance.
-    pub left_out_share: f64,
-    /// The longest such times.
-    pub left_out: Vec<LeftOut>,
-    /// Distinct poses the arm stood or passed at, as far as gravity tells them apart.
+    /// Whether the tensions of tendons were used.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub tension_used: bool,
+    /// Share of the time that was rejected as contact or disturbance, 0 to 1.
+    pub rejected_share: f64,
+    /// Longest intervals that were rejected as contact or disturbance, at most 20.
+    #[serde(alias = "left_out")]
+    pub rejected_intervals: Vec<RejectedInterval>,
+    /// Number of distinct poses, at rest or in motion; poses are distinct if a joint differs by more than 0.2 rad.
     pub poses: usize,
-    /// What the online estimate says of the same recording; `None` where nobody asked.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub live: Option<LiveCourse>,
-    /// Everything estimated along: what was believed before and after.
+    /// Online estimate of the same recording; `None` if not requested.
+    #[serde(default, alias = "live", skip_serializing_if = "Option::is_none")]
+    pub online: Option<OnlineTrajectory>,
+    /// Prior and posterior of each nuisance parameter.
     pub nuisance: Vec<NuisanceChange>,
-    /// Whether part of the file was lost.
+    /// Whether data was lost because the file is damaged.
     pub damaged: bool,
-    /// What the reader should know.
+    /// Warnings about the recording and the result.
     pub warnings: Vec<Warning>,
 }
 
-/// Where the temperature of a recording comes from.
+impl SessionEstimate {
+    /// Whether the offsets are elongations of the tendons: since a baseline, or from an encoder zero of stated accuracy.
+    /// Otherwise they include the error of the encoder zero.
+    pub fn is_elongation(&self) -> bool {
+        self.baseline.is_some() || self.zero_std_rad.is_some()
+    }
+}
+
+/// Offset of a joint with coupled tendons: rotation of the joint due to their elongations at constant motor positions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointOffset {
+    /// Name of the joint.
+    pub name: String,
+    /// Offset, rad; positive if the joint lags behind its motors.
+    pub offset_rad: Gaussian,
+}
+
+/// Combination of elongations that is not observable from a recording, such as an equal loss of tension in flexor and
+/// extensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct UnobservableCombination {
+    /// Tendons of the combination, with their weights.
+    pub tendons: Vec<TendonWeight>,
+    /// Standard deviation of the largest elongation in the combination, rad in the coordinate of that tendon.
+    pub std_rad: f64,
+    /// Standard deviation of the largest elongation in the combination, m; `None` without tendon geometry.
+    pub std_m: Option<f64>,
+    /// Measurements that would make the combination observable.
+    pub remedies: Vec<Remedy>,
+    /// Sudden changes of one of the tendons; the recording does not determine which one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<UnattributedChange>,
+}
+
+/// Sudden change of one of several tendons that are indistinguishable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct UnattributedChange {
+    /// Time of the change since the start of the recording, s.
+    pub time_s: f64,
+    /// 95 % interval of the time, s.
+    pub interval_s: Option<Interval95>,
+    /// Probability of a permanent change, 0 to 1.
+    pub probability: Option<f64>,
+}
+
+/// Weight of a tendon in a combination of elongations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TendonWeight {
+    /// Name of the tendon.
+    pub name: String,
+    /// Elongation relative to the largest one: ratio of values in m if all tendons have a geometry, otherwise of values
+    /// in rad.
+    pub weight: f64,
+}
+
+/// Measurement that would make a combination of elongations observable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Remedy {
+    /// Torque or current of each motor.
+    MotorTorque,
+    /// Tension sensor at each tendon.
+    TensionSensors,
+}
+
+/// Source of the temperature of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TemperatureSource {
-    /// The recording.
+    /// Temperature from the recording.
     Recorded,
-    /// Its owner.
+    /// Temperature specified by the user.
     Stated,
-    /// Nobody: it is as usual, with a tolerance.
+    /// Temperature neither recorded nor specified: assumed as usual, with a tolerance.
     #[default]
     Unknown,
 }
 
-/// One tendon since its baseline.
+/// Result of one tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonEstimate {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
-    /// Whether it slides: rad is then m, and N·m is N.
+    /// Whether the joint is prismatic: values in rad are then in m, and values in N·m in N.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slides: bool,
-    /// Offset at the end of the recording, rad.
+    /// Offset at the end of the recording, rad; positive if the tendon is longer.
     pub offset_rad: Gaussian,
-    /// What of its error other sessions have too; `None` in files of programs that didn't say.
+    /// Systematic part of the error of the offset, which other sessions share; `None` in files of earlier versions.
     #[serde(default)]
-    pub shared_error: Option<SharedError>,
-    /// Elongation, m; `None` without tendon geometry.
+    pub systematic_error: Option<SharedError>,
+    /// Elongation of the tendon, m; `None` without tendon geometry.
     pub elongation_m: Option<Gaussian>,
-    /// Elongation over the tendon's length; `None` without tendon geometry.
+    /// Strain: elongation divided by the length of the tendon, m/m; `None` without tendon geometry.
     pub strain_ratio: Option<Gaussian>,
-    /// What that comes to.
+    /// Result of the test whether the offset differs from zero.
     pub verdict: Verdict,
-    /// The elongation at which the owner wants to tension again, where robot.toml says.
+    /// Re-tensioning limit and its state; `None` if robot.toml specifies no limit.
     pub retension: Option<RetensionLimit>,
     /// Sudden changes within the recording.
     pub changes: Vec<TendonChange>,
-    /// Stiffness as the recording sees it over nominal, less one.
+    /// Estimated relative deviation of the stiffness from nominal: `K/K_nominal − 1`.
     pub stiffness_change_ratio: Gaussian,
-    /// Whether it has changed since what was known before the recording; `None`: not sought.
-    pub stiffness_since_before: Option<StiffnessSinceBefore>,
-    /// How its offset moved while it was looked at; `None`: it was not seen to move.
+    /// Stiffness change relative to the prior of the recording; `None` if not evaluated.
+    pub stiffness_change: Option<StiffnessSinceBefore>,
+    /// Drift of the offset during the recording; `None` if none was detected.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub creep: Option<TendonCreep>,
-    /// Half the dead zone of an antagonistic pair, rad.
+    /// Half-width of the dead zone (slack) of an antagonistic pair, rad; `None` for other tendons.
     pub slack_rad: Option<Gaussian>,
-    /// Least and greatest torque the joint carried, N·m.
+    /// Range of the torque of the tendon, N·m.
     pub torque_nm: TorqueRange,
-    /// What no parameter explains, robust standard deviation, rad.
+    /// Robust standard deviation of the residual, rad.
     pub noise_rad: f64,
-    /// What of that is more than sensors leave, rad: it is in the interval.
-    pub misfit_rad: f64,
-    /// What an end stop or a mark said, where one was touched.
+    /// Part of the residual that exceeds the sensor noise, rad; the interval includes it.
+    pub excess_residual_rad: f64,
+    /// Share of the recording in which the strand was slack, 0 to 1; its elongation is then not determined. `None` if
+    /// never slack.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub anchored: Option<AnchoredOffset>,
+    pub slack_share: Option<f64>,
+    /// Lower bound of the offset of a strand that was slack for most of the recording, rad; `None` otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_bound_rad: Option<f64>,
+    /// Lower bound of the elongation of a strand that was slack for most of the recording, m; `None` otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_bound_m: Option<f64>,
+    /// Correction by reference contacts and index marks; `None` if none was touched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub anchored: Option<ReferenceOffset>,
 }
 
-/// An offset that moved evenly while it was looked at: a rope that creeps, or one that warms.
+/// Drift of an offset at a constant rate, from creep or a temperature change of the rope.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonCreep {
-    /// Probability that it did; of a long recording, in the stretch where that is likeliest.
+    /// Probability of the drift, 0 to 1; for a recording of several segments, the highest of all segments.
     pub probability: f64,
-    /// By how much from start to end, rad: averaged over whether it did.
-    pub moved_rad: Gaussian,
-    /// How fast, rad/s: that over the recording's length.
+    /// Change of the offset from the start to the end of the recording, rad, averaged over both hypotheses (drift, no
+    /// drift).
+    pub drift_rad: Gaussian,
+    /// Mean drift rate over the recording, rad/s.
     pub rate_rad_per_s: Gaussian,
 }
 
-/// What an interval says of a tendon.
+/// Result of the test whether an offset differs from zero at the 95 % level.
+///
+/// With a baseline the offset is the elongation since then, and with `zero_mrad` in robot.toml that since the encoders
+/// were zeroed. Otherwise the reference is the encoder zero, and no verdict speaks of the rope. An interval that contains zero never shows that nothing has changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Zero is below the 95 % interval.
-    Longer,
-    /// Zero is above it.
-    Shorter,
-    /// Zero is in it.
-    Unchanged,
-    /// The interval is too wide to tell stretch from nothing.
-    CannotTell,
+    /// Elongation since the baseline: the 95 % interval lies above zero.
+    Elongated,
+    /// Shortening since the baseline: the 95 % interval lies below zero.
+    Shortened,
+    /// The 95 % interval of the elongation since the baseline contains zero and is at most ± 5 mrad wide.
+    NoChangeDetected,
+    /// Without a baseline: the 95 % interval of the offset from the encoder zero excludes zero.
+    OffsetDetected,
+    /// Without a baseline: the 95 % interval of the offset from the encoder zero contains zero.
+    NoneDetected,
+    /// The 95 % interval is wider than ± 5 mrad.
+    Inconclusive,
+    /// The tendon transmits no torque at the end of the recording, so it has no elongation.
+    TransmissionLost,
 }
 
 impl Verdict {
-    /// What an offset comes to, rad.
-    pub fn of(offset_rad: Gaussian) -> Self {
-        /// An interval whose half is wider than this can't tell stretch from nothing, rad.
-        const USELESS_RAD: f64 = 5e-3;
-        if !(offset_rad.half_width_95() <= USELESS_RAD) {
-            Self::CannotTell
-        } else if !offset_rad.is_nonzero_95() {
-            Self::Unchanged
-        } else if offset_rad.mean > 0.0 {
-            Self::Longer
-        } else {
-            Self::Shorter
+    /// Largest half-width of a conclusive 95 % interval, rad; a convention. It is 0.1 to 0.15 mm of rope on pulleys of 20
+    /// to 30 mm radius.
+    pub const MAX_HALF_WIDTH_RAD: f64 = 5e-3;
+
+    /// Verdict on an offset in rad, which is an elongation or refers to the encoder zero.
+    pub fn of(offset_rad: Gaussian, is_elongation: bool) -> Self {
+        if Self::is_inconclusive(offset_rad) {
+            return Self::Inconclusive;
         }
+        match (is_elongation, offset_rad.is_nonzero_95()) {
+            (true, false) => Self::NoChangeDetected,
+            (true, true) if offset_rad.mean > 0.0 => Self::Elongated,
+            (true, true) => Self::Shortened,
+            (false, true) => Self::OffsetDetected,
+            (false, false) => Self::NoneDetected,
+        }
+    }
+
+    /// Whether the 95 % interval of an offset in rad is too wide for a verdict.
+    pub fn is_inconclusive(offset_rad: Gaussian) -> bool {
+        !(offset_rad.half_width_95() <= Self::MAX_HALF_WIDTH_RAD)
+    }
+
+    /// Name of the verdict in JSON and in tables for programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Elongated => "elongated",
+            Self::Shortened => "shortened",
+            Self::NoChangeDetected => "no-change-detected",
+            Self::OffsetDetected => "offset-detected",
+            Self::NoneDetected => "none-detected",
+            Self::Inconclusive => "inconclusive",
+            Self::TransmissionLost => "transmission-lost",
+        }
+    }
+
+    /// Whether a difference from zero was detected.
+    pub fn is_detected(self) -> bool {
+        matches!(
+            self,
+            Self::Elongated | Self::Shortened | Self::OffsetDetected
+        )
     }
 }
 
-/// A limit of elongation.
+/// Re-tensioning limit of a tendon.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RetensionLimit {
-    /// Elongation at which to tension again, m.
+    /// Elongation at which to re-tension, m.
     pub elongation_m: f64,
-    /// Whether it is passed.
+    /// Result of the test whether the elongation exceeds the limit.
     pub state: LimitState,
 }
 
-/// Whether a limit is passed, as far as the 95 % interval tells.
+/// Result of the test whether the 95 % interval of the elongation exceeds a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LimitState {
-    /// The interval is above it.
+    /// 95 % interval above the limit.
     Passed,
-    /// The interval is below it.
+    /// 95 % interval below the limit.
     NotPassed,
-    /// The limit is in the interval.
-    CannotTell,
+    /// 95 % interval that contains the limit, or an estimate without a verdict.
+    Inconclusive,
 }
 
-/// Which torque of the motors was used.
+/// Source of the motor torques that were used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MotorTorque {
-    /// None was recorded, or it was left out.
+    /// No motor torque: not recorded, rejected, or not used by option.
     Unused,
-    /// A measured torque.
+    /// Measured motor torque.
     Measured,
-    /// A current times a torque constant, which is known less well.
+    /// Motor current times a torque constant, which has a larger tolerance.
     FromCurrent,
 }
 
-/// Stiffness that may have changed between two recordings. Offsets are averaged over whether it has.
+/// Stiffness change between two recordings. Offsets are averaged over both hypotheses (change, no change).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StiffnessSinceBefore {
-    /// Probability that it has.
+    /// Probability of the change, 0 to 1.
     pub probability: f64,
-    /// By how much if it has; lost stiffness is negative.
+    /// Relative change of the stiffness if there is one; negative for a loss.
     pub change_ratio: Gaussian,
 }
 
-/// A sudden change of a tendon.
+/// Sudden change of a tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonChange {
-    /// What it is.
+    /// Type of the change.
     pub kind: TendonChangeKind,
-    /// When, s from the start of the recording.
+    /// Time of the change since the start of the recording, s.
     pub time_s: f64,
-    /// It happened between these with 95 %, s; `None` for what happened before the recording.
+    /// 95 % interval of the time, s; `None` for a change before the recording.
     pub interval_s: Option<Interval95>,
-    /// Probability that it happened and lasts: one that comes late may be a contact as well. `None` for
-    /// what happened before the recording.
+    /// Probability of a permanent change, 0 to 1; a change near the end may also be a contact. `None` for a change
+    /// before the recording.
     pub probability: Option<f64>,
-    /// By how much the offset changed, rad; `None`: only the stiffness did.
+    /// Size of the step of the offset, rad; `None` if only the stiffness changed.
     pub size_rad: Option<Gaussian>,
-    /// Stiffness lost or gained with it, relative; `None`: no change seen.
+    /// Simultaneous relative change of the stiffness, negative for a loss; `None` if none was detected.
     pub stiffness_change_ratio: Option<Gaussian>,
-    /// Of a slip: what slipped.
+    /// Cause of a slip; `None` for other changes.
     pub cause: Option<Cause>,
 }
 
-/// What a sudden change of a tendon is.
+/// Type of a sudden change of a tendon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TendonChangeKind {
-    /// The offset changed, and no stiffness was surely lost.
+    /// Step of the offset without a significant loss of stiffness.
     Slip,
-    /// The stiffness surely fell.
+    /// No torque is transmitted from here on: the tendon is torn or off its pulley, or its motor side is detached.
+    TransmissionLost,
+    /// Significant loss of stiffness.
     StrandFailure,
-    /// Neither alone is sure.
+    /// Slip or strand failure, neither of which is significant alone.
     SlipOrStrandFailure,
-    /// The stiffness rose.
+    /// Increase of the stiffness.
     Stiffer,
-    /// Much of the offset went without a slip of an encoder.
+    /// Re-tensioning: at least half of the offset disappeared without a slip of an encoder.
     Retensioned,
-    /// The recording began with less stiffness than was known.
-    SofterSinceBefore,
-    /// The recording began with more stiffness than was known.
-    StifferSinceBefore,
+    /// Stiffness at the start of the recording below its prior.
+    StiffnessLoss,
+    /// Stiffness at the start of the recording above its prior.
+    StiffnessIncrease,
 }
 
-/// A load picked up or put down.
+/// Change of the payload within a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PayloadChange {
-    /// When, s from the start of the recording.
+    /// Time of the change since the start of the recording, s.
     pub time_s: f64,
-    /// It happened between these with 95 %, s.
+    /// 95 % interval of the time, s.
     pub interval_s: Option<Interval95>,
-    /// Probability that it happened.
+    /// Probability of the change, 0 to 1.
     pub probability: Option<f64>,
-    /// By how much, kg.
+    /// Change of the payload mass, kg; negative for a load that was released.
     pub change_kg: Gaussian,
 }
 
@@ -274,96 +410,97 @@ pub struct PayloadChange {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SegmentEstimate {
-    /// From, s of the recording.
+    /// Start of the segment since the start of the recording, s.
     pub from_s: f64,
-    /// Up to here, s of the recording.
+    /// End of the segment since the start of the recording, s.
     pub to_s: f64,
-    /// Offset of every elastic joint at `to_s`, rad, in the order of `joints`.
+    /// Offset of each elastic joint at `to_s`, rad, in the order of `joints`.
     pub offset_rad: Vec<Gaussian>,
 }
 
-/// One block of 0.2 s; offsets in the order of `joints`.
+/// Estimate of one block of 0.2 s; offsets in the order of `joints`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockEstimate {
     /// Middle of the block, s.
     pub time_s: f64,
-    /// Weight, 0 to 1; [small](BlockEstimate::is_left_out): left out.
+    /// Robust weight, 0 to 1; [rejected](BlockEstimate::is_rejected) if small.
     pub weight: f64,
-    /// What the block says of the offset once everything else is taken off, rad.
+    /// Offset by this block alone (estimated offset plus residual), rad.
     pub block_rad: Vec<f64>,
-    /// Estimated offset then, rad.
+    /// Estimated offset at the time of the block, rad.
     pub offset_rad: Vec<Gaussian>,
 }
 
-/// A block of less weight, three standard deviations off in the mean, counts as left out.
+/// Minimum weight of a block that is not rejected: that of residuals of three standard deviations on average.
 pub(crate) const OUTLIER: f64 = 0.25;
 
 impl BlockEstimate {
-    /// Whether it was left out as contact or disturbance: it is three standard deviations off in the mean.
-    pub fn is_left_out(&self) -> bool {
+    /// Whether the block was rejected as contact or disturbance.
+    pub fn is_rejected(&self) -> bool {
         self.weight < OUTLIER
     }
 }
 
-/// What the online estimate ([`crate::online`]) says of a recording, block by block.
+/// Result of the online estimator ([`crate::online`]) for a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LiveCourse {
-    /// One entry per elastic joint, at the end of the recording.
-    pub joints: Vec<LiveTendon>,
-    /// A constant force from outside at the tool, as far as it is known at the end; `None`: none is looked for.
+pub struct OnlineTrajectory {
+    /// Results of the tendons at the end of the recording, one entry per elastic joint.
+    pub joints: Vec<OnlineTendon>,
+    /// Constant external force at the tool at the end of the recording; `None` if it is not estimated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub external_force: Option<ForceEstimate>,
     /// Whether any offset is provisional at the end.
-    pub in_doubt: bool,
-    /// When any was: until the first window is solved, and after steps that are suspected or may end.
-    pub doubts: Vec<Doubt>,
-    /// Block by block, for a plot; not part of the JSON.
+    pub provisional: bool,
+    /// Intervals with a provisional offset: until the first window is solved, and after suspected steps and possible
+    /// contacts.
+    pub provisional_intervals: Vec<ProvisionalInterval>,
+    /// Estimates of all blocks, for a plot; not part of the JSON.
     #[serde(skip)]
-    pub blocks: Vec<LiveBlock>,
+    pub blocks: Vec<OnlineBlock>,
 }
 
-/// A tendon at the end of a [`LiveCourse`].
+/// Result of a tendon at the end of an [`OnlineTrajectory`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LiveTendon {
-    /// Joint.
+pub struct OnlineTendon {
+    /// Name of the joint.
     pub name: String,
-    /// Offset as it is then, rad.
+    /// Offset at the end of the recording, rad.
     pub offset_rad: Gaussian,
-    /// Probability that its stiffness has changed since the baseline; `None` without one.
+    /// Probability of a stiffness change since the baseline, 0 to 1; `None` without a baseline.
     pub stiffness_changed_probability: Option<f64>,
 }
 
-/// A time in which the offsets of a [`LiveCourse`] were in doubt.
+/// Interval in which an offset of an [`OnlineTrajectory`] was provisional.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Doubt {
-    /// From here, s.
+pub struct ProvisionalInterval {
+    /// Start of the interval since the start of the recording, s.
     pub from_s: f64,
-    /// To here, s.
+    /// End of the interval since the start of the recording, s.
     pub to_s: f64,
 }
 
-/// One block of 0.2 s of a [`LiveCourse`]; offsets in the order of its joints.
+/// Estimate of one block of 0.2 s of an [`OnlineTrajectory`]; offsets in the order of its joints.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LiveBlock {
+pub struct OnlineBlock {
     /// Middle of the block, s.
     pub time_s: f64,
-    /// Probability that nothing touches the arm, 0 to 1.
+    /// Probability that there is no contact, 0 to 1.
     pub weight: f64,
-    /// Offset as it is then, rad; not a number until a window has been solved.
+    /// Offset at the time of the block, rad; NaN until the first window is solved.
     pub offset_rad: Vec<Gaussian>,
-    /// Whether any offset is provisional then.
-    pub in_doubt: bool,
+    /// Whether any offset is provisional at the time of the block.
+    pub provisional: bool,
 }
 
-/// A time that was left out.
+/// Interval that was rejected as contact or disturbance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LeftOut {
-    /// From, s.
+pub struct RejectedInterval {
+    /// Start of the interval since the start of the recording, s.
     pub from_s: f64,
-    /// To, s.
+    /// End of the interval since the start of the recording, s.
     pub to_s: f64,
 }

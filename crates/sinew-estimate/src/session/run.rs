@@ -1,60 +1,64 @@
-//! Learning a baseline, and estimating a session with it.
+//! Estimation of a baseline, and of a session relative to it.
 
 use super::anchor;
 use super::context::Context;
 use super::predictive::PredictiveCheck;
-use super::recent::Given;
-use super::recorder::{Blocks, Recorded, Window, read};
-use super::result::{SessionEstimate, TemperatureSource};
-use super::revisits;
+use super::recent::RecentCheck;
+use super::recorder::{Blocks, EncoderCorrection, Recorded, Window, read};
+use super::repeated_motion;
+use super::result::{SessionEstimate, TemperatureSource, Verdict};
 use super::segments::Segments;
 use super::summary::{summarise, utc_s};
+use super::transmission_loss::{self, TransmissionLoss};
 use super::warning::Warning;
-use super::{sides, temperature, witness, zero};
+use super::{independent_torque, sides, temperature, zero};
 use crate::baseline::Baseline;
+use crate::cause::Cause;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
 use crate::recording::Opened;
 use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
+use crate::warning::RecordingWarning;
 use sinew_model::offset::{
-    Belief, JointParameter, MapEstimator, Payload, Prior, SearchScope, SharedError,
-    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
+    JointParameter, MapEstimator, Payload, Prior, SearchScope, SharedError, StateEstimate,
+    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, state_estimates, stated_payload,
 };
 use sinew_model::robot::Robot;
+use sinew_model::tendons::Routings;
 use sinew_model::{Gaussian, Z95};
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-/// A recording that begins within this time of the last one's end goes on with it, s.
-const CONTINUES_S: f64 = 60.0;
-/// A baseline of fewer distinct poses spoils what is compared with it.
-const POSES_OF_BASELINE: usize = 6;
+/// Maximum pause between the end of a recording and the start of one that continues it, s.
+const MAX_PAUSE_S: f64 = 60.0;
+/// Minimum number of distinct poses of a baseline; fewer degrade every estimate relative to it.
+const MIN_BASELINE_POSES: usize = 6;
 
-/// How a baseline is learned.
+/// Options of the estimation of a baseline.
 #[derive(Debug, Clone, Copy)]
 pub struct Learning<'a> {
-    /// What is known already, a baseline with its file's name: of this robot before it was
-    /// tensioned again, or of its type.
-    pub known: Option<(&'a Baseline, &'a str)>,
+    /// Prior: an earlier baseline with the name of its file, of this robot before it was re-tensioned or of
+    /// its type; `None`: tolerances in robot.toml.
+    pub prior: Option<(&'a Baseline, &'a str)>,
     /// Whether a recorded motor torque is used.
     pub motor_torque: bool,
-    /// Temperature during the recording, °C, where it is stated instead of recorded.
+    /// Specified temperature during the recording, °C; `None`: as recorded.
     pub temperature_c: Option<Gaussian>,
-    /// Joints whose ropes were tensioned while the encoders stayed as they were: their offsets are zero now,
-    /// wherever their encoders are. The other joints' offsets are estimated along, and go on counting from
-    /// before. `None`: all were, and the encoders were zeroed then as well as robot.toml says.
+    /// Indices of the joints whose ropes were re-tensioned without zeroing the encoders: their offsets are zero now,
+    /// for any encoder zero. The offsets of the other joints are estimated jointly, and keep their previous
+    /// reference. `None`: all ropes were tensioned, and the encoders were zeroed within the tolerance in robot.toml.
     pub tensioned: Option<&'a [usize]>,
-    /// Whether the recording goes on with the one that `known` was learned from: of one tensioning,
-    /// minutes apart. Nothing is opened then.
+    /// Whether the recording continues the one of the prior baseline, minutes later and with the same tension.
+    /// No prior variance is reset then.
     pub continues: bool,
 }
 
 impl Default for Learning<'_> {
     fn default() -> Self {
         Self {
-            known: None,
+            prior: None,
             motor_torque: true,
             temperature_c: None,
             tensioned: None,
@@ -63,41 +67,42 @@ impl Default for Learning<'_> {
     }
 }
 
-/// What a recording has to do with those before it.
+/// Time relation of a recording to the previous session.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Since {
-    /// It comes so many days later: offsets and payload are opened anew, friction and the rest may have
-    /// changed as much as they do in that time.
+    /// Start after a gap, in days. The prior variances of offsets and payload are reset; those of friction and the
+    /// other parameters grow with the gap.
     Days(f64),
-    /// It goes on where the last one ended, and nothing is opened.
+    /// Continuation of the previous recording without a gap; no prior variance is reset.
     Now,
 }
 
-/// Learns a baseline from a recording taken right after tensioning, the gripper empty.
+/// Estimates a baseline from a recording made directly after tensioning with an empty gripper.
 ///
 /// # Errors
-/// [`SessionError`].
+/// Returns a [`SessionError`] if the recording or robot is invalid, if the prior baseline does not belong to the robot,
+/// or if the estimate fails.
 pub fn learn(
     request: &Request,
     window: Window,
     learning: &Learning<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
-    let (loaded, recorded) = read(request, window, progress)?;
+    let (loaded, recorded) = read(request, window, &[], progress)?;
     learn_recorded(&loaded.robot, &recorded, &request.name(), learning)
 }
 
-/// [`learn`] from blocks; `name` of the recording for the result and errors.
+/// Estimates a baseline from blocks, as [`learn`]; `name` is that of the recording in the result and in errors.
 ///
 /// # Errors
-/// [`SessionError`].
+/// As [`learn`], except for errors of the recording file.
 pub fn learn_recorded(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
     learning: &Learning<'_>,
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
-    let known = learning.known;
+    let earlier = learning.prior;
     let options = SessionOptions {
         payload: Payload::Empty,
         motor_torque: learning.motor_torque,
@@ -107,16 +112,23 @@ pub fn learn_recorded(
         creep: false,
     };
     let session = Session::new(robot, recorded, &options);
+    if let Some(loss) = session.losses.first() {
+        return Err(SessionError::TransmissionLost {
+            file: name.into(),
+            joint: robot.tendon_name(loss.joint).to_owned(),
+            time_s: loss.since_s,
+        });
+    }
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
     sides::check(robot, prior, recorded, Payload::Empty, name)?;
-    let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+    let mut start = prior.state_estimate(Payload::Empty, TENSIONED_OFFSET_RAD);
     let temperature_c = mean_temperature(&recorded.blocks);
-    if let Some((known, file)) = known {
-        start = known.belief(robot, prior, file)?;
+    if let Some((previous, file)) = earlier {
+        start = previous.state_estimate(robot, prior, file)?;
         if !learning.continues {
-            beliefs::age(prior, &mut start);
-            prior.open_payload(&mut start, Payload::Empty);
+            state_estimates::age(prior, &mut start);
+            prior.reset_payload(&mut start, Payload::Empty);
         }
     } else if learning.tensioned.is_some() {
         prior.hold_zero(&mut start);
@@ -124,26 +136,26 @@ pub fn learn_recorded(
     match learning.tensioned {
         _ if learning.continues => {}
         Some(joints) => {
-            prior.open_offsets(&mut start, UNKNOWN_OFFSET_RAD);
+            prior.reset_offsets(&mut start, UNKNOWN_OFFSET_RAD);
             for joint in joints {
                 prior.tension(&mut start, *joint);
             }
-            // The others' offsets stay those of the temperature they were.
+            // The offsets of the other joints keep their reference temperature.
             if !start.temperature_c.is_finite() {
                 start.temperature_c = temperature_c;
             }
         }
         None => {
-            if known.is_some() {
-                // Zero is what the tendons are now, at this temperature.
-                beliefs::refer_to(prior, &mut start, temperature_c);
-                prior.open_offsets(&mut start, TENSIONED_OFFSET_RAD);
-                prior.open_zero(&mut start);
+            if earlier.is_some() {
+                // The present state of the tendons at this temperature is the new zero.
+                state_estimates::refer_to(prior, &mut start, temperature_c);
+                prior.reset_offsets(&mut start, TENSIONED_OFFSET_RAD);
+                prior.reset_zero(&mut start);
             }
             start.temperature_c = temperature_c;
         }
     }
-    let nothing = SearchScope {
+    let no_changes = SearchScope {
         offsets: false,
         payload: false,
         creep: false,
@@ -151,15 +163,25 @@ pub fn learn_recorded(
         onset: None,
     };
     let payload = Payload::Empty;
-    let from = |start| Segments::estimate(estimator, start, recorded, &[], payload, nothing, name);
-    // Only a fresh zero is a matter of what robot.toml says.
-    let stated = known.is_none() && learning.tensioned.is_none();
-    let opened = match stated {
-        true => zero::opened(robot, prior, &start, from)?,
+    let from = |start| {
+        Segments::estimate(
+            (robot, estimator),
+            start,
+            recorded,
+            &[],
+            payload,
+            no_changes,
+            name,
+        )
+    };
+    // Only a new encoder zero is specified by robot.toml.
+    let is_specified = earlier.is_none() && learning.tensioned.is_none();
+    let free_zero = match is_specified {
+        true => zero::estimate_zero(robot, prior, &start, from)?,
         false => None,
     };
-    let (segments, not_zeroed) = match opened {
-        Some(opened) => opened,
+    let (segments, zero_warnings) = match free_zero {
+        Some(estimate) => estimate,
         None => (from(start)?, Vec::new()),
     };
     let mut baseline = Baseline::new(
@@ -169,23 +191,23 @@ pub fn learn_recorded(
         &segments.learned(prior),
         segments.noise(),
     );
-    baseline.temperature_deviation_k = learning.temperature_c.map_or(0.0, |t| t.deviation);
-    match known {
-        Some((known, _)) if learning.continues => {
-            baseline.recordings.clone_from(&known.recordings);
-            baseline.before.clone_from(&known.before);
-            baseline.zero_time_ns = known.zero_time();
+    baseline.temperature_std_k = learning.temperature_c.map_or(0.0, |t| t.std);
+    match earlier {
+        Some((previous, _)) if learning.continues => {
+            baseline.recordings.clone_from(&previous.recordings);
+            baseline.before.clone_from(&previous.before);
+            baseline.zero_time_ns = previous.zero_time();
         }
-        Some((known, _)) => baseline.before = known.rests_on(),
+        Some((previous, _)) => baseline.before = previous.based_on(),
         None => {}
     }
-    let mut estimate = session.summarise(&segments, name, None, &[], &[], 0.0);
+    let mut estimate = session.summarise(&segments, name, None, &[], &[], (0.0, None));
     baseline.anchors = anchor::readings(robot, recorded, estimator, &segments);
-    if let Some((known, _)) = known.filter(|_| learning.continues) {
-        anchor::keep(&mut baseline.anchors, &known.anchors);
+    if let Some((previous, _)) = earlier.filter(|_| learning.continues) {
+        anchor::keep(&mut baseline.anchors, &previous.anchors);
     }
-    estimate.warnings.extend(not_zeroed);
-    if estimate.poses < POSES_OF_BASELINE {
+    estimate.warnings.extend(zero_warnings);
+    if estimate.poses < MIN_BASELINE_POSES {
         estimate.warnings.push(Warning::FewPosesOfBaseline {
             poses: estimate.poses,
         });
@@ -193,12 +215,13 @@ pub fn learn_recorded(
     Ok((baseline, estimate))
 }
 
-/// Offsets of a recording since `baseline` (with the file's name), or against the encoders' zero.
+/// Estimates the offsets of a recording since `baseline` (with the name of its file), or relative to the encoder zero.
 ///
-/// The second result is the chain's next file: what the baseline knew and this recording taught.
+/// The second result is the posterior as the next file of the chain, from the baseline and this recording.
 ///
 /// # Errors
-/// [`SessionError`].
+/// Returns [`SessionError::Baseline`] if the baseline does not belong to the robot, and another [`SessionError`] if the
+/// recording or robot is invalid or the estimate fails.
 pub fn estimate(
     request: &Request,
     window: Window,
@@ -206,16 +229,49 @@ pub fn estimate(
     options: &SessionOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
-    let (loaded, recorded) = read(request, window, progress)?;
-    let file = request.name();
-    estimate_recorded(&loaded.robot, &recorded, &file, baseline, options)
+    let (loaded, recorded) = read(request, window, &[], progress)?;
+    let (robot, file) = (&loaded.robot, request.name());
+    let found = estimate_recorded(robot, &recorded, &file, baseline, options)?;
+    let corrections = encoder_corrections(robot, &found.0);
+    if corrections.is_empty() {
+        return Ok(found);
+    }
+    let (_, recorded) = read(request, window, &corrections, progress)?;
+    estimate_recorded(robot, &recorded, &file, baseline, options)
 }
 
-/// [`estimate`], and the paper's estimate ([`replay::run`]) of the same frames: the recording is read
-/// once. `also` may add to the result what it makes of the blocks. A CSV file asked for is written last.
+/// Corrections of the poses of the arm for the slips of joint encoders in an estimate.
+///
+/// After such a slip gravity is computed at the wrong pose, which changes the apparent size of the slip and the
+/// apparent stiffness; the recording is read again with the corrections.
+fn encoder_corrections(robot: &Robot, found: &SessionEstimate) -> Vec<EncoderCorrection> {
+    // A joint that shares tendons with others has no position of its own to correct.
+    if Routings::of(&robot.transmissions).is_some() {
+        return Vec::new();
+    }
+    let slips = found.joints.iter().flat_map(|joint| {
+        let own = joint.changes.iter();
+        let own = own.filter(|c| c.cause == Some(Cause::JointEncoder));
+        own.map(|c| (joint.name.as_str(), c))
+    });
+    slips
+        .filter_map(|(name, change)| {
+            Some(EncoderCorrection {
+                joint: robot.tendon_index(name)?,
+                from_s: change.time_s,
+                size_rad: change.size_rad?.mean,
+            })
+        })
+        .collect()
+}
+
+/// Estimates the offsets of a recording as [`estimate`], and by the method of the paper ([`replay::run`]) in the same
+/// pass.
+///
+/// `also` may add further results from the blocks. A requested CSV file is written last.
 ///
 /// # Errors
-/// [`SessionError`]; no file has been written then.
+/// As [`estimate`] and [`replay::run`]; no file has been written in that case.
 pub fn estimate_with_replay(
     request: &Request,
     window: Window,
@@ -227,7 +283,7 @@ pub fn estimate_with_replay(
     let reference = replay::reference(request, progress)?;
     let mut opened = Opened::new(request)?;
     let mut pass = Pass::new(request, &opened)?;
-    let mut blocks = Blocks::new(request, window, &opened)?;
+    let mut blocks = Blocks::new(request, window, &opened, &[])?;
     opened.each_frame(false, progress, |frame| {
         pass.frame(frame)?;
         blocks.frame(frame);
@@ -236,25 +292,40 @@ pub fn estimate_with_replay(
     let recorded = blocks.finish(&opened)?;
     let file = request.name();
     let robot = &opened.loaded.robot;
-    let (mut session, next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
+    let (mut session, mut next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
+    let corrections = encoder_corrections(robot, &session);
+    if !corrections.is_empty() {
+        let (_, corrected) = read(request, window, &corrections, progress)?;
+        (session, next) = estimate_recorded(robot, &corrected, &file, baseline, options)?;
+    }
     also(robot, &recorded, &mut session)?;
     let mut paper = pass.finish(opened)?;
     if let Some(reference) = reference {
         replay::compare(&mut paper, &reference);
     }
+    // The uncorrected offset of a lost transmission is the distance between motor and joint.
+    let is_lost = |name: &str| {
+        let mut joints = session.joints.iter();
+        joints.any(|j| j.name == name && j.verdict == Verdict::TransmissionLost)
+    };
+    paper.warnings.retain(|warning| match warning {
+        RecordingWarning::ImplausibleOffset { joint, .. } => !is_lost(joint),
+        _ => true,
+    });
     Ok((paper, session, next))
 }
 
-/// [`estimate`] from blocks; `name` of the recording for the result and errors.
+/// Estimates the offsets from blocks, as [`estimate`]; `name` is that of the recording in the result and in errors.
 ///
-/// Both sides are taken as stamped together, unless friction is such at every joint as one side's lag would show:
-/// then the lag is estimated along, and a warning says so.
+/// Motor and joint encoders are assumed to have common time stamps. If the friction of all joints indicates a delay,
+/// the delay is estimated jointly, with [`Warning::EncoderDelay`].
 ///
-/// A stated payload or force is believed unless the recording contradicts it: where much fits nothing with it, and half
-/// as much without, it is estimated instead, and a warning says so.
+/// A stated payload is a hypothesis with prior odds of 20 to 1: it is used if its posterior probability is at least 0.95,
+/// and estimated otherwise, with a warning if it is less probable than not. A stated force is estimated instead if the
+/// excess residual is large with it and at most half as large without it, with a warning.
 ///
 /// # Errors
-/// [`SessionError`].
+/// As [`estimate`], except for errors of the recording file.
 pub fn estimate_recorded(
     robot: &Robot,
     recorded: &Recorded,
@@ -266,23 +337,24 @@ pub fn estimate_recorded(
         true => Since::Now,
         false => Since::Days(1.0),
     };
-    estimate_stretch(robot, recorded, name, (baseline, since), options)
+    estimate_segment(robot, recorded, name, (baseline, since), options)
 }
 
-/// Whether a recording goes on where the last one of `baseline` ended.
+/// Whether a recording continues the last one of `baseline` without a long pause.
 pub(crate) fn continues(baseline: Option<&Baseline>, recorded: &Recorded) -> bool {
     baseline.is_some_and(|baseline| {
         let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
-        // A baseline's own offsets are zero by definition: what follows it is opened anew.
-        (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1
+        // The offsets of a baseline itself are zero by definition, so a recording after it is a new session.
+        (-0.5..MAX_PAUSE_S).contains(&pause_s) && baseline.recordings.len() > 1
     })
 }
 
-/// [`estimate_recorded`] by somebody who knows what the recording has to do with the baseline.
+/// Estimates the offsets as [`estimate_recorded`], with the time relation of the recording to the baseline specified by
+/// the caller.
 ///
 /// # Errors
-/// [`SessionError`].
-pub fn estimate_stretch(
+/// As [`estimate_recorded`].
+pub fn estimate_segment(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
@@ -293,20 +365,23 @@ pub fn estimate_stretch(
     Ok((solved.estimate, solved.next))
 }
 
-/// An estimate with what it was made with.
+/// Estimate of a recording with its posterior, estimator and predictive check.
 #[derive(Debug, Clone)]
 pub(crate) struct Solved {
     pub(crate) estimate: SessionEstimate,
-    /// The chain's next file.
+    /// Posterior as the next file of the chain.
     pub(crate) next: Baseline,
     pub(crate) estimator: MapEstimator,
-    /// The last seconds against the estimate, for blocks that come after them.
+    /// Check of the last seconds against the estimate, for later blocks.
     pub(crate) check: PredictiveCheck,
-    /// What a temperature that is not known adds to the deviation of every joint's offset, rad; empty: it is known.
+    /// Standard deviation of each joint's offset due to an unknown temperature, rad; empty if the temperature is
+    /// available.
     pub(crate) unknown_temperature_rad: Vec<f64>,
+    /// Logarithm of the Bayes factor for the stated payload against an unknown one; 0 if none was compared.
+    ln_stated_payload: f64,
 }
 
-/// [`estimate_stretch`], with the posterior and the estimator that made it.
+/// Estimates as [`estimate_segment`], and returns the posterior and the estimator too.
 pub(crate) fn solve_stretch(
     robot: &Robot,
     recorded: &Recorded,
@@ -314,113 +389,167 @@ pub(crate) fn solve_stretch(
     baseline: (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
 ) -> Result<Solved, SessionError> {
-    /// More than this that fits nothing makes a stated payload suspect, rad.
-    const SUSPECT_RAD: f64 = 2e-3;
-    let worst = |solved: &Solved| {
-        let misfits = solved.estimate.joints.iter().map(|j| j.misfit_rad);
-        misfits.fold(0.0, f64::max)
-    };
-    let estimate_as_stated = |options: &SessionOptions| {
-        let as_one = estimate_with_lag(robot, recorded, name, baseline, options, 0.0)?;
-        let late = as_one
+    let estimate_as_specified = |options: &SessionOptions, stated: Option<Payload>| {
+        let solve =
+            |lag_s| estimate_with_lag(robot, recorded, name, baseline, options, (lag_s, stated));
+        let simultaneous = solve(0.0)?;
+        let delay = simultaneous
             .estimate
             .warnings
             .iter()
             .find_map(|warning| match warning {
-                Warning::SidesOutOfStep { motor_late_s } => Some(motor_late_s.mean.abs()),
+                Warning::EncoderDelay { motor_delay_s } => Some(motor_delay_s.mean.abs()),
                 _ => None,
             });
-        match late {
-            None => Ok(as_one),
-            Some(late_s) => estimate_with_lag(robot, recorded, name, baseline, options, late_s),
+        match delay {
+            None => Ok(simultaneous),
+            Some(delay_s) => solve(delay_s),
         }
     };
-    let stated = estimate_as_stated(options)?;
-    let suspect_rad = worst(&stated);
-    if suspect_rad < SUSPECT_RAD {
-        return Ok(stated);
+    // A recording that continues another one has the payload of its posterior.
+    let stated = Some(options.payload)
+        .filter(|payload| *payload != Payload::Unknown && baseline.1 != Since::Now);
+    let mut options = *options;
+    let mut solved = None;
+    if let Some(stated) = stated {
+        let free = SessionOptions {
+            payload: Payload::Unknown,
+            ..options
+        };
+        let mut unknown = estimate_as_specified(&free, Some(stated))?;
+        let probability = misstatement_probability(unknown.ln_stated_payload);
+        // A probability that is not a number does not confirm the statement.
+        if !(probability <= MAX_MISSTATEMENT_PROBABILITY) {
+            options = free;
+            if probability > 0.5 {
+                let payload_kg = unknown.estimate.payload_kg;
+                unknown
+                    .estimate
+                    .warnings
+                    .push(Warning::PayloadInconsistent {
+                        payload_kg,
+                        probability,
+                    });
+            }
+            solved = Some(unknown);
+        }
     }
-    // One statement alone first, then both.
-    let (payload, force) = (
-        options.payload != Payload::Unknown,
-        options.external_force_n.is_some(),
-    );
-    let doubts = [(payload, false), (false, force), (payload, force)];
-    let mut doubted = Vec::new();
-    for (payload, force) in doubts {
-        if !(payload || force) || doubted.contains(&(payload, force)) {
-            continue;
-        }
-        doubted.push((payload, force));
-        let mut open = *options;
-        if payload {
-            open.payload = Payload::Unknown;
-        }
-        if force {
-            open.external_force_n = None;
-        }
-        let mut opened = estimate_as_stated(&open)?;
-        if worst(&opened) > 0.5 * suspect_rad {
-            continue;
-        }
-        let said = &mut opened.estimate;
-        if payload {
-            let payload_kg = said.payload_kg;
-            said.warnings
-                .push(Warning::PayloadContradicted { payload_kg });
-        }
-        if force {
-            let found = said.external_force.map(|found| found.force_n);
-            said.warnings
-                .push(Warning::ExternalForceContradicted { force_n: found });
-        }
-        return Ok(opened);
-    }
-    Ok(stated)
+    let specified = match solved {
+        Some(solved) => solved,
+        None => estimate_as_specified(&options, None)?,
+    };
+    without_inconsistent_force(&options, specified, |options| {
+        estimate_as_specified(options, None)
+    })
 }
 
-/// [`estimate_recorded`], whatever is stated taken as true, and the lag between the sides as `0 ± lag_s`.
+/// Prior odds that a stated value is wrong. Engineering estimate.
+const MISSTATEMENT_ODDS: f64 = 1.0 / 20.0;
+/// Maximum probability of a misstatement at which the stated value is used. Above it the value is estimated, of which
+/// the stated one is a special case: the estimate is valid either way, and less precise.
+const MAX_MISSTATEMENT_PROBABILITY: f64 = 0.05;
+
+/// Posterior probability that a stated value is wrong; `ln_factor` is the logarithm of the Bayes factor for it.
+fn misstatement_probability(ln_factor: f64) -> f64 {
+    // Odds of a right statement: finite where those of a misstatement overflow.
+    1.0 / (1.0 + ln_factor.exp() / MISSTATEMENT_ODDS)
+}
+
+/// Replaces an estimate with a specified external force by one in which the force is estimated, if the excess residual is
+/// large with the specified force and at most half as large without it.
+fn without_inconsistent_force(
+    options: &SessionOptions,
+    specified: Solved,
+    estimate: impl Fn(&SessionOptions) -> Result<Solved, SessionError>,
+) -> Result<Solved, SessionError> {
+    /// Minimum excess residual for a specified force to be tested, rad.
+    const MIN_EXCESS_RESIDUAL_RAD: f64 = 2e-3;
+    let worst = |solved: &Solved| {
+        let residuals = solved.estimate.joints.iter().map(|j| j.excess_residual_rad);
+        residuals.fold(0.0, f64::max)
+    };
+    let residual_rad = worst(&specified);
+    if options.external_force_n.is_none() || residual_rad < MIN_EXCESS_RESIDUAL_RAD {
+        return Ok(specified);
+    }
+    let mut solved = estimate(&SessionOptions {
+        external_force_n: None,
+        ..*options
+    })?;
+    if worst(&solved) > 0.5 * residual_rad {
+        return Ok(specified);
+    }
+    let force_n = solved.estimate.external_force.map(|force| force.force_n);
+    let warnings = &mut solved.estimate.warnings;
+    // A payload that was inconsistent with the force may be consistent without it.
+    warnings.extend(
+        (specified.estimate.warnings.into_iter())
+            .filter(|w| matches!(w, Warning::PayloadInconsistent { .. })),
+    );
+    warnings.push(Warning::ExternalForceInconsistent { force_n });
+    Ok(solved)
+}
+
+/// Estimates with the specified values and a prior of `0 ± lag_s` (one standard deviation) for the time offset of the
+/// encoders. `stated`: payload whose evidence against the unknown one of `options` is computed.
 fn estimate_with_lag(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
     (baseline, since): (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
-    lag_s: f64,
+    (lag_s, stated): (f64, Option<Payload>),
 ) -> Result<Solved, SessionError> {
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
     sides::check(robot, prior, recorded, options.payload, name)?;
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
-    // What every session since the baseline begins with.
-    let common: Belief;
+    // Prior that all sessions since the baseline have in common.
+    let common: StateEstimate;
     let mut start = match baseline {
         Some((baseline, file)) => {
-            let mut belief = baseline.belief(robot, prior, file)?;
-            common = belief.clone();
+            let mut state_estimate = baseline.state_estimate(robot, prior, file)?;
+            common = state_estimate.clone();
             let source = session.temperature;
             match since {
                 Since::Now => {
-                    change_k = baseline.change_deviation_k;
-                    // The stiffness is as wide already; the zero's drift never is in a belief.
-                    added_rad = beliefs::unknown_temperature(prior, &mut belief.clone(), change_k);
+                    change_k = baseline.change_std_k;
+                    // The variance of the stiffness includes it already; the drift of the zero is never in a state estimate.
+                    added_rad = state_estimates::unknown_temperature(
+                        prior,
+                        &mut state_estimate.clone(),
+                        change_k,
+                    );
                 }
                 Since::Days(days) => {
-                    change_k = temperature::change_deviation_k(robot, baseline, source, options);
-                    beliefs::age_by(prior, &mut belief, days);
-                    added_rad = open(prior, &mut belief, options, change_k);
+                    change_k = temperature::change_std_k(robot, baseline, source, options);
+                    state_estimates::age_by(prior, &mut state_estimate, days);
+                    added_rad = reset_variances(prior, &mut state_estimate, options, change_k);
                     let to_c = mean_temperature(&recorded.blocks);
-                    temperature::expect_retraction(robot, prior, &mut belief, to_c);
+                    temperature::expect_retraction(robot, prior, &mut state_estimate, to_c);
                 }
             }
-            belief
+            state_estimate
         }
         None => {
-            let mut fresh = prior.belief(options.payload, UNKNOWN_OFFSET_RAD);
+            let mut fresh = prior.state_estimate(options.payload, UNKNOWN_OFFSET_RAD);
             prior.hold_zero(&mut fresh);
             fresh.temperature_c = mean_temperature(&recorded.blocks);
             common = fresh.clone();
+            let zero_rad = robot.tolerances.zero_rad;
+            if zero_rad > 0.0 {
+                // Elongation since the encoders were zeroed, at a temperature that is not stated.
+                change_k = temperature::since_zeroing_std_k(robot, session.temperature, options);
+                let drift = state_estimates::unknown_temperature(prior, &mut fresh, change_k);
+                let error = drift.into_iter().enumerate();
+                added_rad = error
+                    .map(|(i, drift)| match prior.is_elastic(i) {
+                        true => drift.hypot(zero_rad),
+                        false => 0.0,
+                    })
+                    .collect();
+            }
             fresh
         }
     };
@@ -433,22 +562,29 @@ fn estimate_with_lag(
         onset: None,
     };
     let payload = options.payload;
-    // Since a baseline of like motion what the model gets wrong cancels. Without one it is all of what is read.
+    // Model errors cancel relative to a baseline of comparable motion. Without a baseline they bias the offsets.
     let visits = match baseline {
         Some(_) => Vec::new(),
-        None => revisits::visits(&recorded.blocks),
+        None => repeated_motion::visits(&recorded.blocks),
     };
     let mut segments = Segments::estimate(
-        estimator, start, recorded, &visits, payload, everything, name,
+        (robot, estimator),
+        start,
+        recorded,
+        &visits,
+        payload,
+        everything,
+        name,
     )?;
-    let given = Given {
+    let recent = RecentCheck {
+        robot,
         estimator,
         recorded,
         visits: &visits,
         payload,
         scope: everything,
     };
-    let checked = given.check_recent(&mut segments);
+    let checked = recent.check_recent(&mut segments);
     let check = checked.map_err(|error| SessionError::Map {
         file: name.into(),
         error,
@@ -466,26 +602,30 @@ fn estimate_with_lag(
     if let Some((baseline, _)) = baseline {
         next.before.clone_from(&baseline.before);
         next.zero_time_ns = baseline.zero_time();
-        next.temperature_deviation_k = baseline.temperature_deviation_k;
-        next.change_deviation_k = change_k;
+        next.temperature_std_k = baseline.temperature_std_k;
+        next.change_std_k = change_k;
         next.anchors.clone_from(&baseline.anchors);
     }
     let shared = segments.shared_errors(prior, &common, everything.continues, name)?;
-    let mut estimate = session.summarise(&segments, name, first, &added_rad, &shared, lag_s);
+    let stated_rad = Some(robot.tolerances.zero_rad);
+    let zero_std_rad = stated_rad.filter(|rad| baseline.is_none() && *rad > 0.0);
+    let errors = (lag_s, zero_std_rad);
+    let mut estimate = session.summarise(&segments, name, first, &added_rad, &shared, errors);
     estimate.baseline_time_utc_s = next.zero_time_ns.and_then(utc_s);
     let touched = anchor::readings(robot, recorded, estimator, &segments);
     anchor::apply(robot, &touched, baseline.map(|(b, _)| b), &mut estimate);
-    // What an anchor takes off is taken off the shared part, too.
+    // A reference measurement that reduces the error reduces its systematic part too.
     for joint in &mut estimate.joints {
-        let whole_rad = joint.offset_rad.deviation;
-        joint.shared_error = joint.shared_error.map(|part| part.at_most(whole_rad));
+        let whole_rad = joint.offset_rad.std;
+        joint.systematic_error = joint.systematic_error.map(|part| part.at_most(whole_rad));
     }
     let unknown = session.temperature == TemperatureSource::Unknown
         || baseline.is_some_and(|(b, _)| b.temperature_c.is_none());
+    let unknown = unknown && baseline.is_some();
     let most = (added_rad.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1));
     if let Some((joint, added_rad)) = most.filter(|(_, added)| unknown && **added > 0.0) {
         estimate.warnings.push(Warning::TemperatureUnknown {
-            deviation_k: change_k,
+            std_k: change_k,
             joint: robot.tendon_name(joint).to_owned(),
             half_width_95_rad: Z95 * added_rad,
         });
@@ -494,7 +634,7 @@ fn estimate_with_lag(
     {
         let drift = |i: usize| {
             let at = prior.place(i, JointParameter::Drift);
-            segments.belief.entry(at).deviation
+            segments.state_estimate.entry(at).std
         };
         let width = |i: usize| {
             let name = robot.tendon_name(i);
@@ -504,10 +644,21 @@ fn estimate_with_lag(
         let warning = temperature::unknown_drift(robot, drift, width, now_c - then_c);
         estimate.warnings.extend(warning);
     }
+    let ln_stated_payload = match (stated, segments.estimates.first()) {
+        (Some(stated), Some((_, map))) => {
+            let found = stated_payload::ln_bayes_factor(prior, &segments.before, map, stated);
+            found.map_err(|error| SessionError::Map {
+                file: name.into(),
+                error,
+            })?
+        }
+        _ => 0.0,
+    };
     Ok(Solved {
         estimate,
         next,
         check,
+        ln_stated_payload,
         estimator: session.estimator,
         unknown_temperature_rad: match unknown {
             true => added_rad,
@@ -516,49 +667,60 @@ fn estimate_with_lag(
     })
 }
 
-/// What a baseline knows, in another recording: offsets may be anything, the gripper hold something else, and the
-/// temperature be another by `change_k`, a standard deviation. Returns what that leaves unknown of every joint's
-/// offset, rad.
-fn open(prior: &Prior, belief: &mut Belief, options: &SessionOptions, change_k: f64) -> Vec<f64> {
-    prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
-    prior.open_payload(belief, options.payload);
-    beliefs::unknown_temperature(prior, belief, change_k)
+/// Resets the prior variances of offsets and payload for a new session, with a temperature change of `change_k`
+/// (standard deviation, K). Returns the resulting standard deviation of each joint's offset, rad.
+fn reset_variances(
+    prior: &Prior,
+    state_estimate: &mut StateEstimate,
+    options: &SessionOptions,
+    change_k: f64,
+) -> Vec<f64> {
+    prior.reset_offsets(state_estimate, UNKNOWN_OFFSET_RAD);
+    prior.reset_payload(state_estimate, options.payload);
+    state_estimates::unknown_temperature(prior, state_estimate, change_k)
 }
 
-/// A recording as far as it can be believed, and the estimator that goes with it.
+/// Recording without its invalid channels, and the estimator for it.
 struct Session<'a> {
     robot: &'a Robot,
     recorded: Cow<'a, Recorded>,
     estimator: MapEstimator,
     temperature: TemperatureSource,
-    left_out: Vec<Warning>,
+    /// Transmissions that were lost; their blocks from the onset on are excluded.
+    losses: Vec<TransmissionLoss>,
+    rejected: Vec<Warning>,
 }
 
 impl<'a> Session<'a> {
     fn new(robot: &'a Robot, recorded: &'a Recorded, options: &SessionOptions) -> Self {
         let mut recorded = Cow::Borrowed(recorded);
         if options.temperature_c.is_some() {
-            temperature::state(recorded.to_mut(), options);
+            temperature::apply_specified(recorded.to_mut(), options);
         }
-        let left_out = match options.motor_torque {
-            true => witness::leave_out_false(robot, &mut recorded),
-            false => Vec::new(),
-        };
         let options = &SessionOptions {
             motor_current: options.motor_current || recorded.motor_current,
             ..*options
         };
+        let estimator = estimator(robot, options);
+        let losses = transmission_loss::detect(robot, &estimator, &recorded, options.payload);
+        for loss in &losses {
+            loss.exclude(recorded.to_mut());
+        }
+        let rejected =
+            independent_torque::reject_invalid(robot, &mut recorded, options.motor_torque);
         Self {
             robot,
-            estimator: estimator(robot, options),
+            estimator,
+            losses,
             temperature: temperature::source(&recorded, options),
             recorded,
-            left_out,
+            rejected,
         }
     }
 
-    /// The result; `added_rad`: what is unknown of every joint's offset and looks the same in every block;
-    /// `shared`: what of its error comes with the baseline; `lag_s`: by how much the lag between the sides was opened.
+    /// Creates the result. `added_rad`: standard deviation of each joint's offset from errors that are constant over
+    /// all blocks; `shared`: systematic error from the baseline; `lag_s`: prior standard deviation of the time offset
+    /// between the encoders, s; `zero_std_rad`: that of the encoder zeros, rad, if offsets are elongations because of it.
     fn summarise(
         &self,
         segments: &Segments,
@@ -566,7 +728,7 @@ impl<'a> Session<'a> {
         baseline: Option<String>,
         added_rad: &[f64],
         shared: &[SharedError],
-        lag_s: f64,
+        (lag_s, zero_std_rad): (f64, Option<f64>),
     ) -> SessionEstimate {
         let context = Context {
             estimator: &self.estimator,
@@ -576,10 +738,13 @@ impl<'a> Session<'a> {
             added_rad,
             shared,
             lag_s,
+            is_elongation: baseline.is_some() || zero_std_rad.is_some(),
+            zero_std_rad,
+            losses: &self.losses,
         };
         let mut estimate = summarise(&context, name, baseline);
         estimate.temperature_source = self.temperature;
-        estimate.warnings.extend(self.left_out.iter().cloned());
+        estimate.warnings.extend(self.rejected.iter().cloned());
         estimate
     }
 }

@@ -1,19 +1,21 @@
-//! A recording estimated segment by segment, each from what the last one left.
+//! Estimation of a recording in segments; the posterior of each segment is the prior of the next.
 
+use super::encoder_slips::encoder_slips;
 use super::late_step::LateStep;
 use super::recorder::Recorded;
 use crate::error::SessionError;
-use sinew_model::offset::misfit::tempered;
+use sinew_model::offset::excess_residual::tempered;
 use sinew_model::offset::{
-    Belief, Block, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope, SharedError,
-    shared_errors,
+    Block, ChangeKind, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope,
+    SharedError, StateEstimate, shared_errors,
 };
+use sinew_model::robot::Robot;
 use std::borrow::Cow;
 
-/// Long recordings are estimated in segments of this length, s.
+/// Length of the segments of a long recording, s.
 const SEGMENT_S: f64 = 120.0;
 
-/// Blocks with their visits counted: a copy of a segment, where anything came again.
+/// Blocks with their number of visits; a copy if any motion is repeated.
 pub(super) fn visited<'a>(blocks: &'a [Block], visits: Option<&[f64]>) -> Cow<'a, [Block]> {
     let Some(visits) = visits.filter(|visits| visits.iter().any(|v| *v > 1.0)) else {
         return Cow::Borrowed(blocks);
@@ -25,23 +27,24 @@ pub(super) fn visited<'a>(blocks: &'a [Block], visits: Option<&[f64]>) -> Cow<'a
     Cow::Owned(counted.collect())
 }
 
-/// A recording estimated segment by segment.
+/// Estimates of the segments of a recording.
 pub(super) struct Segments {
-    /// Before the first segment.
-    pub(super) before: Belief,
-    /// After the last.
-    pub(super) belief: Belief,
-    /// Estimate of every segment, with the index of its first block.
+    /// Prior of the first segment.
+    pub(super) before: StateEstimate,
+    /// Posterior of the last segment.
+    pub(super) state_estimate: StateEstimate,
+    /// Estimate of each segment, with the index of its first block.
     pub(super) estimates: Vec<(usize, MapEstimate)>,
-    /// The most probable step in the last seconds; `None`: they were not checked, or nothing speaks for one.
+    /// Most probable step change in the last seconds; `None` if they were not checked, or no step is probable.
     pub(super) step: Option<LateStep>,
 }
 
 impl Segments {
-    /// Estimates segment by segment. `visits`: how often the arm came by as in each block; empty where that isn't counted.
+    /// Estimates all segments in order. `visits` is the number of visits of the motion in each block; empty if not
+    /// counted.
     pub(super) fn estimate(
-        estimator: &MapEstimator,
-        start: Belief,
+        (robot, estimator): (&Robot, &MapEstimator),
+        start: StateEstimate,
         recorded: &Recorded,
         visits: &[f64],
         payload: Payload,
@@ -53,11 +56,11 @@ impl Segments {
             error,
         };
         let blocks = &recorded.blocks;
-        let mut belief = start.clone();
+        let mut state_estimate = start.clone();
         let mut estimates = Vec::new();
         let mut from = 0;
         while from < blocks.len() {
-            // The last segment is never a short one: what is left over joins the one before.
+            // The last segment is never short: a remainder is joined to the previous one.
             let end_s = blocks[from].time_s + SEGMENT_S;
             let mut to = from + blocks[from..].partition_point(|b| b.time_s < end_s);
             if blocks
@@ -70,15 +73,16 @@ impl Segments {
                 continues: scope.continues || from > 0,
                 ..scope
             };
-            let map = estimator
+            let mut map = estimator
                 .search(
-                    &belief,
+                    &state_estimate,
                     &visited(&blocks[from..to], visits.get(from..to)),
                     payload,
                     scope,
                 )
                 .map_err(failed)?;
-            belief = map.belief(estimator.prior());
+            map.encoder_slips = encoder_slips(robot, estimator.prior(), recorded, &map);
+            state_estimate = map.state_estimate(estimator.prior());
             estimates.push((from, map));
             from = to;
         }
@@ -87,7 +91,7 @@ impl Segments {
         }
         Ok(Self {
             before: start,
-            belief,
+            state_estimate,
             estimates,
             step: None,
         })
@@ -96,7 +100,7 @@ impl Segments {
     /// Estimates the last segment again, with another `scope`.
     pub(super) fn estimate_last(
         &mut self,
-        estimator: &MapEstimator,
+        (robot, estimator): (&Robot, &MapEstimator),
         recorded: &Recorded,
         visits: &[f64],
         payload: Payload,
@@ -112,17 +116,27 @@ impl Segments {
         };
         let blocks = visited(&recorded.blocks[*from..], visits.get(*from..));
         *last = estimator.search(&start, &blocks, payload, scope)?;
-        self.belief = last.belief(estimator.prior());
+        last.encoder_slips = encoder_slips(robot, estimator.prior(), recorded, last);
+        self.state_estimate = last.state_estimate(estimator.prior());
         Ok(())
     }
 
-    /// Before the last segment.
-    pub(super) fn before_last(&self, prior: &Prior) -> Belief {
-        let before = self.estimates.iter().rev().nth(1);
-        before.map_or_else(|| self.before.clone(), |(_, map)| map.belief(prior))
+    /// Whether an encoder of a joint slipped.
+    pub(super) fn has_encoder_slip(&self, joint: usize) -> bool {
+        let mut slips = self
+            .estimates
+            .iter()
+            .flat_map(|(_, map)| &map.encoder_slips);
+        slips.any(|slip| slip.kind == ChangeKind::Offset(joint))
     }
 
-    /// What the link equations of all blocks leave, as many a block as the arm has joints, rad.
+    /// Prior of the last segment.
+    pub(super) fn before_last(&self, prior: &Prior) -> StateEstimate {
+        let before = self.estimates.iter().rev().nth(1);
+        before.map_or_else(|| self.before.clone(), |(_, map)| map.state_estimate(prior))
+    }
+
+    /// Residuals of the link equations of all blocks, rad; one per joint and block, grouped by block.
     pub(super) fn residuals(&self, estimator: &MapEstimator, blocks: &[Block]) -> Vec<f64> {
         let of = |(from, map): &(usize, MapEstimate)| {
             let own = blocks.get(*from..*from + map.weights.len());
@@ -131,31 +145,37 @@ impl Segments {
         self.estimates.iter().flat_map(of).collect()
     }
 
-    /// What of every joint's error comes with `baseline`, as it was before its offsets were opened.
+    /// Systematic error of each joint that originates from `baseline`, the state estimate before its offset variances
+    /// were reset.
     pub(super) fn shared_errors(
         &self,
         prior: &Prior,
-        baseline: &Belief,
+        baseline: &StateEstimate,
         continues: bool,
         name: &str,
     ) -> Result<Vec<SharedError>, SessionError> {
-        shared_errors(prior, baseline, &self.before, &self.belief, continues).map_err(|error| {
-            SessionError::Map {
-                file: name.into(),
-                error,
-            }
+        shared_errors(
+            prior,
+            baseline,
+            &self.before,
+            &self.state_estimate,
+            continues,
+        )
+        .map_err(|error| SessionError::Map {
+            file: name.into(),
+            error,
         })
     }
 
-    /// What the recording taught, as far as it was understood.
-    pub(super) fn learned(&self, prior: &Prior) -> Belief {
+    /// Posterior after the recording, tempered by the excess residual.
+    pub(super) fn learned(&self, prior: &Prior) -> StateEstimate {
         let noise: Vec<f64> = (self.estimates.iter())
             .flat_map(|(_, map)| map.noise_rad.iter().copied())
             .collect();
-        tempered(prior, &self.before, self.belief.clone(), &noise)
+        tempered(prior, &self.before, self.state_estimate.clone(), &noise)
     }
 
-    /// Noise of the last segment's link (rad) and motor (N·m) equations, per joint.
+    /// Noise of the link (rad) and motor (N·m) equations in the last segment, per joint.
     pub(super) fn noise(&self) -> [Vec<f64>; 2] {
         let last = self.estimates.last();
         last.map_or_else(Default::default, |(_, map)| {

@@ -1,83 +1,89 @@
-//! What somebody states of a session, as far as it can be true.
+//! Validation of values that the user specifies for a session.
 
 use super::recorder::Window;
 use sinew_model::Gaussian;
 use sinew_model::offset::Payload;
 
-/// A payload is known to this share of its mass where nothing else is stated.
-const PAYLOAD_SHARE: f64 = 0.02;
-/// A room's thermometer, one standard deviation, K.
-const THERMOMETER_K: f64 = 2.0;
-/// Temperatures a robot works at, °C.
+/// Default standard deviation of a specified payload, relative to its mass.
+const PAYLOAD_STD_RATIO: f64 = 0.02;
+/// Default standard deviation of a specified temperature, K: that of a room thermometer.
+const TEMPERATURE_STD_K: f64 = 2.0;
+/// Range of valid operating temperatures, °C.
 const WORKING_C: std::ops::RangeInclusive<f64> = -60.0..=150.0;
 
-/// What can't be true of a session.
+/// Error of a value specified for a session.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StatedError {
-    /// A mass below 0.
-    #[error("a payload of {0} kg is below 0")]
+    /// Negative or non-finite payload mass, kg.
+    #[error("invalid payload {0} kg: specify a mass of 0 kg or more")]
     Payload(f64),
-    /// No temperature of a robot.
-    #[error("{0} °C is no temperature a robot works at (-60 to 150 °C)")]
+    /// Temperature outside the operating range of a robot, °C.
+    #[error("invalid temperature {0} °C: specify an operating temperature (−60 to 150 °C)")]
     Temperature(f64),
-    /// A deviation below 0.
-    #[error("± {0} is below 0")]
+    /// Negative or non-finite standard deviation.
+    #[error("invalid standard deviation {0}: specify 0 or more")]
     Deviation(f64),
-    /// A force from outside that nobody knows anything of, or knows exactly.
-    #[error("a force known to ± {0} N: the deviation must be above 0 N, as in 0±2")]
+    /// Standard deviation of an external force that is not positive, N.
+    #[error(
+        "invalid standard deviation of the external force, {0} N: specify more than 0 N, as in 0±2"
+    )]
     ForceDeviation(f64),
-    /// A part of a recording without a length.
-    #[error("{from_s} s to {to_s} s: the part must start at 0 s or later and end after its start")]
+    /// Interval of a recording that is empty or starts before 0 s.
+    #[error(
+        "invalid interval {from_s} s to {to_s} s: it must start at 0 s or later and end after its start"
+    )]
     Window {
-        /// Start, s.
+        /// Start of the interval, s.
         from_s: f64,
-        /// End, s.
+        /// End of the interval, s.
         to_s: f64,
     },
 }
 
-/// What the gripper holds, kg, known to a standard deviation, 2 % where it isn't stated.
+/// Creates a payload from its mass in kg and its standard deviation in kg; the default is 2 % of the mass.
 ///
 /// # Errors
-/// [`StatedError`] below 0.
-pub fn payload(mass_kg: f64, deviation_kg: Option<f64>) -> Result<Payload, StatedError> {
+/// Returns [`StatedError::Payload`] or [`StatedError::Deviation`] if a value is negative or NaN.
+pub fn payload(mass_kg: f64, std_kg: Option<f64>) -> Result<Payload, StatedError> {
     if !(mass_kg >= 0.0) {
         return Err(StatedError::Payload(mass_kg));
     }
-    let deviation_kg = deviation(deviation_kg)?.unwrap_or(PAYLOAD_SHARE * mass_kg);
-    Ok(Payload::Known {
-        mass_kg: Gaussian::new(mass_kg, deviation_kg),
+    let std_kg = std(std_kg)?.unwrap_or(PAYLOAD_STD_RATIO * mass_kg);
+    Ok(Payload::Specified {
+        mass_kg: Gaussian::new(mass_kg, std_kg),
     })
 }
 
-/// Temperature as a room's thermometer tells it, °C, to a standard deviation, 2 K where it isn't stated.
+/// Creates a temperature from its value in °C and its standard deviation in K; the default is 2 K.
 ///
 /// # Errors
-/// [`StatedError`] outside what a robot works at.
-pub fn temperature(c: f64, deviation_k: Option<f64>) -> Result<Gaussian, StatedError> {
+/// Returns [`StatedError::Temperature`] outside −60 to 150 °C, and [`StatedError::Deviation`] if `std_k` is negative or
+/// NaN.
+pub fn temperature(c: f64, std_k: Option<f64>) -> Result<Gaussian, StatedError> {
     if !WORKING_C.contains(&c) {
         return Err(StatedError::Temperature(c));
     }
-    let deviation_k = deviation(deviation_k)?.unwrap_or(THERMOMETER_K);
-    Ok(Gaussian::new(c, deviation_k))
+    let std_k = std(std_k)?.unwrap_or(TEMPERATURE_STD_K);
+    Ok(Gaussian::new(c, std_k))
 }
 
-/// A constant force from outside at the tool along the axes of the base, N, each to a standard deviation.
+/// Creates a constant external force at the tool along the axes of the base frame, in N, with one standard deviation in
+/// N for all components.
 ///
 /// # Errors
-/// [`StatedError`] without a deviation above 0.
-pub fn external_force(mean_n: [f64; 3], deviation_n: f64) -> Result<[Gaussian; 3], StatedError> {
-    match deviation_n > 0.0 {
-        true => Ok(mean_n.map(|mean_n| Gaussian::new(mean_n, deviation_n))),
-        false => Err(StatedError::ForceDeviation(deviation_n)),
+/// Returns [`StatedError::ForceDeviation`] if `std_n` is not positive.
+pub fn external_force(mean_n: [f64; 3], std_n: f64) -> Result<[Gaussian; 3], StatedError> {
+    match std_n > 0.0 {
+        true => Ok(mean_n.map(|mean_n| Gaussian::new(mean_n, std_n))),
+        false => Err(StatedError::ForceDeviation(std_n)),
     }
 }
 
-/// A part of a recording, s from its start; `None`: up to its end.
+/// Creates an interval of a recording, in s from its start; `None` for `to_s` is the end of the recording.
 ///
 /// # Errors
-/// [`StatedError::Window`] without a length.
+/// Returns [`StatedError::Window`] if the interval is empty or starts before 0 s.
 pub fn window(from_s: f64, to_s: Option<f64>) -> Result<Window, StatedError> {
     let to_s = to_s.unwrap_or(f64::INFINITY);
     match from_s >= 0.0 && from_s < to_s {
@@ -86,9 +92,9 @@ pub fn window(from_s: f64, to_s: Option<f64>) -> Result<Window, StatedError> {
     }
 }
 
-fn deviation(stated: Option<f64>) -> Result<Option<f64>, StatedError> {
-    match stated {
-        Some(deviation) if !(deviation >= 0.0) => Err(StatedError::Deviation(deviation)),
+fn std(specified: Option<f64>) -> Result<Option<f64>, StatedError> {
+    match specified {
+        Some(std) if !(std >= 0.0) => Err(StatedError::Deviation(std)),
         other => Ok(other),
     }
 }

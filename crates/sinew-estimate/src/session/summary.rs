@@ -3,29 +3,32 @@
 use super::changes;
 use super::checks;
 use super::context::Context;
+use super::groups::Groups;
 use super::inflation::{self, Inflation};
 use super::poses::Poses;
 use super::recorder::Recorded;
+use super::rest_phase::RestPhase;
 use super::result::{
-    BlockEstimate, LeftOut, LimitState, MotorTorque, OUTLIER, PayloadChange, RetensionLimit,
-    SegmentEstimate, SessionEstimate, TemperatureSource, TendonEstimate, Verdict,
+    BlockEstimate, LimitState, MotorTorque, OUTLIER, PayloadChange, RejectedInterval,
+    RetensionLimit, SegmentEstimate, SessionEstimate, TemperatureSource, TendonEstimate, Verdict,
 };
 use super::segments::Segments;
-use super::stand::Stand;
 use super::torque_range::TorqueRange;
 use super::warning::Warning;
 use crate::estimator::mean_temperature;
-use crate::nuisance::NuisanceChange;
+use crate::nuisance::{NuisanceChange, owner};
 use sinew_model::Gaussian;
 use sinew_model::arm::JointKind;
-use sinew_model::offset::misfit::misfit_rad;
+use sinew_model::offset::excess_residual::excess_residual_rad;
 use sinew_model::offset::{
-    Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior, SharedError, lag_s,
+    Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior, SharedError,
+    UNKNOWN_OFFSET_RAD, lag_s,
 };
 use sinew_model::robot::Robot;
+use sinew_model::tendons::TendonKind;
 use sinew_model::transmission::Tendon;
 
-/// The result of a recording.
+/// Summarises the posterior of a recording as its result.
 pub(super) fn summarise(
     context: &Context<'_>,
     recording: &str,
@@ -41,17 +44,23 @@ pub(super) fn summarise(
     let prior = estimator.prior();
     let maps = || segments.estimates.iter().map(|(_, map)| map);
     let weights: Vec<f64> = maps().flat_map(|map| map.weights.iter().copied()).collect();
-    let elastic: Vec<usize> = (0..robot.arm.dof())
-        .filter(|&i| prior.is_elastic(i))
+    let elastic: Vec<usize> = (0..robot.axes()).filter(|&i| prior.is_elastic(i)).collect();
+    let rest_phases: Vec<Option<RestPhase>> = elastic
+        .iter()
+        .map(|&i| match context.loss(i) {
+            None => RestPhase::at_end(context, i),
+            Some(_) => None,
+        })
         .collect();
-    let stands: Vec<Option<Stand>> = elastic.iter().map(|&i| Stand::at_end(context, i)).collect();
-    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) = (elastic.iter().zip(&stands))
-        .map(|(&i, stand)| tendon(context, i, *stand))
-        .unzip();
+    let groups = Groups::of(context);
+    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) =
+        (elastic.iter().zip(&rest_phases))
+            .map(|(&i, phase)| tendon(context, i, *phase, &groups))
+            .unzip();
     let mut at_ends = segment_estimates(prior, recorded, segments, &elastic);
     let mut blocks = block_estimates(estimator, recorded, segments, &elastic);
     inflation::inflate_all(&inflations, &mut at_ends, &mut blocks);
-    let out = weights.iter().filter(|w| **w < OUTLIER).count() as f64;
+    let rejected = weights.iter().filter(|w| **w < OUTLIER).count() as f64;
     let temperature = mean_temperature(&recorded.blocks);
     let reference = segments.before.temperature_c;
     let mut estimate = SessionEstimate {
@@ -59,60 +68,86 @@ pub(super) fn summarise(
         recording: recording.into(),
         baseline,
         baseline_time_utc_s: None,
+        zero_std_rad: context.zero_std_rad,
         start_time_utc_s: utc_s(recorded.start_time_ns),
         duration_s: recorded.duration_s,
         temperature_c: temperature.is_finite().then_some(temperature),
         temperature_source: TemperatureSource::default(),
         reference_temperature_c: reference.is_finite().then_some(reference),
         joints,
+        joint_offsets: groups.joint_offsets,
+        unobservable: groups.unobservable,
         segments: at_ends,
         blocks,
-        payload_kg: segments.belief.entry(prior.payload_place()),
+        payload_kg: segments.state_estimate.entry(prior.payload_place()),
         payload_changes: maps().flat_map(|map| payload_changes(prior, map)).collect(),
         external_force: maps()
             .filter_map(|map| map.force)
             .max_by(|a, b| a.probability.total_cmp(&b.probability)),
         motor_torque: motor_torque(estimator, recorded),
-        left_out_share: out / weights.len().max(1) as f64,
-        left_out: left_out(&recorded.blocks, &weights),
-        live: None,
+        tension_used: (recorded.blocks.iter().flat_map(|b| &b.tension_nm)).any(|t| t.is_finite()),
+        rejected_share: rejected / weights.len().max(1) as f64,
+        rejected_intervals: rejected_intervals(&recorded.blocks, &weights),
+        online: None,
         poses: Poses::of(&recorded.blocks).count(),
         nuisance: nuisance(prior, robot, segments),
         damaged: recorded.damaged,
         warnings: Vec::new(),
     };
-    let far = far_from_prior(prior, robot, segments);
-    estimate.warnings = checks::warnings(context, &estimate, &inflations, far, &stands);
-    let late = lag_s(prior, &segments.before, &segments.belief, context.lag_s);
-    estimate.warnings.extend(late.and_then(out_of_step));
+    let mut far = far_from_prior(prior, robot, segments);
+    // The parameters of a slack strand are not determined and need no warning.
+    let slack = groups
+        .slack
+        .iter()
+        .map(|strand| robot.tendon_name(strand.axis));
+    let slack: Vec<&str> = slack.collect();
+    far.retain(|warning| match warning {
+        Warning::FarFromPrior { joint, .. } => {
+            joint.as_deref().is_none_or(|name| !slack.contains(&name))
+        }
+        _ => true,
+    });
+    estimate.warnings = checks::warnings(context, &estimate, &inflations, far, &rest_phases);
+    let delay = lag_s(
+        prior,
+        &segments.before,
+        &segments.state_estimate,
+        context.lag_s,
+    );
+    estimate.warnings.extend(delay.and_then(encoder_delay));
     estimate
 }
 
-/// Seconds since 1970 of a recording's clock, where that tells the date.
+/// Time of a recording's clock in s since 1970 UTC; `None` if the clock has no date.
 pub(super) fn utc_s(time_ns: i64) -> Option<f64> {
-    /// Clocks before the year 2000 don't.
+    /// Start of the year 2000, ns: a clock before it has no date.
     const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
     (time_ns > YEAR_2000_NS).then_some(time_ns as f64 * 1e-9)
 }
 
-/// What of an offset's error other sessions have too: the baseline's part, and `constant_rad`, which looks the same
-/// in every block and so in every session. No part exceeds the whole.
-fn shared_error(known: Option<&SharedError>, constant_rad: f64, offset: Gaussian) -> SharedError {
-    let known = known.copied().unwrap_or(SharedError {
-        baseline_rad: offset.deviation,
+/// Systematic error of an offset: the part from the baseline, and `constant_rad`, which is constant over all blocks and
+/// thus over all sessions. No part exceeds the whole error.
+fn systematic_error(
+    baseline: Option<&SharedError>,
+    constant_rad: f64,
+    offset: Gaussian,
+) -> SharedError {
+    let baseline = baseline.copied().unwrap_or(SharedError {
+        baseline_rad: offset.std,
         drift_rad: 0.0,
     });
     let shared = SharedError {
-        baseline_rad: known.baseline_rad.hypot(constant_rad),
-        ..known
+        baseline_rad: baseline.baseline_rad.hypot(constant_rad),
+        ..baseline
     };
-    shared.at_most(offset.deviation)
+    shared.at_most(offset.std)
 }
 
 fn tendon(
     context: &Context<'_>,
     joint: usize,
-    stand: Option<Stand>,
+    phase: Option<RestPhase>,
+    groups: &Groups,
 ) -> (TendonEstimate, Inflation) {
     let Context {
         robot,
@@ -121,39 +156,61 @@ fn tendon(
         ..
     } = *context;
     let prior = context.estimator.prior();
-    let at = |p: JointParameter| segments.belief.entry(prior.place(joint, p));
+    let at = |p: JointParameter| segments.state_estimate.entry(prior.place(joint, p));
     let offset = at(JointParameter::Offset);
-    let changes = changes::changes(context, joint);
-    let noise = segments.estimates.iter();
-    let noise_rad = noise
-        .map(|(_, map)| map.noise_rad[joint])
-        .fold(0.0, f64::max);
-    let misfit_rad = misfit_rad(noise_rad);
+    let mut changes = match groups.unattributed.contains(&joint) {
+        // One of several tendons changed, and the recording does not determine which one.
+        true => Vec::new(),
+        false => changes::changes(context, joint),
+    };
+    let loss = context.loss(joint);
+    let noise_rad = noise_rad(context, joint);
+    let excess_residual_rad = excess_residual_rad(noise_rad);
     let added_rad = context.added_rad.get(joint).copied().unwrap_or_default();
-    let constant_rad = misfit_rad.hypot(added_rad);
-    let inflation = Inflation::new(context, joint, &changes, constant_rad).with_stand(stand);
-    let offset_rad = inflation.inflate(offset, recorded.end_s());
+    let constant_rad = excess_residual_rad.hypot(added_rad);
+    let inflation = Inflation::new(context, joint, &changes, constant_rad).with_rest_phase(phase);
+    let mut offset_rad = inflation.inflate(offset, recorded.end_s());
+    // A strand that is slack has a bound, not a normal distribution.
+    let slack = groups.slack.iter().find(|strand| strand.axis == joint);
+    // Neither has a tendon that transmits no torque.
+    if slack.is_some() || loss.is_some() {
+        offset_rad.std = offset_rad.std.hypot(UNKNOWN_OFFSET_RAD);
+    }
+    let lower_bound_rad = slack.and_then(|strand| strand.lower_bound_rad);
     let transmission = robot.transmissions[joint].as_ref();
     let tendon = transmission.and_then(|t| t.tendon.as_ref());
     let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);
     let compliance = at(JointParameter::Compliance);
     let zero = at(JointParameter::Zero).mean;
-    // The spring's deflection, up to the offset that is estimated.
-    let torques = recorded
-        .blocks
-        .iter()
-        .map(|b| stiffness / (1.0 + compliance.mean) * (b.y[joint] - offset.mean - zero));
+    let pull = transmission.and_then(|t| t.routing.as_ref()?.pull.as_ref());
+    let pretension_nm = pull.map_or(0.0, |pull| pull.pretension_nm);
+    let least_nm = match pull.map(|pull| pull.kind) {
+        Some(TendonKind::Strand) => 0.0,
+        _ => f64::NEG_INFINITY,
+    };
+    // Torque of the spring from its deflection, corrected for the estimated offset.
+    let torques = recorded.blocks.iter().map(|b| {
+        let torque = stiffness / (1.0 + compliance.mean) * (b.y[joint] - offset.mean - zero);
+        (pretension_nm + torque).max(least_nm)
+    });
     let through = |f: &dyn Fn(&Tendon, f64) -> f64| {
-        let of = |t| Gaussian::new(f(t, offset_rad.mean), f(t, offset_rad.deviation));
+        let of = |t| Gaussian::new(f(t, offset_rad.mean), f(t, offset_rad.std));
         tendon.map(of)
     };
-    let verdict = Verdict::of(offset_rad);
-    let withheld = verdict == Verdict::CannotTell && misfit_rad > 0.0;
+    changes.extend(loss.map(|loss| loss.change()));
+    let is_undetermined = groups.held_out.contains(&joint) || slack.is_some() || loss.is_some();
+    let verdict = match is_undetermined {
+        _ if loss.is_some() => Verdict::TransmissionLost,
+        true => Verdict::Inconclusive,
+        false => Verdict::of(offset_rad, context.is_elongation),
+    };
+    let held_out =
+        is_undetermined || (verdict == Verdict::Inconclusive && excess_residual_rad > 0.0);
     let estimate = TendonEstimate {
         name: robot.tendon_name(joint).to_owned(),
         slides: robot.arm.joint_kind(joint) == Some(JointKind::Prismatic),
         offset_rad,
-        shared_error: Some(shared_error(
+        systematic_error: Some(systematic_error(
             context.shared.get(joint),
             constant_rad,
             offset_rad,
@@ -161,24 +218,52 @@ fn tendon(
         elongation_m: through(&Tendon::elongation_m),
         strain_ratio: through(&Tendon::strain),
         verdict,
-        retension: tendon.and_then(|t| retension(t, offset_rad, withheld)),
+        retension: tendon.and_then(|t| retension(t, offset_rad, held_out)),
         changes,
-        // Against robot.toml: all of the compliance over nominal is the change.
-        stiffness_change_ratio: changes::gained_ratio(compliance.mean, compliance),
-        stiffness_since_before: changes::stiffness_since_before(prior, segments, joint),
+        // Relative to robot.toml: the whole difference of the compliance from nominal is the change.
+        stiffness_change_ratio: changes::stiffness_change_ratio(compliance.mean, compliance),
+        stiffness_change: match slack {
+            None => changes::stiffness_change(prior, segments, joint),
+            Some(_) => None,
+        },
         creep: changes::creep(recorded, segments, joint),
         slack_rad: prior
             .is_antagonistic(joint)
             .then(|| at(JointParameter::Slack)),
         torque_nm: range(torques),
         noise_rad,
-        misfit_rad,
+        excess_residual_rad,
+        lower_bound_m: tendon
+            .zip(lower_bound_rad)
+            .map(|(t, least)| t.elongation_m(least)),
+        lower_bound_rad,
+        slack_share: slack.map(|strand| strand.share),
         anchored: None,
     };
     (estimate, inflation)
 }
 
-/// Smallest and largest of some torques.
+/// Residual of a tendon, robust standard deviation, rad; in a group with one equation per joint, the maximum over its
+/// joints.
+fn noise_rad(context: &Context<'_>, axis: usize) -> f64 {
+    let most = |axis: usize| {
+        let maps = context.segments.estimates.iter();
+        maps.map(|(_, map)| map.noise_rad[axis]).fold(0.0, f64::max)
+    };
+    let routing = context.robot.transmissions[axis]
+        .as_ref()
+        .and_then(|t| t.routing.as_ref());
+    match routing.and_then(|routing| routing.pull.as_ref()) {
+        None => most(axis),
+        Some(pull) => pull
+            .joints
+            .iter()
+            .map(|j| most(j.joint))
+            .fold(0.0, f64::max),
+    }
+}
+
+/// Range of a sequence of torques, N·m.
 fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
     let (min, max) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
         (a.min(t), b.max(t))
@@ -186,28 +271,28 @@ fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
     TorqueRange { min, max }
 }
 
-/// Whether the elongation at which to tension again is passed, as far as the interval tells.
+/// Tests whether the 95 % interval of the elongation exceeds the re-tensioning limit; `None` without a limit.
 ///
-/// What fits nothing may be off by more than its size: where the verdict is `withheld` for that, so is this.
-fn retension(tendon: &Tendon, offset_rad: Gaussian, withheld: bool) -> Option<RetensionLimit> {
+/// The error due to an excess residual may exceed its size: if `held_out`, the test is inconclusive like the verdict.
+fn retension(tendon: &Tendon, offset_rad: Gaussian, held_out: bool) -> Option<RetensionLimit> {
     let limit = tendon.retension_at_m?;
     let interval = offset_rad.interval_95();
     let [least, most] = [interval.low, interval.high].map(|x| tendon.elongation_m(x));
     Some(RetensionLimit {
         elongation_m: limit,
-        state: if withheld {
-            LimitState::CannotTell
+        state: if held_out {
+            LimitState::Inconclusive
         } else if least > limit {
             LimitState::Passed
         } else if most < limit {
             LimitState::NotPassed
         } else {
-            LimitState::CannotTell
+            LimitState::Inconclusive
         },
     })
 }
 
-/// Offsets at the end of every segment.
+/// Offsets at the end of each segment.
 fn segment_estimates(
     prior: &Prior,
     recorded: &Recorded,
@@ -224,7 +309,7 @@ fn segment_estimates(
         .collect()
 }
 
-/// Every block with the estimate at its time.
+/// Estimates of all blocks at their times.
 fn block_estimates(
     estimator: &MapEstimator,
     recorded: &Recorded,
@@ -237,8 +322,8 @@ fn block_estimates(
     for (from, map) in &segments.estimates {
         let blocks = &recorded.blocks[*from..from + map.weights.len()];
         let residuals = estimator.residuals(map, blocks);
-        let said = blocks.iter().zip(&map.weights);
-        for ((block, weight), residuals) in said.zip(residuals.chunks_exact(n)) {
+        let weighted = blocks.iter().zip(&map.weights);
+        for ((block, weight), residuals) in weighted.zip(residuals.chunks_exact(n)) {
             let offset_rad: Vec<Gaussian> = elastic
                 .iter()
                 .map(|&i| map.offset_at(prior, i, block.time_s))
@@ -282,68 +367,77 @@ fn motor_torque(estimator: &MapEstimator, recorded: &Recorded) -> MotorTorque {
     }
 }
 
-/// Everything estimated along, before and after.
+/// Prior and posterior of each nuisance parameter.
 fn nuisance(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<NuisanceChange> {
     entries(prior, segments)
         .filter_map(|(k, before)| {
-            let after = segments.belief.entry(k);
+            let after = segments.state_estimate.entry(k);
             let entry = prior.describe(k)?;
             Some(NuisanceChange::new(&entry, robot, [before, after]))
         })
         .collect()
 }
 
-/// Parameters that are far from what was believed.
+/// Warnings for parameters whose posterior mean is far from the prior.
 fn far_from_prior(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<Warning> {
-    const FAR: f64 = 3.5;
+    /// Maximum z-score of a posterior mean against its prior without a warning.
+    const MAX_Z_SCORE: f64 = 3.5;
     entries(prior, segments)
         .filter_map(|(k, before)| {
             let entry = prior.describe(k)?;
-            let off = (segments.belief.entry(k).mean - before.mean).abs() / before.deviation;
+            // A slip of an encoder explains the change of its zero.
+            let slipped = entry.joint.is_some_and(|i| {
+                k == prior.place(i, JointParameter::Zero) && segments.has_encoder_slip(i)
+            });
+            if slipped {
+                return None;
+            }
+            let z_score = (segments.state_estimate.entry(k).mean - before.mean).abs() / before.std;
             let is_scale = |i: usize| k == prior.place(i, JointParameter::MotorScale);
-            (off > FAR).then(|| Warning::FarFromPrior {
-                joint: entry.joint.map(|i| robot.tendon_name(i).to_owned()),
+            (z_score > MAX_Z_SCORE).then(|| Warning::FarFromPrior {
+                joint: entry.joint.map(|i| owner(&entry, robot, i).to_owned()),
                 name: entry.name.into(),
                 is_motor_torque_scale: entry.joint.is_some_and(is_scale),
-                deviations: off,
+                stds: z_score,
             })
         })
         .collect()
 }
 
-/// A lag that friction doesn't explain.
-fn out_of_step(motor_late_s: Gaussian) -> Option<Warning> {
-    /// Less is a control cycle.
-    const LEAST_S: f64 = 1e-3;
-    const SURE: f64 = 3.0;
-    let size = motor_late_s.mean.abs();
-    (size > LEAST_S && size > SURE * motor_late_s.deviation)
-        .then_some(Warning::SidesOutOfStep { motor_late_s })
+/// Warning for an encoder delay that friction does not explain.
+fn encoder_delay(motor_delay_s: Gaussian) -> Option<Warning> {
+    /// Minimum delay to be reported, s: a control cycle.
+    const MIN_DELAY_S: f64 = 1e-3;
+    /// Minimum z-score of the delay to be reported.
+    const MIN_Z_SCORE: f64 = 3.0;
+    let size = motor_delay_s.mean.abs();
+    (size > MIN_DELAY_S && size > MIN_Z_SCORE * motor_delay_s.std)
+        .then_some(Warning::EncoderDelay { motor_delay_s })
 }
 
-/// Places of the state that are estimated along with the offsets, and what was believed of them.
+/// Indices of the nuisance parameters in the state, with their priors.
 fn entries<'a>(
     prior: &'a Prior,
     segments: &'a Segments,
 ) -> impl Iterator<Item = (usize, Gaussian)> + 'a {
-    /// What is held fixed isn't estimated.
-    const FIXED: f64 = 1e-8;
+    /// Maximum standard deviation of a fixed parameter, which is not estimated.
+    const MAX_FIXED_STD: f64 = 1e-8;
     let is_offset = |k: usize| {
         let joint = prior.describe(k).and_then(|entry| entry.joint);
         joint.is_some_and(|i| prior.is_elastic(i) && k == prior.place(i, JointParameter::Offset))
     };
     (0..prior.dimension())
         .map(|k| (k, segments.before.entry(k)))
-        .filter(move |(k, before)| !is_offset(*k) && !(before.deviation < FIXED))
+        .filter(move |(k, before)| !is_offset(*k) && !(before.std < MAX_FIXED_STD))
 }
 
-/// Times of at least a second that were mostly left out, the longest first, at most 20.
-fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
-    let mut found: Vec<LeftOut> = Vec::new();
+/// Rejected intervals of at least one second, in descending order of length, at most 20.
+fn rejected_intervals(blocks: &[Block], weights: &[f64]) -> Vec<RejectedInterval> {
+    let mut found: Vec<RejectedInterval> = Vec::new();
     for (block, _) in blocks.iter().zip(weights).filter(|(_, w)| **w < OUTLIER) {
         match found.last_mut() {
             Some(last) if block.time_s - last.to_s < 0.5 => last.to_s = block.time_s + 0.1,
-            _ => found.push(LeftOut {
+            _ => found.push(RejectedInterval {
                 from_s: block.time_s - 0.1,
                 to_s: block.time_s + 0.1,
             }),
@@ -360,7 +454,7 @@ mod tests {
     use super::*;
     use sinew_model::Z95;
 
-    /// A tendon on a pulley of 20 mm that is tensioned again at 0.4 mm: 20 mrad.
+    /// Tendon on a pulley of 20 mm radius with a re-tensioning limit of 0.4 mm, which is 20 mrad.
     fn tendon() -> Tendon {
         Tendon {
             joint_pulley_radius_m: 0.02,
@@ -376,33 +470,36 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_is_passed_when_the_whole_interval_is_beyond_it() {
-        let state = |offset_mrad: f64, withheld: bool| {
+    fn retension_interval_above_limit_is_passed() {
+        let state = |offset_mrad: f64, held_out: bool| {
             let offset = Gaussian::new(1e-3 * offset_mrad, 1e-3 / Z95);
-            retension(&tendon(), offset, withheld).unwrap().state
+            retension(&tendon(), offset, held_out).unwrap().state
         };
         for (offset_mrad, expected) in [
             (18.9, LimitState::NotPassed),
-            (19.1, LimitState::CannotTell),
-            (20.0, LimitState::CannotTell),
-            (20.9, LimitState::CannotTell),
+            (19.1, LimitState::Inconclusive),
+            (20.0, LimitState::Inconclusive),
+            (20.9, LimitState::Inconclusive),
             (21.1, LimitState::Passed),
         ] {
             assert_eq!(state(offset_mrad, false), expected, "{offset_mrad}");
-            assert_eq!(state(offset_mrad, true), LimitState::CannotTell);
+            assert_eq!(state(offset_mrad, true), LimitState::Inconclusive);
         }
     }
 
     #[test]
-    fn what_is_shared_holds_what_is_constant_and_is_no_more_than_the_whole() {
+    fn systematic_error_includes_constant_and_is_bounded() {
         let offset = Gaussian::new(0.0, 1e-3);
-        let known = SharedError {
+        let baseline = SharedError {
             baseline_rad: 0.3e-3,
             drift_rad: 0.2e-3,
         };
-        let found = shared_error(Some(&known), 0.4e-3, offset);
+        let found = systematic_error(Some(&baseline), 0.4e-3, offset);
         assert!((found.baseline_rad - 0.5e-3).abs() < 1e-12 && found.drift_rad == 0.2e-3);
-        assert_eq!(shared_error(Some(&known), 2e-3, offset).baseline_rad, 1e-3);
-        assert_eq!(shared_error(None, 0.0, offset).baseline_rad, 1e-3);
+        assert_eq!(
+            systematic_error(Some(&baseline), 2e-3, offset).baseline_rad,
+            1e-3
+        );
+        assert_eq!(systematic_error(None, 0.0, offset).baseline_rad, 1e-3);
     }
 }

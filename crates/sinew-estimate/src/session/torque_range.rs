@@ -1,13 +1,13 @@
-//! Torques a joint carried.
+//! Range of the torque at a joint.
 
 use serde::{Deserialize, Serialize};
 
-/// Smallest and largest torque, N·m.
+/// Minimum and maximum torque in a recording, N·m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueRange {
-    /// Smallest.
+    /// Minimum torque, N·m.
     pub min: f64,
-    /// Largest.
+    /// Maximum torque, N·m.
     pub max: f64,
 }

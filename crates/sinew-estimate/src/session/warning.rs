@@ -1,231 +1,243 @@
-//! What the reader of a session's estimate should know, as data; the words are the report's.
+//! Warnings of a session estimate as data; the report formats their text.
 
 use super::torque_range::TorqueRange;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 
-/// Why a motor torque can't be a witness.
+/// Reason for the rejection of a motor torque or tension as an independent measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum WitnessFault {
-    /// It never changes.
+pub enum MotorTorqueError {
+    /// Channel of constant value.
     Constant,
-    /// It doesn't follow the torque of the spring.
+    /// Channel that does not follow the spring torque.
     Contradicts {
-        /// What it shows of the spring's torque; 1 is right.
+        /// Regression slope of the channel on the spring torque; 1 is expected.
         slope: f64,
     },
-    /// Another joint's contradicts, and this one's can't be tested.
+    /// Channel that cannot be tested, while that of another joint is inconsistent with its spring torque.
     Untested,
 }
 
-/// What the reader of a session's estimate should know.
+/// Warning of a session estimate: its cause, and its effect on the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Warning {
-    /// Too few distinct poses to tell a payload or a wrong mass from stretch.
+    /// Too few distinct poses: payload, mass error and offset are not separable.
     FewPoses {
-        /// Distinct poses.
+        /// Number of distinct poses in the recording.
         poses: usize,
     },
-    /// Too few distinct poses for a baseline.
+    /// Too few distinct poses for a baseline: every later session inherits its uncertainty.
     FewPosesOfBaseline {
-        /// Distinct poses.
+        /// Number of distinct poses in the recording.
         poses: usize,
     },
-    /// A joint's torque hardly changed: stretch can't be told from a wrong stiffness.
-    TorqueHardlyChanged {
-        /// Joint.
+    /// Torque range of a joint that is too small to separate its offset from an error of the stiffness.
+    TorqueRangeSmall {
+        /// Name of the joint.
         joint: String,
-        /// What it carried, N·m.
+        /// Range of the torque at the joint, N·m.
         torque_nm: TorqueRange,
     },
-    /// A change came so late that it may be a contact.
-    ChangeMayEnd {
-        /// Joint.
+    /// Change so close to the end of the recording that it may be a contact that has not ended.
+    ChangeNearEnd {
+        /// Name of the joint.
         joint: String,
-        /// When, s.
+        /// Time of the change since the start of the recording, s.
         time_s: f64,
-        /// So long before the end, s.
+        /// Time from the change to the end of the recording, s.
         before_end_s: f64,
     },
-    /// The arm stands at the end of the recording: friction may hide a slip there.
-    StandsAtEnd {
-        /// Joint of which it may hide most.
+    /// Rest phase at the end of the recording, in which stiction can hide a slip.
+    AtRestAtEnd {
+        /// Name of the joint with the largest slip that can be hidden.
         joint: String,
-        /// Since when, s.
+        /// Start of the rest phase since the start of the recording, s.
         from_s: f64,
-        /// The largest slip that friction may hold, rad.
-        hidden_rad: f64,
+        /// Largest slip that stiction can hide, rad.
+        stiction_bound_rad: f64,
     },
-    /// A joint reads off where the arm stands at the end, by more than friction can hold: a slip, or a contact that lasts.
-    StandReadsOff {
-        /// Joint.
+    /// Mean residual of a joint in the final rest phase that exceeds what stiction explains: a slip, or a lasting
+    /// contact.
+    RestPhaseInconsistent {
+        /// Name of the joint.
         joint: String,
-        /// Since when the arm stands, s.
+        /// Start of the rest phase since the start of the recording, s.
         from_s: f64,
-        /// By how much it reads off, rad.
-        off_rad: f64,
-        /// The largest slip that friction may hold, rad.
-        hidden_rad: f64,
+        /// Mean residual in the rest phase relative to the estimated offset, rad.
+        inconsistency_rad: f64,
+        /// Largest slip that stiction can hide, rad.
+        stiction_bound_rad: f64,
     },
-    /// A rope follows its load slowly, and what it carried before isn't known.
-    RopeCreeps {
-        /// Joint.
+    /// Viscoelastic rope whose load before the recording is unknown; the interval is widened for it.
+    RopeMemory {
+        /// Name of the joint.
         joint: String,
-        /// Half of the 95 % interval for that, rad.
+        /// Half-width of the 95 % interval for the unknown load history, rad.
         half_width_95_rad: f64,
     },
-    /// An offset moved evenly while it was looked at.
-    TendonCreeps {
-        /// Joint.
+    /// Offset that drifted at a constant rate during the recording; the value at the end is reported.
+    TendonCreep {
+        /// Name of the joint.
         joint: String,
-        /// Probability that it did.
+        /// Probability of the drift, 0 to 1.
         probability: f64,
-        /// By how much, rad.
-        moved_rad: Gaussian,
-        /// In how long, s.
+        /// Change of the offset from the start to the end of the recording, rad.
+        drift_rad: Gaussian,
+        /// Duration of the recording, s.
         duration_s: f64,
     },
-    /// A constant force from outside acts on the arm.
+    /// Constant external force at the tool, which is estimated jointly.
     ExternalForce {
-        /// Probability that it does.
+        /// Probability of the external force, 0 to 1.
         probability: f64,
-        /// Along the axes of the base, N, if it does.
+        /// Components of the force along the axes of the base frame if there is one, N.
         force_n: [Gaussian; 3],
     },
-    /// Much of the reading fits nothing.
-    Unexplained {
-        /// Joint.
+    /// Large residual that the model does not explain; the interval is widened for it.
+    UnexplainedResidual {
+        /// Name of the joint.
         joint: String,
-        /// Robust standard deviation, rad.
+        /// Robust standard deviation of the residual, rad.
         noise_rad: f64,
     },
-    /// The position of a joint is not recorded: its motor's stands in, and its tendon is not estimated.
+    /// Joint without a recorded position: the motor position is used instead, and the tendon is not estimated.
     NoJointEncoder {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A loop carried more than twice its pretension, so that one of its strands was slack and the loop half as stiff.
+    /// Loop whose load exceeded twice its pretension, so that one of its strands was slack and its stiffness was
+    /// halved.
     BeyondPretension {
-        /// Tendon.
+        /// Name of the tendon.
         joint: String,
-        /// Largest size of the torque that the loop carried, N·m.
+        /// Largest magnitude of the torque of the loop, N·m.
         torque_nm: f64,
-        /// Torque up to which both strands stay taut, `2 r f0`, N·m.
+        /// Torque up to which both strands remain taut, `2 r f0`, N·m.
         limit_nm: f64,
     },
-    /// A joint hardly moved while its motor turned.
-    Stuck {
-        /// Joint.
+    /// Joint that hardly moved while its motor turned: the joint or its encoder is seized.
+    JointSeized {
+        /// Name of the joint.
         joint: String,
-        /// Travel of the joint, rad.
+        /// Range of the joint position, rad.
         joint_travel_rad: f64,
-        /// Travel of the motor, rad.
+        /// Range of the motor position, rad.
         motor_travel_rad: f64,
     },
-    /// The payload weighs less than nothing.
+    /// Negative payload estimate: the tool is lighter than described, or units or signs are wrong.
     NegativePayload {
-        /// Payload, kg.
+        /// Estimated payload mass, kg.
         payload_kg: Gaussian,
     },
-    /// The recording contradicts the payload that was stated; it was estimated instead.
-    PayloadContradicted {
-        /// Payload as estimated, kg.
+    /// Specified payload that is inconsistent with the recording; the estimated payload is used instead.
+    PayloadInconsistent {
+        /// Estimated payload mass, kg.
         payload_kg: Gaussian,
+        /// Probability that the specified payload is wrong, 0 to 1; prior odds of 1 to 20.
+        probability: f64,
     },
-    /// The recording contradicts the constant force that was stated; what it shows was used instead.
-    ExternalForceContradicted {
-        /// Along the axes of the base, N; `None` where it shows no force.
+    /// Specified external force that is inconsistent with the recording; the estimated force is used instead.
+    ExternalForceInconsistent {
+        /// Components of the estimated force along the axes of the base frame, N; `None` if no force was detected.
         force_n: Option<[Gaussian; 3]>,
     },
-    /// A long time in which nothing fits.
-    NothingFits {
-        /// From, s.
+    /// Long interval that is inconsistent with the model and was rejected.
+    UnmodelledInterval {
+        /// Start of the interval since the start of the recording, s.
         from_s: f64,
-        /// To, s.
+        /// End of the interval since the start of the recording, s.
         to_s: f64,
     },
-    /// Much of the time was left out.
-    MuchLeftOut {
-        /// Share, 0 to 1.
+    /// Large share of the time that was rejected as contact or disturbance.
+    MuchRejected {
+        /// Rejected share of the time, 0 to 1.
         share: f64,
     },
-    /// A baseline's encoders were not zeroed as robot.toml states; the zero was estimated instead.
-    NotZeroed {
-        /// Joint.
+    /// Encoder zero offset of a baseline that is inconsistent with robot.toml; it was estimated instead.
+    EncoderZeroOffset {
+        /// Name of the joint.
         joint: String,
-        /// What `theta − q` of the unloaded spring reads right after tensioning, rad.
+        /// Estimated value of `theta − q` of the unloaded spring directly after tensioning, rad.
         zero_rad: Gaussian,
     },
-    /// There is no baseline: offsets are against the encoders' zero.
+    /// Estimate without a baseline: offsets refer to the encoder zero, and the interval depends on data-sheet
+    /// tolerances.
     NoBaseline,
-    /// The temperature is not known as well as a recorded one.
+    /// Temperature that was not recorded: its change since the baseline is assumed to be within the tolerance.
     TemperatureUnknown {
-        /// Standard deviation of its change since the baseline, K.
-        deviation_k: f64,
-        /// Joint whose interval that widens most.
+        /// Standard deviation of the temperature change since the baseline, K.
+        std_k: f64,
+        /// Name of the joint whose interval is widened most.
         joint: String,
-        /// Half of the 95 % interval for that, rad.
+        /// Half-width of the 95 % interval of the thermal effect, rad.
         half_width_95_rad: f64,
     },
-    /// The temperature differs from the baseline's, and what that does to an offset is most of its interval.
-    DriftUnknown {
-        /// Joint of which it leaves most unknown.
+    /// Temperature difference from the baseline whose unknown effect contributes most of the variance of an offset.
+    ThermalEffect {
+        /// Name of the joint with the largest unknown thermal effect.
         joint: String,
-        /// Warmer than the baseline, K.
-        warmer_k: f64,
-        /// Half of the 95 % interval for that, rad.
+        /// Temperature of the recording minus that of the baseline, K.
+        temperature_difference_k: f64,
+        /// Half-width of the 95 % interval of the thermal effect, rad.
         half_width_95_rad: f64,
-        /// Whether robot.toml states the frame's expansion.
-        frame_is_stated: bool,
+        /// Whether robot.toml specifies the thermal expansion of the frame.
+        frame_is_specified: bool,
     },
-    /// A push against an end stop shows another offset than motion does.
-    AnchorDisagrees {
-        /// Joint.
+    /// Offset by contact with an end stop that is inconsistent with the offset by motion.
+    ReferenceInconsistent {
+        /// Name of the joint.
         joint: String,
-        /// By the push, rad.
+        /// Offset by the contact with the end stop, rad.
         by_push_rad: Gaussian,
-        /// By motion, corrected for the encoders, rad.
+        /// Offset by motion, corrected for the encoder errors, rad.
         by_motion_rad: Gaussian,
     },
-    /// One side is stamped late against the other.
-    SidesOutOfStep {
-        /// How late the motor side is, s; below 0 it is early.
-        motor_late_s: Gaussian,
+    /// Time offset between motor and joint encoder, which is estimated jointly.
+    EncoderDelay {
+        /// Delay of the motor encoder relative to the joint encoder, s; negative if the motor encoder leads.
+        motor_delay_s: Gaussian,
     },
-    /// A joint's motor torque can't be one, and was left out.
-    MotorTorqueLeftOut {
-        /// Joint.
+    /// Motor torque of a joint that is inconsistent with its spring torque and was rejected.
+    MotorTorqueRejected {
+        /// Name of the joint.
         joint: String,
-        /// Why.
-        fault: WitnessFault,
+        /// Reason for the rejection.
+        fault: MotorTorqueError,
     },
-    /// A parameter is far from what was believed.
+    /// Tension of a tendon that is inconsistent with its extension and was rejected.
+    TensionRejected {
+        /// Name of the tendon.
+        joint: String,
+        /// Reason for the rejection.
+        fault: MotorTorqueError,
+    },
+    /// Posterior mean of a parameter that is far from its prior: wrong value or too narrow tolerance in robot.toml.
     FarFromPrior {
-        /// Joint or body; `None` for the payload.
+        /// Name of the joint or body; `None` for the payload.
         joint: Option<String>,
-        /// Parameter.
+        /// Name of the parameter.
         name: String,
-        /// Whether it is the scale of the motor torque, which is no matter of robot.toml alone.
+        /// Whether the parameter is the scale of the motor torque, which does not depend on robot.toml alone.
         is_motor_torque_scale: bool,
-        /// How far, standard deviations of what was believed.
-        deviations: f64,
+        /// Distance from the prior mean, in prior standard deviations.
+        stds: f64,
     },
-    /// Frames without every position were left out.
-    FramesMissing {
-        /// How many.
+    /// Frames that were excluded because a position is missing.
+    FramesIncomplete {
+        /// Number of excluded frames.
         frames: u64,
     },
-    /// Stiffness has, or may have, changed before the recording began.
-    StiffnessChangedBefore {
-        /// Joint.
+    /// Probable stiffness change between the baseline or previous session and this recording.
+    StiffnessChanged {
+        /// Name of the joint.
         joint: String,
-        /// Probability that it has.
+        /// Probability of the change, 0 to 1.
         probability: f64,
-        /// By how much if it has.
+        /// Relative change of the stiffness if there is one; negative for a loss.
         change_ratio: Gaussian,
     },
 }

@@ -1,43 +1,46 @@
-//! Encoders that were not zeroed, though robot.toml says so.
+//! Encoder zero offsets that are inconsistent with robot.toml.
 
 use super::segments::Segments;
 use super::warning::Warning;
 use crate::error::SessionError;
-use sinew_model::offset::{Belief, JointParameter, Prior};
+use sinew_model::offset::{JointParameter, Prior, StateEstimate};
 use sinew_model::robot::Robot;
 
-/// A zero so many of its own standard deviations away isn't where it was said to be …
-const SURE: f64 = 5.0;
-/// … unless friction reads like that, rad.
-const LEAST_RAD: f64 = 2e-3;
+/// Minimum z-score of an encoder zero offset against its specified value to be reported.
+const MIN_Z_SCORE: f64 = 5.0;
+/// Minimum difference of an encoder zero offset from its specified value to be reported, rad: friction explains smaller
+/// ones.
+const MIN_DIFFERENCE_RAD: f64 = 2e-3;
 
-/// The estimate from `start` with the zero of every joint anywhere, and which joints' was off; `None` where the recording
-/// agrees with what is stated.
+/// Estimates from `start` with a free encoder zero at every joint, and returns the estimate with a warning for each
+/// inconsistent joint; `None` if the recording is consistent with the specified zeros.
 ///
-/// With a zero held where it isn't, stiffness and masses are bent to fit, and what they can't take up is left as
-/// residual. Freed, it comes out many of its standard deviations away.
-pub(super) fn opened(
+/// If a zero is fixed at a wrong value, the estimates of stiffness and masses are biased to fit, and the remainder
+/// appears in the residual. A free zero then differs from the specified value by many standard deviations.
+pub(super) fn estimate_zero(
     robot: &Robot,
     prior: &Prior,
-    start: &Belief,
-    estimate: impl Fn(Belief) -> Result<Segments, SessionError>,
+    start: &StateEstimate,
+    estimate: impl Fn(StateEstimate) -> Result<Segments, SessionError>,
 ) -> Result<Option<(Segments, Vec<Warning>)>, SessionError> {
-    let elastic = || (0..robot.arm.dof()).filter(|&i| prior.is_elastic(i));
-    let mut open = start.clone();
+    let elastic = || (0..robot.axes()).filter(|&i| prior.is_elastic(i));
+    let mut free_zero = start.clone();
     for joint in elastic() {
-        prior.tension(&mut open, joint);
+        prior.tension(&mut free_zero, joint);
     }
-    let free = estimate(open)?;
-    let off = elastic().filter_map(|joint| {
+    let free = estimate(free_zero)?;
+    let warnings = elastic().filter_map(|joint| {
         let at = prior.place(joint, JointParameter::Zero);
-        let (zero_rad, stated) = (free.belief.entry(at), start.entry(at));
-        let far_rad = (zero_rad.mean - stated.mean).abs();
-        let unsure_rad = zero_rad.deviation.hypot(stated.deviation);
-        (far_rad > SURE * unsure_rad && far_rad > LEAST_RAD).then(|| Warning::NotZeroed {
-            joint: robot.tendon_name(joint).to_owned(),
-            zero_rad,
+        let (zero_rad, specified) = (free.state_estimate.entry(at), start.entry(at));
+        let difference_rad = (zero_rad.mean - specified.mean).abs();
+        let std_rad = zero_rad.std.hypot(specified.std);
+        (difference_rad > MIN_Z_SCORE * std_rad && difference_rad > MIN_DIFFERENCE_RAD).then(|| {
+            Warning::EncoderZeroOffset {
+                joint: robot.tendon_name(joint).to_owned(),
+                zero_rad,
+            }
         })
     });
-    let off: Vec<Warning> = off.collect();
-    Ok((!off.is_empty()).then_some((free, off)))
+    let warnings: Vec<Warning> = warnings.collect();
+    Ok((!warnings.is_empty()).then_some((free, warnings)))
 }

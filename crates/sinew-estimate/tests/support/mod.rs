@@ -1,4 +1,4 @@
-//! What several tests of this crate start from.
+//! Inputs shared by several tests of this crate.
 
 // Each test file uses its own part of this.
 #![allow(dead_code)]
@@ -17,37 +17,37 @@ use std::path::{Path, PathBuf};
 mod skipped;
 pub(crate) use skipped::shared;
 
-/// The repository's folder.
+/// Root folder of the repository.
 pub(crate) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Folder of the shipped robot.
+/// Folder of the shipped robot `biorob-like`.
 pub(crate) fn biorob_like_folder() -> PathBuf {
     repository().join("robots/biorob-like")
 }
 
-/// The shipped robot.
+/// Shipped robot `biorob-like`.
 pub(crate) fn biorob_like() -> Robot {
     robot_dir::load(&biorob_like_folder(), None).unwrap().robot
 }
 
-/// How many draws a test makes: `SINEW_SEEDS`, or a few.
+/// Number of draws of a test: `SINEW_SEEDS`, or the default.
 pub(crate) fn seeds(ordinary: u64) -> u64 {
-    asked_seeds().unwrap_or(ordinary)
+    requested_seeds().unwrap_or(ordinary)
 }
 
-/// How many of `count` are true at the least where a `share` of all is: two and a half standard errors less.
+/// Minimum number of successes of `count` with probability `share`: 2.5 standard errors below the mean.
 pub(crate) fn least(share: f64, count: f64) -> f64 {
     share * count - 2.5 * (share * (1.0 - share) * count).sqrt()
 }
 
-/// `SINEW_SEEDS`.
-pub(crate) fn asked_seeds() -> Option<u64> {
+/// Value of `SINEW_SEEDS`.
+pub(crate) fn requested_seeds() -> Option<u64> {
     std::env::var("SINEW_SEEDS").ok()?.parse().ok()
 }
 
-/// The work session of the examples, changed by `edit`, cut at `cuts_s`; and its true offsets at
+/// Records the work session of the examples, changed by `edit` and cut at `cuts_s`; returns it with the true offsets at
 /// 120 s, mrad.
 pub(crate) fn work_session(
     robot: &Robot,
@@ -83,7 +83,7 @@ pub(crate) fn work_session(
     (parts.into_iter().map(Recorder::finish).collect(), truth)
 }
 
-/// Sessions A and B and the true offsets at the end of B, mrad.
+/// Records sessions A and B; returns them with the true offsets at the end of B, mrad.
 pub(crate) fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
     let mut scenario = plan.scenario.clone();
     scenario.seed = seed;
@@ -112,7 +112,7 @@ pub(crate) fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
     ([a.finish(), b.finish()], truth)
 }
 
-/// How a scenario of the bench is watched.
+/// Session options for a scenario of the bench.
 pub(crate) fn watching(plan: &Plan) -> SessionOptions {
     let payload = if plan.scenario.payloads.is_empty() {
         Payload::Empty
@@ -125,7 +125,7 @@ pub(crate) fn watching(plan: &Plan) -> SessionOptions {
     }
 }
 
-/// The online estimate's answer for the blocks of a recording.
+/// Answer of the online estimate for the blocks of a recording.
 pub(crate) fn online_answer(
     robot: &Robot,
     baseline: &Baseline,

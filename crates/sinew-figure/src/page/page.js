@@ -1,9 +1,9 @@
-// What a page's figures do under mouse, finger and keys: values, zoom, hiding by the legend.
-// It reads the curves as they are drawn; the page is complete without it.
+// Interaction of the figures with mouse, touch and keyboard: values, zoom, hiding by the legend.
+// The script reads the drawn curves; the page is complete without it.
 "use strict";
 (() => {
-  // Beyond these, zooming would show the drawing's tenths of a px as steps.
-  const MOST_X = 40, MOST_Y = 20;
+  // Zoom limits; beyond them, the resolution of 0.1 px would become visible.
+  const MAX_ZOOM_X = 40, MAX_ZOOM_Y = 20;
   const numbers = text => text.trim().split(/\s+/).map(Number);
   const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
   const minus = text => text.replace("-", "−");
@@ -15,8 +15,8 @@
   const element = (parent, name, attributes) =>
     parent.appendChild(set(document.createElementNS(parent.namespaceURI, name), attributes));
   const html = (name, properties) => Object.assign(document.createElement(name), properties);
-  // The stretches of a path as lists of points.
-  function stretches(d) {
+  // Sections of a path as lists of points.
+  function sections(d) {
     const all = [];
     let x = 0, y = 0;
     for (const [, letter, rest] of d.matchAll(/([MlV])([^MlVhZ]*)/g)) {
@@ -27,7 +27,7 @@
     }
     return all;
   }
-  // Where a stretch has the horizontal place x.
+  // Vertical position of a section at the horizontal position x.
   function crossings(points, x) {
     const found = [];
     for (let i = 0; i < points.length; i++) {
@@ -38,7 +38,7 @@
     }
     return found;
   }
-  // A number to the digits that the drawing shows.
+  // Number with the digits that the drawing resolves.
   function shown(value, resolution) {
     const digits = Math.max(0, Math.floor(-Math.log10(resolution)));
     if (digits > 6 || Math.abs(value) >= 1e6) return minus(value.toPrecision(3));
@@ -46,7 +46,7 @@
     return minus(Number(text) === 0 ? text.replace("-", "") : text);
   }
   const UNITS = [[31557600, "year"], [2629800, "month"], [86400, "day"], [3600, "h"], [60, "min"], [1, "s"]];
-  function spoken(seconds) {
+  function durationText(seconds) {
     const [unit, name] = UNITS.find(u => seconds >= 0.999 * u[0]) ?? UNITS[5];
     const count = Number((seconds / unit).toPrecision(3));
     return `${count} ${name}${count !== 1 && ["year", "month", "day"].includes(name) ? "s" : ""}`;
@@ -69,7 +69,7 @@
     while (digits < 12 && Math.abs(step / unit * 10 ** digits - Math.round(step / unit * 10 ** digits)) > 1e-6) digits++;
     return value => minus((Math.abs(value) < 1e-9 * step ? 0 : value / unit).toFixed(digits));
   }
-  // Times that everybody knows, on an axis of their logarithms.
+  // Common durations on a logarithmic axis.
   function timeTicks(low, high, px) {
     const [from, to] = [10 ** low, 10 ** high], taken = [];
     const whole = [1, 2, 3, 5, 10, 15, 20, 30, 45].flatMap(n => UNITS.map(([s]) => n * s));
@@ -79,7 +79,7 @@
       const at = Math.log10(s);
       if (taken.every(other => Math.abs(other - at) / (high - low) * px > 64)) taken.push(at);
     }
-    return { all: taken, text: at => spoken(10 ** at) };
+    return { all: taken, text: at => durationText(10 ** at) };
   }
 
   class Panel {
@@ -88,11 +88,13 @@
       [this.left, this.top, this.w, this.h] = numbers(data.box);
       [this.x, this.y, this.xLabel, this.yLabel] = [numbers(data.x), numbers(data.y), data.xLabel ?? "", split(data.yLabel ?? "")];
       Object.assign(this, { figure, settings: data, plot: part("svg"), data: part(".data"), axes: part(".axes") });
-      // Those of marks, which keep their distance from what they name.
+      // Labels of annotations, which keep their distance from their target.
       this.words = [...this.plot.querySelectorAll(":scope > text")].map(text =>
         ({ text, x: +text.getAttribute("x"), y: +text.getAttribute("y"), atX: text.dataset.x, atY: text.dataset.y }));
-      this.series = [...this.data.querySelectorAll("g")].map(g => {
-        const of = selector => [...g.querySelectorAll(selector)].flatMap(p => stretches(p.getAttribute("d")));
+      const [sx, sy] = this.adopt(part("use"));
+      this.series = [...this.data.querySelectorAll("g[data-name]")].map(g => {
+        const of = selector => [...g.querySelectorAll(selector)].flatMap(p => sections(p.getAttribute("d")))
+          .map(shape => shape.map(([x, y]) => [sx * x, sy * y]));
         return {
           g, path: g.querySelector("path"), kind: g.getAttribute("class"), name: g.dataset.name, hidden: false,
           labels: g.dataset.labels?.split("|"), shapes: of("path:not(.bars)"), bars: of(".bars"),
@@ -105,6 +107,15 @@
       const { left: x, top: y, w: width, h: height } = this;
       this.hit = element(figure.svg, "rect", { class: "hit", x, y, width, height, fill: "transparent" });
       [this.view, this.heights] = [[0, width], [0, height]];
+    }
+    // Replaces a reference to the curves of another figure by a copy of them; returns their scale.
+    adopt(use) {
+      if (!use) return [1, 1];
+      const transform = use.getAttribute("transform");
+      const copy = document.querySelector(use.getAttribute("href")).cloneNode(true);
+      copy.removeAttribute("id");
+      use.replaceWith(set(copy, { transform }));
+      return numbers(transform.slice("scale(".length, -1));
     }
     makeKey(key) {
       const series = this.series[key.dataset.series];
@@ -126,7 +137,7 @@
     screenY(y) { return (y - this.heights[0]) / (this.heights[1] - this.heights[0]) * this.h; }
     valueX(x) { return this.x[0] + x / this.w * (this.x[1] - this.x[0]); }
     valueY(y) { return this.y[0] + (1 - y / this.h) * (this.y[1] - this.y[0]); }
-    // The heights that what is in view needs.
+    // Vertical range of the visible data.
     fit() {
       this.heights = [0, this.h];
       const [from, to] = this.view, whole = from <= 0 && to >= this.w;
@@ -139,13 +150,12 @@
         }
       if (!seen.length) return;
       const [low, high] = [Math.min, Math.max].map(of => clamp(seen.reduce((a, b) => of(a, b)), 0, this.h));
-      const half = Math.max(0.56 * (high - low), 0.5 * this.h / MOST_Y), middle = 0.5 * (low + high);
+      const half = Math.max(0.56 * (high - low), 0.5 * this.h / MAX_ZOOM_Y), middle = 0.5 * (low + high);
       this.heights = [middle - half, middle + half];
     }
     draw() {
       const [a, b] = this.view, [c, d] = this.heights, [sx, sy] = [this.w / (b - a), this.h / (d - c)];
       const whole = a === 0 && b === this.w && c === 0 && d === this.h;
-      this.plot.classList.toggle("zoomed", !whole);
       if (whole) this.data.removeAttribute("transform");
       else this.data.setAttribute("transform", `matrix(${sx} 0 0 ${sy} ${-a * sx} ${-c * sy})`);
       for (const { text, x, y, atX, atY } of this.words) {
@@ -196,14 +206,14 @@
       set(grid, { d: lines });
       set(marks, { d: short });
     }
-    // What the series have at a place: [name, words, colour, y].
+    // Values of the series at a position: [name, text, colour, y].
     readings(x) {
       const unit = this.yLabel.unit, step = (this.y[1] - this.y[0]) / (10 * this.h), right = this.settings.right;
       const far = right && split(this.settings.rightLabel);
       const number = y => shown(this.valueY(y), step);
       const other = y => right ? ` (${shown(this.valueY(y) * right, Math.abs(step * right))}${far.unit})` : "";
       const all = [];
-      // Dots on a named curve, and a line through named dots, say nothing new.
+      // Dots on a named curve, and a line through named dots, are not repeated.
       const known = kind => this.series.some(s => s.name && s.kind === kind);
       for (const s of this.visible) {
         if (!s.name && known(s.kind === "points" ? "line" : "points")) continue;
@@ -229,7 +239,7 @@
     }
     place(x) {
       const value = this.valueX(x), { log, since } = this.settings;
-      if (log) return spoken(10 ** value);
+      if (log) return durationText(10 ** value);
       const label = split(this.figure.labelBelow(this));
       const text = shown(value, (this.x[1] - this.x[0]) / (10 * this.w));
       const date = since && new Date(1000 * (Number(since) + 86400 * value)).toISOString().slice(0, 10);
@@ -237,7 +247,7 @@
       return label.unit ? text + label.unit : `${label.name} ${text}`.trim();
     }
   }
-  // Panels above each other that share their horizontal axis move together.
+  // Stacked panels with a common horizontal axis move together.
   class Stack {
     constructor(panels, figure) {
       Object.assign(this, { panels, figure, at: null });
@@ -284,7 +294,7 @@
         if (Math.abs(to - from) > 6) this.show(inView(Math.min(from, to)), inView(Math.max(from, to)));
       });
       hit.addEventListener("pointercancel", () => { start = null; pick(0, 0); });
-      // A finger leaves at once; what it asked for stays until the next touch.
+      // A touch ends immediately; its values stay until the next touch.
       hit.addEventListener("pointerleave", event => { if (event.pointerType !== "touch") this.point(null); });
       hit.addEventListener("dblclick", () => this.whole());
     }
@@ -294,7 +304,7 @@
       return inside.reduce((best, p) => best === null || Math.abs(p - x) < Math.abs(best - x) ? p : best, null);
     }
     show(from, to) {
-      const w = this.panels[0].w, least = w / MOST_X;
+      const w = this.panels[0].w, least = w / MAX_ZOOM_X;
       if (to - from < least) [from, to] = [(from + to - least) / 2, (from + to + least) / 2];
       if (to - from > w) [from, to] = [0, w];
       const shift = Math.max(0, -from) - Math.max(0, to - w);
@@ -327,7 +337,7 @@
       this.figure.last = this;
       event.preventDefault();
     }
-    // Shows what all panels have at a place; at none, hides it.
+    // Shows the values of all panels at a position; without a position, hides them.
     point(x, event) {
       this.at = x;
       for (const panel of this.panels) panel.cross.replaceChildren();
@@ -377,11 +387,11 @@
         const button = html("button", { type: "button", textContent: sign, title: name, ariaLabel: name });
         tools.appendChild(button).addEventListener("click", () => chosen().forEach(act));
       }
-      // Said once a page.
-      if (document.querySelectorAll(".tools").length > 1) return;
-      tools.append("Drag to zoom, double click for the whole; arrow keys read values; a click on a legend's name hides its curve.");
+      // Announced once per page.
+      if (document.querySelectorAll(`.${this.svg.parentElement.classList[1]} + .tools`).length > 1) return;
+      tools.append("Drag to zoom, double-click to reset; arrow keys show values; click a name in the legend to hide its curve.");
     }
-    // A panel without numbers of its own shares those of the one below.
+    // A panel without tick labels shares those of the panel below.
     labelBelow(panel) {
       const below = this.panels.slice(this.panels.indexOf(panel));
       return below.find(p => p.left === panel.left && p.xLabel)?.xLabel ?? "";
@@ -398,7 +408,7 @@
   }
 
   for (const svg of document.querySelectorAll("figure .scroll > svg")) new Figure(svg.closest("figure"), svg);
-  // On paper nothing is folded.
+  // Details are expanded for printing.
   let folded = [];
   const open = way => folded.forEach(part => { part.open = way; });
   addEventListener("beforeprint", () => { folded = [...document.querySelectorAll("details:not([open])")]; open(true); });

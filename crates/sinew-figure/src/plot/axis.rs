@@ -1,33 +1,33 @@
-//! Ranges, ticks and their numbers.
+//! Axis ranges, ticks and tick labels.
 
-use super::{Mark, Panel, Series};
+use super::{Annotation, Panel, Series};
 
-/// A linear axis with its ticks.
+/// Linear axis with its ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Axis {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) ticks: Vec<f64>,
     decimals: usize,
-    /// Tick numbers are multiples of `10^exponent`.
+    /// Exponent of ten by which the tick numbers are scaled.
     pub(super) exponent: i32,
-    /// What stands at the ticks instead of numbers; empty: numbers.
+    /// Tick labels that replace the numbers; empty: numbers.
     names: Vec<String>,
 }
 
-/// Tick numbers from here on are written as multiples of a power of ten.
-const LARGE: f64 = 1e5;
-/// Below this too.
-const SMALL: f64 = 1e-2;
-/// No quantity is this small; below it, divisions overflow.
-const NOTHING: f64 = 1e-280;
+/// Smallest magnitude written as a multiple of a power of ten.
+const MIN_SCALED_MAGNITUDE: f64 = 1e5;
+/// Largest magnitude below which numbers are written as multiples of a power of ten.
+const MAX_SCALED_MAGNITUDE: f64 = 1e-2;
+/// Minimum axis range; below it, divisions overflow.
+const MIN_RANGE: f64 = 1e-280;
 
 impl Axis {
-    /// An axis over `low..high` with about `count` ticks at 1, 2, 2.5 or 5 times a power of ten.
+    /// Creates an axis over `low..high` with about `count` ticks at 1, 2, 2.5 or 5 times a power of ten.
     pub(super) fn new(low: f64, high: f64, count: usize) -> Self {
         let (low, high) = widened(low, high);
         let largest = low.abs().max(high.abs());
-        let exponent = if (SMALL..LARGE).contains(&largest) {
+        let exponent = if (MAX_SCALED_MAGNITUDE..MIN_SCALED_MAGNITUDE).contains(&largest) {
             0
         } else {
             3 * (largest.log10() / 3.0).floor() as i32
@@ -36,10 +36,10 @@ impl Axis {
         let unit = 10f64.powi(exponent);
         let mut ticks = Vec::new();
         let first = (low / step - 1e-9).ceil();
-        // Twice the wished-for count is a bound no nice step reaches.
+        // Twice the requested count is an upper bound for all step sizes.
         for i in 0..(2 * count + 4) {
             let tick = (first + i as f64) * step;
-            // A recording of 39.998 s has its tick at 40: a thousandth of the axis is no px.
+            // A recording of 39.998 s has a tick at 40: 0.1 % of the axis is less than one pixel.
             if tick > high + 1e-3 * (high - low) {
                 break;
             }
@@ -55,8 +55,8 @@ impl Axis {
         }
     }
 
-    /// The same with names at places instead of numbers: those inside that `fits` lets stand beside
-    /// the ones before.
+    /// Creates an axis with named positions instead of numbers; `fits` decides whether a name has room next to the
+    /// previous ones.
     pub(super) fn named(
         mut self,
         names: &[(f64, String)],
@@ -79,12 +79,12 @@ impl Axis {
         self
     }
 
-    /// Where a value lies, 0 at `low` and 1 at `high`.
+    /// Returns the relative position of a value, 0 at `low` and 1 at `high`.
     pub(super) fn position(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// The number or name at a tick.
+    /// Formats the number or name at a tick.
     pub(super) fn number(&self, value: f64) -> String {
         let named = self.ticks.iter().position(|t| *t == value);
         if let Some(name) = named.and_then(|i| self.names.get(i)) {
@@ -99,7 +99,7 @@ impl Axis {
         }
     }
 
-    /// The axis label with the power of ten its numbers leave out.
+    /// Returns the axis label with the power of ten by which its numbers are scaled.
     pub(super) fn label(&self, label: &str) -> String {
         if self.exponent == 0 {
             return label.to_string();
@@ -122,7 +122,7 @@ fn superscript(c: char) -> char {
     }
 }
 
-/// The smallest of 1, 2, 2.5, 5 times a power of ten that is at least `rough`.
+/// Returns the smallest of 1, 2, 2.5 or 5 times a power of ten that is at least `rough`.
 fn nice_step(rough: f64) -> f64 {
     let power = 10f64.powf(rough.log10().floor());
     let mantissa = rough / power;
@@ -133,7 +133,7 @@ fn nice_step(rough: f64) -> f64 {
     nice * power
 }
 
-/// Decimals that write multiples of `step` exactly.
+/// Returns the number of decimals that represent multiples of `step` exactly.
 fn decimals_of(step: f64) -> usize {
     (0..12)
         .find(|&d| {
@@ -143,7 +143,7 @@ fn decimals_of(step: f64) -> usize {
         .unwrap_or(12)
 }
 
-/// Makes a range that is empty, reversed or not finite into one that can be drawn.
+/// Converts an empty, reversed or non-finite range into a valid one.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     if !(low.is_finite() && high.is_finite()) {
         return (0.0, 1.0);
@@ -156,17 +156,17 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     // Beyond this, differences overflow.
     let (low, high) = (low.clamp(-1e300, 1e300), high.clamp(-1e300, 1e300));
     let size = low.abs().max(high.abs());
-    // Narrower than this, neighbouring pixels are the same floating-point number.
-    if high - low > (1e-9 * size).max(NOTHING) {
+    // In a narrower range, neighbouring pixels have the same floating-point value.
+    if high - low > (1e-9 * size).max(MIN_RANGE) {
         (low, high)
-    } else if size < NOTHING {
+    } else if size < MIN_RANGE {
         (-1.0, 1.0)
     } else {
         (low - 0.1 * size, high + 0.1 * size)
     }
 }
 
-/// Smallest and largest finite value; `None` when there is none.
+/// Returns the smallest and largest finite value; `None` if there is none.
 fn extent<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64)> {
     let mut range: Option<(f64, f64)> = None;
     for &v in values {
@@ -177,13 +177,13 @@ fn extent<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64)> {
     range
 }
 
-/// What the horizontal axis of a panel must show.
+/// Returns the required range of a panel's horizontal axis.
 pub(super) fn x_extent(panel: &Panel) -> (f64, f64) {
     let fitted = || extent(panel.series.iter().flat_map(Series::x));
     finite(panel.x_range).or_else(fitted).unwrap_or((0.0, 1.0))
 }
 
-/// What the vertical axis of a panel must show, over the visible part of the horizontal one.
+/// Returns the required range of a panel's vertical axis, over the visible part of the horizontal one.
 pub(super) fn y_extent(panel: &Panel, x: (f64, f64)) -> (f64, f64) {
     if let Some(range) = finite(panel.y_range) {
         return range;
@@ -197,8 +197,8 @@ pub(super) fn y_extent(panel: &Panel, x: (f64, f64)) -> (f64, f64) {
         .collect::<Vec<_>>()
         .into_iter();
     let of_marks = panel.marks.iter().map(|mark| match mark {
-        Mark::Reference { y, .. } | Mark::Note { y, .. } => extent([y]),
-        Mark::Event { .. } | Mark::Span { .. } => None,
+        Annotation::Reference { y, .. } | Annotation::Note { y, .. } => extent([y]),
+        Annotation::Event { .. } | Annotation::Span { .. } => None,
     });
     let all: Vec<f64> = of_series
         .chain(of_marks)
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn no_range_is_too_odd_to_draw() {
+    fn axis_degenerate_range_is_drawable() {
         for (low, high) in [
             (0.0, 0.0),
             (5.0, 5.0),
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn every_tick_lies_on_its_axis_and_there_are_enough() {
+    fn axis_has_2_to_6_ticks_in_range() {
         for i in 0..500 {
             let low = (f64::from(i) * 0.731).sin() * 10f64.powi(i % 9 - 4);
             let high = low + (1.1 + (f64::from(i) * 1.3).cos()) * 10f64.powi(i % 7 - 3);

@@ -1,11 +1,11 @@
-//! Curves and bands as paths.
+//! SVG paths of curves, bands and points.
 
 use super::ink::dash;
 use super::layout::{Placed, Rect};
 use super::{Band, Colour, Line, Points};
 use std::fmt::Write as _;
 
-/// A line with more points than this per px keeps the first, last, smallest and largest of each.
+/// Number of points per px above which a line keeps only the first, smallest, largest and last of each px.
 const POINTS_PER_PX: usize = 4;
 
 pub(super) fn band_opacity(colour: Colour) -> f64 {
@@ -15,9 +15,9 @@ pub(super) fn band_opacity(colour: Colour) -> f64 {
     }
 }
 
-/// A place of the data in tenths of a px inside the plot.
+/// Returns the position of a data point in tenths of a px inside the plot.
 ///
-/// Clamped to 1000 px outside, where it is cut off anyhow, so that no renderer sees huge numbers.
+/// Clamped to 1000 px outside the visible area, so that no renderer receives huge numbers.
 pub(super) fn place(placed: &Placed<'_>, x: f64, y: f64) -> Option<Point> {
     let Rect { w, h, .. } = placed.plot;
     let px = w * placed.x.position(x);
@@ -28,7 +28,7 @@ pub(super) fn place(placed: &Placed<'_>, x: f64, y: f64) -> Option<Point> {
     })
 }
 
-/// Adds one stretch without gaps to path data, as differences, which are short to write.
+/// Adds a section without gaps to path data, as differences to keep it short.
 fn push_path(path: &mut String, points: impl Iterator<Item = Point>) {
     let mut last: Option<Point> = None;
     for (x, y) in points {
@@ -45,7 +45,7 @@ fn push_path(path: &mut String, points: impl Iterator<Item = Point>) {
     }
 }
 
-/// Tenths of a px.
+/// Length in tenths of a px.
 pub(super) type Point = (i64, i64);
 
 pub(super) struct Tenths(pub(super) i64);
@@ -102,7 +102,7 @@ pub(super) fn draw_line(out: &mut String, placed: &Placed<'_>, line: &Line) {
     }
 }
 
-/// Keeps first, lowest, highest and last point of every px column when there are very many.
+/// Reduces very long curves to the first, lowest, highest and last point of every px column.
 fn thinned(points: &[Point], width_px: f64) -> Vec<Point> {
     if points.len() <= POINTS_PER_PX * width_px.max(1.0) as usize {
         return points.to_vec();
@@ -134,7 +134,7 @@ pub(super) fn draw_band(out: &mut String, placed: &Placed<'_>, band: &Band) {
         let mut upper: Vec<Point> = stretch.iter().flatten().map(|e| e.1).collect();
         let mut lower: Vec<Point> = stretch.iter().flatten().map(|e| e.0).collect();
         if let ([(x, high)], [(_, low)]) = (&upper[..], &lower[..]) {
-            // A single interval is shown one px wide rather than not at all.
+            // A single interval is drawn one px wide.
             (upper, lower) = (
                 vec![(x - 5, *high), (x + 5, *high)],
                 vec![(x - 5, *low), (x + 5, *low)],
@@ -153,7 +153,7 @@ pub(super) fn draw_band(out: &mut String, placed: &Placed<'_>, band: &Band) {
     }
 }
 
-/// Bars first, so that the dots lie on them; both in the order of the readings.
+/// Bars are drawn before the dots, both in the order of the points.
 pub(super) fn draw_points(out: &mut String, placed: &Placed<'_>, points: &Points) {
     let (mut bars, mut dots) = (String::new(), String::new());
     for (i, (&x, &y)) in points.x.iter().zip(&points.y).enumerate() {

@@ -1,31 +1,59 @@
-//! Writes a figure as SVG.
+//! SVG output of a figure.
 
+use super::annotation_labels::draw_labels;
 use super::axis::Axis;
 use super::data::{Tenths, band_opacity, draw_band, draw_line, draw_points, place};
+use super::description::description;
 use super::ink::{AXIS, GRID, GROUND, INK, MUTED, REFERENCE, dash, text};
 use super::label::{escape_xml, plain, shorten};
 use super::layout::{
     Entry, LABEL_PX, LEGEND_PX, Layout, MARGIN, PANEL_TITLE_PX, Placed, Rect, SAMPLE, SUBTITLE_PX,
-    Sample, TICK_PX, TITLE_PX, arrange,
+    Sample, TICK_PX, TITLE_PX, arrange, narrow,
 };
-use super::seen::description;
-use super::words::draw_words;
-use super::{Figure, Mark, Series, XValues};
+use super::{Annotation, Figure, Series, XValues};
+use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 
 const BOLD: &str = "font-weight=\"600\"";
 const MIDDLE: &str = "text-anchor=\"middle\"";
 const END: &str = "text-anchor=\"end\"";
-/// The carried font first, so that SVG and PNG agree where it is installed.
+/// Font families; the embedded font comes first, so that SVG and PNG agree if it is installed.
 const FAMILY: &str = "Roboto, 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif";
 
+/// Source of the curves of a drawing.
+enum Curves<'a> {
+    /// Drawn in place, without ids.
+    Plain,
+    /// Drawn in place, each panel with an id that starts with this name.
+    Named(&'a str),
+    /// References to the curves of a drawing with these ids and panels, scaled to the panels of this one.
+    Reused(&'a str, &'a [Placed<'a>]),
+}
+
 pub(super) fn svg(figure: &Figure) -> String {
+    drawn(figure, &arrange(figure), &Curves::Plain)
+}
+
+/// Renders a figure at full size, and for narrow windows with references to the curves of the first.
+pub(super) fn wide_and_narrow(figure: &Figure) -> [String; 2] {
+    // Identical figures of a page have identical ids.
+    let digest = Sha256::digest(svg(figure));
+    let digits = digest.iter().take(4).map(|byte| format!("{byte:02x}"));
+    let name = format!("f{}", digits.collect::<String>());
     let layout = arrange(figure);
-    let Layout {
-        width: w,
-        height: h,
-        ..
-    } = layout;
+    let narrow = narrow(figure, &layout);
+    [
+        drawn(figure, &layout, &Curves::Named(&name)),
+        drawn(
+            &narrow,
+            &arrange(&narrow),
+            &Curves::Reused(&name, &layout.panels),
+        ),
+    ]
+}
+
+fn drawn(figure: &Figure, layout: &Layout<'_>, curves: &Curves<'_>) -> String {
+    let (w, h) = (layout.width, layout.height);
     let mut out = String::new();
     let _ = write!(
         out,
@@ -45,14 +73,14 @@ pub(super) fn svg(figure: &Figure) -> String {
         let style = format!("fill=\"{MUTED}\"");
         text(&mut out, MARGIN, y - 5.0, SUBTITLE_PX, &style, line);
     }
-    for placed in &layout.panels {
-        draw_panel(&mut out, placed);
+    for (i, placed) in layout.panels.iter().enumerate() {
+        draw_panel(&mut out, placed, i, curves);
     }
     out.push_str("</svg>\n");
     out
 }
 
-/// A short name: its title, else those of its panels, else what they show.
+/// Returns the short name: the title, otherwise the titles of the panels, otherwise their axis labels.
 fn name(figure: &Figure) -> String {
     let titles = figure.panels.iter().map(|p| p.title.as_str());
     let all: Vec<&str> = std::iter::once(figure.title.as_str())
@@ -66,7 +94,7 @@ fn name(figure: &Figure) -> String {
     labels.collect::<Vec<_>>().join("; ")
 }
 
-/// The axes as attributes, from which the script of a page knows what a px means.
+/// Returns the axes as attributes, from which the page script converts px into values.
 fn axes_data(placed: &Placed<'_>) -> String {
     let (panel, Rect { x, y, w, h }) = (placed.panel, placed.plot);
     let mut out = format!(
@@ -102,7 +130,7 @@ fn axes_data(placed: &Placed<'_>) -> String {
     out
 }
 
-fn draw_panel(out: &mut String, placed: &Placed<'_>) {
+fn draw_panel(out: &mut String, placed: &Placed<'_>, index: usize, curves: &Curves<'_>) {
     let panel = placed.panel;
     let _ = writeln!(out, "<g class=\"panel\" {}>", axes_data(placed));
     draw_axes(out, placed);
@@ -112,13 +140,33 @@ fn draw_panel(out: &mut String, placed: &Placed<'_>) {
     for entry in &placed.legend {
         draw_entry(out, entry);
     }
-    // A nested picture cuts its content off at its own border, without a clip path's id.
+    // A nested SVG clips its content at its border without the id of a clip path.
     let Rect { x, y, w, h } = placed.plot;
     let _ = writeln!(
         out,
         "<svg x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" overflow=\"hidden\">"
     );
-    out.push_str("<g class=\"data\">\n");
+    match curves {
+        Curves::Plain => draw_curves(out, placed, ""),
+        Curves::Named(name) => draw_curves(out, placed, &format!(" id=\"{name}-{index}\"")),
+        Curves::Reused(name, panels) => {
+            let of = panels[index].plot;
+            let _ = writeln!(
+                out,
+                "<g class=\"data\"><use href=\"#{name}-{index}\" transform=\"scale({:.5} {:.5})\"/></g>",
+                w / of.w,
+                h / of.h
+            );
+        }
+    }
+    draw_labels(out, placed);
+    out.push_str("</svg>\n</g>\n");
+}
+
+/// Draws the annotations and series of a panel as a group with the attribute `id`.
+fn draw_curves(out: &mut String, placed: &Placed<'_>, id: &str) {
+    let panel = placed.panel;
+    let _ = writeln!(out, "<g class=\"data\"{id}>");
     for mark in &panel.marks {
         draw_mark(out, placed, mark);
     }
@@ -141,8 +189,6 @@ fn draw_panel(out: &mut String, placed: &Placed<'_>) {
         out.push_str("</g>\n");
     }
     out.push_str("</g>\n");
-    draw_words(out, placed);
-    out.push_str("</svg>\n</g>\n");
 }
 
 fn draw_axes(out: &mut String, placed: &Placed<'_>) {
@@ -234,7 +280,7 @@ fn draw_entry(out: &mut String, entry: &Entry) {
     out.push_str("</g>\n");
 }
 
-fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Mark) {
+fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Annotation) {
     let Rect { w, h, .. } = placed.plot;
     let line = |d: String, dashes: &str| {
         format!(
@@ -243,16 +289,16 @@ fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Mark) {
     };
     let across = |x: f64| place(placed, x, placed.y.low).map(|p| p.0);
     let drawn = match mark {
-        Mark::Reference { y, .. } => place(placed, placed.x.low, *y)
+        Annotation::Reference { y, .. } => place(placed, placed.x.low, *y)
             .map(|(_, y)| line(format!("M0 {}H{w:.1}", Tenths(y)), "5 3")),
-        Mark::Event { x, .. } => {
+        Annotation::Event { x, .. } => {
             across(*x).map(|x| line(format!("M{} 0V{h:.1}", Tenths(x)), "2 2"))
         }
-        Mark::Span { from, to, .. } => across(*from).zip(across(*to)).map(|(a, b)| {
+        Annotation::Span { from, to, .. } => across(*from).zip(across(*to)).map(|(a, b)| {
             let (left, width) = (Tenths(a.min(b)), Tenths((b - a).abs()));
             format!("<rect x=\"{left}\" y=\"0\" width=\"{width}\" height=\"{h:.1}\" fill=\"{AXIS}\" fill-opacity=\"0.16\"/>\n")
         }),
-        Mark::Note { .. } => None,
+        Annotation::Note { .. } => None,
     };
     out.push_str(&drawn.unwrap_or_default());
 }

@@ -1,10 +1,10 @@
-//! How words and dashes become SVG.
+//! SVG text and dash attributes.
 
 use super::label::markup;
 use super::{Colour, Dash};
 use std::fmt::Write as _;
 
-/// Colour of what stands back.
+/// Colour of secondary text.
 pub(super) const MUTED: &str = "#5a606b";
 pub(super) const GROUND: &str = "#ffffff";
 pub(super) const INK: &str = "#1d1f24";
@@ -12,7 +12,7 @@ pub(super) const AXIS: &str = "#80858f";
 pub(super) const GRID: &str = "#e7e9ee";
 pub(super) const REFERENCE: &str = "#6c727d";
 
-/// Rules that give the colours of figures to a page's variables, so that they can change with it.
+/// Returns CSS rules that map the colours of figures to the colour variables of a page.
 pub(crate) fn page_colours() -> String {
     let inks = [
         (GROUND, "ground"),
@@ -37,7 +37,7 @@ pub(crate) fn page_colours() -> String {
     rules.concat()
 }
 
-/// Words at a place, with their attributes.
+/// Writes a text at a position, with attributes.
 pub(super) fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, words: &str) {
     let _ = writeln!(
         out,
@@ -46,7 +46,7 @@ pub(super) fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, wor
     );
 }
 
-/// Attribute of a dashed stroke; empty for a solid one.
+/// Returns the attribute of a dashed stroke; empty for a solid one.
 pub(super) fn dash(dash: Dash, width_px: f64) -> String {
     match dash {
         Dash::Solid => String::new(),

@@ -1,11 +1,11 @@
-//! Words in a figure: how wide they are, how they are written.
+//! Text of figures: width estimation and SVG markup.
 
 use std::fmt::Write as _;
 
-/// Advance widths of Roboto Regular in em for U+0020 to U+007E, in hundredths.
+/// Advance widths of Roboto Regular for U+0020 to U+007E, in hundredths of an em.
 ///
-/// The families named in the SVG (Helvetica, Arial, Liberation Sans) differ by a few percent;
-/// [`width`] adds that much.
+/// The other font families named in the SVG (Helvetica, Arial, Liberation Sans) differ by a few per cent; [`width`]
+/// adds this margin.
 const ADVANCE: [u8; 95] = [
     25, 26, 32, 62, 56, 73, 62, 17, 34, 35, 43, 57, 20, 28, 26, 41, 56, 56, 56, 56, 56, 56, 56, 56,
     56, 56, 24, 21, 51, 55, 52, 47, 90, 65, 62, 65, 66, 57, 55, 68, 71, 27, 55, 63, 54, 87, 71, 69,
@@ -13,10 +13,10 @@ const ADVANCE: [u8; 95] = [
     55, 24, 24, 51, 24, 88, 55, 57, 56, 57, 34, 52, 33, 55, 48, 75, 50, 47, 50, 34, 24, 34, 68,
 ];
 
-/// Size of a subscript relative to its line.
+/// Font size of a subscript relative to its line.
 const SUBSCRIPT: f64 = 0.75;
 
-/// About how wide a text is, px, rather too wide than too narrow.
+/// Returns the estimated width of a text, px; an upper bound rather than a mean.
 pub(super) fn width(text: &str, size_px: f64) -> f64 {
     let mut em = 0.0;
     for (piece, subscript) in pieces(text) {
@@ -27,7 +27,7 @@ pub(super) fn width(text: &str, size_px: f64) -> f64 {
                 '·' | '’' | '‘' => 26,
                 '°' | '¹' | '²' | '³' | '⁻' => 38,
                 c if (c as u32) < 0x0500 => 60,
-                // Chinese, Japanese, Korean, signs
+                // Chinese, Japanese, Korean, symbols
                 c if (0x2000..0x2300).contains(&(c as u32)) => 60,
                 _ => 100,
             };
@@ -60,12 +60,12 @@ fn pieces(text: &str) -> impl Iterator<Item = (&str, bool)> {
     })
 }
 
-/// Text without the braces of its subscripts.
+/// Returns the text without subscript braces.
 pub(super) fn plain(text: &str) -> String {
     pieces(text).map(|(piece, _)| piece).collect()
 }
 
-/// Text as the content of an SVG `text` element.
+/// Returns the text as content of an SVG `text` element.
 pub(super) fn markup(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut lowered = false;
@@ -82,7 +82,7 @@ pub(super) fn markup(text: &str) -> String {
             );
             lowered = true;
         } else if lowered {
-            // Back up by what the subscript went down, in its own smaller em.
+            // Moves up by the shift of the subscript, in its smaller em.
             let _ = write!(
                 out,
                 "<tspan dy=\"{:.4}em\">{}</tspan>",
@@ -97,9 +97,9 @@ pub(super) fn markup(text: &str) -> String {
     out
 }
 
-/// Text safe inside XML and HTML, as content and in quoted attributes.
+/// Escapes a text for XML and HTML, as content and in quoted attributes.
 ///
-/// Control characters, which XML can't hold, become U+FFFD; line ends become spaces.
+/// Control characters, which XML does not permit, become U+FFFD; line ends become spaces.
 pub fn escape_xml(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -117,7 +117,7 @@ pub fn escape_xml(text: &str) -> String {
     out
 }
 
-/// Breaks a text into lines no wider than `room_px`, at spaces.
+/// Wraps a text at spaces into lines of at most `room_px`.
 pub(super) fn wrap(text: &str, size_px: f64, room_px: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -132,7 +132,7 @@ pub(super) fn wrap(text: &str, size_px: f64, room_px: f64) -> Vec<String> {
     lines
 }
 
-/// Cuts a text to `room_px` with an ellipsis; `None` when nothing sensible is left.
+/// Truncates a text to `room_px` with an ellipsis; `None` if too little remains.
 pub(super) fn shorten(text: &str, size_px: f64, room_px: f64) -> Option<String> {
     if width(text, size_px) <= room_px {
         return Some(text.to_string());
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_xml_cannot_hold_is_replaced() {
+    fn escape_xml_replaces_control_characters() {
         assert_eq!(
             escape_xml("a\u{0}\u{7}b\nc\"'"),
             "a\u{fffd}\u{fffd}b c&quot;&#39;"

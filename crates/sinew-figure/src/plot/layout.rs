@@ -1,7 +1,7 @@
-//! Where things stand: panels in a grid, legends above them, room for numbers and labels.
+//! Layout: panels in a grid, legends above them, margins for numbers and labels.
 
 use super::axis::{Axis, x_extent, y_extent};
-use super::label::{width, wrap};
+use super::label::{shorten, width, wrap};
 use super::{Colour, Dash, Figure, Panel, Series};
 
 pub(super) const TITLE_PX: f64 = 16.0;
@@ -10,16 +10,19 @@ pub(super) const PANEL_TITLE_PX: f64 = 13.0;
 pub(super) const LABEL_PX: f64 = 12.5;
 pub(super) const TICK_PX: f64 = 12.0;
 pub(super) const LEGEND_PX: f64 = 12.0;
-/// Around the figure.
+/// Margin around the figure, px.
 pub(super) const MARGIN: f64 = 10.0;
-/// Between neighbouring panels.
+/// Gap between neighbouring panels, px.
 const GUTTER: f64 = 22.0;
 const STACK_GAP: f64 = 10.0;
-/// Legend sample and the gap behind an entry.
+/// Width of a legend sample, and gap after an entry, px.
 pub(super) const SAMPLE: f64 = 20.0;
 const ENTRY_GAP: f64 = 16.0;
 
-/// A rectangle, px.
+/// Width of a figure for narrow windows, px: at most the content of a page in a window of 390 px.
+const NARROW_PX: f64 = 340.0;
+
+/// Rectangle in px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rect {
     pub(super) x: f64,
@@ -44,14 +47,14 @@ impl Rect {
     }
 }
 
-/// One word of a legend and how its sample looks.
+/// Legend entry with its sample.
 pub(super) struct Entry {
     pub(super) name: String,
     pub(super) colour: Colour,
     pub(super) sample: Sample,
-    /// Which of the panel's series it names.
+    /// Index of the series in the panel.
     pub(super) series: usize,
-    /// Left end of the sample and baseline of the word.
+    /// Left end of the sample and baseline of the text, px.
     pub(super) x: f64,
     pub(super) y: f64,
 }
@@ -62,22 +65,22 @@ pub(super) enum Sample {
     Points(f64),
 }
 
-/// A panel with its place.
+/// Panel with its position.
 pub(super) struct Placed<'a> {
     pub(super) panel: &'a Panel,
-    /// The axes' box.
+    /// Rectangle of the plot area, px.
     pub(super) plot: Rect,
     pub(super) x: Axis,
     pub(super) y: Axis,
     pub(super) right: Option<Axis>,
     pub(super) title: Option<(f64, f64)>,
     pub(super) legend: Vec<Entry>,
-    /// Left edge of the label column, for the rotated label.
+    /// Left edge of the column of the rotated label, px.
     pub(super) label_x: f64,
     pub(super) right_label_x: f64,
 }
 
-/// The whole figure.
+/// Layout of the whole figure.
 pub(super) struct Layout<'a> {
     pub(super) width: f64,
     pub(super) height: f64,
@@ -91,7 +94,7 @@ struct Column {
     right: f64,
 }
 
-/// Arranges a figure; sizes that are not positive numbers become the smallest that can be drawn.
+/// Computes the layout of a figure; invalid sizes are replaced by the minimum size.
 pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
     let size = |v: f64, least: f64| {
         if v.is_finite() {
@@ -130,7 +133,7 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
     let all = weights.iter().sum::<f64>();
     let heights: Vec<f64> = weights.iter().map(|w| free * w / all).collect();
 
-    // Vertical axes first, because their numbers decide the margins of a column.
+    // Vertical axes come first, because their numbers determine the margins of a column.
     let mut axes = Vec::new();
     for (i, panel) in figure.panels.iter().enumerate() {
         let x = x_extent(panel);
@@ -143,7 +146,7 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
             .filter(|r| r.factor.is_finite() && r.factor != 0.0)
             .map(|r| {
                 let mut axis = Axis::new(left.low * r.factor, left.high * r.factor, count);
-                // Exactly the same stretch as on the left, also when a factor below zero flips it.
+                // Identical range as on the left, also with a negative factor.
                 axis.low = left.low * r.factor;
                 axis.high = left.high * r.factor;
                 axis
@@ -158,7 +161,7 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
             let left = of_column().map(|(_, y, _)| number_width(y));
             let right = of_column().filter_map(|(_, _, r)| Some(number_width(r.as_ref()?)));
             let (left, right) = (left.fold(0.0, f64::max), right.fold(0.0, f64::max));
-            // A reader who zooms sees more digits.
+            // Zooming shows more digits.
             let numbers = left.max(width("0.00", TICK_PX)) + 8.0;
             Column {
                 left: numbers + if labelled { LABEL_PX + 7.0 } else { 0.0 },
@@ -209,6 +212,28 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
     }
 }
 
+/// Returns the figure for a narrow window: one panel per row, with the plot heights of the wide layout.
+pub(super) fn narrow(figure: &Figure, wide: &Layout<'_>) -> Figure {
+    let mut narrow = Figure {
+        width_px: NARROW_PX,
+        columns: 1,
+        ..figure.clone()
+    };
+    // A panel without a label shared that of the panel below it, which is no longer its neighbour.
+    let columns = figure.columns.max(1);
+    for i in (columns..figure.panels.len()).rev().filter(|_| columns > 1) {
+        if narrow.panels[i - columns].x_label.is_empty() {
+            narrow.panels[i - columns].x_label = narrow.panels[i].x_label.clone();
+        }
+    }
+    for (panel, placed) in narrow.panels.iter_mut().zip(&wide.panels) {
+        panel.weight = placed.plot.h;
+    }
+    let plots = |layout: &Layout<'_>| layout.panels.iter().map(|p| p.plot.h).sum::<f64>();
+    narrow.height_px += plots(wide) - plots(&arrange(&narrow));
+    narrow
+}
+
 fn weight(panel: &Panel) -> f64 {
     if panel.weight.is_finite() && panel.weight > 0.0 {
         panel.weight
@@ -222,7 +247,7 @@ fn number_width(axis: &Axis) -> f64 {
     widths.fold(0.0, f64::max)
 }
 
-/// As many ticks as have room for their numbers.
+/// Returns the number of ticks with room for their labels.
 fn x_axis(range: (f64, f64), plot_w: f64, names: &[(f64, String)]) -> Axis {
     if !names.is_empty() {
         let axis = Axis::new(range.0, range.1, 2);
@@ -262,7 +287,7 @@ fn head_height(panel: &Panel, cell_w: f64) -> f64 {
     }
 }
 
-/// Title and legend of a panel whose axes begin at `plot_y`.
+/// Arranges title and legend of a panel whose plot area starts at `plot_y`.
 fn head(panel: &Panel, x: f64, w: f64, plot_y: f64) -> (Option<(f64, f64)>, Vec<Entry>) {
     let (mut legend, lines) = entries(panel, x, w);
     let first = plot_y - 8.0 - lines.saturating_sub(1) as f64 * (LEGEND_PX + 6.0);
@@ -273,7 +298,7 @@ fn head(panel: &Panel, x: f64, w: f64, plot_y: f64) -> (Option<(f64, f64)>, Vec<
     (title, legend)
 }
 
-/// Legend entries with `x` set and `y` counting lines; and how many lines the head has.
+/// Arranges the legend entries with `x` set and `y` as line number; also returns the number of header lines.
 fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
     let mut entries: Vec<Entry> = Vec::new();
     let title_w = if panel.title.is_empty() {
@@ -281,7 +306,7 @@ fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
     } else {
         1.06 * width(&panel.title, PANEL_TITLE_PX) + ENTRY_GAP + 4.0
     };
-    // Beside the title if the whole legend fits there, else on lines of its own.
+    // The legend is placed next to the title if it fits there, otherwise on separate lines.
     let whole: f64 = panel
         .series
         .iter()
@@ -289,11 +314,12 @@ fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
         .filter(|name| !name.is_empty())
         .map(|name| SAMPLE + 5.0 + width(name, LEGEND_PX) + ENTRY_GAP)
         .sum();
-    let beside = title_w + whole - ENTRY_GAP <= w;
-    let mut line = usize::from(!beside && title_w > 0.0);
-    let mut at = if beside { x + title_w } else { x };
+    let next_to_title = title_w + whole - ENTRY_GAP <= w;
+    let mut line = usize::from(!next_to_title && title_w > 0.0);
+    let mut at = if next_to_title { x + title_w } else { x };
     for (index, series) in panel.series.iter().enumerate() {
-        let name = series.name();
+        // A figure can be narrower than a name.
+        let name = shorten(series.name(), LEGEND_PX, w - SAMPLE - 5.0).unwrap_or_default();
         let sample = match series {
             Series::Line(l) => Sample::Line(l.dash, l.width_px),
             Series::Band(_) => Sample::Band,
@@ -302,13 +328,13 @@ fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
         if name.is_empty() {
             continue;
         }
-        let entry_w = SAMPLE + 5.0 + width(name, LEGEND_PX);
-        if at > x && at + entry_w > x + w && !beside {
+        let entry_w = SAMPLE + 5.0 + width(&name, LEGEND_PX);
+        if at > x && at + entry_w > x + w && !next_to_title {
             line += 1;
             at = x;
         }
         entries.push(Entry {
-            name: name.to_owned(),
+            name,
             colour: series.colour(),
             sample,
             series: index,

@@ -1,4 +1,4 @@
-//! Figures over time: stacked or side-by-side panels of lines, bands and marks, as SVG and PNG.
+//! Time-series figures: stacked or side-by-side panels with lines, bands and annotations, as SVG and PNG.
 //!
 //! ```
 //! use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
@@ -16,72 +16,71 @@
 //! assert!(figure.svg().starts_with("<svg"));
 //! ```
 //!
-//! The SVG is written here rather than by a charting crate: a legend outside the data, labels that
-//! step aside for each other, subscripts, gaps at NaN, text that stays text, and a picture that can
-//! be put several times into one HTML page (no ids, no style sheet) are what a figure needs, and
-//! together they are shorter than bending a general chart to them. PNG (feature `png`) goes through
-//! `resvg` with a font carried along, so that it looks the same on a machine without fonts.
+//! The SVG is written directly, without a charting crate. A figure needs a legend outside the data, labels that avoid
+//! each other, subscripts, gaps at NaN, text that remains text, and a picture that can be repeated in one HTML page (no
+//! ids, no style sheet). PNG (feature `png`) is rendered by `resvg` with an embedded font, so that it is identical on a
+//! host without fonts.
 //!
-//! Text may carry subscripts: `τ_{el}`. Values that are NaN or infinite are gaps.
+//! Text may contain subscripts: `τ_{el}`. NaN and infinite values are gaps.
 
+mod annotation_labels;
 mod axis;
 mod data;
+mod description;
 mod draw;
 mod ink;
 mod label;
 mod layout;
 mod panel;
 mod png;
-mod seen;
 mod series;
-mod words;
 
 use sinew_files::{OutputError, write_file};
 use std::path::{Path, PathBuf};
 
 pub(crate) use ink::page_colours;
 pub use label::escape_xml;
-pub use panel::{Mark, Panel, RightAxis, XValues};
+pub use panel::{Annotation, Panel, SecondaryAxis, XValues};
 pub use png::{Pixels, PngError, pixels};
 pub use series::{Band, Colour, Dash, Line, Points, Series};
 
-/// Why a figure was not written.
+/// Error in writing a figure.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// Neither of the two formats.
+    /// The file name has neither of the two supported extensions.
     #[error("{}: the name of a figure must end in .svg or .png", .0.display())]
     Ending(PathBuf),
-    /// No PNG could be made.
+    /// The PNG cannot be rendered.
     #[error(transparent)]
     Png(#[from] PngError),
-    /// The system refused.
+    /// The file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
 
-/// A figure: one or more panels under a title.
+/// Figure with one or more panels under a title.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Bold first line; may be empty.
     pub title: String,
     /// Second line, wrapped; may be empty.
     pub subtitle: String,
-    /// What it shows, in sentences, for who can't see it: the answer, not the kind of plot. What every
-    /// curve does is added by itself.
+    /// Text alternative for screen readers: the result in sentences. A description of every curve is added
+    /// automatically.
     pub seen: String,
-    /// Width, CSS px.
+    /// Width of the figure, CSS px.
     pub width_px: f64,
-    /// Height, CSS px.
+    /// Height of the figure, CSS px.
     pub height_px: f64,
-    /// Panels side by side before a new row begins; 0 counts as 1.
+    /// Number of panels per row; 0 counts as 1.
     pub columns: usize,
-    /// The panels, row by row.
+    /// Panels in row-major order.
     pub panels: Vec<Panel>,
 }
 
 impl Figure {
-    /// An empty figure of 720 × 320 px with one column.
+    /// Creates an empty figure of 720 × 320 px with one column.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -101,7 +100,7 @@ impl Figure {
         self
     }
 
-    /// Says what it shows.
+    /// Sets the text alternative.
     #[must_use]
     pub fn seen(mut self, text: impl Into<String>) -> Self {
         self.seen = text.into();
@@ -116,7 +115,7 @@ impl Figure {
         self
     }
 
-    /// Sets how many panels stand side by side.
+    /// Sets the number of panels per row.
     #[must_use]
     pub fn columns(mut self, columns: usize) -> Self {
         self.columns = columns;
@@ -130,15 +129,21 @@ impl Figure {
         self
     }
 
-    /// The figure as SVG text, to stand alone or inside HTML.
+    /// Renders the figure as SVG text, for a file or for embedding in HTML.
     pub fn svg(&self) -> String {
         draw::svg(self)
     }
 
-    /// Writes the figure as SVG or as PNG with two pixels per CSS px, by the end of the file's name.
+    /// Renders the figure as SVG text for one page: at full size, and for narrow windows with the same curves.
+    pub(crate) fn wide_and_narrow(&self) -> [String; 2] {
+        draw::wide_and_narrow(self)
+    }
+
+    /// Writes the figure as SVG, or as PNG with two pixels per CSS px, selected by the file extension.
     ///
     /// # Errors
-    /// [`FigureError`].
+    /// Returns a [`FigureError`] if the extension is unsupported, the PNG cannot be rendered or the file cannot be
+    /// written.
     pub fn write(&self, path: &Path) -> Result<(), FigureError> {
         let bytes = match path.extension().and_then(|e| e.to_str()) {
             Some("svg") => self.svg().into_bytes(),
@@ -148,10 +153,10 @@ impl Figure {
         Ok(write_file(path, &bytes)?)
     }
 
-    /// The figure as PNG on white; `scale` is pixels per CSS px (2 for print).
+    /// Renders the figure as PNG on white; `scale` is pixels per CSS px (2 for print).
     ///
     /// # Errors
-    /// [`PngError`] when the size is not positive or too large to hold, or without the feature `png`.
+    /// Returns a [`PngError`] if the size is not positive or too large, or without the feature `png`.
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, PngError> {
         png::render(&self.svg(), scale)
     }

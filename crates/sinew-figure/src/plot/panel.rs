@@ -1,40 +1,40 @@
-//! A pair of axes and what stands on it that is not data.
+//! Panels: a pair of axes with data and annotations.
 
 use super::series::{Band, Line, Points, Series};
 
-/// One pair of axes.
+/// Panel with one pair of axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Panel {
-    /// Bold, above the axes; may be empty.
+    /// Bold title above the axes; may be empty.
     pub title: String,
-    /// Horizontal axis with its unit. Empty: neither label nor tick values, for a panel whose lower
-    /// neighbour shows the same axis.
+    /// Label of the horizontal axis with its unit. Empty: neither label nor tick values, for a panel whose lower
+    /// neighbour has the same axis.
     pub x_label: String,
-    /// Vertical axis with its unit.
+    /// Label of the vertical axis with its unit.
     pub y_label: String,
-    /// The vertical axis in a second unit, on the right.
-    pub y_right: Option<RightAxis>,
-    /// Names at places of the horizontal axis instead of numbers, the most wanted first: one that
-    /// has no room beside those before is left out. Empty: numbers.
+    /// Secondary vertical axis in another unit, on the right.
+    pub y_right: Option<SecondaryAxis>,
+    /// Named positions of the horizontal axis instead of numbers, in descending priority; a name without room next to
+    /// earlier ones is omitted. Empty: numbers.
     pub x_names: Vec<(f64, String)>,
-    /// What the horizontal values count.
+    /// Meaning of the horizontal values.
     pub x_values: XValues,
-    /// Names at places of the vertical axis instead of numbers. Empty: numbers.
+    /// Named positions of the vertical axis instead of numbers. Empty: numbers.
     pub y_names: Vec<(f64, String)>,
-    /// From, to; `None` fits the data.
+    /// Range of the horizontal axis; `None` fits the data.
     pub x_range: Option<(f64, f64)>,
-    /// From, to; `None` fits the data and the reference lines with a margin.
+    /// Range of the vertical axis; `None` fits the data and the reference lines with a margin.
     pub y_range: Option<(f64, f64)>,
     /// Height relative to the panels of other rows; 0 counts as 1.
     pub weight: f64,
-    /// Curves, drawn in this order; the legend names them in the same order.
+    /// Data series in the order of drawing and of the legend.
     pub series: Vec<Series>,
-    /// Lines and words that are not data.
-    pub marks: Vec<Mark>,
+    /// Annotations of the panel.
+    pub marks: Vec<Annotation>,
 }
 
 impl Panel {
-    /// A panel without data.
+    /// Creates a panel without data.
     pub fn new(
         title: impl Into<String>,
         x_label: impl Into<String>,
@@ -62,37 +62,37 @@ impl Panel {
         self
     }
 
-    /// Adds single readings.
+    /// Adds individual data points.
     #[must_use]
     pub fn points(mut self, points: Points) -> Self {
         self.series.push(Series::Points(points));
         self
     }
 
-    /// Adds a horizontal reference line at `y` with a word at its end.
+    /// Adds a horizontal reference line at `y` with a label at its end.
     #[must_use]
     pub fn reference(mut self, y: f64, label: impl Into<String>) -> Self {
-        self.marks.push(Mark::Reference {
+        self.marks.push(Annotation::Reference {
             y,
             label: label.into(),
         });
         self
     }
 
-    /// Adds a vertical line at `x` with a word at its top.
+    /// Adds a vertical line at `x` with a label at its top.
     #[must_use]
     pub fn event(mut self, x: f64, label: impl Into<String>) -> Self {
-        self.marks.push(Mark::Event {
+        self.marks.push(Annotation::Event {
             x,
             label: label.into(),
         });
         self
     }
 
-    /// Shades `from..to` of the horizontal axis, with a word at its top.
+    /// Shades `from..to` of the horizontal axis, with a label at its top.
     #[must_use]
     pub fn span(mut self, from: f64, to: f64, label: impl Into<String>) -> Self {
-        self.marks.push(Mark::Span {
+        self.marks.push(Annotation::Span {
             from,
             to,
             label: label.into(),
@@ -100,10 +100,10 @@ impl Panel {
         self
     }
 
-    /// Writes a word at a place of the data.
+    /// Adds a text at a data position.
     #[must_use]
     pub fn note(mut self, x: f64, y: f64, text: impl Into<String>) -> Self {
-        self.marks.push(Mark::Note {
+        self.marks.push(Annotation::Note {
             x,
             y,
             text: text.into(),
@@ -125,13 +125,13 @@ impl Panel {
         self
     }
 
-    /// Makes the horizontal axis, a decadic logarithm of seconds, one of times that everybody knows.
+    /// Labels the horizontal axis, a decadic logarithm of seconds, with common durations.
     #[must_use]
     pub fn x_times(mut self) -> Self {
         const MINUTE: f64 = 60.0;
         const HOUR: f64 = 60.0 * MINUTE;
         const DAY: f64 = 24.0 * HOUR;
-        // Whole units first: what stands between them fills gaps.
+        // Whole units come first; intermediate values fill gaps.
         let times = [
             (1.0, "1 s"),
             (MINUTE, "1 min"),
@@ -160,25 +160,24 @@ impl Panel {
         self
     }
 
-    /// Says that the horizontal values are days since a moment, s since 1970 UTC: who points at one reads
-    /// its date.
+    /// Defines the horizontal values as days since `utc_s`, s since 1970 UTC; the tooltip shows the date.
     #[must_use]
     pub fn x_days_since(mut self, utc_s: f64) -> Self {
         self.x_values = XValues::DaysSince { utc_s };
         self
     }
 
-    /// Names rows of the vertical axis.
+    /// Sets the named rows of the vertical axis.
     #[must_use]
     pub fn y_names(mut self, names: Vec<(f64, String)>) -> Self {
         self.y_names = names;
         self
     }
 
-    /// Shows the vertical axis in a second unit, `factor` times the first.
+    /// Adds a secondary vertical axis, `factor` times the first.
     #[must_use]
     pub fn y_right(mut self, label: impl Into<String>, factor: f64) -> Self {
-        self.y_right = Some(RightAxis {
+        self.y_right = Some(SecondaryAxis {
             label: label.into(),
             factor,
         });
@@ -193,63 +192,63 @@ impl Panel {
     }
 }
 
-/// What the values of a horizontal axis count.
+/// Meaning of the values of a horizontal axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum XValues {
-    /// What the label says.
+    /// Quantity given by the axis label.
     #[default]
     Plain,
     /// Decadic logarithms of seconds.
     LogSeconds,
-    /// Days since a moment.
+    /// Days since a reference time.
     DaysSince {
-        /// The moment, s since 1970 UTC.
+        /// Reference time, s since 1970 UTC.
         utc_s: f64,
     },
 }
 
-/// The left axis in another unit.
+/// Secondary axis: the left axis in another unit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RightAxis {
-    /// Label with its unit.
+pub struct SecondaryAxis {
+    /// Label of the axis with its unit.
     pub label: String,
     /// Value on the right divided by value on the left; not zero.
     pub factor: f64,
 }
 
-/// What a panel shows that is not data.
+/// Annotation of a panel.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Mark {
-    /// Horizontal line.
+pub enum Annotation {
+    /// Horizontal reference line.
     Reference {
-        /// Where.
+        /// Vertical position of the line.
         y: f64,
-        /// Word at its end; may be empty.
+        /// Label at the end of the line; may be empty.
         label: String,
     },
-    /// Vertical line.
+    /// Vertical line at an event.
     Event {
-        /// Where.
+        /// Horizontal position of the line.
         x: f64,
-        /// Word at its top; left out where there is no room for it.
+        /// Label at the top; omitted without room.
         label: String,
     },
-    /// Shaded stretch of the horizontal axis.
+    /// Shaded range of the horizontal axis.
     Span {
-        /// Start.
+        /// Start of the range.
         from: f64,
-        /// End.
+        /// End of the range.
         to: f64,
-        /// Word at its top; left out where there is no room for it.
+        /// Label at the top; omitted without room.
         label: String,
     },
-    /// Word at a place.
+    /// Text at a data position.
     Note {
-        /// Left end of the word.
+        /// Left end of the text.
         x: f64,
-        /// Its middle.
+        /// Vertical middle of the text.
         y: f64,
-        /// The word.
+        /// Text of the annotation.
         text: String,
     },
 }

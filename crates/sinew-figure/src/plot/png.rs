@@ -1,50 +1,50 @@
-//! SVG to pixels with a font that is always there.
+//! Rasterisation of SVG with an embedded font.
 
 #[cfg(feature = "png")]
 use resvg::{tiny_skia, usvg};
 #[cfg(feature = "png")]
 use std::sync::{Arc, OnceLock};
 
-/// Why there is no PNG.
+/// Error in rendering a PNG.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PngError {
-    /// The picture would have no pixels or too many.
+    /// The size in pixels is zero or too large.
     #[error(
-        "a figure can't be drawn as PNG at {scale} pixels per px: {width} × {height} pixels (at most {} each)",
-        LARGEST_PX
+        "a figure cannot be rendered as PNG at {scale} pixels per px: {width} × {height} pixels (at most {} each)",
+        MAX_SIZE_PX
     )]
     Size {
         /// Pixels per CSS px.
         scale: f64,
-        /// Pixels across.
+        /// Width of the image, pixels.
         width: f64,
-        /// Pixels down.
+        /// Height of the image, pixels.
         height: f64,
     },
-    /// The SVG could not be read; a fault of this program.
-    #[error("the figure's SVG could not be read: {0}")]
+    /// The SVG is invalid (internal error).
+    #[error("invalid SVG of the figure: {0}")]
     Svg(String),
     /// The program was built without the feature `png`.
     #[error(
-        "this build of sinew draws figures as SVG only; name a .svg file, or build it with PNG: cargo build --release --features png"
+        "this build of sinew supports SVG figures only; use a file name ending in .svg, or build with PNG support: cargo build --release --features png"
     )]
-    LeftOut,
+    NotBuilt,
 }
 
-/// Pixels on white, row by row from the top left.
+/// Pixel image on white, row-major from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pixels {
-    /// Columns.
+    /// Width of the image, pixels.
     pub width: usize,
-    /// Rows.
+    /// Height of the image, pixels.
     pub height: usize,
-    /// Red, green, blue and 255 of every pixel.
+    /// Red, green, blue and 255 (opaque) of every pixel.
     pub rgba: Vec<u8>,
 }
 
-/// 16,384 pixels are half a metre at 800 dpi, and 1 GiB of memory squared.
-const LARGEST_PX: f64 = 16_384.0;
+/// Maximum width and height, pixels: half a metre at 800 dpi, and 1 GiB of memory for a square image.
+const MAX_SIZE_PX: f64 = 16_384.0;
 
 #[cfg(feature = "png")]
 fn fonts() -> Arc<usvg::fontdb::Database> {
@@ -70,7 +70,7 @@ fn pixmap(svg: &str, scale: f64) -> Result<tiny_skia::Pixmap, PngError> {
     let tree = usvg::Tree::from_str(svg, &options).map_err(|e| PngError::Svg(e.to_string()))?;
     let width = (f64::from(tree.size().width()) * scale).round();
     let height = (f64::from(tree.size().height()) * scale).round();
-    let fits = |v: f64| (1.0..=LARGEST_PX).contains(&v);
+    let fits = |v: f64| (1.0..=MAX_SIZE_PX).contains(&v);
     let size_error = PngError::Size {
         scale,
         width,
@@ -98,13 +98,14 @@ pub(super) fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
 
 #[cfg(not(feature = "png"))]
 pub(super) fn render(_svg: &str, _scale: f64) -> Result<Vec<u8>, PngError> {
-    Err(PngError::LeftOut)
+    Err(PngError::NotBuilt)
 }
 
 /// Draws `svg`, `scale` pixels per CSS pixel.
 ///
 /// # Errors
-/// [`PngError`]; [`PngError::LeftOut`] without the feature `png`.
+/// Returns [`PngError::Size`] or [`PngError::Svg`] if the image cannot be rendered, and [`PngError::NotBuilt`] without
+/// the feature `png`.
 #[cfg(feature = "png")]
 pub fn pixels(svg: &str, scale: f64) -> Result<Pixels, PngError> {
     let drawn = pixmap(svg, scale)?;
@@ -119,8 +120,8 @@ pub fn pixels(svg: &str, scale: f64) -> Result<Pixels, PngError> {
 /// Draws `svg`, `scale` pixels per CSS pixel.
 ///
 /// # Errors
-/// [`PngError::LeftOut`], as this is a build without the feature `png`.
+/// Returns [`PngError::NotBuilt`], because this build lacks the feature `png`.
 #[cfg(not(feature = "png"))]
 pub fn pixels(_svg: &str, _scale: f64) -> Result<Pixels, PngError> {
-    Err(PngError::LeftOut)
+    Err(PngError::NotBuilt)
 }

@@ -1,13 +1,13 @@
-//! Curves, bands, colours and dashes.
+//! Curves, bands, points, colours and dashes.
 
-/// What a panel draws from data.
+/// Data series of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Series {
-    /// A curve.
+    /// Curve through data points.
     Line(Line),
-    /// A shaded stretch between two curves.
+    /// Shaded band between two curves.
     Band(Band),
-    /// Single readings.
+    /// Individual data points.
     Points(Points),
 }
 
@@ -21,7 +21,7 @@ impl Series {
         }
     }
 
-    /// Colour.
+    /// Returns the colour of the series.
     pub fn colour(&self) -> Colour {
         match self {
             Self::Line(line) => line.colour,
@@ -30,7 +30,7 @@ impl Series {
         }
     }
 
-    /// Horizontal values.
+    /// Returns the horizontal values of the series.
     pub fn x(&self) -> &[f64] {
         match self {
             Self::Line(line) => &line.x,
@@ -39,7 +39,7 @@ impl Series {
         }
     }
 
-    /// Vertical values: of a line or of points one list, with intervals three, of a band its edges.
+    /// Returns the vertical values: one list for a line or points, three with intervals, and the two edges for a band.
     pub(super) fn ys(&self) -> impl Iterator<Item = &[f64]> {
         let all: [&[f64]; 3] = match self {
             Self::Line(line) => [&line.y, &[], &[]],
@@ -50,27 +50,27 @@ impl Series {
     }
 }
 
-/// A curve through `(x, y)`; the shorter of the two ends it.
+/// Curve through `(x, y)`; the shorter of the two determines its length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
     /// Name in the legend; empty: not in the legend.
     pub name: String,
-    /// Horizontal values, rising.
+    /// Horizontal values, increasing.
     pub x: Vec<f64>,
     /// Vertical values; NaN is a gap.
     pub y: Vec<f64>,
-    /// Colour.
+    /// Colour of the line.
     pub colour: Colour,
-    /// Solid, dashed or dotted.
+    /// Style of the line: solid, dashed or dotted.
     pub dash: Dash,
     /// Stroke width, CSS px.
     pub width_px: f64,
-    /// Holds each value until the next instead of joining them.
+    /// Whether each value is held until the next one (steps).
     pub step: bool,
 }
 
 impl Line {
-    /// A solid blue line.
+    /// Creates a solid blue line.
     pub fn new(name: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
         Self {
             name: name.into(),
@@ -104,7 +104,7 @@ impl Line {
         self
     }
 
-    /// Draws steps.
+    /// Holds each value until the next one (steps).
     #[must_use]
     pub fn step(mut self) -> Self {
         self.step = true;
@@ -112,23 +112,23 @@ impl Line {
     }
 }
 
-/// The area between `low` and `high`; NaN in either is a gap.
+/// Area between `low` and `high`; NaN in either is a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
     /// Name in the legend; empty: not in the legend.
     pub name: String,
-    /// Horizontal values, rising.
+    /// Horizontal values, increasing.
     pub x: Vec<f64>,
-    /// Lower edge.
+    /// Values of the lower edge.
     pub low: Vec<f64>,
-    /// Upper edge.
+    /// Values of the upper edge.
     pub high: Vec<f64>,
-    /// Colour, drawn light.
+    /// Colour of the band, drawn light.
     pub colour: Colour,
 }
 
 impl Band {
-    /// A light blue band.
+    /// Creates a light blue band.
     pub fn new(name: impl Into<String>, x: Vec<f64>, low: Vec<f64>, high: Vec<f64>) -> Self {
         Self {
             name: name.into(),
@@ -147,29 +147,29 @@ impl Band {
     }
 }
 
-/// Single readings, each a dot, with an upright bar where its interval is given.
+/// Individual data points, drawn as dots with vertical bars for their intervals.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Points {
     /// Name in the legend; empty: not in the legend.
     pub name: String,
-    /// Horizontal values.
+    /// Horizontal values of the points.
     pub x: Vec<f64>,
-    /// Vertical values; NaN is no reading.
+    /// Vertical values; NaN is a missing value.
     pub y: Vec<f64>,
-    /// Lower ends of the intervals; empty: none.
+    /// Lower bounds of the intervals; empty: none.
     pub low: Vec<f64>,
-    /// Upper ends of the intervals; empty: none.
+    /// Upper bounds of the intervals; empty: none.
     pub high: Vec<f64>,
-    /// What each is called when a reader points at it; empty: as the series.
+    /// Names of the points in the tooltip; empty: name of the series.
     pub labels: Vec<String>,
-    /// Colour.
+    /// Colour of the points.
     pub colour: Colour,
-    /// Width of a dot, CSS px.
+    /// Diameter of a dot, CSS px.
     pub size_px: f64,
 }
 
 impl Points {
-    /// Blue dots without intervals.
+    /// Creates blue dots without intervals.
     pub fn new(name: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
         Self {
             name: name.into(),
@@ -187,21 +187,21 @@ impl Points {
         self
     }
 
-    /// Sets the width of a dot, CSS px.
+    /// Sets the diameter of a dot, CSS px.
     #[must_use]
     pub fn size(mut self, size_px: f64) -> Self {
         self.size_px = size_px;
         self
     }
 
-    /// Sets the ends of the intervals.
+    /// Sets the bounds of the intervals.
     #[must_use]
     pub fn intervals(mut self, low: Vec<f64>, high: Vec<f64>) -> Self {
         (self.low, self.high) = (low, high);
         self
     }
 
-    /// Names each.
+    /// Sets the names of the points.
     #[must_use]
     pub fn labels(mut self, labels: Vec<String>) -> Self {
         self.labels = labels;
@@ -209,30 +209,30 @@ impl Points {
     }
 }
 
-/// Colours that people with any colour vision tell apart (Okabe and Ito, 2008).
+/// Colours that are distinguishable with any colour vision (Okabe and Ito, 2008).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Colour {
-    /// First choice.
+    /// Blue, first colour of the cycle.
     #[default]
     Blue,
-    /// Second choice: vermilion.
+    /// Vermilion, second colour of the cycle.
     Orange,
-    /// Third choice: bluish green.
+    /// Bluish green, third colour of the cycle.
     Green,
-    /// Fourth choice: reddish purple.
+    /// Reddish purple, fourth colour of the cycle.
     Purple,
-    /// Sky blue.
+    /// Sky blue, fifth colour of the cycle.
     Sky,
-    /// Amber.
+    /// Amber, sixth colour of the cycle.
     Amber,
-    /// What is given, or was expected.
+    /// Specified or expected values.
     Grey,
-    /// What is true.
+    /// True values of a simulation.
     Black,
 }
 
 impl Colour {
-    /// The first six, in the order of choice.
+    /// First six colours in the order of use.
     pub const CYCLE: [Colour; 6] = [
         Colour::Blue,
         Colour::Orange,
@@ -242,7 +242,7 @@ impl Colour {
         Colour::Amber,
     ];
 
-    /// As `#rrggbb`.
+    /// Returns the colour as `#rrggbb`.
     pub fn hex(self) -> &'static str {
         match self {
             Colour::Blue => "#0072b2",
@@ -257,14 +257,14 @@ impl Colour {
     }
 }
 
-/// How a line is broken.
+/// Dash pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Dash {
-    /// Not at all.
+    /// Solid line without gaps.
     #[default]
     Solid,
-    /// Long dashes.
+    /// Line with long dashes.
     Dashed,
-    /// Dots.
+    /// Line of dots.
     Dotted,
 }

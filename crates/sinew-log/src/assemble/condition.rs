@@ -1,19 +1,19 @@
-//! From raw values to SI, unwrapped and watched.
+//! Conversion of raw values to SI, unwrapping, and checks of the signals.
 //!
 //! # Wrap-around
-//! A value that differs from the previous one of its signal by more than half a
-//! period is taken to the nearest turn. After a gap the same holds, and for the
-//! motor side the turn is chosen so that `theta − q` changes least, so that both
-//! sides land on the same turn; at the start it is taken to the joint side's. The position of a motor at its shaft moves otherwise
-//! than its joint: it is taken to the turn of the sample before. A signal whose raw values span more than one
-//! period does not come from a wrapping encoder and is left as it is.
+//! A value that differs from the previous one of its signal by more than half a period is moved to the
+//! nearest turn. The same holds after a gap; for the motor side the turn is then chosen such that `theta − q`
+//! changes least, so that both sides are on the same turn; at the start it is the turn of the joint side. The
+//! position of a motor at its shaft does not move with one joint only: it is moved to the turn of the
+//! previous sample. A signal whose raw values span more than one period does not come from a wrapping encoder
+//! and is not changed.
 
-use crate::frame::{DrivenJoint, Frame, Quantity, is_absent};
+use crate::frame::{ABSENT, AxisNames, Frame, Quantity, blocks, is_absent};
 use crate::health::{EventKind, Health, SignalCount};
 use sinew_files::WORKS_AT_C;
 
-/// At the start the motor side is taken to the joint's turn, unless its turn is so short that a
-/// spring's deflection could be half of it, rad.
+/// Minimum period, rad, for which the motor side starts in the same revolution as the joint; with a shorter period,
+/// the deflection of the spring may exceed half of it.
 const SHORTEST_TURN_RAD: f64 = std::f64::consts::PI;
 /// A raw span larger than this many periods is not a wrapping encoder.
 const WRAP_SPAN_PERIODS: f64 = 1.001;
@@ -22,9 +22,9 @@ const CONSTANT_FRAMES: u64 = 100;
 const CONSTANT_SECONDS: f64 = 1.0;
 /// A joint position beyond this is more likely to be in degrees, rad.
 const DEGREES_FROM_RAD: f64 = 2.0 * std::f64::consts::PI * 1.01;
-/// Only every so many frames enter the comparison of motor and joint side.
+/// Interval of the frames in the comparison of motor and joint side.
 const SLOPE_EVERY: u64 = 8;
-/// Least motion of a joint for that comparison, rad.
+/// Minimum motion of a joint for that comparison, rad.
 const SLOPE_SPAN_RAD: f64 = 0.05;
 /// Sides that move apart by less are one signal: rounding, rad.
 const ONE_SIGNAL_RAD: f64 = 1e-9;
@@ -32,8 +32,8 @@ const ONE_SIGNAL_RAD: f64 = 1e-9;
 /// 0 °C, K.
 const CELSIUS_ZERO_K: f64 = 273.15;
 
-/// What is said of temperatures that no robot works at.
-fn odd_temperatures([low, high]: [f64; 2]) -> String {
+/// Message about temperatures outside the working range of a robot.
+fn implausible_temperatures([low, high]: [f64; 2]) -> String {
     let [least, most] = WORKS_AT_C;
     let range = match low == high {
         true => format!("{low:.1} °C"),
@@ -41,26 +41,33 @@ fn odd_temperatures([low, high]: [f64; 2]) -> String {
     };
     let kelvin = [low, high].map(|c| c - CELSIUS_ZERO_K);
     let cure = match kelvin.iter().all(|c| (least..=most).contains(c)) {
-        true => "it looks like kelvin: a mapping with [temperature] unit = \"K\" converts it",
-        false => "a mapping's [temperature] states its unit",
+        true => "it looks like kelvin; set [temperature] unit = \"K\" in the mapping",
+        false => "set its unit under [temperature] in the mapping",
     };
     format!(
-        "temperature reads {range}; robots work at {least:.0} to {most:.0} °C, so it is taken as unknown there: {cure}"
+        "temperature of {range} is outside the working range of robots ({least:.0} to {most:.0} °C) and ignored: {cure}"
     )
 }
 
-/// How one signal becomes SI: `si = scale · raw + offset`, with its period in SI.
+/// Conversion of one signal to SI: `si = scale · raw + offset`, with its period in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Signal {
     /// Factor from the recorded value to SI.
     pub scale: f64,
-    /// In SI, added last.
+    /// Offset in SI, added last.
     pub offset: f64,
     /// `None`: never unwrapped.
     pub period: Option<f64>,
 }
 
 impl Signal {
+    /// A signal that is not recorded.
+    const NONE: Signal = Signal {
+        scale: 1.0,
+        offset: 0.0,
+        period: None,
+    };
+
     /// A signal that is recorded in SI.
     pub fn si(quantity: Quantity) -> Self {
         Signal {
@@ -83,18 +90,22 @@ struct Slope {
     theta: f64,
     qq: f64,
     q_theta: f64,
-    /// Least and largest of `theta − q`, from where it began.
+    /// Smallest and largest `theta − q`, relative to the first one.
     apart: [f64; 2],
 }
 
 /// Unwraps, converts and watches the signals; one frame after the other.
 #[derive(Debug)]
 pub struct Conditioner {
-    joints: Vec<DrivenJoint>,
+    axes: Vec<AxisNames>,
     n: usize,
+    /// Places of the axes that have no joint.
+    without_joint: Vec<usize>,
     gap_ns: i64,
-    /// Six blocks of `n`, as [`Quantity::PER_JOINT`].
+    /// A block of `n` for each quantity of a row, in storage order.
     signals: Vec<Signal>,
+    blocks: &'static [Quantity],
+    has_tension: bool,
     identity: bool,
     minimum: Vec<f64>,
     maximum: Vec<f64>,
@@ -103,13 +114,13 @@ pub struct Conditioner {
     /// Two blocks of `n`: q and theta.
     last: Vec<f64>,
     turns: Vec<f64>,
-    /// Half the period, infinite where there is none; whether a block has turned.
+    /// Half the period, infinite if there is none; whether a block has turned.
     half_period: Vec<f64>,
     turned: [bool; 2],
     wraps: Vec<u64>,
     slopes: Vec<Slope>,
-    /// Lowest and highest temperature that no robot works at.
-    odd_temperatures: Option<[f64; 2]>,
+    /// Lowest and highest temperature outside the working range of a robot, °C.
+    implausible_temperatures: Option<[f64; 2]>,
     first_ns: Option<i64>,
     last_ns: Option<i64>,
     last_epoch: u32,
@@ -122,31 +133,53 @@ impl Conditioner {
         self.gap_ns
     }
 
-    /// `signals`: six blocks of as many entries as there are joints.
-    pub(crate) fn new(joints: &[DrivenJoint], signals: Vec<Signal>, gap_ns: i64) -> Self {
-        let n = joints.len();
+    /// The blocks of `n` values of a wide row.
+    pub(crate) fn blocks(&self) -> &'static [Quantity] {
+        self.blocks
+    }
+
+    /// `signal` returns the conversion to SI of a quantity of a named axis.
+    pub(crate) fn new(
+        axes: &[AxisNames],
+        gap_ns: i64,
+        signal: impl Fn(&AxisNames, Quantity) -> Signal,
+    ) -> Self {
+        let n = axes.len();
+        let blocks = blocks(axes);
+        let signals = blocks.iter().flat_map(|quantity| {
+            let signal = &signal;
+            axes.iter().map(move |axis| match axis.recorded(*quantity) {
+                Some(_) => signal(axis, *quantity),
+                None => Signal::NONE,
+            })
+        });
+        let signals = Vec::from_iter(signals);
+        let without_joint = (0..n).filter(|axis| axes[*axis].joint.is_none());
         let identity = signals.iter().all(|s| s.scale == 1.0 && s.offset == 0.0);
         let half_period = signals[..2 * n]
             .iter()
             .map(|signal| 0.5 * signal.period.unwrap_or(f64::INFINITY))
             .collect();
         Conditioner {
-            joints: joints.to_vec(),
+            axes: axes.to_vec(),
             n,
+            without_joint: without_joint.collect(),
             gap_ns,
-            signals,
             identity,
-            minimum: vec![f64::INFINITY; 6 * n],
-            maximum: vec![f64::NEG_INFINITY; 6 * n],
-            finite: vec![0; 6 * n],
-            non_finite: vec![0; 6 * n],
+            minimum: vec![f64::INFINITY; signals.len()],
+            maximum: vec![f64::NEG_INFINITY; signals.len()],
+            finite: vec![0; signals.len()],
+            non_finite: vec![0; signals.len()],
+            signals,
+            blocks,
+            has_tension: blocks.contains(&Quantity::Tension),
             last: vec![f64::NAN; 2 * n],
             turns: vec![0.0; 2 * n],
             half_period,
             turned: [false; 2],
             wraps: vec![0; 2 * n],
             slopes: vec![Slope::default(); n],
-            odd_temperatures: None,
+            implausible_temperatures: None,
             first_ns: None,
             last_ns: None,
             last_epoch: 0,
@@ -154,7 +187,7 @@ impl Conditioner {
         }
     }
 
-    /// The period in raw units, if the signal may still come from a wrapping encoder.
+    /// Period in raw units, if the signal may still come from a wrapping encoder.
     pub(crate) fn raw_period(&self, quantity: Quantity, joint: usize) -> Option<f64> {
         if !matches!(quantity, Quantity::Q | Quantity::Theta) {
             return None;
@@ -167,16 +200,42 @@ impl Conditioner {
             .then_some(period / signal.scale.abs())
     }
 
+    /// Sets the position of an axis without a joint to 0, and its velocity to 0 if any joint has a velocity.
+    fn set_at_rest(&self, raw: &mut [f64]) {
+        let n = self.n;
+        let dq = Quantity::Dq.index() * n;
+        let own = raw[dq..dq + n].iter().zip(&self.axes);
+        let mut own = own.filter(|(_, axis)| axis.joint.is_some());
+        let moves = match own.any(|(value, _)| !is_absent(*value)) {
+            true => 0.0,
+            false => ABSENT,
+        };
+        for axis in &self.without_joint {
+            raw[*axis] = 0.0;
+            raw[dq + axis] = moves;
+        }
+    }
+
+    /// Whether no joint has a position.
+    fn lacks_joint_side(&self, q: &[f64]) -> bool {
+        let none = self.without_joint.len();
+        let missing = q.iter().filter(|value| value.is_nan()).count();
+        missing + none == self.n && (none == 0 || none < self.n)
+    }
+
     /// Turns the wide raw row into the frame.
     pub(crate) fn apply(
         &mut self,
         epoch: u32,
         time_ns: i64,
         after_damage: bool,
-        raw: &[f64],
+        raw: &mut [f64],
         frame: &mut Frame,
         health: &mut Health,
     ) {
+        if !self.without_joint.is_empty() {
+            self.set_at_rest(raw);
+        }
         let new_segment = self.segment_at(epoch, time_ns, after_damage, health);
         frame.time_ns = time_ns;
         frame.segment = self.segment;
@@ -198,12 +257,16 @@ impl Conditioner {
         }
         let whole = sound && !positions_absent;
         self.unwrap(new_segment, whole, frame);
-        let temperature_c = raw[6 * n..].iter().copied().find(|v| !is_absent(*v));
+        if self.has_tension {
+            let block = Quantity::Tension.index() * n;
+            self.convert(block, &raw[block..block + n], &mut frame.tension);
+        }
+        let temperature_c = raw[6 * n..7 * n].iter().copied().find(|v| !is_absent(*v));
         frame.temperature_c = temperature_c
             .filter(|c| c.is_finite() && self.robots_work_at(*c))
             .unwrap_or(f64::NAN);
 
-        if !whole && frame.q.iter().all(|value| value.is_nan()) {
+        if !whole && self.lacks_joint_side(&frame.q) {
             health.frames_without_joint_side += 1;
         }
         if !whole && frame.theta.iter().all(|value| value.is_nan()) {
@@ -215,12 +278,12 @@ impl Conditioner {
         health.frames += 1;
     }
 
-    /// Whether a temperature can be a robot's; one that can't is remembered, and is unknown.
+    /// Whether a temperature is within the working range of a robot; others are recorded and unknown.
     fn robots_work_at(&mut self, celsius: f64) -> bool {
         let works = (WORKS_AT_C[0]..=WORKS_AT_C[1]).contains(&celsius);
         if !works {
-            let [low, high] = self.odd_temperatures.unwrap_or([celsius; 2]);
-            self.odd_temperatures = Some([low.min(celsius), high.max(celsius)]);
+            let [low, high] = self.implausible_temperatures.unwrap_or([celsius; 2]);
+            self.implausible_temperatures = Some([low.min(celsius), high.max(celsius)]);
         }
         works
     }
@@ -241,10 +304,10 @@ impl Conditioner {
         if epoch != self.last_epoch {
             self.last_epoch = epoch;
             new_segment = true;
-            health.clock_jumps += 1;
-            health.event(time_ns, EventKind::ClockJump, || {
+            health.clock_steps += 1;
+            health.event(time_ns, EventKind::ClockStep, || {
                 let back_s = last_ns.saturating_sub(time_ns) as f64 * 1e-9;
-                format!("the clock went back by {back_s:.3} s; a new segment starts")
+                format!("time stamps stepped back by {back_s:.3} s; a new segment starts")
             });
         } else {
             let pause_ns = time_ns.saturating_sub(last_ns);
@@ -285,7 +348,7 @@ impl Conditioner {
         true
     }
 
-    /// Raw to SI, with the extremes of what was recorded; bad samples are counted.
+    /// Converts raw values to SI, with their extremes; bad samples are counted.
     fn convert(&mut self, block: usize, raw: &[f64], out: &mut [f64]) {
         for joint in 0..self.n {
             let index = block + joint;
@@ -310,7 +373,7 @@ impl Conditioner {
         }
     }
 
-    /// Removes wrap-around. In the usual frame nothing has ever turned and nothing jumps.
+    /// Removes wrap-around. In most frames no signal has wrapped around.
     #[inline]
     fn unwrap(&mut self, new_segment: bool, whole: bool, frame: &mut Frame) {
         let n = self.n;
@@ -345,7 +408,7 @@ impl Conditioner {
             let theta = n + joint;
             if let Some(period) = self.signals[theta].period {
                 let mut expected = self.last[theta];
-                let is_reflected = self.joints[joint].is_reflected;
+                let is_reflected = self.axes[joint].is_reflected;
                 if is_reflected && expected.is_nan() && period >= SHORTEST_TURN_RAD {
                     expected = frame.q[joint];
                 } else if is_reflected && new_segment {
@@ -359,7 +422,7 @@ impl Conditioner {
         }
     }
 
-    /// `place`: joint for q, `n` + joint for theta, in `last` and in the signals alike.
+    /// `place`: joint for q, `n` + joint for theta, in `last` and in the signals.
     fn unwrap_one(&mut self, place: usize, period: f64, expected: f64, value: &mut f64) {
         if value.is_nan() {
             return;
@@ -404,31 +467,36 @@ impl Conditioner {
         }
     }
 
-    /// Writes the counts and suspicions of the whole recording.
+    /// Writes the counts and implausible_signals of the whole recording.
     pub(crate) fn finish(&self, health: &mut Health) {
         let n = self.n;
         health.non_finite.clear();
         health.unwrapped.clear();
-        for quantity in Quantity::PER_JOINT {
-            for joint in 0..n {
-                let index = quantity.index() * n + joint;
+        for quantity in self.blocks.iter().copied() {
+            for axis in 0..n {
+                // What has no name is not recorded.
+                let Some(name) = self.axes[axis].recorded(quantity) else {
+                    continue;
+                };
+                let index = quantity.index() * n + axis;
                 if self.non_finite[index] > 0 {
                     health.non_finite.push(SignalCount {
                         quantity,
-                        joint: self.joints[joint].recorded(quantity).to_owned(),
+                        joint: name.to_owned(),
                         count: self.non_finite[index],
                     });
                 }
-                self.suspect_signal(quantity, joint, health);
+                self.suspect_signal(quantity, index, name, health);
             }
         }
         for (block, quantity) in [Quantity::Q, Quantity::Theta].into_iter().enumerate() {
             for joint in 0..n {
                 let wraps = self.wraps[block * n + joint];
-                if wraps > 0 {
+                let name = self.axes[joint].recorded(quantity);
+                if let Some(name) = name.filter(|_| wraps > 0) {
                     health.unwrapped.push(SignalCount {
                         quantity,
-                        joint: self.joints[joint].recorded(quantity).to_owned(),
+                        joint: name.to_owned(),
                         count: wraps,
                     });
                 }
@@ -437,20 +505,18 @@ impl Conditioner {
         for joint in 0..n {
             self.suspect_sides(joint, health);
         }
-        if let Some(odd) = self.odd_temperatures {
-            health.suspicion(odd_temperatures(odd));
+        if let Some(range) = self.implausible_temperatures {
+            health.implausible_signal(implausible_temperatures(range));
         }
     }
 
-    fn suspect_signal(&self, quantity: Quantity, joint: usize, health: &mut Health) {
-        let index = quantity.index() * self.n + joint;
-        let name = self.joints[joint].recorded(quantity);
+    fn suspect_signal(&self, quantity: Quantity, index: usize, name: &str, health: &mut Health) {
         let name = format!("{}.{name}", quantity.symbol());
         let (minimum, maximum) = (self.minimum[index], self.maximum[index]);
         if self.finite[index] == 0 {
             if self.non_finite[index] > 0 {
-                health.suspicion(format!(
-                    "{name} holds no finite value in {} samples",
+                health.implausible_signal(format!(
+                    "{name} has no finite value in {} samples",
                     self.non_finite[index]
                 ));
             }
@@ -464,16 +530,16 @@ impl Conditioner {
             && self.finite[index] >= CONSTANT_FRAMES
             && seconds.abs() >= CONSTANT_SECONDS
         {
-            health.suspicion(format!(
+            health.implausible_signal(format!(
                 "{name} is constant at {minimum} over {} samples",
                 self.finite[index]
             ));
         }
         let largest = minimum.abs().max(maximum.abs());
         if quantity == Quantity::Q && largest > DEGREES_FROM_RAD {
-            health.suspicion(format!(
+            health.implausible_signal(format!(
                 "{name} looks like degrees (range {:.4}, from {minimum:.4} to {maximum:.4}): \
-                 a mapping with unit = \"deg\" converts it; ignore this for a joint that turns without end or slides",
+                 set unit = \"deg\" in the mapping; expected only for a continuous or prismatic joint",
                 maximum - minimum
             ));
         }
@@ -487,30 +553,33 @@ impl Conditioner {
         let covariance = slope.q_theta - slope.q * slope.theta / slope.count;
         let span = self.maximum[joint] - self.minimum[joint];
         let enough = slope.count >= 16.0 && variance > 0.0 && span.is_finite();
-        if !enough || span < SLOPE_SPAN_RAD || !self.joints[joint].is_reflected {
+        let axis = &self.axes[joint];
+        let Some(name) = axis.joint.as_ref().filter(|_| axis.is_reflected) else {
+            return;
+        };
+        if !enough || span < SLOPE_SPAN_RAD {
             return;
         }
         let ratio = covariance / variance;
-        let name = &self.joints[joint].joint;
         if slope.apart[1] - slope.apart[0] <= ONE_SIGNAL_RAD {
-            health.suspicion(format!(
-                "theta.{name} moves as q.{name} does to the last digit: one encoder or one topic for both sides? ignore this for a rigid joint"
+            health.implausible_signal(format!(
+                "theta.{name} is bitwise identical to q.{name}: probably one encoder or one topic for both sides; expected only for a rigid joint"
             ));
         } else if (ratio / RAD_TO_DEG - 1.0).abs() < 0.1 {
-            health.suspicion(format!(
+            health.implausible_signal(format!(
                 "theta.{name} moves {ratio:.1} times as much as q.{name}: theta looks like degrees"
             ));
         } else if (ratio * RAD_TO_DEG - 1.0).abs() < 0.1 {
-            health.suspicion(format!(
+            health.implausible_signal(format!(
                 "theta.{name} moves {ratio:.4} times as much as q.{name}: q looks like degrees"
             ));
         } else if ratio.abs() > 2.0 {
-            health.suspicion(format!(
-                "theta.{name} moves {ratio:.1} times as much as q.{name}: not divided by the gear ratio?"
+            health.implausible_signal(format!(
+                "theta.{name} moves {ratio:.1} times as much as q.{name}: probably not divided by the gear ratio; set gear_ratio in the mapping"
             ));
         } else if ratio < -0.2 {
-            health.suspicion(format!(
-                "theta.{name} moves against q.{name} (factor {ratio:.2}): wrong sign?"
+            health.implausible_signal(format!(
+                "theta.{name} moves against q.{name} (factor {ratio:.2}): probably wrong sign; set sign = -1 in the mapping"
             ));
         }
     }

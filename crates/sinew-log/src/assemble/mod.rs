@@ -1,15 +1,15 @@
-//! From streams of samples to frames: sorted, joined, conditioned.
+//! Assembly of frames from streams of samples: sorted, joined, conditioned.
 //!
-//! One *primary* stream sets the instants (joint side, or the rows of a table);
-//! *side* streams (motor side, external torque) are looked up at these instants:
-//! the sample with the same stamp, or the linear interpolation of its neighbours.
+//! One *primary* stream sets the time stamps (joint side, or the rows of a table); *side* streams (motor
+//! side, external torque) are evaluated at these time stamps: the sample with the same stamp, or the linear
+//! interpolation of its neighbours.
 
 mod condition;
 mod key;
 mod sorter;
 mod steps;
 
-use crate::frame::{BLOCKS, Frame, Quantity, is_absent};
+use crate::frame::{Frame, Quantity, is_absent};
 use crate::health::{EventKind, Health, StreamRole};
 
 pub use crate::frame::ABSENT;
@@ -21,22 +21,22 @@ use sorter::has_reached;
 /// A joint-side sample waits for a stalled side stream at most this many windows.
 const PATIENCE_WINDOWS: i64 = 4;
 
-/// A stream looked up at the instants of the primary one.
+/// Stream that is evaluated at the time stamps of the primary one.
 #[derive(Debug)]
 pub struct Side {
-    /// Its samples.
+    /// Sorted samples of the stream.
     pub sorter: Sorter,
     /// The quantity of each block of `n` values in its rows.
     blocks: Vec<Quantity>,
-    /// Columns that some message held.
+    /// Columns with a value in any message.
     seen: Vec<bool>,
-    /// Index of the last sample at or before the current instant.
+    /// Index of the last sample at or before the current time stamp.
     cursor: usize,
-    /// Whether there is such a stream at all: nobody waits for one that there isn't.
+    /// Whether the stream exists; frames do not wait for a missing one.
     expected: bool,
 }
 
-/// Sorts, joins and conditions; hands out one frame at a time.
+/// Sorts, joins and conditions samples; returns one frame at a time.
 #[derive(Debug)]
 pub struct Joiner {
     n: usize,
@@ -45,24 +45,24 @@ pub struct Joiner {
     /// Samples of the joint side, or rows of a table.
     pub primary: Sorter,
     primary_blocks: Vec<Quantity>,
-    /// The streams looked up, in the order given.
+    /// Side streams, in the order of [`Joiner::new`].
     pub sides: Vec<Side>,
     raw: Vec<f64>,
     conditioner: Conditioner,
     frame: Frame,
     ended: bool,
-    /// What is held up to here may leave.
+    /// Key up to which all samples are released.
     released: Option<Key>,
     late_reported: u64,
 }
 
 impl Joiner {
-    /// A joiner of `n` joints.
+    /// A joiner of `n` axes.
     ///
     /// * `primary_blocks`: the quantity of each block of `n` values in a row of the primary stream;
     ///   `side_blocks`: the same of each side stream.
-    /// * `window_ns`: samples late by at most this much are sorted in.
-    /// * `interpolate_ns`: how far a neighbour may lie.
+    /// * `window_ns`: samples late by at most this much are reordered.
+    /// * `interpolate_ns`: maximum distance of a neighbour.
     pub fn new(
         n: usize,
         primary_blocks: &[Quantity],
@@ -87,7 +87,7 @@ impl Joiner {
                     expected: true,
                 })
                 .collect(),
-            raw: vec![ABSENT; n * BLOCKS],
+            raw: vec![ABSENT; n * conditioner.blocks().len()],
             conditioner,
             frame: Frame::new(n),
             ended: false,
@@ -96,7 +96,7 @@ impl Joiner {
         }
     }
 
-    /// Nothing more will come: everything held may leave.
+    /// Ends the input: all samples are released.
     pub fn end(&mut self) {
         self.primary.drop_behind();
         for side in &mut self.sides {
@@ -105,7 +105,7 @@ impl Joiner {
         self.ended = true;
     }
 
-    /// Whether there is such a side stream: nobody waits for one that there isn't, and its values are absent.
+    /// Sets whether a side stream exists; frames do not wait for a missing one, and its values are absent.
     pub fn expect(&mut self, side: usize, expected: bool) {
         let Some(side) = self.sides.get_mut(side) else {
             return;
@@ -119,7 +119,7 @@ impl Joiner {
         }
     }
 
-    /// What is held may leave, as it is; what comes next begins a new segment.
+    /// Releases all samples as they are; the next sample begins a new segment.
     pub fn release(&mut self) {
         self.primary.drop_behind();
         for side in &mut self.sides {
@@ -129,7 +129,7 @@ impl Joiner {
         self.primary.mark_damage();
     }
 
-    /// The next sample comes after a damaged part of the file.
+    /// Marks that the next sample follows a damaged part of the file.
     pub fn mark_damage(&mut self) {
         self.primary.mark_damage();
     }
@@ -190,21 +190,21 @@ impl Joiner {
             self.late_reported = self.primary.counts.late;
             let at = self.primary.last_late_ns.unwrap_or(key.time_ns);
             health.event(at, EventKind::Late, || {
-                format!("{newly} messages came later than the reorder window and were dropped")
+                format!("{newly} messages discarded: too late to be reordered")
             });
         }
         self.conditioner.apply(
             key.epoch,
             key.time_ns,
             after_damage,
-            &self.raw,
+            &mut self.raw,
             &mut self.frame,
             health,
         );
         &self.frame
     }
 
-    /// Adds what the sorters and the conditioner counted.
+    /// Adds the counts of the sorters and the conditioner.
     pub fn finish(&self, health: &mut Health) {
         let mut counts = self.primary.counts;
         for side in self.sides.iter().filter(|side| side.expected) {
@@ -223,9 +223,10 @@ impl Joiner {
         };
         health.streams = vec![self.primary.timing(of_primary)];
         for side in self.sides.iter().filter(|side| side.expected) {
-            let role = match side.is_motor() {
-                true => StreamRole::MotorSide,
-                false => StreamRole::ExternalTorque,
+            let role = match side.blocks[..] {
+                _ if side.is_motor() => StreamRole::MotorSide,
+                [Quantity::Tension] => StreamRole::Tension,
+                _ => StreamRole::ExternalTorque,
             };
             health.streams.push(side.sorter.timing(role));
         }
@@ -238,7 +239,7 @@ impl Side {
         self.blocks.contains(&Quantity::Theta)
     }
 
-    /// Writes this stream's values at `key` into the wide row; absent where there are none.
+    /// Writes the values of this stream at `key` into the wide row; absent if there are none.
     fn look_up(
         &mut self,
         key: Key,
@@ -376,7 +377,7 @@ impl Side {
         }
     }
 
-    /// From now on a value of this column may be looked for in neighbouring samples.
+    /// Permits values of this column from neighbouring samples from now on.
     pub fn note_column(&mut self, column: usize) {
         if let Some(seen) = self.seen.get_mut(column) {
             *seen = true;

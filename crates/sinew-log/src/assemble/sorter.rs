@@ -1,10 +1,9 @@
-//! A bounded window that puts samples into the order of their stamps.
+//! Bounded window that sorts samples by their time stamps.
 //!
 //! Samples arrive nearly sorted. The usual one is appended: no search, no
-//! allocation (slots are recycled). A sample behind the window is either late or
-//! the first after the clock went back; that is decided by what follows it:
-//! [`JUMP_EVIDENCE`] samples behind in a row are a clock jump and start a new
-//! epoch, fewer are late and dropped.
+//! allocation (slots are recycled). A sample before the window is either late or the first one after a backward step
+//! of the clock. The following samples decide: [`JUMP_EVIDENCE`] consecutive samples before the window indicate a
+//! clock step and start a new epoch; fewer samples are late and dropped.
 
 use std::collections::VecDeque;
 
@@ -13,30 +12,30 @@ use super::steps::Steps;
 use crate::frame::{ABSENT, is_absent};
 use crate::health::{StreamRole, StreamTiming};
 
-/// So many samples behind the window in a row are a clock jump.
+/// Number of consecutive samples before the window that indicate a clock step.
 pub(crate) const JUMP_EVIDENCE: usize = 8;
-/// Most samples held, whatever their stamps say.
+/// Maximum number of samples in the window.
 const SLOT_LIMIT: usize = 16_384;
-/// Most memory the samples held may take, bytes.
+/// Maximum memory of the samples in the window, bytes.
 const BYTES_LIMIT: usize = 32 << 20;
 
 #[derive(Debug)]
 pub(crate) struct Slot {
     pub(crate) key: Key,
-    /// The stream was damaged just before this sample.
+    /// Whether the stream was damaged just before this sample.
     pub(crate) after_damage: bool,
     pub(crate) values: Vec<f64>,
 }
 
-/// What happened to the samples, to be added to the health of the recording.
+/// Counts of the sorting, added to the health of the recording.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SortCounts {
     pub(crate) late: u64,
     pub(crate) duplicates: u64,
-    /// Of these, those that said something else than the sample kept.
+    /// Number of duplicates whose values differ from those of the stored sample.
     pub(crate) conflicting: u64,
     pub(crate) out_of_order: u64,
-    pub(crate) clock_jumps: u64,
+    pub(crate) clock_steps: u64,
 }
 
 /// Samples of one stream in the order of their stamps, within a window.
@@ -80,7 +79,7 @@ impl Sorter {
         }
     }
 
-    /// Steps from stamp to stamp, of what left and what is still held.
+    /// Intervals of the time stamps, of released and of buffered samples.
     pub(crate) fn timing(&self, role: StreamRole) -> StreamTiming {
         let mut steps = self.steps.clone();
         for slot in &self.queue {
@@ -212,7 +211,7 @@ impl Sorter {
         }
     }
 
-    /// What lies behind was late after all.
+    /// Counts the samples before the window as late.
     #[cold]
     pub(crate) fn drop_behind(&mut self) {
         self.counts.late += self.behind.len() as u64;
@@ -222,10 +221,10 @@ impl Sorter {
         self.free.append(&mut self.behind);
     }
 
-    /// What lies behind is the new time.
+    /// Starts a new epoch with the samples before the window.
     #[cold]
     fn start_epoch(&mut self) {
-        self.counts.clock_jumps += 1;
+        self.counts.clock_steps += 1;
         self.epoch = self.epoch.saturating_add(1);
         self.behind.sort_by_key(|slot| slot.key.time_ns);
         // Its memory is kept.
@@ -246,7 +245,7 @@ impl Sorter {
         self.behind = behind;
     }
 
-    /// Takes the oldest sample out; nothing at or before it is accepted afterwards.
+    /// Removes and returns the oldest sample; samples at or before its time are rejected afterwards.
     pub(crate) fn pop_front(&mut self) {
         if let Some(slot) = self.queue.pop_front() {
             self.released = Some(slot.key);
@@ -272,7 +271,7 @@ pub(crate) fn has_reached(newest: Key, key: Key, window_ns: i64) -> bool {
         || (newest.epoch == key.epoch && newest.time_ns >= key.time_ns.saturating_add(window_ns))
 }
 
-/// Fills what is absent in `into`; whether anything was.
+/// Fills the absent values of `into`; returns whether there was any.
 fn merge(into: &mut [f64], from: &[f64]) -> bool {
     let mut merged = false;
     for (into, from) in into.iter_mut().zip(from) {
@@ -317,17 +316,17 @@ mod tests {
     }
 
     #[test]
-    fn a_few_behind_are_late_and_many_are_a_clock_jump() {
+    fn sorter_few_behind_are_late_many_are_clock_step() {
         let mut sorter = Sorter::new(1, 100, 1_000_000);
         for time in [1000, 1010, 5, 6, 1020] {
             insert(&mut sorter, time);
         }
         assert_eq!(sorter.counts.late, 2);
-        assert_eq!(sorter.counts.clock_jumps, 0);
+        assert_eq!(sorter.counts.clock_steps, 0);
         for time in 0..JUMP_EVIDENCE as i64 {
             insert(&mut sorter, 10 + time);
         }
-        assert_eq!(sorter.counts.clock_jumps, 1);
+        assert_eq!(sorter.counts.clock_steps, 1);
         let order = drain(&mut sorter);
         assert_eq!(order[..3], [(0, 1000), (0, 1010), (0, 1020)]);
         assert_eq!(order[3], (1, 10));

@@ -1,18 +1,18 @@
-//! Steps from stamp to stamp of one stream, counted: what is missing shows as steps of two, three, … samples.
+//! Histogram of the intervals of one stream: missing samples give intervals of two, three, … samples.
 
 use super::key::Key;
 use crate::health::{StreamRole, StreamTiming};
 
 /// Steps are counted in bins of this relative width.
 const BIN: f64 = 0.01;
-/// Bins from 1 ns on: up to some 10 minutes.
+/// Number of bins, from 1 ns to about 10 minutes.
 const BINS: usize = 2_700;
-/// Steps that vary by more than this part of themselves have no rate that something could be missing from.
+/// Relative variation of the steps above which missing samples are not counted.
 const IRREGULAR: f64 = 0.2;
-/// A longer step than this many usual ones left something out.
+/// Ratio to the typical interval above which an interval has missing samples.
 const SKIPPED: f64 = 1.5;
-/// Fewer steps than this tell no rate.
-const FEWEST: u64 = 10;
+/// Minimum number of steps for a rate.
+const MIN_STEPS: u64 = 10;
 
 /// Counts of steps by their length; as large for an hour as for a minute.
 #[derive(Debug, Clone)]
@@ -62,7 +62,7 @@ impl Steps {
         bin.1 = bin.1.saturating_add(step_ns.unsigned_abs());
     }
 
-    /// What the steps say of a stream with so many samples whose stamp was there already.
+    /// Timing of a stream, given the number of samples with duplicate time stamps.
     pub(crate) fn timing(&self, role: StreamRole, repeated: u64) -> StreamTiming {
         let steps: u64 = self.bins.iter().map(|b| b.0).sum();
         let mut timing = StreamTiming {
@@ -73,12 +73,12 @@ impl Steps {
             missing: None,
             repeated,
         };
-        if steps < FEWEST {
+        if steps < MIN_STEPS {
             return timing;
         }
         let at = |share: f64| self.quantile_ns(share * steps as f64);
         let usual_ns = at(0.5);
-        // What is missing only makes steps longer: the shorter half tells how they vary.
+        // Missing samples only lengthen steps: the shorter half measures the jitter.
         let jitter_ns = usual_ns - at(0.16);
         timing.step_s = Some(1e-9 * usual_ns);
         timing.jitter_s = Some(1e-9 * jitter_ns.max(0.0));
@@ -86,9 +86,9 @@ impl Steps {
             let longer = self
                 .means()
                 .filter(|(mean_ns, _)| *mean_ns > SKIPPED * usual_ns);
-            let left_out =
+            let missing =
                 |(mean_ns, count): (f64, u64)| ((mean_ns / usual_ns).round() as u64 - 1) * count;
-            timing.missing = Some(longer.map(left_out).sum());
+            timing.missing = Some(longer.map(missing).sum());
         }
         timing
     }
@@ -99,7 +99,7 @@ impl Steps {
         held.map(|(count, sum_ns)| (*sum_ns as f64 / *count as f64, *count))
     }
 
-    /// The step, ns, that `rank` of them don't exceed.
+    /// Duration, ns, that `rank` of the steps do not exceed.
     fn quantile_ns(&self, rank: f64) -> f64 {
         let mut before = 0;
         let mut found = 0.0;
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn every_sample_left_out_is_counted() {
+    fn missing_samples_are_counted() {
         let all = (0..10_000).map(|i| i * 4_000_000);
         assert_eq!(timing(all.clone()).missing, Some(0));
         let kept = all
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn jitter_is_no_loss_and_no_rate_is_said_so() {
+    fn jitter_is_not_loss_and_irregular_rate_is_unknown() {
         let uneven =
             |part: i64| (0..10_000).map(move |i| i * 4_000_000 + mixed(i) * 4_000 * part / 100);
         let found = timing(uneven(5));

@@ -1,27 +1,27 @@
-//! A bounds-checked cursor over CDR (OMG CDR, plain XCDR1), for finding where values lie.
+//! Bounds-checked cursor over CDR (OMG CDR, plain XCDR1), to find the offsets of values.
 //!
-//! `cdr-encoding` serialises what Sinew writes and is the oracle in the tests. It
-//! is not used to read messages: through serde it gives values, not their
-//! offsets, and a `JointState` needs a `Vec` of names and three of values per
-//! message. Measured on seven joints (`benches/read.rs`, a shared x86 machine):
-//! 0.9 µs per joint state through serde, against 0.10 to 0.15 µs per message for
-//! everything the reader does beyond unpacking, joining and watching included.
+//! `cdr-encoding` serialises the messages that Sinew writes, and is the reference in the tests. It
+//! is not used to read messages: through serde it returns values without their offsets, and a `JointState` requires
+//! one `Vec` of names and three of values per message. Measured on seven joints (`benches/read.rs`, a shared x86
+//! machine):
+//! 0.9 µs per joint state through serde, compared with 0.10 to 0.15 µs per message for all work of the reader after
+//! decompression, including the assembly of frames and the signal checks.
 
 /// Bytes of the encapsulation header: representation and options.
 pub(crate) const ENCAPSULATION: usize = 4;
 
-/// Why a payload is not the message it should be.
+/// Error of decoding a payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
-    /// Neither plain big- nor little-endian CDR.
-    #[error("CDR representation {0:#04x}, plain CDR (0 or 1) is read")]
+    /// Neither plain big-endian nor plain little-endian CDR.
+    #[error("unsupported CDR representation {0:#04x}; plain CDR (0 or 1) is supported")]
     Representation(u8),
-    /// The payload ends before the value does.
-    #[error("payload ends at byte {at}, where {wanted} bytes more are announced")]
+    /// Payload that ends before the value.
+    #[error("payload truncated at byte {at}: {wanted} more bytes expected")]
     Short {
-        /// Where it ends.
+        /// Length of the payload, bytes.
         at: usize,
-        /// Bytes announced beyond.
+        /// Bytes announced beyond the end.
         wanted: u64,
     },
 }
@@ -136,8 +136,8 @@ pub fn stamp_ns(data: &[u8]) -> Option<i64> {
     Some(i64::from(seconds) * 1_000_000_000 + i64::from(nanos))
 }
 
-/// Writes the stamp of a `std_msgs/Header` at the start of a payload, ns; `false`: not plain CDR, too short, or a time
-/// that a stamp can't hold. Nothing is changed then.
+/// Writes the stamp of a `std_msgs/Header` at the start of a payload, ns; `false`: not plain CDR, too short,
+/// or a time outside the range of a stamp. Nothing is changed then.
 pub fn set_stamp_ns(data: &mut [u8], time_ns: i64) -> bool {
     let Ok(seconds) = i32::try_from(time_ns.div_euclid(1_000_000_000)) else {
         return false;

@@ -1,4 +1,4 @@
-//! `JointState` and `DynamicJointState` payloads: what they name and where the values lie.
+//! `JointState` and `DynamicJointState` payloads: names and offsets of the values.
 //!
 //! A publisher repeats the same names in the same order in nearly every message.
 //! A message is therefore parsed once into a [`Layout`]; while the bytes that are
@@ -12,12 +12,12 @@ const STAMP: std::ops::Range<usize> = ENCAPSULATION..ENCAPSULATION + 8;
 /// Messages longer than this are decoded each time: keeping them costs memory.
 const CACHED_BYTES_LIMIT: usize = 64 << 10;
 
-/// A message type of which values are used.
+/// Message types whose values are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
-    /// `sensor_msgs/msg/JointState`.
+    /// Message type `sensor_msgs/msg/JointState`.
     JointState,
-    /// `control_msgs/msg/DynamicJointState`.
+    /// Message type `control_msgs/msg/DynamicJointState`.
     DynamicJointState,
 }
 
@@ -30,7 +30,7 @@ impl MessageKind {
         }
     }
 
-    /// The type of a schema's name; `None`: not one that is read.
+    /// Message type of a schema name; `None`: unsupported.
     pub fn of_schema(name: &str) -> Option<MessageKind> {
         match name {
             "sensor_msgs/msg/JointState" | "sensor_msgs/JointState" => {
@@ -44,10 +44,10 @@ impl MessageKind {
     }
 }
 
-/// Which value of a joint.
+/// Field of a joint in a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field<'a> {
-    /// The joint's position.
+    /// Position of the joint.
     Position,
     /// The joint's velocity.
     Velocity,
@@ -57,14 +57,14 @@ pub enum Field<'a> {
     Interface(&'a [u8]),
 }
 
-/// One value in a payload.
+/// Value in a payload.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry<'a> {
     /// Joint's name as recorded.
     pub joint: &'a [u8],
-    /// Which of its values.
+    /// Field of the joint.
     pub field: Field<'a>,
-    /// Offset in the payload; eight bytes.
+    /// Offset in the payload, bytes; the value has eight bytes.
     pub at: usize,
 }
 
@@ -83,10 +83,10 @@ pub struct Parsed<'a> {
     pub short: bool,
 }
 
-/// Takes a payload apart.
+/// Parses a payload.
 ///
 /// # Errors
-/// [`DecodeError`]: not plain CDR, or cut off.
+/// Returns a [`DecodeError`] if the payload is not plain CDR or is truncated.
 pub fn parse(kind: MessageKind, data: &[u8]) -> Result<Parsed<'_>, DecodeError> {
     let mut cdr = Cdr::new(data)?;
     // Header: seconds, nanoseconds, frame.
@@ -152,10 +152,10 @@ pub fn parse(kind: MessageKind, data: &[u8]) -> Result<Parsed<'_>, DecodeError> 
     Ok(parsed)
 }
 
-/// Changes values where they lie: `value` gets each with its joint and field, and says what it becomes.
+/// Changes values in place: `value` receives each value with its joint and field and returns its replacement.
 ///
 /// # Errors
-/// [`DecodeError`]: not plain CDR, or cut off; nothing is changed then.
+/// Returns [`DecodeError`] if the payload is not plain CDR or is truncated; nothing is changed then.
 pub fn rewrite(
     kind: MessageKind,
     data: &mut [u8],
@@ -184,7 +184,7 @@ pub fn rewrite(
     Ok(())
 }
 
-/// Where the values of a message go, valid while its other bytes stay the same.
+/// Offsets of the values of a message, valid while its other bytes stay the same.
 #[derive(Debug)]
 pub struct Layout {
     template: Vec<u8>,
@@ -198,9 +198,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The layout of messages like this one.
+    /// Creates the layout of messages with the same names as this one.
     ///
-    /// `column_of` says where a value goes; the first value of a column is kept.
+    /// `column_of` returns the column of a value; the first value of a column is kept.
     pub fn new<'a>(
         data: &[u8],
         parsed: &Parsed<'a>,
@@ -241,7 +241,7 @@ impl Layout {
         self.picks.iter().map(|(_, column)| *column)
     }
 
-    /// Whether it is small enough to keep.
+    /// Whether the layout is small enough to be stored.
     pub fn is_cacheable(&self) -> bool {
         self.template.len() <= CACHED_BYTES_LIMIT
     }

@@ -1,4 +1,4 @@
-//! From bytes to messages, without a file or a clock: what a payload names and where its values lie.
+//! Decoder of bytes to messages, without a file or a clock: names and offsets of the values.
 //!
 //! ```
 //! use sinew_log::decode::{DecodeError, MessageKind, parse};

@@ -3,7 +3,7 @@
 use super::{Message, Schema, text};
 use serde::{Serialize, Serializer};
 
-/// `builtin_interfaces/msg/Time`.
+/// Content of a `builtin_interfaces/msg/Time` message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Stamp {
     /// Seconds since 1970.
@@ -13,7 +13,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// A time, ns since 1970; `None` outside 1901 to 2038, which a stamp can't hold.
+    /// Stamp of a time, ns since 1970; `None` outside its range of 1901 to 2038.
     pub fn new(time_ns: i64) -> Option<Self> {
         Some(Self {
             sec: i32::try_from(time_ns.div_euclid(1_000_000_000)).ok()?,
@@ -22,7 +22,7 @@ impl Stamp {
     }
 }
 
-/// `std_msgs/msg/Header`.
+/// Content of a `std_msgs/msg/Header` message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Header<'a> {
     /// Time of the message.
@@ -39,10 +39,10 @@ impl<'a> Header<'a> {
     }
 }
 
-/// `std_msgs/msg/String`.
+/// Content of a `std_msgs/msg/String` message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Text<'a> {
-    /// The text.
+    /// Text of the message.
     pub data: &'a str,
 }
 
@@ -57,11 +57,11 @@ pub struct JointState<'a> {
     pub header: Header<'a>,
     /// Names of the joints.
     pub name: &'a [String],
-    /// rad.
+    /// Positions in the order of the names, rad.
     pub position: &'a [f64],
-    /// rad/s.
+    /// Velocities in the order of the names, rad/s.
     pub velocity: &'a [f64],
-    /// N·m.
+    /// Torques in the order of the names, N·m.
     pub effort: &'a [f64],
 }
 
@@ -69,7 +69,7 @@ impl Message for JointState<'_> {
     const SCHEMA: Schema = text::JOINT_STATE;
 }
 
-/// `control_msgs/msg/InterfaceValue`.
+/// Content of a `control_msgs/msg/InterfaceValue` message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InterfaceValue<'a> {
     /// Names of the interfaces.
@@ -78,7 +78,7 @@ pub struct InterfaceValue<'a> {
     pub values: &'a [f64],
 }
 
-/// `control_msgs/msg/DynamicJointState`.
+/// Content of a `control_msgs/msg/DynamicJointState` message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicJointState<'a> {
     /// Time and frame of reference.
@@ -93,17 +93,17 @@ impl Message for DynamicJointState<'_> {
     const SCHEMA: Schema = text::DYNAMIC_JOINT_STATE;
 }
 
-/// How serious a status is.
+/// Severity of a status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Level {
-    /// Nothing to do.
+    /// Normal operation without a required action.
     Ok = 0,
     /// Worth a look.
     Warn = 1,
-    /// Something to do.
+    /// Error that requires action.
     Error = 2,
-    /// Nothing has been heard.
+    /// No data received.
     Stale = 3,
 }
 
@@ -113,7 +113,7 @@ impl Serialize for Level {
     }
 }
 
-/// `diagnostic_msgs/msg/KeyValue`.
+/// Content of a `diagnostic_msgs/msg/KeyValue` message.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct KeyValue {
     /// Name of the value.
@@ -122,10 +122,10 @@ pub struct KeyValue {
     pub value: String,
 }
 
-/// `diagnostic_msgs/msg/DiagnosticStatus`.
+/// Content of a `diagnostic_msgs/msg/DiagnosticStatus` message.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct DiagnosticStatus {
-    /// How serious.
+    /// Severity of the status.
     pub level: Level,
     /// Name of the component.
     pub name: String,
@@ -137,12 +137,12 @@ pub struct DiagnosticStatus {
     pub values: Vec<KeyValue>,
 }
 
-/// `diagnostic_msgs/msg/DiagnosticArray`.
+/// Content of a `diagnostic_msgs/msg/DiagnosticArray` message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DiagnosticArray<'a> {
     /// Time and frame of reference.
     pub header: Header<'a>,
-    /// What there is to say.
+    /// Statuses of the components.
     pub status: &'a [DiagnosticStatus],
 }
 

@@ -1,4 +1,4 @@
-//! From messages to bytes, without a file or a clock: values in, CDR out. The other way of [`decode`](crate::decode).
+//! Encoder of messages to CDR bytes, without a file or a clock; the inverse of [`decode`](crate::decode).
 //!
 //! ```
 //! use sinew_log::decode::{MessageKind, parse};
@@ -32,7 +32,7 @@ use serde::Serialize;
 /// Plain little-endian CDR.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// Why a message has no bytes.
+/// Error of encoding a message.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("CDR: {0}")]
 pub struct EncodeError(String);
@@ -40,15 +40,15 @@ pub struct EncodeError(String);
 /// A type of ROS 2, as containers name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Schema {
-    /// Such as `sensor_msgs/msg/JointState`.
+    /// Name of the type, such as `sensor_msgs/msg/JointState`.
     pub name: &'static str,
-    /// Its definition with those it needs (`ros2msg`).
+    /// Definition of the type with its dependencies (`ros2msg`).
     pub text: &'static str,
 }
 
 /// A message of ROS 2.
 pub trait Message: Serialize + Sized {
-    /// Its type.
+    /// Type of the message.
     const SCHEMA: Schema;
 
     /// Replaces `bytes` by the message as little-endian CDR with its encapsulation header.

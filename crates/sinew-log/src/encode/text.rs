@@ -5,7 +5,7 @@
 
 use super::Schema;
 
-/// What messages with a header begin with.
+/// Begins the definition of a message with a header.
 macro_rules! header {
     () => {
         "\
@@ -35,13 +35,13 @@ uint32 nanosec
     };
 }
 
-/// `std_msgs/msg/String`.
+/// Definition of `std_msgs/msg/String`.
 pub(super) const STRING: Schema = Schema {
     name: "std_msgs/msg/String",
     text: "string data\n",
 };
 
-/// `sensor_msgs/msg/JointState`.
+/// Definition of `sensor_msgs/msg/JointState`.
 pub(super) const JOINT_STATE: Schema = Schema {
     name: "sensor_msgs/msg/JointState",
     text: concat!(
@@ -75,7 +75,7 @@ float64[] effort
     ),
 };
 
-/// `control_msgs/msg/DynamicJointState`.
+/// Definition of `control_msgs/msg/DynamicJointState`.
 pub(super) const DYNAMIC_JOINT_STATE: Schema = Schema {
     name: "control_msgs/msg/DynamicJointState",
     text: concat!(
@@ -104,7 +104,7 @@ float64[] values
     ),
 };
 
-/// `diagnostic_msgs/msg/DiagnosticArray`.
+/// Definition of `diagnostic_msgs/msg/DiagnosticArray`.
 pub(super) const DIAGNOSTIC_ARRAY: Schema = Schema {
     name: "diagnostic_msgs/msg/DiagnosticArray",
     text: concat!(

@@ -1,4 +1,4 @@
-//! Reading on while what has been read is used.
+//! Read-ahead on another thread while frames are processed.
 
 use super::reader::Progress;
 use super::recording::Recording;
@@ -7,16 +7,15 @@ use crate::frame::Frame;
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 
-/// Frames handed over at once: often enough that neither side waits long, seldom enough that handing
-/// over costs nothing.
+/// Number of frames per batch: short waits on both sides at negligible cost per frame.
 const FRAMES: usize = 256;
-/// Batches under way.
+/// Number of batches in flight.
 const BATCHES: usize = 4;
 
-/// Frames in a row, and how far the file had been read with them.
+/// Consecutive frames, with the progress in the file.
 struct Batch {
     frames: Vec<Frame>,
-    /// So many of them, from the first, are read; the others are room.
+    /// Number of valid frames, from the first; the others are spare capacity.
     count: usize,
     progress: Progress,
 }
@@ -32,15 +31,14 @@ impl Batch {
 }
 
 impl Recording {
-    /// Hands every frame to `take` in order, with how far the file has been read, until it breaks or
-    /// the recording ends; the answer is what it broke with. Another thread reads ahead meanwhile, by
-    /// 1024 frames at most.
+    /// Passes every frame to `take` in order, with the progress in the file, until it breaks or the recording
+    /// ends; returns the break value. Another thread reads up to 1024 frames ahead.
     ///
-    /// [`Recording::health`] is complete when the recording has ended; after a break it may know
-    /// of frames that `take` wasn't given.
+    /// [`Recording::health`] is complete when the recording has ended; after a break it may include frames
+    /// that were not passed to `take`.
     ///
     /// # Errors
-    /// As [`Recording::next_frame`], once the frames before have been handed over.
+    /// As [`Recording::next_frame`], after the preceding frames have been passed.
     pub fn each_frame<B>(
         &mut self,
         mut take: impl FnMut(&Frame, Progress) -> ControlFlow<B>,
@@ -62,7 +60,7 @@ impl Recording {
         })
     }
 
-    /// Fills batches until the recording or the interest in it ends.
+    /// Fills batches until the recording ends or the receiver stops.
     fn read_into(&mut self, empty: Receiver<Batch>, full: SyncSender<Result<Batch, LogError>>) {
         while let Ok(mut batch) = empty.recv() {
             batch.count = 0;
@@ -82,7 +80,7 @@ impl Recording {
             }
             if let Some(end) = end {
                 if let Err(error) = end {
-                    // Whoever has gone by now has no use for it.
+                    // The receiver may have stopped.
                     let _ = full.send(Err(error));
                 }
                 return;
@@ -91,7 +89,7 @@ impl Recording {
     }
 }
 
-/// Hands out what was read, and what held it back to be filled.
+/// Passes the frames of received batches to `take` and returns the batches to be filled again.
 fn use_from<B>(
     full: Receiver<Result<Batch, LogError>>,
     empty: Sender<Batch>,
@@ -104,7 +102,7 @@ fn use_from<B>(
                 return Ok(Some(answer));
             }
         }
-        // At the end nobody fills it any more.
+        // At the end the batch is not filled again.
         let _ = empty.send(batch);
     }
     Ok(None)

@@ -4,7 +4,7 @@ use super::opener::open_file;
 use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
 use crate::error::LogError;
-use crate::frame::{Channels, DrivenJoint};
+use crate::frame::{AxisNames, Channels};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
@@ -18,15 +18,16 @@ struct Part {
     starts_ns: Option<i64>,
 }
 
-/// Files that are opened when their turn comes.
+/// Chain of files that are opened one after the other.
 pub(super) struct Chain {
     parts: Vec<Part>,
     at: usize,
     reader: Box<dyn Reader>,
     options: OpenOptions,
     joints: Vec<String>,
+    tendons: Vec<String>,
     channels: Channels,
-    selected: Vec<DrivenJoint>,
+    selected: Vec<AxisNames>,
     robot_description: Option<String>,
     /// Topics of the files that have been read.
     read: Vec<TopicInfo>,
@@ -38,19 +39,20 @@ impl Chain {
         let mut parts: Vec<Part> = Vec::with_capacity(paths.len());
         let mut first: Option<(String, String)> = None;
         let mut joints: Vec<String> = Vec::new();
+        let mut tendons: Vec<String> = Vec::new();
         let mut channels = Channels::default();
         let mut robot_description = None;
         for path in paths {
             let name = path.display().to_string();
             if parts.iter().any(|part| part.path == *path) {
-                return Err(LogError::request(&name, "is there twice"));
+                return Err(LogError::request(&name, "is listed twice"));
             }
             let mut reader = open_file(path, options)?;
             let (first_name, layout) = first.get_or_insert_with(|| (name.clone(), reader.layout()));
             if *layout != reader.layout() {
                 let (own, layout) = (reader.layout(), layout.as_str());
                 let reason = format!(
-                    "is read from {own}, {first_name} from {layout}; one recording has one kind of parts"
+                    "is read from {own}, {first_name} from {layout}; all parts of a recording must have the same format"
                 );
                 return Err(LogError::request(&name, reason));
             }
@@ -62,6 +64,11 @@ impl Chain {
                         joints.push(joint);
                         channels.joints.push(has);
                     }
+                }
+            }
+            for tendon in reader.tendons() {
+                if !tendons.contains(tendon) {
+                    tendons.push(tendon.clone());
                 }
             }
             channels.temperature |= has.temperature;
@@ -81,8 +88,9 @@ impl Chain {
             at: 0,
             reader,
             options: options.clone(),
-            selected: DrivenJoint::of_joints(&joints),
+            selected: AxisNames::of_joints(&joints),
             joints,
+            tendons,
             channels,
             robot_description,
             read: Vec::new(),
@@ -109,20 +117,24 @@ impl Reader for Chain {
         (self.joints.clone(), self.channels.clone())
     }
 
-    fn select(&mut self, joints: &[DrivenJoint]) {
-        self.selected = joints.to_vec();
-        self.reader.select(joints);
+    fn tendons(&self) -> &[String] {
+        &self.tendons
     }
 
-    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
-        self.reader.joiner(joints, options)
+    fn select(&mut self, axes: &[AxisNames]) {
+        self.selected = axes.to_vec();
+        self.reader.select(axes);
+    }
+
+    fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
+        self.reader.joiner(axes, options)
     }
 
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError> {
         loop {
-            let known = health.damage.len();
+            let before = health.damage.len();
             let more = self.reader.pull(joiner, health)?;
-            for damage in &mut health.damage[known..] {
+            for damage in &mut health.damage[before..] {
                 let file = self.parts[self.at].path.display();
                 damage.reason = format!("{file}: {}", damage.reason);
             }

@@ -22,7 +22,7 @@ const BATCH: i64 = 256;
 /// The messages of a bag, in the order of their times.
 pub(super) struct Db3 {
     bag: Connection,
-    /// What the file lies in, where it was unpacked.
+    /// File that contains the bag, if it was unpacked.
     _kept: Box<dyn ReadSeek>,
     bytes: u64,
     limit: usize,
@@ -52,8 +52,9 @@ pub(super) fn open(
     file: &str,
     options: &OpenOptions,
 ) -> std::result::Result<Db3Reader, LogError> {
-    let refuse = |e: rusqlite::Error| LogError::refused(file, format!("not a ROS 2 bag: {e}"));
-    let bag = Db3::open(kept, path, options.chunk_limit_bytes).map_err(refuse)?;
+    let to_error =
+        |e: rusqlite::Error| LogError::not_a_recording(file, format!("not a ROS 2 bag: {e}"));
+    let bag = Db3::open(kept, path, options.chunk_limit_bytes).map_err(to_error)?;
     BagReader::of(bag, file, options)
 }
 
@@ -116,7 +117,7 @@ impl Db3 {
         Ok(())
     }
 
-    /// A message that was packed by itself, unpacked.
+    /// Decompresses a message that was compressed separately.
     fn unpack(&mut self) -> Result<()> {
         let limit = self.limit;
         let data = &mut self.batch[self.at].data;
@@ -176,7 +177,7 @@ impl Messages for Db3 {
     }
 
     fn restart(&mut self, _offset: u64) -> Result<()> {
-        Err(Error::other("a table has no places"))
+        Err(Error::other("a table has no offsets"))
     }
 
     fn progress(&self) -> Progress {

@@ -1,19 +1,19 @@
-//! What a LeRobot data set says beside its tables.
+//! Metadata of a LeRobot data set, in addition to its tables.
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use serde_json::Value;
 
-/// What describes a data set, in its folder.
+/// Metadata file of a data set, relative to its folder.
 pub(super) const INFO: &str = "meta/info.json";
-/// Folders between a table and its data set.
+/// Maximum number of folders between a table and its data set.
 const DEPTH: usize = 3;
 
 /// Names of a list's elements, by column.
 pub(super) type ListNames = HashMap<String, Vec<String>>;
 
-/// The names that the data set of `table` gives; none where it belongs to none.
+/// Names of list elements by the data set of `table`; empty if it is part of none.
 pub(super) fn list_names(table: &Path) -> ListNames {
     let folders = table.ancestors().skip(1).take(DEPTH);
     let info = folders

@@ -1,4 +1,4 @@
-//! From one file, or its bytes, to a reader of its format.
+//! Selection of the reader for a file, or for bytes in memory.
 
 use std::fs::File;
 use std::io::{Read, SeekFrom};
@@ -15,12 +15,12 @@ use super::table::ParquetReader;
 use crate::error::LogError;
 use crate::options::OpenOptions;
 
-/// What an SQLite file begins with.
+/// First bytes of an SQLite file.
 const SQLITE_MAGIC: &[u8] = b"SQLite f";
-/// Most that is unpacked, or read from standard input, bytes.
+/// Maximum size of an unpacked file, or of standard input, bytes.
 pub(super) const UNPACKED_LIMIT_BYTES: u64 = sinew_files::limits::UNPACKED.most;
 
-/// Opens one file, whatever its format.
+/// Opens one file of any supported format.
 pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
@@ -28,7 +28,7 @@ pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Re
     open_reader(Box::new(file), &name, options, &names, path)
 }
 
-/// Opens what is in one file, whatever its format; `path` is where it lies.
+/// Opens the content of one file in any format; `path` is its location.
 pub(super) fn open_reader(
     mut reader: Box<dyn ReadSeek>,
     name: &str,
@@ -44,43 +44,43 @@ pub(super) fn open_reader(
         .read_to_end(&mut magic)
         .map_err(io)?;
     reader.seek(SeekFrom::Start(0)).map_err(io)?;
-    let refuse = |reason: String| LogError::refused(name, reason);
+    let to_error = |reason: String| LogError::not_a_recording(name, reason);
     if magic.is_empty() {
-        return Err(refuse("the file is empty".to_owned()));
+        return Err(to_error("the file is empty".to_owned()));
     }
     let magic = &magic[..];
     if magic.starts_with(ZSTD_MAGIC) {
         let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
         let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
-        let spool = spool.map_err(|e| refuse(format!("zstd: it cannot be unpacked: {e}")))?;
+        let spool = spool.map_err(|e| to_error(format!("zstd: decompression failed: {e}")))?;
         return open_spool(spool, inner.unwrap_or(name), options, names);
     }
     let extension = name.rsplit_once('.').map(|(_, extension)| extension);
     let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
-    let opened: Box<dyn Reader> = if magic == mcap::MAGIC {
+    let reader: Box<dyn Reader> = if magic == mcap::MAGIC {
         Box::new(McapReader::open(reader, name, options)?)
     } else if magic.starts_with(b"PAR1") {
         #[cfg(not(feature = "parquet"))]
-        return Err(refuse(
-            "it is a Parquet file, and this program is built without them (cargo feature parquet)"
+        return Err(to_error(
+            "it is a Parquet file, which this build does not support (cargo feature parquet)"
                 .to_owned(),
         ));
         #[cfg(feature = "parquet")]
         Box::new(ParquetReader::open(reader, name, options, names)?)
     } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
-        return Err(refuse(
+        return Err(to_error(
             "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
         ));
     } else if is_named("parquet") {
-        return Err(refuse(
+        return Err(to_error(
             "it does not start as a Parquet file (PAR1)".to_owned(),
         ));
     } else if magic.starts_with(SQLITE_MAGIC) {
         #[cfg(not(feature = "db3"))]
         {
             let _nothing_is_read = path;
-            return Err(refuse(
-                "it is an SQLite file, such as a ROS 2 .db3 bag, and this build reads none: convert it to MCAP (ros2 bag convert), or build with cargo build --release --features db3"
+            return Err(to_error(
+                "it is an SQLite file, such as a ROS 2 .db3 bag, which this build does not support: convert it to MCAP (ros2 bag convert), or build with cargo build --release --features db3"
                     .to_owned(),
             ));
         }
@@ -92,15 +92,15 @@ pub(super) fn open_reader(
                 return open_spool(spool, name, options, names);
             }
         }
-    } else if let Some(what) = known_stranger(magic) {
-        return Err(refuse(what.to_owned()));
+    } else if let Some(what) = other_format(magic) {
+        return Err(to_error(what.to_owned()));
     } else {
         Box::new(CsvReader::open(reader, name, options)?)
     };
-    Ok(opened)
+    Ok(reader)
 }
 
-/// Opens what came once and is kept now.
+/// Opens a stream that has been stored in a temporary file.
 fn open_spool(
     spool: Spool,
     name: &str,
@@ -111,13 +111,13 @@ fn open_spool(
     open_reader(Box::new(spool), name, options, names, path.as_deref())
 }
 
-/// Formats a user may take for a recording.
-fn known_stranger(magic: &[u8]) -> Option<&'static str> {
+/// Formats that can be mistaken for a recording.
+fn other_format(magic: &[u8]) -> Option<&'static str> {
     let strangers: [(&[u8], &str); 5] = [
         (b"\x1f\x8b", "it is a gzip file; unpack it first"),
         (
             b"PK\x03\x04",
-            "it is a zip file, as an XLSX workbook is; save a workbook as CSV, unpack anything else",
+            "it is a zip file, such as an XLSX workbook; save a workbook as CSV, or unpack the file",
         ),
         (
             b"#ROSBAG",

@@ -1,4 +1,4 @@
-//! Which files a path stands for: a file, a folder, a pattern; in which order.
+//! Files of a path: a file, a folder or a pattern, in the order of the parts.
 
 use super::lerobot::INFO;
 use crate::error::LogError;
@@ -6,7 +6,7 @@ use sinew_files::names::natural_key;
 use sinew_files::{limits, read_text};
 use std::path::{Path, PathBuf};
 
-/// What ends a name of a recording in a folder.
+/// File name extensions of recordings in a folder.
 const ENDINGS: [&str; 6] = [
     ".mcap",
     ".mcap.zst",
@@ -16,7 +16,7 @@ const ENDINGS: [&str; 6] = [
     ".db3.zstd",
 ];
 
-/// The files that `path` stands for; itself where it is one.
+/// Files of `path`; the path itself if it is a file.
 pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     if path.is_dir() {
         return folder(path);
@@ -30,11 +30,11 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     let parent = parent.unwrap_or(Path::new("."));
     let found = named(parent, |name| matches(&pattern, name))?;
     some(found, || {
-        LogError::request(&path.display().to_string(), "no file has such a name")
+        LogError::request(&path.display().to_string(), "no file matches the name")
     })
 }
 
-/// What was found, unless that is nothing.
+/// Files found, or an error if there are none.
 fn some(found: Vec<PathBuf>, or: impl FnOnce() -> LogError) -> Result<Vec<PathBuf>, LogError> {
     match found.is_empty() {
         true => Err(or()),
@@ -42,21 +42,21 @@ fn some(found: Vec<PathBuf>, or: impl FnOnce() -> LogError) -> Result<Vec<PathBu
     }
 }
 
-/// A folder in which nothing is a recording.
+/// Returns the error for a folder without a recording.
 fn no_recording(folder: &Path) -> LogError {
     let reason = format!("no recording in this folder: no {}", ENDINGS.join(", "));
-    LogError::refused(&folder.display().to_string(), reason)
+    LogError::not_a_recording(&folder.display().to_string(), reason)
 }
 
 fn is_recording(name: &str) -> bool {
     ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
-/// The recordings that `path` stands for where each is one of its own: those a pattern fits, or those of a folder that
-/// is no bag itself; else `path`.
+/// Recordings of `path` if each is a separate recording: the files that match a pattern, or those of a folder
+/// that is not a bag; otherwise `path` itself.
 ///
 /// # Errors
-/// [`LogError`] where a pattern fits nothing, or a folder holds no recording or can't be read.
+/// Returns [`LogError`] if no file matches a pattern, or a folder has no recording or cannot be read.
 pub fn recordings_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     let is_bag = |path: &Path| path.join(INFO).is_file() || path.join("metadata.yaml").is_file();
     if !path.is_dir() {
@@ -73,7 +73,7 @@ pub fn recordings_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     some(found, || no_recording(path))
 }
 
-/// The recordings of a folder: those its `metadata.yaml` names (a ROS 2 bag), else all.
+/// Recordings of a folder: those listed in its `metadata.yaml` (a ROS 2 bag), otherwise all.
 fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     if path.join(INFO).is_file() {
         return data_set(path);
@@ -97,14 +97,14 @@ fn data_set(path: &Path) -> Result<Vec<PathBuf>, LogError> {
         found.extend(named(chunk, |name| name.ends_with(".parquet"))?);
     }
     some(found, || {
-        LogError::refused(
+        LogError::not_a_recording(
             &data.display().to_string(),
             "a LeRobot data set without an episode: no .parquet",
         )
     })
 }
 
-/// `relative_file_paths` of a bag's metadata.
+/// Entries of `relative_file_paths` in the metadata of a bag.
 fn bag_files(metadata: &str) -> Vec<String> {
     let lines = metadata.lines().map(str::trim);
     let mut listed = lines.skip_while(|line| !line.starts_with("relative_file_paths:"));
@@ -120,7 +120,7 @@ fn named(folder: &Path, is: impl Fn(&str) -> bool) -> Result<Vec<PathBuf>, LogEr
     entries(folder, |path, name| path.is_file() && is(name))
 }
 
-/// What of a folder is meant, by path and name; numbers in order.
+/// Entries of a folder for which `is` holds by path and name; numbers in numerical order.
 fn entries(folder: &Path, is: impl Fn(&Path, &str) -> bool) -> Result<Vec<PathBuf>, LogError> {
     let entries = std::fs::read_dir(folder)
         .map_err(|source| LogError::io(&folder.display().to_string(), "read", source))?;
@@ -135,14 +135,14 @@ fn entries(folder: &Path, is: impl Fn(&Path, &str) -> bool) -> Result<Vec<PathBu
     Ok(found)
 }
 
-/// Whether a name fits a pattern of `*` (anything) and `?` (one character).
+/// Whether a name matches a pattern with `*` (any characters) and `?` (one character).
 fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (
         Vec::from_iter(pattern.chars()),
         Vec::from_iter(name.chars()),
     );
     let (mut p, mut n) = (0, 0);
-    // Where the last star stands, and what it has taken in so far.
+    // Position of the last star, and the length it has matched so far.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
         match pattern.get(p) {

@@ -1,7 +1,7 @@
-//! Where the bytes of a recording come from.
+//! Source of the bytes of a recording.
 
 use std::io::{Read, Seek};
 
-/// Something to read a recording from: a file, or bytes in memory.
+/// Byte source of a recording: a file, or bytes in memory.
 pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}

@@ -1,8 +1,8 @@
-//! What every format of a recording can do.
+//! Interface that every format of a recording implements.
 
 use crate::assemble::Joiner;
 use crate::error::LogError;
-use crate::frame::{Channels, DrivenJoint};
+use crate::frame::{AxisNames, Channels};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
@@ -17,9 +17,9 @@ pub enum Format {
     Mcap,
     /// Delimited text with a header line.
     Csv,
-    /// Apache Parquet.
+    /// Apache Parquet file.
     Parquet,
-    /// SQLite as ROS 2 writes it.
+    /// SQLite file of ROS 2.
     Db3,
     /// Arrays in memory.
     Arrays,
@@ -27,7 +27,7 @@ pub enum Format {
     Messages,
 }
 
-/// How far a recording has been read.
+/// Progress of reading a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
     /// Bytes of the file used so far.
@@ -36,44 +36,47 @@ pub struct Progress {
     pub bytes_total: u64,
 }
 
-/// One format's way from bytes to samples.
+/// Reader of one format, from bytes to samples.
 pub(super) trait Reader: Send {
     fn format(&self) -> Format;
 
-    /// What samples are made of: files with the same can follow each other.
+    /// Layout of the samples: files with equal layouts can follow each other.
     fn layout(&self) -> String;
 
-    /// When it begins, ns; may use up what is read first.
+    /// Start time, ns; may consume the first samples.
     fn starts_ns(&mut self) -> Result<Option<i64>, LogError>;
 
-    /// The joints found, and what is recorded of each.
+    /// Joints of the file, and the recorded quantities of each.
     fn found(&self) -> (Vec<String>, Channels);
 
-    /// Which joints the samples hold from now on, in which order.
-    fn select(&mut self, joints: &[DrivenJoint]);
+    /// Tendons with a recorded tension.
+    fn tendons(&self) -> &[String];
 
-    /// A joiner for the samples of these joints.
-    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner;
+    /// Sets the axes of the samples from now on, in this order.
+    fn select(&mut self, axes: &[AxisNames]);
+
+    /// A joiner for the samples of these axes.
+    fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner;
 
     /// Reads a sample into the joiner; `false` at the end.
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError>;
 
     fn progress(&self) -> Progress;
 
-    /// Where each quantity found is read from.
+    /// Source of each quantity.
     fn sources(&self) -> Vec<SignalSource>;
 
-    /// The topics there are, by name; complete at the end.
+    /// Topics by name; complete at the end.
     fn topics(&self) -> Vec<TopicInfo> {
         Vec::new()
     }
 
-    /// Columns that nothing is read from.
+    /// Columns that are not used.
     fn unused_columns(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// The robot's URDF, where it is recorded.
+    /// Recorded robot description (URDF), if there is one.
     fn robot_description(&self) -> Option<&str> {
         None
     }

@@ -15,13 +15,13 @@ use super::table::{ArrayReader, Arrays};
 use crate::assemble::Joiner;
 
 use crate::error::LogError;
-use crate::frame::{Channels, DrivenJoint, Frame};
+use crate::frame::{Axis, AxisNames, Channels, Frame};
 use crate::health::Health;
 use crate::options::{OpenOptions, check_options};
 use crate::sources::{SignalSource, TopicInfo};
 use sinew_files::names::{hint, list};
 
-/// A recording being read: frames in the order of their stamps.
+/// Recording that is being read: frames in the order of their time stamps.
 ///
 /// Memory is bounded by one chunk (MCAP), row (CSV) or row-group page
 /// (Parquet) and the reorder window, never by the file.
@@ -29,10 +29,10 @@ pub struct Recording {
     reader: Box<dyn Reader>,
     file: String,
     options: OpenOptions,
-    /// All joints and what is recorded of them, as found.
+    /// Joints of the recording and the recorded quantities of each.
     found: (Vec<String>, Channels),
     joints: Vec<String>,
-    driven: Vec<DrivenJoint>,
+    axes: Vec<AxisNames>,
     channels: Channels,
     joiner: Joiner,
     health: Health,
@@ -51,15 +51,15 @@ impl std::fmt::Debug for Recording {
     }
 }
 
-/// Opens a recording; the format is told by the content, then by the extension.
+/// Opens a recording; the format is detected from the content, then from the extension.
 ///
 /// `path` is a file; a folder, whose recordings are its parts (those that the `metadata.yaml` of a ROS 2 bag
 /// names, where there is one); a pattern with `*` or `?` in the file's name; or `-`, standard input. A file
 /// packed with zstd is unpacked first. Parts follow each other in the order of their times.
 ///
 /// # Errors
-/// [`LogError`] when the file cannot be read, is no recording, or lacks what the options ask
-/// for. Damage is not an error; see [`Recording::health`].
+/// Returns [`LogError`] if the file cannot be read, is not a recording, or lacks a requested topic, joint or
+/// column. Damage is not an error; see [`Recording::health`].
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
     let name = path.display().to_string();
     check_options(options, &name)?;
@@ -75,11 +75,11 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
     Ok(Recording::new(reader, &name, options))
 }
 
-/// Opens files that are one recording, in whatever order they are given: each may be anything that [`open`]
-/// takes but standard input.
+/// Opens the files of one recording, in any order. Each may have any format that [`open`] accepts, except standard
+/// input.
 ///
 /// # Errors
-/// As [`open`]; files of different formats or topics, one that is there twice.
+/// Returns the errors of [`open`], and an error for files of different formats or topics and for a duplicate file.
 pub fn open_parts(paths: &[PathBuf], options: &OpenOptions) -> Result<Recording, LogError> {
     if let [path] = paths {
         return open(path, options);
@@ -89,7 +89,7 @@ pub fn open_parts(paths: &[PathBuf], options: &OpenOptions) -> Result<Recording,
         all.extend(files(path)?);
     }
     let Some(first) = paths.first() else {
-        return Err(LogError::request("", "no file is named"));
+        return Err(LogError::request("", "no file is specified"));
     };
     let name = format!("{} and {} more", first.display(), paths.len() - 1);
     check_options(options, &name)?;
@@ -98,9 +98,9 @@ pub fn open_parts(paths: &[PathBuf], options: &OpenOptions) -> Result<Recording,
 }
 
 impl Recording {
-    /// Opens a recording from anything readable, such as bytes in memory.
+    /// Opens a recording from any readable source, such as bytes in memory.
     ///
-    /// `name` is used in messages, and its extension where the content does not tell the format.
+    /// `name` is used in messages, and its extension if the content does not determine the format.
     ///
     /// # Errors
     /// As [`open`].
@@ -120,7 +120,8 @@ impl Recording {
     /// Opens arrays in memory; `name` is used in messages.
     ///
     /// # Errors
-    /// No joints, or one twice; what is wrong with the times is said when they are read.
+    /// Returns [`LogError`] if there is no joint or a duplicate one; errors of the times are returned during
+    /// reading.
     pub fn from_arrays(
         arrays: Box<dyn Arrays>,
         name: &str,
@@ -147,10 +148,10 @@ impl Recording {
 
     fn new(reader: Box<dyn Reader>, name: &str, options: &OpenOptions) -> Self {
         let (joints, channels) = reader.found();
-        let driven = DrivenJoint::of_joints(&joints);
+        let axes = AxisNames::of_joints(&joints);
         Recording {
-            joiner: reader.joiner(&driven, options),
-            driven,
+            joiner: reader.joiner(&axes, options),
+            axes,
             reader,
             file: name.to_owned(),
             options: options.clone(),
@@ -164,7 +165,7 @@ impl Recording {
         }
     }
 
-    /// What it was opened as.
+    /// Name with which the recording was opened.
     pub fn name(&self) -> &str {
         &self.file
     }
@@ -174,35 +175,46 @@ impl Recording {
         self.reader.format()
     }
 
-    /// Where each quantity found is read from: topic and field or interface, or the columns.
+    /// Source of each quantity: topic and field or interface, or the columns.
     pub fn sources(&self) -> Vec<SignalSource> {
         self.reader.sources()
     }
 
-    /// The topics of the recording and what each is taken for; counts are complete after the last frame.
+    /// Topics of the recording and their roles; counts are complete after the last frame.
     pub fn topics(&self) -> Vec<TopicInfo> {
         self.reader.topics()
     }
 
-    /// Columns of a table that nothing is read from.
+    /// Columns of a table that are not used.
     pub fn unused_columns(&self) -> Vec<String> {
         self.reader.unused_columns()
     }
 
-    /// The joints of the frames: all found, in the recording's order, or those selected.
+    /// Joints of the frames: all found, in the order of the recording, or those selected. Motors are among
+    /// those found if they have names of their own; tendons are not, see [`Self::tendons`].
     pub fn joints(&self) -> &[String] {
         &self.joints
     }
 
-    /// Which quantities are recorded for each of [`Self::joints`].
+    /// Tendons with a recorded tension, N, independent of the selection.
+    pub fn tendons(&self) -> &[String] {
+        self.reader.tendons()
+    }
+
+    /// The axes of the frames: one per entry of their arrays, in that order.
+    pub fn axes(&self) -> impl Iterator<Item = Axis<'_>> {
+        self.axes.iter().map(AxisNames::axis)
+    }
+
+    /// Recorded quantities of each of [`Self::axes`], which are [`Self::joints`] unless axes without a joint
+    /// were selected.
     ///
-    /// For MCAP this is what the first messages hold; a topic that starts later
-    /// than the part looked at is announced by the summary only.
+    /// For MCAP they are determined from the first messages; a topic that starts later is only listed in the summary.
     pub fn channels(&self) -> &Channels {
         &self.channels
     }
 
-    /// The URDF in the recording's `/robot_description`, if there is one.
+    /// Robot description (URDF) in the recording's `/robot_description`, if there is one.
     pub fn robot_description(&self) -> Option<&str> {
         self.reader.robot_description()
     }
@@ -210,71 +222,83 @@ impl Recording {
     /// Chooses the joints of the frames and their order. Call before the first frame.
     ///
     /// # Errors
-    /// A name that is not recorded or given twice, with the names there are and the nearest
-    /// one; or a call after the first frame. The selection is then unchanged.
+    /// Returns an error for a name that is not recorded, with the recorded names and the most similar one, for a
+    /// duplicate name, and for a call after the first frame. The selection is then unchanged.
     pub fn select(&mut self, joints: &[&str]) -> Result<(), LogError> {
-        self.select_driven(joints, &vec![None; joints.len()])
+        let axes = joints.iter().map(|joint| Axis::of_joint(joint));
+        self.select_axes(&Vec::from_iter(axes))
     }
 
-    /// Selects joints as [`select`](Self::select) does, with the motor at whose shaft position and torque are measured, `theta.MOTOR_rad` and
-    /// `tau_m.MOTOR_nm`. `None`: those under the name of the joint, reflected to it. A motor that is not recorded has neither. Arrays in
-    /// memory have motors in the order of the joints, whatever their names.
+    /// Selects the axes of the frames and their order: for each a joint, the motor at whose shaft position
+    /// and torque are measured (`theta.MOTOR_rad`, `tau_m.MOTOR_nm`), and the tendon whose tension is
+    /// measured (`tension.TENDON_n`). Call it before the first frame.
     ///
-    /// The position of a motor at its shaft moves with several joints, or by a ratio: its turns are counted from one sample to the next, and it is not
-    /// compared with the joint's.
+    /// A motor or tendon that is not recorded has no values. Without a joint, `q` is 0 rad in every frame,
+    /// and `dq` is 0 rad/s in every frame in which any joint has one. In arrays in memory the values of a
+    /// motor and a tendon are at the index of the axis, under its [name](Axis::name).
+    ///
+    /// The position of a motor at its shaft moves with several joints, or by a ratio: its turns are counted
+    /// from one sample to the next, and it is not compared with that of the joint.
     ///
     /// # Errors
-    /// As `select`; a number of motors that is not that of the joints.
-    pub fn select_driven(
-        &mut self,
-        joints: &[&str],
-        motors: &[Option<&str>],
-    ) -> Result<(), LogError> {
+    /// As `select`; an axis without any name.
+    pub fn select_axes(&mut self, axes: &[Axis<'_>]) -> Result<(), LogError> {
         let request = |reason: String| LogError::request(&self.file, reason);
         if self.started {
             return Err(request(
-                "joints can be selected before the first frame only".to_owned(),
+                "joints can only be selected before the first frame".to_owned(),
             ));
         }
-        if motors.len() != joints.len() {
-            let (motors, joints) = (motors.len(), joints.len());
-            return Err(request(format!("{motors} motors for {joints} joints")));
-        }
-        let is_arrays = self.format() == Format::Arrays;
-        let mut channels = Channels {
-            joints: Vec::with_capacity(joints.len()),
-            temperature: self.found.1.temperature,
+        let (found, has) = &self.found;
+        let find = |name: &str| {
+            let place = found.iter().position(|known| known == name)?;
+            has.joints.get(place).copied()
         };
-        let find = |name: &str| self.found.0.iter().position(|known| known == name);
-        for (place, (joint, motor)) in joints.iter().zip(motors).enumerate() {
-            let Some(index) = find(joint) else {
-                let hint = hint(joint, &self.found.0);
+        let is_arrays = self.format() == Format::Arrays;
+        let tendons = self.reader.tendons();
+        let mut channels = Channels {
+            joints: Vec::with_capacity(axes.len()),
+            temperature: has.temperature,
+        };
+        let mut recorded = Vec::with_capacity(axes.len());
+        for (place, axis) in axes.iter().enumerate() {
+            let of_joint = axis.joint.map(|joint| {
+                find(joint).ok_or_else(|| {
+                    let (hint, names) = (hint(joint, found), list(found));
+                    request(format!("no joint '{joint}'{hint} joints are {names}"))
+                })
+            });
+            let mut own = of_joint.transpose()?.unwrap_or_default();
+            if let Some((what, name)) = axis.taken(&axes[..place]) {
+                return Err(request(format!("{what} '{name}' is selected twice")));
+            }
+            if axis.is_nameless() {
                 return Err(request(format!(
-                    "no joint '{joint}'{hint} joints are {}",
-                    list(&self.found.0)
+                    "axis {place} has no name: specify a joint, a motor or a tendon"
                 )));
-            };
-            if joints[..place].contains(joint) {
-                return Err(request(format!("joint '{joint}' is selected twice")));
             }
-            let mut own = self.found.1.joints[index];
-            let other = motor.filter(|motor| motor != joint && !is_arrays);
-            if let Some(motor) = other {
-                let of_motor = find(motor).map(|index| self.found.1.joints[index]);
-                own.take_motor(of_motor.unwrap_or_default());
+            let mut names = AxisNames::new(*axis);
+            if is_arrays {
+                let name = || Some(axis.name().to_owned());
+                names.motor = name();
+                names.tendon = axis.tendon.and_then(|_| name());
             }
+            let is_other = names.motor != names.joint;
+            if let Some(motor) = names.motor.as_deref().filter(|_| is_other) {
+                own.take_motor(find(motor).unwrap_or_default());
+            }
+            // A missing tendon is not searched for.
+            names.tendon = names.tendon.filter(|tendon| tendons.contains(tendon));
+            own.tension = names.tendon.is_some();
             channels.joints.push(own);
+            recorded.push(names);
         }
-        self.joints = joints.iter().map(|&joint| joint.to_owned()).collect();
+        let joints = axes.iter().filter_map(|axis| axis.joint);
+        self.joints = joints.map(str::to_owned).collect();
+        self.axes = axes.iter().copied().map(AxisNames::new).collect();
         self.channels = channels;
-        let pairs = joints.iter().zip(motors);
-        let driven = pairs.map(|(joint, motor)| DrivenJoint {
-            motor: motor.filter(|_| !is_arrays).unwrap_or(joint).to_owned(),
-            ..DrivenJoint::new(joint, *motor)
-        });
-        self.driven = driven.collect();
-        self.reader.select(&self.driven);
-        self.joiner = self.reader.joiner(&self.driven, &self.options);
+        self.reader.select(&recorded);
+        self.joiner = self.reader.joiner(&recorded, &self.options);
         Ok(())
     }
 
@@ -313,12 +337,12 @@ impl Recording {
         }
     }
 
-    /// What was lost or repaired, and why; complete after the last frame.
+    /// Losses and repairs with their reasons; complete after the last frame.
     pub fn health(&self) -> &Health {
         &self.health
     }
 
-    /// How far the file has been read.
+    /// Progress of reading the file.
     pub fn progress(&self) -> Progress {
         self.reader.progress()
     }

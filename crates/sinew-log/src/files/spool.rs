@@ -1,21 +1,21 @@
-//! Bytes that come once, kept where they can be read again and again.
+//! Temporary storage of a stream, so that it can be read repeatedly.
 
 use sinew_files::Temporary;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// What a file packed with zstd begins with.
+/// First bytes of a file compressed with zstd.
 pub(super) const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
 
-/// A file of this process that is gone with it.
+/// Temporary file that is deleted with its process.
 pub(super) struct Spool {
     file: File,
     temporary: Temporary,
 }
 
 impl Spool {
-    /// Keeps all that `from` gives, at most `limit` bytes of it.
+    /// Stores the content of `from`, at most `limit` bytes.
     pub(super) fn of(from: impl Read, limit: u64) -> std::io::Result<Self> {
         let (file, temporary) = Temporary::create_named(&std::env::temp_dir(), "recording")?;
         let mut spool = Spool { file, temporary };
@@ -33,7 +33,7 @@ impl Spool {
 }
 
 impl Spool {
-    /// Where it lies.
+    /// Path of the file.
     pub(super) fn path(&self) -> Option<&Path> {
         self.temporary.path()
     }

@@ -1,4 +1,4 @@
-//! What there is to watch: topics, joints, and which of them look like a robot.
+//! Discovery of topics, joints and robots on a network.
 
 use super::TopicId;
 use super::choose::{Wishes, choose_so_far};
@@ -15,49 +15,49 @@ use crate::sources::TopicInfo;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Topics of a network as they are met, for somebody who doesn't know yet what to watch.
+/// Topics of a network as they are discovered, before a robot is chosen.
 #[derive(Debug, Default)]
-pub struct Census {
+pub struct TopicDiscovery {
     announced: Announced,
     /// Namespace and text.
     descriptions: BTreeMap<String, String>,
 }
 
-/// What looks like a robot: a namespace with joint states.
+/// Candidate of a robot: a namespace with joint states.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotFound {
-    /// What its topics lie in; empty: the root.
+    /// Namespace of its topics; empty: the root.
     pub namespace: String,
-    /// The joint side; `None`: there is none, or several could be.
+    /// Topic of the joint side; `None`: there is none, or several could be.
     pub joint_side: Option<String>,
-    /// The motor side; `None`: there is none, or several could be.
+    /// Topic of the motor side; `None`: there is none, or several could be.
     pub motor_side: Option<String>,
     /// Sides that several topics could be.
     pub ambiguous: Vec<Ambiguity>,
-    /// Joints, and what came of each.
+    /// Joints, with the received quantities of each.
     pub joints: Vec<JointInfo>,
-    /// Its URDF.
+    /// URDF of the robot.
     pub robot_description: Option<String>,
 }
 
-/// What is recorded of a joint.
+/// Recorded quantities of a joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointInfo {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Quantities recorded.
+    /// Quantities that are recorded.
     pub channels: Vec<Quantity>,
 }
 
-impl Census {
-    /// Announces a topic of any type; `None`: there are too many already.
+impl TopicDiscovery {
+    /// Announces a topic of any type; `None`: the maximum number is reached.
     pub fn topic(&mut self, name: &str, schema: &str) -> Option<TopicId> {
         self.announced.topic(name, schema).map(|(id, _)| id)
     }
 
-    /// Whether a look into messages of this type tells more: joints, interfaces, a robot's description.
+    /// Whether messages of this type contain further information: joints, interfaces, a robot description.
     pub fn reads(name: &str, schema: &str) -> bool {
         MessageKind::of_schema(schema).is_some() || is_description_topic(name, schema)
     }
@@ -73,16 +73,16 @@ impl Census {
         }
     }
 
-    /// Every topic with its type, its rate, and what it would be taken for in its namespace.
+    /// Topics with their types, their rates, and their roles in their namespaces.
     pub fn topics(&self) -> Vec<TopicInfo> {
         let mut topics = topics_of(&self.announced.seen, &Names::default());
         for robot in self.robots() {
             for topic in &mut topics {
                 let is = |side: &Option<String>| side.as_ref() == Some(&topic.name);
                 if is(&robot.joint_side) {
-                    topic.taken_for = Some(crate::sources::TopicUse::JointSide);
+                    topic.role = Some(crate::sources::TopicUse::JointSide);
                 } else if is(&robot.motor_side) {
-                    topic.taken_for = Some(crate::sources::TopicUse::MotorSide);
+                    topic.role = Some(crate::sources::TopicUse::MotorSide);
                 }
             }
         }
@@ -109,8 +109,8 @@ impl Census {
         let (names, ambiguous) = choose_so_far(&survey, &wishes);
         // Without a mapping no joint is missing.
         let joints = joints_of(&survey, &names, &Mapping::default(), "");
-        let (joints, channels, _) = joints.unwrap_or_default();
-        let joints = joints.into_iter().zip(channels.joints);
+        let found = joints.unwrap_or_default();
+        let joints = found.joints.into_iter().zip(found.channels.joints);
         RobotFound {
             namespace: namespace.to_owned(),
             joint_side: names.joint_topic,
@@ -127,7 +127,7 @@ impl Census {
     }
 }
 
-/// What a topic lies in: `/arm7` of `/arm7/joint_states`.
+/// Namespace of a topic: `/arm7` of `/arm7/joint_states`.
 fn namespace_of(topic: &str) -> &str {
     topic
         .rsplit_once('/')

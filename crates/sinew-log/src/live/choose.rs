@@ -1,4 +1,4 @@
-//! Which topic is what: by name where somebody named it, else the usual one, else the only one.
+//! Roles of the topics: by a specified name, otherwise the usual one, otherwise the only one.
 
 use super::names::Names;
 use super::survey::{Survey, Topic};
@@ -11,46 +11,45 @@ use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 use std::collections::BTreeSet;
 
-/// Topic of the joint side unless told otherwise.
+/// Default topic of the joint side.
 const JOINT_TOPIC: &str = "/joint_states";
-/// Topic of the motor side unless told otherwise.
+/// Default topic of the motor side.
 const MOTOR_TOPIC: &str = "/dynamic_joint_states";
 
-/// In an MCAP recording a term converts a field; it names no column.
+/// Checks that no term names a column: in an MCAP recording a term converts a field.
 pub(crate) fn check_mapping(mapping: &Mapping) -> Result<(), Located> {
-    for source in mapping
-        .joints
-        .iter()
-        .flat_map(|joint| joint.sources.iter().flatten())
-    {
+    let of_joints = mapping.joints.iter();
+    let of_joints = of_joints.flat_map(|joint| joint.sources.iter().flatten());
+    let of_tendons = mapping.tendons.iter().flat_map(|tendon| &tendon.tension);
+    for source in of_joints.chain(of_tendons) {
         for term in &source.terms {
             if let Some(column) = &term.column {
                 let problem = "an MCAP recording has topics, not columns";
                 return Err(Located::new(&mapping.file, Fault::NotAllowed, problem)
                     .line(term.line)
                     .column(column)
-                    .cure(
-                        "leave column and sum out, the term then converts the topic's own value",
-                    ));
+                    .cure("omit column and sum; the term then converts the value of the topic"));
             }
         }
     }
     Ok(())
 }
 
-/// What options and mapping ask for; the options win.
+/// Requests of options and mapping; the options take precedence.
 #[derive(Debug, Clone)]
 pub(crate) struct Wishes {
     pub(crate) joint: Option<String>,
     pub(crate) motor: Option<String>,
     pub(crate) external: String,
+    /// The mapping's alone.
+    pub(crate) tension: Option<String>,
     motor_interface: String,
     motor_effort_interface: String,
     temperature_interface: String,
     joint_effort: JointEffort,
-    /// Whether the motor interface isn't the usual one.
-    asks_interface: bool,
-    /// What usual names lie in; empty: anywhere.
+    /// Whether the motor interface is not the default one.
+    requests_interface: bool,
+    /// Namespace of the default names; empty: any.
     pub(crate) namespace: String,
 }
 
@@ -91,7 +90,8 @@ impl Wishes {
                 true => format!("{namespace}{external}"),
                 false => full(external),
             },
-            asks_interface: motor_interface != defaults.motor_interface,
+            tension: topic(&None, &mapped.tension_topic),
+            requests_interface: motor_interface != defaults.motor_interface,
             namespace: namespace.to_owned(),
             motor_interface,
             motor_effort_interface: name(
@@ -111,7 +111,7 @@ impl Wishes {
         }
     }
 
-    /// Whether a topic lies where usual names are looked for.
+    /// Whether a topic is in the namespace of the default names.
     pub(crate) fn encloses(&self, topic: &str) -> bool {
         let inner = topic.strip_prefix(&self.namespace);
         inner.is_some_and(|inner| self.namespace.is_empty() || inner.starts_with('/'))
@@ -126,19 +126,20 @@ impl Wishes {
         inner.to_ascii_lowercase().contains("motor")
     }
 
-    /// Whether a topic has a name that is asked for, or the usual one where none is.
+    /// Whether a topic has a requested name, or the default one if none is requested.
     pub(crate) fn is_named(&self, topic: &str) -> bool {
         let is = |wanted: &Option<String>, usual: &str| match wanted {
             Some(wanted) => wanted == topic,
             None => self.usual(usual) == topic,
         };
-        is(&self.joint, JOINT_TOPIC) || is(&self.motor, MOTOR_TOPIC) || topic == self.external
+        let is_other = topic == self.external || self.tension.as_deref() == Some(topic);
+        is(&self.joint, JOINT_TOPIC) || is(&self.motor, MOTOR_TOPIC) || is_other
     }
 
-    /// Whether a topic may become one of the sides, by what is known of it alone.
+    /// Whether a topic may become one of the sides, by its name and type only.
     pub(crate) fn may_use(&self, topic: &str, kind: MessageKind) -> bool {
         let is = |wanted: &Option<String>| wanted.as_deref() == Some(topic);
-        if is(&self.joint) || is(&self.motor) || topic == self.external {
+        if is(&self.joint) || is(&self.motor) || is(&self.tension) || topic == self.external {
             return true;
         }
         let is_state = kind == MessageKind::JointState;
@@ -152,6 +153,7 @@ impl Wishes {
         joint: Option<&Topic>,
         motor: Option<&Topic>,
         external: Option<&Topic>,
+        tension: Option<&Topic>,
     ) -> Names {
         Names {
             joint_topic: joint.map(|topic| topic.name.clone()),
@@ -160,6 +162,7 @@ impl Wishes {
                 MessageKind::of_schema(&motor.schema) == Some(MessageKind::JointState)
             }),
             external_topic: external.map(|topic| topic.name.clone()),
+            tension_topic: tension.map(|topic| topic.name.clone()),
             motor_interface: self.motor_interface.clone(),
             motor_effort_interface: self.motor_effort_interface.clone(),
             temperature_interface: self.temperature_interface.clone(),
@@ -200,16 +203,26 @@ pub(crate) fn choose(
         return Err(LogError::request(
             file,
             format!(
-                "joint side and motor side are the same topic, '{}'; name the motor's (--motor-topic), topics are {}",
+                "joint side and motor side are the same topic, '{}'; specify the motor topic (--motor-topic); topics are {}",
                 joint.name,
                 list(&topics.labels())
             ),
         ));
     }
-    let names = wishes.names(Some(joint), motor, topics.external(&wishes));
+    let tension = topics.tension(&wishes).transpose()?;
+    for (side, other) in [("joint side", Some(joint)), ("motor side", motor)] {
+        if let Some(topic) = tension.filter(|t| other.is_some_and(|other| other.name == t.name)) {
+            let (topic, there) = (&topic.name, list(&topics.labels()));
+            let reason = format!(
+                "{side} and tensions are the same topic, '{topic}'; name the topic of the tensions as tension_topic in [mcap] of the mapping, topics are {there}"
+            );
+            return Err(LogError::request(file, reason));
+        }
+    }
+    let names = wishes.names(Some(joint), motor, topics.external(&wishes), tension);
     let interfaces = motor.map_or(Vec::new(), Topic::interfaces);
     let wanted = &names.motor_interface;
-    if wishes.asks_interface && !interfaces.is_empty() && !interfaces.contains(wanted) {
+    if wishes.requests_interface && !interfaces.is_empty() && !interfaces.contains(wanted) {
         let hint = hint(wanted, &interfaces);
         let there = list(&interfaces);
         let reason =
@@ -219,7 +232,7 @@ pub(crate) fn choose(
     Ok(names)
 }
 
-/// Chooses among the topics there are so far: a side that isn't there yet, or could be several, is left out.
+/// Chooses among the topics discovered so far: a side that is missing or ambiguous has none.
 pub(crate) fn choose_so_far(survey: &Survey, wishes: &Wishes) -> (Names, Vec<Ambiguity>) {
     let topics = Topics::of(survey, "");
     let mut ambiguous = Vec::new();
@@ -246,16 +259,22 @@ pub(crate) fn choose_so_far(survey: &Survey, wishes: &Wishes) -> (Names, Vec<Amb
     });
     let motor = motor.and_then(|name| topics.by_name(&name));
     let motor = motor.filter(|motor| joint.is_none_or(|joint| joint.name != motor.name));
+    // Named, and not there yet or of another type.
+    let tension = topics.tension(wishes).and_then(Result::ok);
+    let tension = tension.filter(|tension| {
+        let taken = [joint, motor].into_iter().flatten();
+        taken.into_iter().all(|side| side.name != tension.name)
+    });
     (
-        wishes.names(joint, motor, topics.external(wishes)),
+        wishes.names(joint, motor, topics.external(wishes), tension),
         ambiguous,
     )
 }
 
-/// What the motor side may be.
+/// Message types of the motor side.
 const MOTOR_KINDS: [MessageKind; 2] = [MessageKind::DynamicJointState, MessageKind::JointState];
 
-/// The topics of a recording, to choose from.
+/// Topics of a recording, to choose from.
 struct Topics<'a> {
     all: Vec<&'a Topic>,
     file: &'a str,
@@ -280,10 +299,11 @@ impl<'a> Topics<'a> {
         self.all.iter().copied().find(|topic| topic.name == name)
     }
 
-    /// The joint side, where nobody named it.
+    /// Topic of the joint side if none is specified.
     fn joint_side(&self, wishes: &Wishes) -> Result<Option<&'a Topic>, LogError> {
         let could_be = |topic: &&Topic| {
             Some(&topic.name) != wishes.motor.as_ref()
+                && Some(&topic.name) != wishes.tension.as_ref()
                 && topic.name != wishes.external
                 && (wishes.motor.is_some() || !wishes.is_motor_name(&topic.name))
         };
@@ -292,7 +312,7 @@ impl<'a> Topics<'a> {
         self.one_of(&candidates, &wishes.usual(JOINT_TOPIC), TopicUse::JointSide)
     }
 
-    /// The motor side, where nobody named it.
+    /// Topic of the motor side if none is specified.
     fn motor_side(
         &self,
         wishes: &Wishes,
@@ -302,8 +322,9 @@ impl<'a> Topics<'a> {
         if candidates.is_empty() {
             let motors = self.of_kind(MessageKind::JointState).into_iter();
             let is_joint = |topic: &Topic| joint.is_some_and(|joint| joint.name == topic.name);
-            let motors =
-                motors.filter(|topic| !is_joint(topic) && wishes.is_motor_name(&topic.name));
+            let is_free =
+                |topic: &Topic| !is_joint(topic) && Some(&topic.name) != wishes.tension.as_ref();
+            let motors = motors.filter(|topic| is_free(topic) && wishes.is_motor_name(&topic.name));
             candidates = motors.collect();
         }
         self.one_of(&candidates, &wishes.usual(MOTOR_TOPIC), TopicUse::MotorSide)
@@ -314,13 +335,19 @@ impl<'a> Topics<'a> {
         all.find(|topic| topic.name == wishes.external && topic.schema.ends_with("JointState"))
     }
 
+    /// Requested topic of the tensions.
+    fn tension(&self, wishes: &Wishes) -> Option<Result<&'a Topic, LogError>> {
+        let wanted = wishes.tension.as_ref()?;
+        Some(self.named(wanted, "topic of the tensions", &[MessageKind::JointState]))
+    }
+
     /// Names with their types.
     fn labels(&self) -> Vec<String> {
         let label = |topic: &&Topic| format!("{} ({})", topic.name, topic.schema);
         self.all.iter().map(label).collect()
     }
 
-    /// The topic asked for.
+    /// Requested topic of a side.
     fn named(
         &self,
         wanted: &str,
@@ -338,13 +365,14 @@ impl<'a> Topics<'a> {
             _ => {
                 let types: Vec<&str> = kinds.iter().map(|kind| kind.schema()).collect();
                 let (holds, types) = (&topic.schema, types.join(" or "));
-                let reason = format!("topic '{wanted}' holds '{holds}'; the {side} is {types}");
+                let reason =
+                    format!("topic '{wanted}' has type '{holds}'; the {side} requires {types}");
                 Err(LogError::request(self.file, reason))
             }
         }
     }
 
-    /// The one with the usual name, or the only one; refused where several are left.
+    /// Topic of the default name, or the only one; several candidates are an error.
     fn one_of(
         &self,
         candidates: &[&'a Topic],
@@ -368,7 +396,7 @@ impl<'a> Topics<'a> {
         let damage = damage.map_or(String::new(), |damage| {
             format!(" before byte {}: {}", damage.offset, damage.reason)
         });
-        LogError::refused(
+        LogError::not_a_recording(
             self.file,
             format!(
                 "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",

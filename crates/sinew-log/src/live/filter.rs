@@ -1,18 +1,18 @@
-//! Which topics are of use to a robot's monitor, before any is subscribed to.
+//! Selection of the topics that a robot's monitor needs, before it subscribes to any.
 
 use super::LiveOptions;
 use super::choose::Wishes;
 use super::survey::is_description_topic;
 use crate::decode::MessageKind;
 
-/// Tells topics of use from others, by name and type alone.
+/// Filter of relevant topics, by name and type only.
 #[derive(Debug, Clone)]
 pub struct TopicFilter {
     wishes: Wishes,
 }
 
 impl TopicFilter {
-    /// As [`Live::topic`](super::Live::topic) with these options decides.
+    /// Filters as [`Live::topic`](super::Live::topic) with these options.
     pub fn new(options: &LiveOptions) -> Self {
         let namespace = options.namespace.trim_matches('/');
         let namespace = match namespace.is_empty() {
@@ -32,23 +32,24 @@ impl TopicFilter {
         }
     }
 
-    /// Whether a topic carries joint states, of whatever robot.
+    /// Whether a topic carries joint states of any robot.
     pub fn is_of_joints(schema: &str) -> bool {
         MessageKind::of_schema(schema).is_some()
     }
 
-    /// Whether a topic has a name that is looked for, whatever its type.
+    /// Whether the name of a topic is expected, independent of its type.
     pub fn expects(&self, topic: &str) -> bool {
         self.wishes.is_named(topic)
     }
 
-    /// Topics that are asked for by name; they may lie outside the namespace.
+    /// Topics that are requested by name; they may be outside the namespace.
     pub fn named(&self) -> impl Iterator<Item = &str> {
-        let sides = [self.wishes.joint.as_deref(), self.wishes.motor.as_deref()];
+        let wishes = &self.wishes;
+        let sides = [&wishes.joint, &wishes.motor, &wishes.tension].map(Option::as_deref);
         sides.into_iter().flatten()
     }
 
-    /// What the robot's topics lie in: empty, or a name that begins with `/`.
+    /// Namespace of the robot's topics: empty, or a name that begins with `/`.
     pub fn namespace(&self) -> &str {
         &self.wishes.namespace
     }

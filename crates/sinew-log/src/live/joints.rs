@@ -1,4 +1,4 @@
-//! Which joints a recording holds, and what is recorded of each.
+//! Joints of a recording, and the recorded quantities of each.
 
 use super::names::Names;
 use super::survey::{Fields, Survey};
@@ -8,10 +8,21 @@ use crate::frame::{Channels, Quantities, Quantity};
 use crate::mapping::{JointMap, Mapping};
 use crate::sources::TopicUse;
 use sinew_files::names::{hint, list};
+use sinew_files::{Fault, Located};
 
-pub(crate) type Joints = (Vec<String>, Channels, Vec<Vec<u8>>);
+/// Names in a recording.
+#[derive(Debug, Default)]
+pub(crate) struct Joints {
+    pub(crate) joints: Vec<String>,
+    /// Recorded quantities of each joint.
+    pub(crate) channels: Channels,
+    /// Tendons with a recorded tension.
+    pub(crate) tendons: Vec<String>,
+    /// Recorded names of the joints.
+    pub(crate) recorded: Vec<Vec<u8>>,
+}
 
-/// The joints of the recording, what is recorded of each, and their recorded names.
+/// Joints of the recording, recorded quantities of each, tendons, and their recorded names.
 pub(crate) fn joints_of(
     survey: &Survey,
     names: &Names,
@@ -20,15 +31,21 @@ pub(crate) fn joints_of(
 ) -> Result<Joints, LogError> {
     // Recorded name on its side, and what it has there.
     let mut found: Vec<(TopicUse, String, Quantities)> = Vec::new();
-    let mut known = Vec::new();
+    let (mut recorded, mut pulled) = (Vec::new(), Vec::<&str>::new());
     for (role, topic_name) in names.sides() {
         let topics = survey
             .topics
             .values()
             .filter(|topic| Some(&topic.name) == topic_name);
         for (joint, fields) in topics.flat_map(|topic| &topic.joints) {
-            known.push(joint.as_bytes().to_vec());
+            recorded.push(joint.as_bytes().to_vec());
             let quantities = quantities_of(role, fields, names);
+            if role == TopicUse::Tension {
+                if quantities.tension && !pulled.contains(&joint.as_str()) {
+                    pulled.push(joint);
+                }
+                continue;
+            }
             found.push((role, joint.clone(), quantities));
         }
     }
@@ -79,7 +96,47 @@ pub(crate) fn joints_of(
         channels.temperature |= all.temperature;
         channels.joints.push(all);
     }
-    Ok((joints, channels, known))
+    Ok(Joints {
+        tendons: tendons_of(&pulled, names, mapping, file)?,
+        joints,
+        channels,
+        recorded,
+    })
+}
+
+/// The tendons under the names that Sinew uses, of those `recorded`.
+fn tendons_of(
+    recorded: &[&str],
+    names: &Names,
+    mapping: &Mapping,
+    file: &str,
+) -> Result<Vec<String>, LogError> {
+    let Some(first) = mapping.tendons.first() else {
+        return Ok(recorded.iter().map(|&name| name.to_owned()).collect());
+    };
+    let error = |line: u64, problem: String| {
+        let located = Located::new(&mapping.file, Fault::Contradiction, problem);
+        Err(located.line(line).into())
+    };
+    let Some(topic) = &names.tension_topic else {
+        let problem = format!(
+            "tendon '{}' has no topic: name the topic of the tensions of {file} as tension_topic in [mcap]",
+            first.name
+        );
+        return error(first.line, problem);
+    };
+    for tendon in &mapping.tendons {
+        let wanted = tendon.recorded_name();
+        if !recorded.contains(&wanted) {
+            let (hint, names) = (hint(wanted, recorded), list(recorded));
+            let problem = format!(
+                "no effort of tendon '{wanted}' in {topic} of {file}{hint} names are {names}"
+            );
+            return error(tendon.line, problem);
+        }
+    }
+    let names = mapping.tendon_names();
+    Ok(names.map(str::to_owned).collect())
 }
 
 fn quantities_of(role: TopicUse, fields: &Fields, names: &Names) -> Quantities {

@@ -1,7 +1,8 @@
-//! From messages to frames as they come: names, types and raw CDR in, frames out. No file, socket, clock or thread.
+//! Online assembly of frames from messages: names, types and raw CDR in, frames out. No file, socket, clock
+//! or thread.
 //!
-//! A recording goes the same way: its reader is a container and what is here, so that a recording pushed
-//! message by message gives the frames that reading it gives, bit for bit.
+//! A recording is processed in the same way: its reader is a container and this module, so that a recording
+//! pushed message by message gives frames that are bitwise identical to those of a reader.
 //!
 //! ```
 //! use sinew_log::encode::{DynamicJointState, Header, InterfaceValue, JointState, Message as _};
@@ -32,7 +33,7 @@
 //!         frames += 1;
 //!     }
 //! }
-//! // The last quarter of a second waits for what may come late.
+//! // The last quarter of a second waits for late messages.
 //! assert_eq!(frames, 750);
 //! live.silence();
 //! while live.frame().is_some() {
@@ -42,29 +43,29 @@
 //! # Ok::<(), sinew_log::encode::EncodeError>(())
 //! ```
 //!
-//! # What is taken for what
+//! # Roles of the topics
 //!
-//! By the rule of a recording, among the topics announced so far: the topic named in the options; else the usual
-//! name in the namespace; else the only one. While several could be a side, it has none, and
-//! [`Live::choice`] says so. A topic that appears later joins in; the choice depends on the topics
-//! announced, not on their order. A new joint side begins a new segment.
+//! By the rule of a recording, among the topics announced so far: the topic named in the options; otherwise
+//! the default name in the namespace; otherwise the only one. While several could be a side, it has none, and
+//! [`Live::choice`] reports it. A topic that appears later is used from then on; the choice depends on the
+//! topics announced, not on their order. A new joint side begins a new segment.
 //!
-//! # What happens with what comes
+//! # Handling of irregular input
 //!
 //! As in a recording (see the [crate](crate#what-happens-with-bad-input)), and:
 //!
-//! | what comes | decision |
+//! | input | decision |
 //! |---|---|
 //! | a publisher that names other joints, or the same in another order | values are found by name in every message |
 //! | several publishers on one topic | each may hold a part of the joints; four layouts are remembered |
-//! | joint that is not watched | ignored, and named in [`Health::unknown_joints`] |
-//! | motor side that isn't there yet, or vanished | frames without it (NaN), up to a second late after it vanished |
-//! | robot started anew: stamps go back | eight samples in a row behind the window: new segment |
-//! | simulated time that stands still | the first message of a stamp is kept; the others are counted |
-//! | stamp of zero | the instant of receipt stands for it |
-//! | silence ([`Live::silence`]) | what is held is handed out; a new segment begins |
+//! | joint that is not monitored | ignored, and named in [`Health::unknown_joints`] |
+//! | motor side or tensions that are missing | frames without it (NaN), up to a second late after the last sample |
+//! | restarted robot: time stamps step back | eight samples in a row behind the window: new segment |
+//! | paused simulated time | the first message of a stamp is kept; the others are counted |
+//! | stamp of zero | replaced by the time of receipt |
+//! | silence ([`Live::silence`]) | the remaining samples are returned; a new segment begins |
 //! | robot description | the text is kept; a new one replaces it |
-//! | more topics than 1024 | the others are refused; counted |
+//! | more topics than 1024 | the others are rejected and counted |
 
 pub(crate) mod choose;
 pub(crate) mod joints;
@@ -76,13 +77,13 @@ pub(crate) mod survey;
 mod census;
 mod filter;
 
-pub use census::{Census, JointInfo, RobotFound};
+pub use census::{JointInfo, RobotFound, TopicDiscovery};
 pub use filter::TopicFilter;
 
 use crate::assemble::Joiner;
 use crate::decode::MessageKind;
 use crate::error::{Ambiguity, LogError};
-use crate::frame::{Channels, DrivenJoint, Frame};
+use crate::frame::{Axis, AxisNames, Channels, Frame, OwnedAxis};
 use crate::health::Health;
 use crate::mapping::Mapping;
 use crate::options::{OpenOptions, check_options};
@@ -93,28 +94,29 @@ use seen::{Announced, Seen, topics_of};
 use sinew_files::names::{hint, list};
 use survey::{Survey, description};
 
-/// Most topics that are looked at: whoever may announce topics may announce many.
+/// Maximum number of topics: any publisher may announce many.
 pub const TOPICS_MOST: usize = 1024;
 
-/// What is made of messages.
+/// Options of the online assembly of frames.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LiveOptions {
-    /// Joints of the frames, in this order: the robot's own.
-    pub joints: Vec<String>,
-    /// Motor of each joint at whose shaft position and torque are measured; `None`: one of the joint's name, reflected to it. Empty: all are.
-    pub motors: Vec<Option<String>>,
-    /// What the robot's topics lie in, such as `/arm7`; empty: anywhere.
+    /// Axes of the frames, in this order: the joints of the robot, then further axes. At least one has a
+    /// joint.
+    pub axes: Vec<OwnedAxis>,
+    /// Namespace of the robot's topics, such as `/arm7`; empty: any.
     pub namespace: String,
-    /// Topics, interfaces, mapping and times, as for a recording. A name without a leading `/` lies in the
-    /// namespace; `chunk_limit_bytes` is of no use here.
+    /// Topics, interfaces, mapping and times, as for a recording. A name without a leading `/` is in the
+    /// namespace; `chunk_limit_bytes` is not used.
     pub open: OpenOptions,
 }
 
 impl LiveOptions {
-    /// These joints, and everything else as it comes.
+    /// Options for these joints, with defaults for everything else.
     pub fn of_joints(joints: &[String]) -> Self {
         LiveOptions {
-            joints: joints.to_vec(),
+            axes: (joints.iter())
+                .map(|joint| Axis::of_joint(joint).into())
+                .collect(),
             ..LiveOptions::default()
         }
     }
@@ -124,10 +126,10 @@ impl LiveOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TopicId(u16);
 
-/// Which topics are taken for what, among those announced so far.
+/// Roles of the topics announced so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice<'a> {
-    /// The joint side: it sets the instants, so without one there is no frame.
+    /// Topic of the joint side: it sets the time stamps, so there is no frame without one.
     pub joint_side: Option<&'a str>,
     /// The motor side.
     pub motor_side: Option<&'a str>,
@@ -137,25 +139,26 @@ pub struct Choice<'a> {
     pub ambiguous: &'a [Ambiguity],
 }
 
-/// A side that is asked for by name, and isn't there.
+/// Side that is requested by name and is missing.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Missed {
-    /// Which side.
+pub struct MissingTopic {
+    /// Side of the robot.
     pub side: TopicUse,
-    /// The name asked for.
+    /// Requested name of the topic.
     pub wanted: String,
-    /// Topics with joint states that are there, and are no other side.
+    /// Existing topics with joint states that are no other side.
     pub others: Vec<String>,
 }
 
-/// Topics with joint states that aren't asked for and are remembered, at most.
+/// Maximum number of topics with joint states that are remembered without a request.
 pub const OVERLOOKED_MOST: usize = 16;
 
-/// Makes frames of messages as they come.
+/// Assembles frames from messages online.
 ///
 /// # Realtime
-/// [`Live::push`] and [`Live::frame`] allocate nothing once every topic has brought a few seconds of messages
-/// laid out alike (`crates/sinew-door/tests/realtime.rs`, counting allocator); they never block or read a clock.
+/// [`Live::push`] and [`Live::frame`] do not allocate once every topic has had a few seconds of messages of
+/// the same layout (`crates/sinew-transport/tests/realtime.rs`, counting allocator); they never block or read
+/// a clock.
 #[derive(Debug)]
 pub struct Live {
     filter: TopicFilter,
@@ -167,64 +170,64 @@ pub struct Live {
     ambiguous: Vec<Ambiguity>,
     robot_description: Option<String>,
     descriptions: u64,
-    topics_refused: u64,
-    /// Topics with joint states that aren't asked for.
+    topics_rejected: u64,
+    /// Topics with joint states that are not requested.
     overlooked: Vec<String>,
 }
 
 impl Live {
-    /// Nothing announced, nothing held.
+    /// Online assembly without any topic.
     ///
     /// # Errors
-    /// No joint, a joint twice, a joint that the mapping doesn't name; times that can't be; a mapping of columns.
+    /// Returns [`LogError`] for no joint, a duplicate joint, motor or tendon, an axis without a name, a joint
+    /// that is missing in the mapping, invalid times, or a mapping of columns.
     pub fn new(options: &LiveOptions) -> Result<Self, LogError> {
         let request = |reason: String| Err(LogError::request("live", reason));
         check_options(&options.open, "live")?;
         let empty = Mapping::default();
         let mapping = options.open.mapping.as_ref().unwrap_or(&empty);
         check_mapping(mapping)?;
-        let joints = &options.joints;
+        let axes = Vec::from_iter(options.axes.iter().map(OwnedAxis::axis));
+        let joints = Vec::from_iter(axes.iter().filter_map(|axis| axis.joint));
         if joints.is_empty() {
-            return request("no joint is watched".to_owned());
+            return request("no joint is monitored".to_owned());
         }
-        for (place, joint) in joints.iter().enumerate() {
-            if joints[..place].contains(joint) {
-                return request(format!("joint '{joint}' is watched twice"));
+        for (place, axis) in axes.iter().enumerate() {
+            if let Some((what, name)) = axis.taken(&axes[..place]) {
+                return request(format!("{what} '{name}' is monitored twice"));
+            }
+            if axis.is_nameless() {
+                return request(format!(
+                    "axis {place} has no name: specify a joint, a motor or a tendon"
+                ));
             }
             let mapped = Vec::from_iter(mapping.joint_names());
-            if !mapped.is_empty() && !mapped.contains(&joint.as_str()) {
+            let is_mapped = |joint: &&str| mapped.is_empty() || mapped.contains(joint);
+            if let Some(joint) = axis.joint.filter(|joint| !is_mapped(joint)) {
                 let hint = hint(joint, &mapped);
                 return request(format!(
-                    "joint '{joint}' is watched, and the mapping {} doesn't name it{hint} joints are {}",
+                    "joint '{joint}' is monitored, but the mapping {} does not name it{hint} joints are {}",
                     mapping.file,
                     list(&mapped)
                 ));
             }
         }
-        let motors = &options.motors;
-        if !(motors.is_empty() || motors.len() == joints.len()) {
-            let (motors, joints) = (motors.len(), joints.len());
-            return request(format!("{motors} motors for {joints} joints"));
-        }
-        let motor = |i: usize| motors.get(i).and_then(Option::as_deref);
-        let driven = joints.iter().enumerate();
-        let driven = driven.map(|(i, joint)| DrivenJoint::new(joint, motor(i)));
-        let driven: Vec<DrivenJoint> = driven.collect();
+        let joints = joints.into_iter().map(str::to_owned).collect();
+        let axes = Vec::from_iter(axes.into_iter().map(AxisNames::new));
         let filter = TopicFilter::new(options);
         let (names, ambiguous) = choose_so_far(&Survey::default(), filter.wishes());
         let mut samples = Samples::new(names, mapping, Vec::new());
-        let mut known = Vec::new();
-        for joint in &driven {
-            let (recorded, _) = samples.recorded_names(&joint.joint);
-            let (_, motor) = samples.recorded_names(&joint.motor);
-            known.extend([recorded, motor].map(|name| name.as_bytes().to_vec()));
+        let mut all = Vec::new();
+        for axis in &axes {
+            let recorded = samples.recorded_of(axis).into_iter().flatten();
+            all.extend(recorded.map(|name| name.as_bytes().to_vec()));
         }
-        samples.set_known(known);
-        samples.select(&driven);
-        let joiner = samples.joiner(&driven, &options.open);
+        samples.set_recorded(all);
+        samples.select(&axes);
+        let joiner = samples.joiner(&axes, &options.open);
         Ok(Live {
             filter,
-            joints: joints.clone(),
+            joints,
             announced: Announced::default(),
             samples,
             joiner,
@@ -232,13 +235,13 @@ impl Live {
             ambiguous,
             robot_description: None,
             descriptions: 0,
-            topics_refused: 0,
+            topics_rejected: 0,
             overlooked: Vec::new(),
         })
     }
 
     /// Announces a topic: its name, such as `/arm7/joint_states`, and its type, such as
-    /// `sensor_msgs/msg/JointState`. `None`: nothing of it is of use. The same topic may be announced again.
+    /// `sensor_msgs/msg/JointState`. `None` if the topic is not used. The same topic may be announced again.
     pub fn topic(&mut self, name: &str, schema: &str) -> Option<TopicId> {
         if !self.filter.wants(name, schema) {
             let is_new = || !self.overlooked.iter().any(|known| known == name);
@@ -249,7 +252,7 @@ impl Live {
             return None;
         }
         let Some((id, is_new)) = self.announced.topic(name, schema) else {
-            self.topics_refused += 1;
+            self.topics_rejected += 1;
             return None;
         };
         if is_new {
@@ -258,7 +261,7 @@ impl Live {
         Some(id)
     }
 
-    /// Chooses anew among the topics there are.
+    /// Chooses again among the topics.
     fn choose(&mut self) {
         let (names, ambiguous) = choose_so_far(&self.announced.survey, self.filter.wishes());
         self.ambiguous = ambiguous;
@@ -277,10 +280,10 @@ impl Live {
         }
     }
 
-    /// A message: CDR with its encapsulation header, and when it was received, ns.
+    /// Adds a message: CDR with its encapsulation header, and its time of receipt, ns.
     ///
-    /// The time of receipt stands for stamps that are zero, so it should be of a clock that doesn't step.
-    /// Take the frames there are ([`Self::frame`]) after every message.
+    /// The time of receipt replaces a stamp of zero, so its clock should be monotonic.
+    /// Call [`Self::frame`] for the available frames after every message.
     pub fn push(&mut self, topic: TopicId, cdr: &[u8], received_ns: i64) {
         let Some(seen) = self.announced.message(topic, cdr, received_ns) else {
             return;
@@ -294,7 +297,7 @@ impl Live {
         }
     }
 
-    /// A robot description; the one beside the other topics wins over those further down.
+    /// Reads a robot description; that in the namespace of the topics takes precedence over those below it.
     fn describe(&mut self, topic: TopicId, cdr: &[u8]) {
         let own = format!("{}/robot_description", self.filter.namespace());
         let is_own = |seen: &Seen| seen.topic == own && seen.messages() > 0;
@@ -309,7 +312,8 @@ impl Live {
         }
     }
 
-    /// The next frame that may leave; `None`: more has to come. The frame is lent until the next call.
+    /// Returns the next released frame; `None`: further messages are needed. The frame is valid until the
+    /// next call.
     pub fn frame(&mut self) -> Option<&Frame> {
         match self.joiner.is_ready() {
             true => Some(self.joiner.compose(&mut self.health)),
@@ -317,25 +321,26 @@ impl Live {
         }
     }
 
-    /// Nothing comes any more, or something was lost: what is held may leave, and what comes next begins a new segment.
+    /// Ends a segment, because no data arrive or data were lost: the remaining samples are returned, and the
+    /// next sample begins a new segment.
     pub fn silence(&mut self) {
         self.joiner.release();
     }
 
-    /// Joints of the frames.
+    /// Joints of the frames, without axes that have none.
     pub fn joints(&self) -> &[String] {
         &self.joints
     }
 
-    /// What was lost, repaired or looks wrong since the beginning, as of a recording. Allocates: ask once a second, not
-    /// once a message.
+    /// Losses, repairs and implausible signals since the start, as of a recording. It allocates: call it once
+    /// per second, not once per message.
     pub fn health(&self) -> Health {
         let mut health = self.health.clone();
         self.joiner.finish(&mut health);
         health
     }
 
-    /// Which topics are taken for what.
+    /// Roles of the topics.
     pub fn choice(&self) -> Choice<'_> {
         let names = self.samples.names();
         Choice {
@@ -346,9 +351,9 @@ impl Live {
         }
     }
 
-    /// Sides that are asked for by name while no topic of that name came, and others that carry joint states did: a
-    /// name that is written wrong, or a robot that isn't on beside one that is.
-    pub fn missed(&self) -> Vec<Missed> {
+    /// Sides that are requested by name and have no topic, although other topics carry joint states: a
+    /// misspelt name, or a robot that is not connected while another one is.
+    pub fn missed(&self) -> Vec<MissingTopic> {
         let choice = self.choice();
         let wishes = self.filter.wishes();
         let sides = [
@@ -376,7 +381,7 @@ impl Live {
         let missed = sides.into_iter().filter_map(|(side, wanted, found)| {
             let wanted = wanted.filter(|_| found.is_none())?.clone();
             let others = others();
-            (!others.is_empty()).then_some(Missed {
+            (!others.is_empty()).then_some(MissingTopic {
                 side,
                 wanted,
                 others,
@@ -385,32 +390,32 @@ impl Live {
         missed.collect()
     }
 
-    /// The topics announced, with what each brought and is taken for.
+    /// Announced topics, with their content and roles.
     pub fn topics(&self) -> Vec<TopicInfo> {
         topics_of(&self.announced.seen, self.samples.names())
     }
 
-    /// Topics that were refused, since there are [`TOPICS_MOST`] already.
-    pub fn topics_refused(&self) -> u64 {
-        self.topics_refused
+    /// Number of topics that were rejected, because there are [`TOPICS_MOST`] already.
+    pub fn topics_rejected(&self) -> u64 {
+        self.topics_rejected
     }
 
-    /// Which quantities came so far of each joint.
+    /// Quantities of each axis that have been received so far.
     pub fn channels(&self) -> &Channels {
         self.samples.came()
     }
 
-    /// Where each quantity that came is read from.
+    /// Source of each received quantity.
     pub fn sources(&self) -> Vec<SignalSource> {
         self.samples.names().sources(self.samples.came())
     }
 
-    /// The robot's URDF, where it was published.
+    /// Published robot description (URDF), if there is one.
     pub fn robot_description(&self) -> Option<&str> {
         self.robot_description.as_deref()
     }
 
-    /// How many robot descriptions came that differ from the one before.
+    /// Number of robot descriptions that differ from the preceding one.
     pub fn descriptions(&self) -> u64 {
         self.descriptions
     }

@@ -1,4 +1,4 @@
-//! What a topic is for, and which quantity each of its values is.
+//! Roles of the topics, and quantities of their values.
 
 use crate::decode::Field;
 use crate::frame::{Channels, Quantity};
@@ -14,6 +14,7 @@ pub(crate) struct Names {
     /// Whether the motor side is a JointState, which has fields and no interfaces.
     pub(crate) motor_is_plain: bool,
     pub(crate) external_topic: Option<String>,
+    pub(crate) tension_topic: Option<String>,
     pub(crate) motor_interface: String,
     pub(crate) motor_effort_interface: String,
     pub(crate) temperature_interface: String,
@@ -21,35 +22,34 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    /// What a topic is taken for.
-    pub(crate) fn taken_for(&self, topic: &str) -> Option<TopicUse> {
+    /// Role of a topic.
+    pub(crate) fn role(&self, topic: &str) -> Option<TopicUse> {
         let is = |(_, name): &(TopicUse, Option<&String>)| name.is_some_and(|name| name == topic);
         self.sides().into_iter().find(is).map(|(side, _)| side)
     }
 
-    /// The sides, and the topic that each is read from.
-    pub(crate) fn sides(&self) -> [(TopicUse, Option<&String>); 3] {
+    /// Sides of the robot, with the topic of each.
+    pub(crate) fn sides(&self) -> [(TopicUse, Option<&String>); 4] {
         [
             (TopicUse::JointSide, self.joint_topic.as_ref()),
             (TopicUse::MotorSide, self.motor_topic.as_ref()),
             (TopicUse::ExternalTorque, self.external_topic.as_ref()),
+            (TopicUse::Tension, self.tension_topic.as_ref()),
         ]
     }
 
-    /// The topics read, as words.
+    /// Layout of the topics, as text.
     pub(crate) fn layout(&self) -> String {
         let topics = self.sides().into_iter().filter_map(|(_, topic)| topic);
         format!("topics {}", list(&Vec::from_iter(topics)))
     }
 
-    /// Where each quantity of these channels is read from.
+    /// Source of each quantity of these channels, and of a tension.
     pub(crate) fn sources(&self, channels: &Channels) -> Vec<SignalSource> {
         let (joint, motor) = (self.joint_topic.as_ref(), self.motor_topic.as_ref());
         let effort_of = |effort| self.joint_effort == effort;
-        let all = Quantity::PER_JOINT
-            .into_iter()
-            .chain([Quantity::Temperature]);
-        let found = all.filter(|quantity| channels.any_has(*quantity));
+        let all = Quantity::ALL.into_iter();
+        let found = all.filter(|q| *q == Quantity::Tension || channels.any_has(*q));
         found
             .filter_map(|quantity| {
                 let (topic, field) = match quantity {
@@ -61,6 +61,7 @@ impl Names {
                     Quantity::TauM => (motor, self.motor_effort_interface.as_str()),
                     Quantity::Temperature => (motor, self.temperature_interface.as_str()),
                     Quantity::TauExt => (self.external_topic.as_ref(), "effort"),
+                    Quantity::Tension => (self.tension_topic.as_ref(), "effort"),
                 };
                 let plain = match quantity {
                     Quantity::Theta => "position",
@@ -101,6 +102,7 @@ impl Names {
             .into_iter()
             .find_map(|(own, quantity)| (name == own.as_bytes()).then_some(quantity)),
             (TopicUse::ExternalTorque, Field::Effort) => Some(Quantity::TauExt),
+            (TopicUse::Tension, Field::Effort) => Some(Quantity::Tension),
             _ => None,
         }
     }

@@ -1,31 +1,33 @@
-//! From messages to samples in the joiner: one decoder for files and for what comes live.
+//! Conversion of messages to samples in the joiner: one decoder for files and for online input.
 
 use super::names::Names;
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
-use crate::frame::{Channels, DrivenJoint, Quantity};
+use crate::frame::{AxisNames, Channels, Quantity, blocks};
 use crate::health::{Health, UNKNOWN_LIMIT};
-use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
+use crate::mapping::{JointEffort, JointMap, Mapping, TendonMap, Wrap};
 use crate::options::{OpenOptions, to_ns};
 use crate::sources::TopicUse;
 use std::collections::HashMap;
 
-/// Layouts remembered per topic: publishers that take turns on one topic.
+/// Number of layouts per topic: several publishers may alternate on one topic.
 const LAYOUTS_KEPT: usize = 4;
 /// Places of the joiner's side streams.
 const MOTOR: usize = 0;
 const EXTERNAL: usize = 1;
+const TENSION: usize = 2;
 
 /// Place of a side among the joiner's side streams; `None`: it sets the instants.
 fn place(side: TopicUse) -> Option<usize> {
     match side {
         TopicUse::MotorSide => Some(MOTOR),
         TopicUse::ExternalTorque => Some(EXTERNAL),
+        TopicUse::Tension => Some(TENSION),
         TopicUse::JointSide | TopicUse::RobotDescription => None,
     }
 }
 
-/// One topic while its messages are read.
+/// Topic whose messages are read.
 #[derive(Debug)]
 struct Stream {
     topic: String,
@@ -35,34 +37,36 @@ struct Stream {
     layouts: Vec<Layout>,
 }
 
-/// The joints handed out: where a recorded name goes on each side.
+/// Selected axes: the destination of each recorded name on each side.
 #[derive(Debug, Default)]
 struct Selection {
     n: usize,
     joint_side: HashMap<Vec<u8>, usize>,
     motor_side: HashMap<Vec<u8>, usize>,
+    tendons: HashMap<Vec<u8>, usize>,
 }
 
 /// Takes messages apart, and puts their values into the joiner's streams.
 ///
 /// # Realtime
-/// [`Self::push`] allocates nothing where a message is laid out as one of the last four of its topic.
+/// [`Self::push`] does not allocate for a message with one of the last four layouts of its topic.
 #[derive(Debug)]
 pub(crate) struct Samples {
     names: Names,
     mapping: Vec<JointMap>,
-    /// Recorded names of all joints known, for telling the unknown ones.
-    known: Vec<Vec<u8>>,
+    tendons: Vec<TendonMap>,
+    /// Recorded names of all joints, to detect unknown ones.
+    recorded: Vec<Vec<u8>>,
     streams: Vec<Option<Stream>>,
     selection: Selection,
     joint_blocks: Vec<Quantity>,
     motor_blocks: Vec<Quantity>,
-    /// What came so far of each joint selected.
+    /// Quantities received so far of each selected axis.
     came: Channels,
 }
 
 impl Samples {
-    pub(crate) fn new(names: Names, mapping: &Mapping, known: Vec<Vec<u8>>) -> Self {
+    pub(crate) fn new(names: Names, mapping: &Mapping, recorded: Vec<Vec<u8>>) -> Self {
         let effort = match names.joint_effort {
             JointEffort::TauEl => Some(Quantity::TauEl),
             JointEffort::TauM => Some(Quantity::TauM),
@@ -78,7 +82,8 @@ impl Samples {
         Samples {
             names,
             mapping: mapping.joints.clone(),
-            known,
+            tendons: mapping.tendons.clone(),
+            recorded,
             streams: Vec::new(),
             selection: Selection::default(),
             joint_blocks,
@@ -91,39 +96,59 @@ impl Samples {
         &self.names
     }
 
-    /// Quantities that messages held so far of each joint selected.
+    /// Quantities of each selected axis that messages have contained so far.
     pub(crate) fn came(&self) -> &Channels {
         &self.came
     }
 
-    /// Recorded names that are nothing new.
-    pub(crate) fn set_known(&mut self, known: Vec<Vec<u8>>) {
-        self.known = known;
+    /// Sets the recorded names of all joints.
+    pub(crate) fn set_recorded(&mut self, recorded: Vec<Vec<u8>>) {
+        self.recorded = recorded;
     }
 
-    /// The joints of the samples from now on. Streams are announced anew afterwards.
-    pub(crate) fn select(&mut self, joints: &[DrivenJoint]) {
+    /// Sets the axes of the samples from now on. Streams are announced again afterwards.
+    pub(crate) fn select(&mut self, axes: &[AxisNames]) {
         let mut selection = Selection {
-            n: joints.len(),
+            n: axes.len(),
             ..Selection::default()
         };
-        for (index, joint) in joints.iter().enumerate() {
-            let (recorded, _) = self.recorded_names(&joint.joint);
-            let (_, motor) = self.recorded_names(&joint.motor);
-            let name = |name: &str| name.as_bytes().to_vec();
-            selection.joint_side.insert(name(recorded), index);
-            selection.motor_side.insert(name(motor), index);
+        for (index, axis) in axes.iter().enumerate() {
+            let [joint, motor, tendon] = self.recorded_of(axis);
+            let sides = [
+                (joint, &mut selection.joint_side),
+                (motor, &mut selection.motor_side),
+                (tendon, &mut selection.tendons),
+            ];
+            for (name, side) in sides {
+                if let Some(name) = name {
+                    side.insert(name.as_bytes().to_vec(), index);
+                }
+            }
         }
         self.came = Channels {
-            joints: vec![Default::default(); joints.len()],
+            joints: vec![Default::default(); axes.len()],
             temperature: false,
         };
         self.selection = selection;
         self.streams.clear();
     }
 
+    /// The names of joint, motor and tendon of an axis in messages.
+    pub(crate) fn recorded_of<'a>(&'a self, axis: &'a AxisNames) -> [Option<&'a str>; 3] {
+        let joint = axis.joint.as_deref();
+        let motor = axis.motor.as_deref();
+        [
+            joint.map(|joint| self.recorded_names(joint).0),
+            motor.map(|motor| self.recorded_names(motor).1),
+            axis.tendon.as_deref().map(|tendon| {
+                let mapped = self.tendons.iter().find(|mapped| mapped.name == tendon);
+                mapped.map_or(tendon, TendonMap::recorded_name)
+            }),
+        ]
+    }
+
     /// The names of a joint in messages of the joint side and of the motor side.
-    pub(crate) fn recorded_names<'a>(&'a self, joint: &'a str) -> (&'a str, &'a str) {
+    fn recorded_names<'a>(&'a self, joint: &'a str) -> (&'a str, &'a str) {
         let mapped = self.mapping.iter().find(|mapped| mapped.name == joint);
         (
             mapped.map_or(joint, JointMap::recorded_name),
@@ -131,7 +156,7 @@ impl Samples {
         )
     }
 
-    /// Topics have these roles from now on. Streams are announced anew afterwards.
+    /// Sets the roles of the topics from now on. Streams are announced again afterwards.
     pub(crate) fn rename(&mut self, names: Names, joiner: &mut Joiner) {
         self.names = names;
         self.streams.clear();
@@ -141,11 +166,12 @@ impl Samples {
     fn expect(&self, joiner: &mut Joiner) {
         joiner.expect(MOTOR, self.names.motor_topic.is_some());
         joiner.expect(EXTERNAL, self.names.external_topic.is_some());
+        joiner.expect(TENSION, self.names.tension_topic.is_some());
     }
 
-    /// From now on messages of the stream are read, if its topic has a role.
+    /// Announces a stream; its messages are read if its topic has a role.
     pub(crate) fn stream(&mut self, id: u16, topic: &str, kind: MessageKind) {
-        let Some(side) = self.names.taken_for(topic) else {
+        let Some(side) = self.names.role(topic) else {
             return;
         };
         let id = usize::from(id);
@@ -163,51 +189,56 @@ impl Samples {
         }
     }
 
-    /// Whether messages of the stream are read.
+    /// Whether messages of the stream are used.
     #[inline]
     pub(crate) fn reads(&self, id: u16) -> bool {
         let stream = self.streams.get(usize::from(id));
         stream.is_some_and(Option::is_some)
     }
 
-    /// A joiner for the samples of the joints selected, which are `joints`.
-    pub(crate) fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
-        let mut signals = Vec::with_capacity(6 * joints.len());
-        for quantity in Quantity::PER_JOINT {
-            for joint in joints {
-                let source = self
-                    .mapping
-                    .iter()
-                    .find(|mapped| mapped.name == joint.recorded(quantity))
-                    .and_then(|mapped| mapped.sources[quantity.index()].as_ref());
-                signals.push(match source {
-                    None => Signal::si(quantity),
-                    Some(source) => Signal {
-                        scale: source.terms.first().map_or(1.0, |term| term.scale),
-                        offset: source.terms.first().map_or(0.0, |term| term.offset),
-                        period: match source.wrap {
-                            Wrap::Never => None,
-                            Wrap::Period(period) => Some(period),
-                        },
+    /// A joiner for the samples of the axes selected, which are `axes`.
+    pub(crate) fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
+        let signal = |axis: &AxisNames, quantity: Quantity| {
+            let name = axis.recorded(quantity).unwrap_or_default();
+            let source = if quantity == Quantity::Tension {
+                let mut mapped = self.tendons.iter();
+                let mapped = mapped.find(|mapped| mapped.name == name);
+                mapped.and_then(|mapped| mapped.tension.as_ref())
+            } else {
+                let mut mapped = self.mapping.iter();
+                let mapped = mapped.find(|mapped| mapped.name == name);
+                mapped.and_then(|mapped| mapped.sources.get(quantity.index())?.as_ref())
+            };
+            match source {
+                None => Signal::si(quantity),
+                Some(source) => Signal {
+                    scale: source.terms.first().map_or(1.0, |term| term.scale),
+                    offset: source.terms.first().map_or(0.0, |term| term.offset),
+                    period: match source.wrap {
+                        Wrap::Never => None,
+                        Wrap::Period(period) => Some(period),
                     },
-                });
+                },
             }
+        };
+        // At MOTOR, EXTERNAL and TENSION.
+        let mut sides: Vec<&[Quantity]> = vec![&self.motor_blocks, &[Quantity::TauExt]];
+        if blocks(axes).contains(&Quantity::Tension) {
+            sides.push(&[Quantity::Tension]);
         }
-        let conditioner = Conditioner::new(joints, signals, to_ns(options.gap_s));
         let mut joiner = Joiner::new(
-            joints.len(),
+            axes.len(),
             &self.joint_blocks,
-            // At MOTOR and EXTERNAL.
-            &[&self.motor_blocks, &[Quantity::TauExt]],
+            &sides,
             to_ns(options.reorder_s),
             to_ns(options.interpolate_s),
-            conditioner,
+            Conditioner::new(axes, to_ns(options.gap_s), signal),
         );
         self.expect(&mut joiner);
         joiner
     }
 
-    /// A message of a stream that [is read](Self::reads), received at `received_ns` where its stamp is zero.
+    /// Adds a message of a stream that [is read](Self::reads); `received_ns` replaces a stamp of zero.
     #[inline]
     pub(crate) fn push(
         &mut self,
@@ -243,7 +274,11 @@ impl Samples {
             let fill = |row: &mut [f64]| layout.copy(data, row);
             match place(stream.side) {
                 None => joiner.primary.insert(time_ns, fill),
-                Some(side) => joiner.sides[side].sorter.insert(time_ns, fill),
+                Some(side) => {
+                    if let Some(side) = joiner.sides.get_mut(side) {
+                        side.sorter.insert(time_ns, fill);
+                    }
+                }
             }
         }
         if !layout.is_cacheable() {
@@ -251,7 +286,7 @@ impl Samples {
         }
     }
 
-    /// Learns how a message is laid out; `false`: it can't be decoded.
+    /// Determines the layout of a message; `false`: it cannot be decoded.
     #[cold]
     fn lay_out(
         &mut self,
@@ -267,6 +302,7 @@ impl Samples {
         let (blocks, joints) = match place(stream.side) {
             None => (self.joint_blocks.as_slice(), &self.selection.joint_side),
             Some(MOTOR) => (self.motor_blocks.as_slice(), &self.selection.motor_side),
+            Some(TENSION) => ([Quantity::Tension].as_slice(), &self.selection.tendons),
             Some(_) => ([Quantity::TauExt].as_slice(), &self.selection.joint_side),
         };
         let n = self.selection.n;
@@ -279,7 +315,10 @@ impl Samples {
         };
         let layout = match parse(stream.kind, data) {
             Ok(parsed) => {
-                note_unknown(&parsed.names, &self.known, health);
+                // Tendons are unknown unless they are requested.
+                if side != TopicUse::Tension || !self.selection.tendons.is_empty() {
+                    note_unknown(&parsed.names, &self.recorded, health);
+                }
                 Layout::new(data, &parsed, blocks.len() * n, column)
             }
             Err(error) => {
@@ -303,12 +342,12 @@ impl Samples {
     }
 }
 
-fn note_unknown(names: &[&[u8]], known: &[Vec<u8>], health: &mut Health) {
+fn note_unknown(names: &[&[u8]], recorded: &[Vec<u8>], health: &mut Health) {
     for name in names {
         if health.unknown_joints.len() >= UNKNOWN_LIMIT {
             return;
         }
-        if !known.iter().any(|known| known == name) {
+        if !recorded.iter().any(|recorded| recorded == name) {
             let name = sinew_files::names::shorten(&String::from_utf8_lossy(name), 80);
             if !health.unknown_joints.contains(&name) {
                 health.unknown_joints.push(name);

@@ -45,7 +45,7 @@ impl Seen {
     }
 }
 
-/// Topics that were announced, and what they brought.
+/// Announced topics and their content.
 #[derive(Debug, Default)]
 pub(crate) struct Announced {
     pub(crate) survey: Survey,
@@ -54,11 +54,11 @@ pub(crate) struct Announced {
 }
 
 impl Announced {
-    /// The number of a topic, and whether it is new; `None`: there are too many already.
+    /// Number of a topic, and whether it is new; `None`: the maximum number is reached.
     pub(crate) fn topic(&mut self, name: &str, schema: &str) -> Option<(TopicId, bool)> {
         let is_same = |topic: &Topic| topic.name == name && topic.schema == schema;
-        let known = self.survey.topics.iter().find(|(_, topic)| is_same(topic));
-        if let Some((id, _)) = known {
+        let existing = self.survey.topics.iter().find(|(_, topic)| is_same(topic));
+        if let Some((id, _)) = existing {
             return Some((TopicId(*id), false));
         }
         let id = self.seen.len();
@@ -92,7 +92,7 @@ impl Announced {
     }
 }
 
-/// The topics by name, with what each is taken for; several channels may have one topic.
+/// Topics by name, with their roles; several channels may have one topic.
 pub(crate) fn topics_of(seen: &[Seen], names: &Names) -> Vec<TopicInfo> {
     let mut topics: BTreeMap<&str, Seen> = BTreeMap::new();
     for seen in seen.iter().filter(|seen| !seen.topic.is_empty()) {
@@ -113,8 +113,8 @@ pub(crate) fn topics_of(seen: &[Seen], names: &Names) -> Vec<TopicInfo> {
         rate_hz: (all.messages > 1 && all.last_ns > all.first_ns)
             .then(|| (all.messages - 1) as f64 * 1e9 / (all.last_ns - all.first_ns) as f64),
         interfaces: all.interfaces,
-        taken_for: names
-            .taken_for(name)
+        role: names
+            .role(name)
             .or(all.is_description.then_some(TopicUse::RobotDescription)),
     };
     topics.into_iter().map(info).collect()

@@ -1,15 +1,15 @@
-//! What messages bring, before any of it is taken for something: topics, joints, interfaces.
+//! Content of messages before any role is assigned: topics, joints, interfaces.
 
 use crate::decode::{Cdr, Field, MessageKind, parse};
 use crate::health::Health;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Messages per topic looked at for joint names.
+/// Number of messages per topic that are searched for joint names.
 pub(crate) const NAMED_MESSAGES: u64 = 256;
 /// Most joints and interfaces a topic may have.
 const NAME_LIMIT: usize = 4096;
 
-/// Which of a joint's values a topic holds.
+/// Values of a joint in a topic.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Fields {
     pub(crate) position: bool,
@@ -18,7 +18,7 @@ pub(crate) struct Fields {
     pub(crate) interfaces: Vec<String>,
 }
 
-/// A topic and what its first messages name.
+/// Topic with the names in its first messages.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Topic {
     pub(crate) name: String,
@@ -51,7 +51,7 @@ impl Topic {
     }
 }
 
-/// Topics, and what their first messages name.
+/// Topics with the names in their first messages.
 #[derive(Debug, Default)]
 pub(crate) struct Survey {
     pub(crate) topics: BTreeMap<u16, Topic>,
@@ -59,7 +59,7 @@ pub(crate) struct Survey {
     pub(crate) robot_description: Option<String>,
     /// The recorder's clock at the first message, ns.
     pub(crate) starts_ns: Option<i64>,
-    /// What was found damaged in the part looked at.
+    /// Damage found in the part that was scanned.
     pub(crate) health: Health,
 }
 

@@ -17,6 +17,9 @@
 //! tau_el = { column = "effort", unit = "N·mm" }
 //! tau_m = { column = "current", unit = "A", torque_constant_nm_per_a = 0.05, gear_ratio = 100 }
 //!
+//! [tendons.flexor]               # its tension; "column" is short for { column = "column" }
+//! tension = { column = "load_cell_3", unit = "N" }
+//!
 //! [mcap]
 //! joint_state_topic = "/arm/joint_states"
 //! motor_topic = "/arm/motor_states"
@@ -41,13 +44,14 @@ use sinew_files::Located;
 
 use crate::frame::Quantity;
 
-/// Names, units, gear ratios, signs and offsets of a recording that has its own.
+/// Mapping of a recording: names, units, gear ratios, signs and offsets.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mapping {
     pub(crate) file: String,
     pub(crate) time: Option<TimeMap>,
     pub(crate) temperature: Option<Source>,
     pub(crate) joints: Vec<JointMap>,
+    pub(crate) tendons: Vec<TendonMap>,
     pub(crate) mcap: McapMap,
 }
 
@@ -64,7 +68,7 @@ impl Mapping {
     /// Reads a mapping file.
     ///
     /// # Errors
-    /// As [`Mapping::from_toml`]; a file that cannot be read.
+    /// As [`Mapping::from_toml`]; also returns an error for an unreadable file.
     pub fn read(path: &Path) -> Result<Mapping, Located> {
         let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)?;
         Self::from_toml(&text, &path.display().to_string())
@@ -85,9 +89,15 @@ impl Mapping {
     pub fn sums(&self, name: &str, quantity: Quantity) -> bool {
         let mut named = self.joints.iter().filter(|joint| joint.name == name);
         named.any(|joint| {
-            let source = joint.sources[quantity.index()].as_ref();
+            let source = joint.sources.get(quantity.index());
+            let source = source.and_then(Option::as_ref);
             source.is_some_and(|source| source.terms.len() > 1)
         })
+    }
+
+    /// The tendons the mapping names, in the file's order.
+    pub fn tendon_names(&self) -> impl Iterator<Item = &str> {
+        self.tendons.iter().map(|tendon| tendon.name.as_str())
     }
 
     /// The joints the mapping names, in the file's order.
@@ -108,7 +118,7 @@ pub(crate) struct JointMap {
     pub(crate) name: String,
     pub(crate) recorded: Option<String>,
     pub(crate) motor_recorded: Option<String>,
-    /// One source per quantity of [`Quantity::PER_JOINT`].
+    /// Sources, one per quantity of [`Quantity::PER_JOINT`].
     pub(crate) sources: [Option<Source>; 6],
 }
 
@@ -124,7 +134,21 @@ impl JointMap {
     }
 }
 
-/// Which quantity the `effort` of the joint-side `JointState` is.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TendonMap {
+    pub(crate) name: String,
+    pub(crate) recorded: Option<String>,
+    pub(crate) tension: Option<Source>,
+    pub(crate) line: u64,
+}
+
+impl TendonMap {
+    pub(crate) fn recorded_name(&self) -> &str {
+        self.recorded.as_deref().unwrap_or(&self.name)
+    }
+}
+
+/// Quantity in the `effort` of the joint-side `JointState`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum JointEffort {
     /// Elastic joint torque from a sensor (the default).
@@ -132,11 +156,11 @@ pub enum JointEffort {
     TauEl,
     /// Motor torque reflected to the joint, as many drivers publish it.
     TauM,
-    /// Not used.
+    /// Effort is not used.
     Ignore,
 }
 
-/// Where one quantity comes from: a sum of terms.
+/// Source of one quantity: a sum of terms.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Source {
     pub(crate) terms: Vec<Term>,
@@ -147,8 +171,24 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Whether it reads the same columns in the same way.
-    pub(crate) fn reads_as(&self, other: &Source) -> bool {
+    /// A column that is recorded in SI and does not wrap.
+    pub(crate) fn of_column(column: &str, line: u64) -> Self {
+        let term = Term {
+            column: Some(column.to_owned()),
+            scale: 1.0,
+            offset: 0.0,
+            line,
+        };
+        Self {
+            terms: vec![term],
+            wrap: Wrap::Never,
+            is_current: false,
+            line,
+        }
+    }
+
+    /// Whether both sources use the same columns in the same way.
+    pub(crate) fn is_equivalent(&self, other: &Source) -> bool {
         let same = |(a, b): (&Term, &Term)| {
             (&a.column, a.scale, a.offset) == (&b.column, b.scale, b.offset)
         };
@@ -173,7 +213,7 @@ pub(crate) enum Wrap {
 }
 
 impl Wrap {
-    /// What a position without further information has: one turn.
+    /// Default of a position without further information: one turn.
     pub(crate) fn default_for(quantity: Quantity) -> Wrap {
         match quantity {
             Quantity::Q | Quantity::Theta => Wrap::Period(2.0 * std::f64::consts::PI),
@@ -190,5 +230,6 @@ pub(crate) struct McapMap {
     pub(crate) motor_effort_interface: Option<String>,
     pub(crate) temperature_interface: Option<String>,
     pub(crate) external_torque_topic: Option<String>,
+    pub(crate) tension_topic: Option<String>,
     pub(crate) joint_effort: Option<JointEffort>,
 }

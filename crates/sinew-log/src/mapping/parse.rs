@@ -1,16 +1,16 @@
-//! From TOML text to a checked [`Mapping`].
+//! Parser of TOML text to a checked [`Mapping`].
 
 use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
 
 use super::unit::{self, time_unit_exponent};
-use super::{JointEffort, JointMap, Mapping, McapMap, Source, Term, TimeMap, Wrap};
+use super::{JointEffort, JointMap, Mapping, McapMap, Source, TendonMap, Term, TimeMap, Wrap};
 use crate::frame::Quantity;
 use sinew_files::unit::{Dimension, Unit};
 
 /// Most bytes a mapping file may have: a mapping is written by hand.
 pub(super) const TEXT_LIMIT_BYTES: u64 = sinew_files::limits::SETTINGS.most;
 
-/// Keys of a term, beside `column`.
+/// Keys of a term other than `column`.
 const TERM_KEYS: [&str; 8] = [
     "column",
     "unit",
@@ -53,11 +53,23 @@ pub(super) fn from_toml(text: &str, file: &str) -> Result<Mapping, Located> {
             read.collect::<Result<(), Located>>()
         });
         motors?;
+        let tendons = s.read("tendons", |s| {
+            let entries = s.entries().into_iter();
+            let read = entries.map(|(name, line, value)| {
+                if name.is_empty() {
+                    let problem = "a tendon without a name";
+                    return Err(s.here(Fault::NotAllowed, problem).line(line));
+                }
+                value.section()?.whole(|s| tendon(s, name))
+            });
+            read.collect::<Result<Vec<_>, Located>>()
+        })?;
         Ok(Mapping {
             file: file.to_owned(),
             time: s.read("time", time)?,
             temperature: s.read("temperature", |s| source(s, Quantity::Temperature))?,
             joints,
+            tendons: tendons.unwrap_or_default(),
             mcap: s.read("mcap", mcap)?.unwrap_or_default(),
         })
     })
@@ -65,8 +77,8 @@ pub(super) fn from_toml(text: &str, file: &str) -> Result<Mapping, Located> {
 
 fn time(s: &Section<'_>) -> Result<TimeMap, Located> {
     let exponent = s.value("unit").map(|unit| {
-        let known = time_unit_exponent(unit.text()?);
-        known.map_err(|reason| unit.fault(Fault::NotAllowed, reason))
+        let exponent = time_unit_exponent(unit.text()?);
+        exponent.map_err(|reason| unit.fault(Fault::NotAllowed, reason))
     });
     Ok(TimeMap {
         column: s.text("column")?,
@@ -82,6 +94,7 @@ fn mcap(s: &Section<'_>) -> Result<McapMap, Located> {
         motor_effort_interface: s.text("motor_effort_interface")?,
         temperature_interface: s.text("temperature_interface")?,
         external_torque_topic: s.text("external_torque_topic")?,
+        tension_topic: s.text("tension_topic")?,
         joint_effort: s.one_of(
             "joint_effort",
             &[
@@ -106,7 +119,25 @@ fn joint(s: &Section<'_>, name: &str) -> Result<JointMap, Located> {
     })
 }
 
-/// A motor that has a name of its own, as in `[motors]` of robot.toml.
+/// A tendon whose tension is measured: a column's name, or a source as that of a torque.
+fn tendon(s: &Section<'_>, name: &str) -> Result<TendonMap, Located> {
+    let tension = match s.value("tension") {
+        None => None,
+        Some(value) if value.is_table() => {
+            let read = |s: &Section<'_>| source(s, Quantity::Tension);
+            Some(value.section()?.whole(read)?)
+        }
+        Some(value) => Some(Source::of_column(value.text()?, value.line())),
+    };
+    Ok(TendonMap {
+        name: name.to_owned(),
+        recorded: s.text("name")?,
+        tension,
+        line: s.line(),
+    })
+}
+
+/// Motor with a name of its own, as in `[motors]` of robot.toml.
 fn motor(s: &Section<'_>, name: &str) -> Result<JointMap, Located> {
     let mut sources: [Option<Source>; 6] = Default::default();
     for quantity in [Quantity::Theta, Quantity::TauM] {
@@ -120,7 +151,7 @@ fn motor(s: &Section<'_>, name: &str) -> Result<JointMap, Located> {
     })
 }
 
-/// Adds a motor to the joints, to the one of its name where there is one.
+/// Adds a motor to the joints, or to the joint of its name.
 fn add_motor(joints: &mut Vec<JointMap>, motor: JointMap) -> Result<(), String> {
     let Some(joint) = joints.iter_mut().find(|joint| joint.name == motor.name) else {
         joints.push(motor);
@@ -134,7 +165,7 @@ fn add_motor(joints: &mut Vec<JointMap>, motor: JointMap) -> Result<(), String> 
         if to.is_some() && from.is_some() {
             let (symbol, name) = (quantity.symbol(), &motor.name);
             return Err(format!(
-                "{symbol} of '{name}' stands in [joints.{name}] and in [motors.{name}]: keep one"
+                "{symbol} of '{name}' is in both [joints.{name}] and [motors.{name}]: remove one"
             ));
         }
         *to = to.take().or_else(|| from.clone());
@@ -146,15 +177,15 @@ fn add_motor(joints: &mut Vec<JointMap>, motor: JointMap) -> Result<(), String> 
 fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {
     let contradiction = |problem: &str| Err(s.here(Fault::Contradiction, problem));
     let mut terms = s.each("sum", |s| {
-        s.need_text("column", "a term without a column reads nothing")?;
+        s.need_text("column", "term without a column")?;
         term(s, quantity)
     })?;
-    let beside = TERM_KEYS.map(|key| s.has(key)).contains(&true);
+    let has_term_keys = TERM_KEYS.map(|key| s.has(key)).contains(&true);
     if !s.has("sum") {
         terms.push(term(s, quantity)?);
-    } else if beside {
+    } else if has_term_keys {
         return contradiction(
-            "beside 'sum' only wrap and wrap_period may stand; put column, unit and factors into the terms",
+            "only wrap and wrap_period are valid with 'sum'; move column, unit and factors into the terms",
         );
     } else if terms.is_empty() {
         return contradiction("the sum has no terms");
@@ -163,7 +194,7 @@ fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {
     let wraps = s.flag_or("wrap", true)?;
     let wrap = match (wraps, s.number("wrap_period", Bound::Positive)?) {
         (false, Some(_)) => {
-            return contradiction("wrap = false and a wrap_period exclude each other");
+            return contradiction("wrap = false conflicts with wrap_period");
         }
         (false, None) => Wrap::Never,
         (true, Some(_)) if !matches!(quantity, Quantity::Q | Quantity::Theta) => {
@@ -195,10 +226,14 @@ fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
             unit::parse(text.text()?).map_err(|reason| text.fault(Fault::NotAllowed, reason))?
         }
     };
+    if quantity == Quantity::Tension && s.has("gear_ratio") {
+        let problem = "a tension is measured at the tendon, without a gear; use 'scale' instead";
+        return Err(s.here(Fault::Contradiction, problem));
+    }
     let symbol = quantity.symbol();
     let is_current = unit.dimension == Dimension::Current;
     if is_current != constant.is_some() {
-        let problem = "unit \"A\" (or \"mA\") and torque_constant_nm_per_a, N·m per A at the motor's shaft, need each other";
+        let problem = "unit \"A\" (or \"mA\") requires torque_constant_nm_per_a, N·m per A at the motor's shaft, and vice versa";
         return Err(s.here(Fault::Contradiction, problem));
     }
     if is_current && quantity != Quantity::TauM {
@@ -207,21 +242,19 @@ fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
     }
     if !unit::fits(unit, quantity) && scale.is_none() {
         let si = quantity.suffix().trim_start_matches('_');
-        let must = format!(
-            "a unit of {symbol} ({si}): it cannot be a {symbol}; else give the 'scale' that converts it"
-        );
-        return Err(s.refuse("unit", &must));
+        let must = format!("a unit of {symbol} ({si}), or set the 'scale' that converts it");
+        return Err(s.invalid("unit", &must));
     }
     if constant.is_some_and(|constant| constant < 0.0) {
-        let must = "above 0; 'sign' turns a motor round";
-        return Err(s.refuse("torque_constant_nm_per_a", must));
+        let must = "above 0; 'sign' reverses a motor";
+        return Err(s.invalid("torque_constant_nm_per_a", must));
     }
     if sign.abs() != 1.0 {
-        return Err(s.refuse("sign", "1 or -1"));
+        return Err(s.invalid("sign", "1 or -1"));
     }
     let is_count = unit.dimension == Dimension::Count;
     if is_count != counts_per_turn.is_some() {
-        let problem = "unit \"count\" and counts_per_turn need each other";
+        let problem = "unit \"count\" requires counts_per_turn, and vice versa";
         return Err(s.here(Fault::Contradiction, problem));
     }
     let unit_factor = match counts_per_turn {
@@ -232,6 +265,7 @@ fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
     let through_gear = match quantity {
         Quantity::TauEl | Quantity::TauM | Quantity::TauExt => gear_ratio,
         Quantity::Q | Quantity::Theta | Quantity::Dq | Quantity::Temperature => 1.0 / gear_ratio,
+        Quantity::Tension => 1.0,
     };
     let outer = sign * scale.unwrap_or(1.0) * constant.unwrap_or(1.0) * through_gear;
     let scale = outer * unit_factor;

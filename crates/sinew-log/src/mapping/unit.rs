@@ -3,7 +3,7 @@
 use crate::frame::Quantity;
 use sinew_files::unit::{Dimension as D, Unit};
 
-/// What the units of a mapping measure.
+/// Dimensions of the units in a mapping.
 const DIMENSIONS: [D; 10] = [
     D::One,
     D::Angle,
@@ -17,7 +17,7 @@ const DIMENSIONS: [D; 10] = [
     D::Temperature,
 ];
 
-/// Finds a unit by its name; the error lists what is known.
+/// Finds a unit by its name; the error lists the valid names.
 pub(super) fn parse(text: &str) -> Result<Unit, String> {
     Unit::parse(text, &DIMENSIONS)
 }
@@ -30,6 +30,7 @@ pub(super) fn fits(unit: Unit, quantity: Quantity) -> bool {
         Quantity::TauM => &[D::Torque, D::Force, D::Current],
         Quantity::TauEl | Quantity::TauExt => &[D::Torque, D::Force],
         Quantity::Temperature => &[D::Temperature],
+        Quantity::Tension => &[D::Force],
     };
     unit.dimension == D::One || wanted.contains(&unit.dimension)
 }
@@ -42,7 +43,7 @@ pub(crate) fn time_unit_exponent(text: &str) -> Result<i32, String> {
         "us" | "µs" => Ok(3),
         "ns" => Ok(0),
         _ => Err(format!(
-            "unknown time unit '{text}': known are s, ms, us, ns"
+            "unknown time unit '{text}': valid units are s, ms, us, ns"
         )),
     }
 }

@@ -4,7 +4,7 @@
     python3 -m venv env && env/bin/pip install rosbags mcap mcap-ros2-support
     env/bin/python make_rosbags.py
 
-Makes, beside this script:
+Creates, next to this script:
 
 * rosbags.mcap       by rosbags (its own CDR, zstd chunks), with /joint_states,
                      /dynamic_joint_states and /robot_description; the motor side has
@@ -112,7 +112,7 @@ def main():
         writer.write(description, START_NS, store.serialize_cdr(string_t(data=URDF), "std_msgs/msg/String"))
         for step in range(STEPS):
             log_time = START_NS + step * STEP_NS + 150_000
-            # The motor side is logged first in odd steps.
+            # The motor side is logged first in every second step.
             pair = [
                 (joint, store.serialize_cdr(joint_message(step), "sensor_msgs/msg/JointState")),
                 (motor, store.serialize_cdr(motor_message(step), "control_msgs/msg/DynamicJointState")),

@@ -16,7 +16,7 @@ const MODELS: [(usize, &str); 4] = [
     ),
 ];
 
-/// Samples of a motion at 1 kHz, enough that no branch predictor knows them by heart.
+/// Number of samples of a motion at 1 kHz; it exceeds the memory of branch predictors.
 const SAMPLES: usize = 1024;
 
 /// `(q, dq)`, sample by sample.

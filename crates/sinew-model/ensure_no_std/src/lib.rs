@@ -1,9 +1,9 @@
-//! `sinew-model` in a program without the standard library: proof that it needs none, and that
-//! its steps have no way to panic.
+//! `sinew-model` in a program without the standard library: proof that it needs no standard library, and that its steps
+//! cannot panic.
 //!
-//! The functions `sinew_*` below are all that is exported. If a panic (or an allocation)
-//! can be reached from them, the linked object refers to [`sinew_panicked`] (or
-//! [`sinew_allocated`]), which nobody defines; `.ci/no_std` looks for these names.
+//! The functions `sinew_*` below are the only exports. If a panic (or an allocation) can be reached from them, the
+//! linked object refers to [`sinew_panicked`] (or [`sinew_allocated`]), which are undefined; `.ci/no_std` looks for
+//! these names.
 
 #![no_std]
 
@@ -11,10 +11,8 @@ extern crate alloc;
 
 use core::alloc::{GlobalAlloc, Layout};
 use sinew_model::arm::{Arm, ArmWorkspace};
-use sinew_model::correction::{
-    ContactDetector, ExternalTorqueObserver, JointCorrection, SetPoint,
-};
-use sinew_model::feeder::{Feeder, Reading};
+use sinew_model::correction::{ContactDetector, ExternalTorqueObserver, JointCorrection, SetPoint};
+use sinew_model::feeder::{Feeder, RobotSample};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{FeatureObserver, OffsetObserver, Sample};
 use sinew_model::tendons::{Coupling, CouplingState, Input, Output};
@@ -31,7 +29,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe { sinew_panicked() }
 }
 
-/// Memory there is none: a step must not want any.
+/// Allocator without memory: a step must not allocate.
 struct NoMemory;
 
 unsafe extern "C" {
@@ -57,11 +55,11 @@ static ALLOCATOR: NoMemory = NoMemory;
 
 /// Momentum pass and observer step on arm, workspace and observer that exist already.
 ///
-/// Returns 0 when the step was taken. Slices are given as pointer and length of any size: wrong
-/// lengths and NaN must be refused without a panic too.
+/// Returns 0 if the step was accepted. Slices are passed as pointer and length of any size: wrong lengths and NaN must
+/// be rejected without a panic too.
 ///
 /// # Safety
-/// Pointers are valid for the lengths given and nobody else uses what is behind them.
+/// Pointers are valid for the specified lengths, and no other reference to their memory exists.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_step(
     arm: &Arm,
@@ -123,16 +121,17 @@ pub unsafe extern "C" fn sinew_features_step(
     i32::from((features.step(dt_s, q, theta, torque, temperature_c)).is_err())
 }
 
-/// What a microcontroller does with a sample: both observers, and a block into bytes, as [`sinew_step`].
+/// Performs the steps of a microcontroller for one sample: both observers, and the encoding of a block, as
+/// [`sinew_step`].
 ///
 /// # Safety
-/// As [`sinew_step`].
+/// The conditions of [`sinew_step`] apply.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_chip_step(
     offset: &mut Feeder<OffsetObserver>,
     features: &mut Feeder<FeatureObserver>,
     sender: &mut BlockSender,
-    reading: &Reading<'_>,
+    reading: &RobotSample<'_>,
     taken_by_line: usize,
 ) -> i32 {
     let offset_taken = offset.take(reading).output().is_some();

@@ -1,4 +1,4 @@
-//! Which combinations of mass properties motion and gravity depend on at all.
+//! Base parameters: the combinations of mass properties that determine motion and gravity.
 
 use super::{Arm, ArmWorkspace, MomentumRegressor};
 use alloc::vec::Vec;
@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 /// momentum and gravity torque depend on.
 ///
 /// `P π = P_c z` and `A π = A_c z` with the columns `c` of the regressors: the other columns are
-/// combinations of these, whatever the arm does.
+/// combinations of these, for every motion.
 ///
 /// # Source
 /// M. Gautier, W. Khalil, *Direct calculation of minimum set of inertial parameters of serial
@@ -22,12 +22,12 @@ pub struct BaseParameters {
 }
 
 impl BaseParameters {
-    /// `r`.
+    /// Number of base parameters, `r`.
     pub fn count(&self) -> usize {
         self.columns.len()
     }
 
-    /// `B π`, `r`; of shorter `π` what it has.
+    /// Returns `B π`, length `r`; the missing entries of a shorter `π` count as zero.
     pub fn of(&self, pi: &[f64]) -> Vec<f64> {
         let length = self.combination.len() / self.count().max(1);
         let rows = self.combination.chunks_exact(length.max(1));
@@ -39,7 +39,7 @@ impl BaseParameters {
 impl Arm {
     /// The base inertial parameters. Bodies far out keep their own as far as possible. Allocates.
     pub fn base_parameters(&self) -> BaseParameters {
-        /// What is left of a column that depends on others is rounding.
+        /// Relative size below which the remainder of a dependent column is rounding error.
         const ROUNDING: f64 = 1e-9;
         let columns = self.regressor_columns();
         let all = columns.len();

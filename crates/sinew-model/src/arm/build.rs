@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose {
-    /// `outer_from_inner`.
+    /// Rotation matrix `outer_from_inner`.
     pub rotation: Mat3,
     /// Origin of the inner frame in the outer one, m.
     pub translation: Vec3,
@@ -51,7 +51,7 @@ impl Pose {
 /// Mass properties of a body in some frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyInertia {
-    /// Mass, kg.
+    /// Mass of the body, kg.
     pub mass: f64,
     /// Centre of mass, m.
     pub com: Vec3,
@@ -60,7 +60,7 @@ pub struct BodyInertia {
 }
 
 impl BodyInertia {
-    /// No mass at all.
+    /// Bodies without any mass.
     pub const ZERO: Self = Self {
         mass: 0.0,
         com: [0.0; 3],
@@ -91,7 +91,7 @@ impl BodyInertia {
     pub fn plus(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass == 0.0 {
-            // Massless bodies still add their (odd) inertias.
+            // Massless bodies still add their implausible inertias.
             return Self {
                 inertia: add_scaled(&self.inertia, &other.inertia, 1.0),
                 ..*self
@@ -135,7 +135,7 @@ pub struct BodySpec {
     pub body: BodyInertia,
 }
 
-/// Why an arm could not be built.
+/// Reason why an arm could not be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArmError {
@@ -143,14 +143,14 @@ pub enum ArmError {
     #[error("the robot has no moving joint")]
     NoJoint,
     /// Two joints share a name.
-    #[error("joint '{0}' is there twice; joint names must be unique")]
+    #[error("joint '{0}' is defined twice; joint names must be unique")]
     DuplicateJoint(String),
     /// Parent index at or past the body itself.
     #[error("joint '{joint}': parent {parent} is not among the joints added before it")]
     Parent {
         /// Joint at fault.
         joint: String,
-        /// Index given.
+        /// Index of the parent that was passed.
         parent: usize,
     },
     /// Axis of no length.
@@ -161,13 +161,13 @@ pub enum ArmError {
     NotFinite {
         /// Joint or link.
         place: String,
-        /// Which quantity.
+        /// Name of the quantity.
         what: &'static str,
-        /// Value found.
+        /// Value of the quantity.
         value: f64,
     },
     /// Mass below zero.
-    #[error("{place}: mass is {mass_kg} kg; a mass can't be negative")]
+    #[error("{place}: mass is {mass_kg} kg; a mass cannot be negative")]
     NegativeMass {
         /// Joint or link.
         place: String,
@@ -229,7 +229,8 @@ impl ArmBuilder {
         self
     }
 
-    /// How the base stands in the world (`world_from_base`), as URDF's roll, pitch, yaw, rad.
+    /// Sets the orientation of the base in the world (`world_from_base`), as URDF's roll, pitch,
+    /// yaw, rad.
     #[must_use]
     pub fn base_orientation_rpy(mut self, rpy: Vec3) -> Self {
         self.world_from_base = crate::vec3::rotation_from_rpy(rpy);
@@ -251,13 +252,13 @@ impl ArmBuilder {
         self
     }
 
-    /// Checks and re-bases.
+    /// Checks the description and builds the arm with re-based frames.
     ///
-    /// Each joint frame is turned by a constant `B` with `B ẑ = axis`, once; bodies, children and
-    /// links are expressed in the turned frame. The generalised coordinates don't change.
+    /// Each joint frame is rotated by a constant `B` with `B ẑ = axis`, once; bodies, children and
+    /// links are expressed in the rotated frame. The generalised coordinates do not change.
     ///
     /// # Errors
-    /// [`ArmError`], naming the joint, the value and its unit.
+    /// Returns an [`ArmError`] that names the joint, the value and its unit.
     pub fn build(self) -> Result<Arm, ArmError> {
         if self.specs.is_empty() {
             return Err(ArmError::NoJoint);
@@ -270,10 +271,10 @@ impl ArmBuilder {
         let mut rebase: Vec<Mat3> = Vec::with_capacity(self.specs.len());
         let mut joints: Vec<ArmJoint> = Vec::with_capacity(self.specs.len());
         let mut names: Vec<String> = Vec::with_capacity(self.specs.len());
-        let mut known: BTreeSet<&str> = BTreeSet::new();
+        let mut used_names: BTreeSet<&str> = BTreeSet::new();
         for (i, spec) in self.specs.iter().enumerate() {
             check_spec(spec)?;
-            if !known.insert(spec.name.as_str()) {
+            if !used_names.insert(spec.name.as_str()) {
                 return Err(ArmError::DuplicateJoint(spec.name.clone()));
             }
             let parent_rebase = match spec.parent {
@@ -334,7 +335,7 @@ impl ArmBuilder {
 }
 
 impl Arm {
-    /// Recomputes what each joint carries, after a mass has changed.
+    /// Recomputes the mass that each joint carries after a change of a mass.
     pub(super) fn sum_subtree_masses(&mut self) {
         for joint in &mut self.joints {
             joint.subtree_mass = joint.mass;
@@ -361,7 +362,8 @@ fn check_spec(spec: &BodySpec) -> Result<(), ArmError> {
     check_body(&spec.name, &spec.body)
 }
 
-/// Refuses NaN, infinities and negative mass; an inertia that is not positive definite passes
+/// Returns an error for NaN, infinities and negative mass; an inertia that is not positive definite
+/// passes
 /// here, because identified models have such (the description reader warns).
 pub(super) fn check_body(place: &str, body: &BodyInertia) -> Result<(), ArmError> {
     check_finite(place, "mass (kg)", &[body.mass])?;

@@ -14,7 +14,7 @@ impl Arm {
     /// * `q`, `dq`, `ddq`: `n`. Returns `tau`, `n`, N·m (N for prismatic joints).
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`].
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
@@ -38,10 +38,10 @@ impl Arm {
         Ok(&ws.tau)
     }
 
-    /// Bias torque `C(q, dq) dq + g(q)`: what holds the motion without accelerating it.
+    /// Bias torque `C(q, dq) dq + g(q)`: the joint torque of a motion without acceleration.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`].
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
@@ -64,15 +64,15 @@ impl Arm {
 
     /// Acceleration under a generalised force: `ddq = M(q)⁻¹ (tau − C dq − g)`.
     ///
-    /// By Cholesky factorisation of the mass matrix, no inverse is formed.
+    /// Uses a Cholesky factorisation of the mass matrix; no inverse is formed.
     ///
-    /// * `tau`: `n`, everything that acts on the joints (elastic torque, friction, contact).
+    /// * `tau`: `n`, sum of all torques on the joints (elastic torque, friction, contact).
     /// * `ddq`: `n`, written; rad/s² (m/s²).
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::NotPositiveDefinite`] when
-    /// the masses given don't make a physical robot (a joint that carries nothing, or an
-    /// identified inertia that isn't one). `ddq` is then unchanged.
+    /// Returns [`StepError::Length`] or [`StepError::NotFinite`] for an invalid input, and
+    /// [`StepError::NotPositiveDefinite`] if the masses are physically impossible (a joint without
+    /// mass, or an indefinite identified inertia). `ddq` is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n³).
@@ -137,7 +137,7 @@ impl Arm {
             parent.moment = add(parent.moment, moment);
             parent.force = add(parent.force, force);
         }
-        // What reached the base is nobody's: the next pass begins with none.
+        // The wrench that reached the base is discarded: the next pass begins with zero.
         if let Some(base) = ws.state.first_mut() {
             base.moment = [0.0; 3];
             base.force = [0.0; 3];

@@ -8,7 +8,7 @@ impl Arm {
     /// Kinetic energy `T = ½ dqᵀ p`, J.
     ///
     /// # Errors
-    /// As [`Arm::momentum`].
+    /// Returns the errors of [`Arm::momentum`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
@@ -23,10 +23,10 @@ impl Arm {
     }
 
     /// Potential energy `V = −Σ m γ·c`, zero where the centre of mass is level with the base
-    /// origin, J. Links fixed to the base don't count.
+    /// origin, J. Links fixed to the base are excluded.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`].
+    /// Returns [`StepError::Length`] or [`StepError::NotFinite`] for an invalid input.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.

@@ -12,7 +12,7 @@ impl Arm {
     /// * `q`: `n`, rad (m for prismatic joints). Entries in kg·m² (kg, kg·m).
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`].
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n·depth).
@@ -88,7 +88,7 @@ impl Arm {
                 k = parent_slot - 1;
             }
         }
-        // Joints on different branches don't touch each other.
+        // Joints on different branches are independent.
         for i in 0..n {
             for k in 0..i {
                 if !self.is_ancestor(k, i) {

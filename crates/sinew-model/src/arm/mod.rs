@@ -1,13 +1,12 @@
 //! The arm: a tree of rigid bodies on revolute and prismatic joints.
 //!
-//! [`Arm`] is the model and never changes after construction; [`ArmWorkspace`] owns every
-//! intermediate, is sized once, and is what a step writes to. Every joint frame is re-based at
-//! construction so that the joint axis is its local z axis, which is what makes the pass of
-//! [`Arm::momentum`] short.
+//! [`Arm`] is the model, which is immutable after construction. [`ArmWorkspace`] owns all intermediate values, is
+//! allocated once, and is written by each step. The construction rotates each joint frame so that the joint axis is
+//! its local z axis, which simplifies [`Arm::momentum`].
 //!
-//! Reading order: `build` (bodies in, re-based arm out), `momentum` (the realtime pass),
+//! Reading order: `build` (arm from bodies), `momentum` (the realtime pass),
 //! `mass_matrix`, `dynamics`, `energy`, `point` (forces at a link, payloads), `regressor` and `base`
-//! (what mass properties do).
+//! (torques as linear functions of the inertial parameters).
 
 mod base;
 mod build;
@@ -32,7 +31,7 @@ use alloc::vec::Vec;
 /// Standard gravity as the reference values use it, m/s².
 pub const GRAVITY_M_S2: f64 = 9.81;
 
-/// What a joint does.
+/// Type of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum JointKind {
@@ -59,7 +58,7 @@ pub(crate) struct ArmJoint {
     pub(crate) first_moment: Vec3,
     /// Inertia of the body about the joint origin, kg·m².
     pub(crate) inertia: Mat3,
-    /// Mass of the body and everything it carries, kg.
+    /// Mass of the body and its descendants, kg.
     pub(crate) subtree_mass: f64,
 }
 
@@ -74,7 +73,7 @@ impl ArmJoint {
         }
     }
 
-    /// [`ArmJoint::placed`] where sine and cosine of `q` are known already; a prismatic joint has no use for them.
+    /// Computes [`ArmJoint::placed`] with precomputed sine and cosine of `q`; a prismatic joint ignores them.
     #[inline(always)]
     pub(crate) fn placed_by(&self, q: f64, (s, c): (f64, f64)) -> (Mat3, Vec3) {
         let (e, r) = (&self.rotation, self.translation);
@@ -93,7 +92,7 @@ impl ArmJoint {
     }
 }
 
-/// Where a link of the description ended up: on which joint, and at which pose.
+/// Location of a link of the description: its joint, and its pose on it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct LinkFrame {
@@ -163,7 +162,7 @@ pub struct ArmWorkspace {
     pub(crate) tau: Vec<f64>,
     /// Mass matrix, row-major `n × n`.
     pub(crate) mass_matrix: Vec<f64>,
-    /// Its Cholesky factor, lower triangle, row-major `n × n`.
+    /// Cholesky factor of the mass matrix, lower triangle, row-major `n × n`.
     pub(crate) factor: Vec<f64>,
 }
 
@@ -209,8 +208,8 @@ impl Arm {
         &self.names
     }
 
-    /// Whether parents come first, names are one per joint, links hang on joints there are, and everything is a number: what
-    /// an arm is that [`ArmBuilder`] made.
+    /// Whether the arm satisfies the invariants of [`ArmBuilder`]: parents precede their children, each joint has one
+    /// name, each link refers to an existing joint, and all values are finite.
     #[cfg(feature = "wire")]
     pub(crate) fn is_whole(&self) -> bool {
         let n = self.joints.len();
@@ -279,7 +278,7 @@ impl Arm {
         own.map(|l| (l.name.as_str(), &l.pose))
     }
 
-    /// Mass of everything joint `i` carries, kg.
+    /// Total mass that joint `i` carries, kg.
     pub fn subtree_mass(&self, i: usize) -> Option<f64> {
         self.joints.get(i).map(|j| j.subtree_mass)
     }
@@ -290,7 +289,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_link_on_a_joint_that_is_not_there_makes_no_whole_arm() {
+    fn arm_with_link_on_missing_joint_is_invalid() {
         let mut arm = crate::offset::fixtures::tables(2);
         assert!(arm.is_whole());
         let pose = Pose::from_xyz_rpy([0.0; 3], [0.0; 3]);

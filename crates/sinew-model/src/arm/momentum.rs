@@ -5,7 +5,7 @@ use crate::StepError;
 use crate::sines::sin_cos;
 use crate::vec3::{Mat3, Vec3, add, cross, rotate, rotate_back};
 
-/// What one pass yields, borrowed from the workspace. All of length `n`.
+/// Results of one pass, borrowed from the workspace. All of length `n`.
 #[derive(Debug, Clone, Copy)]
 pub struct Momentum<'a> {
     /// Generalised momentum `p = M(q) dq`, N·m·s (N·s for a prismatic joint).
@@ -33,15 +33,15 @@ impl Arm {
     /// * `q`, `dq`: `n`; rad and rad/s (m and m/s for prismatic joints).
     ///
     /// # Errors
-    /// [`StepError::Length`] when a slice or the workspace doesn't fit the arm;
-    /// [`StepError::NotFinite`] when an input is NaN or infinite. The workspace's previous
-    /// results are then unchanged.
+    /// Returns [`StepError::Length`] if a slice or the workspace has the wrong length, and
+    /// [`StepError::NotFinite`] if an input is NaN or infinite. The workspace's previous results are
+    /// then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
     ///
     /// # Source
-    /// Kirchhoff, von Stryk, IROS 2018, eq. (7) for what the observer needs; the subtree form
+    /// Kirchhoff, von Stryk, IROS 2018, eq. (7) for the terms of the observer; the subtree form
     /// follows from `T = ½ Σ vᵀ I v` and `∂v/∂q`.
     pub fn momentum<'w>(
         &self,
@@ -53,7 +53,7 @@ impl Arm {
         if q.len() != n || dq.len() != n || !ws.fits(self) {
             return Err(StepError::Length);
         }
-        // A sum is finite only if every term is; overflow of finite terms is refused as well.
+        // A sum is finite only if every term is; overflow of finite terms is rejected as well.
         let mut sum = 0.0;
         for (a, b) in q.iter().zip(dq) {
             sum += a.abs() + b.abs();
@@ -72,7 +72,7 @@ impl Arm {
         })
     }
 
-    /// What each joint does by itself.
+    /// Computes the motion of each joint independently of the others.
     #[inline]
     fn place_joints(
         &self,
@@ -142,10 +142,10 @@ impl Arm {
     }
 }
 
-/// A joint at its `q` and `dq`, before anything is known of the others.
+/// Frame of a joint at its `q` and `dq`, independent of the other joints.
 #[derive(Clone, Copy)]
 struct Frame {
-    /// `parent_from_body`.
+    /// Rotation matrix `parent_from_body`.
     rotation: Mat3,
     /// Origin in the parent's frame, travel of a prismatic joint included, m.
     translation: Vec3,
@@ -172,14 +172,14 @@ impl Frame {
     }
 }
 
-/// What a body hands to those it carries; in body axes.
+/// Motion that a body passes to its children; in body axes.
 #[derive(Clone, Copy)]
 struct Motion {
-    /// Angular velocity.
+    /// Angular velocity of the body.
     omega: Vec3,
     /// Velocity of the body's origin.
     v: Vec3,
-    /// Gravity.
+    /// Gravity in body axes.
     gamma: Vec3,
 }
 
@@ -205,19 +205,19 @@ impl Motion {
     }
 }
 
-/// What a body hands to the one that carries it, about the origin it is seen from.
+/// Momentum that a body passes to its parent, about the origin of the frame it is expressed in.
 #[derive(Clone, Copy, Default)]
 struct SubtreeMomentum {
-    /// Linear momentum.
+    /// Linear momentum of the subtree.
     force: Vec3,
-    /// Angular momentum.
+    /// Angular momentum of the subtree.
     moment: Vec3,
     /// First mass moment.
     first: Vec3,
 }
 
 impl SubtreeMomentum {
-    /// Of one body alone: `H = [I ω + h × v; m v + ω × h]`.
+    /// Momentum of one body without its children: `H = [I ω + h × v; m v + ω × h]`.
     #[inline(always)]
     fn of(joint: &ArmJoint, motion: &Motion) -> Self {
         let (w, v) = (motion.omega, motion.v);
@@ -256,15 +256,15 @@ impl SubtreeMomentum {
     }
 }
 
-/// Frame, motion and subtree momentum of one body, kept between the sweeps.
+/// Frame, motion and subtree momentum of one body, stored between the sweeps.
 ///
-/// The layout is what makes the pass fast on x86-64, and looks odd on purpose: no two results of the
+/// The layout is what makes the pass fast on x86-64, and is therefore unusual: no two results of the
 /// same sweep are neighbours in memory. Where they are, the compiler packs them two by two into
 /// vector registers, and the shuffles which that takes cost a seventh of the whole pass.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Moving([Component; 3]);
 
-/// The x, y or z component of everything: results of the first sweep between those of the second.
+/// The x, y or z components of all results, with those of the first sweep between those of the second.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C)]
 struct Component {
@@ -368,7 +368,7 @@ impl Moving {
     }
 }
 
-/// `(p, Cᵀdq, g)` of one joint from the motion of its body and the momentum of its subtree.
+/// Projects the motion of a body and the momentum of its subtree on its joint: `(p, Cᵀdq, g)`.
 #[inline(always)]
 fn project(joint: &ArmJoint, motion: &Motion, carried: &SubtreeMomentum) -> (f64, f64, f64) {
     let (w, v, gamma) = (motion.omega, motion.v, motion.gamma);

@@ -9,7 +9,7 @@ impl Arm {
     /// Pose of link `link` in the base frame at `q`.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::UnknownLink`].
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::UnknownLink`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(depth).
@@ -30,12 +30,12 @@ impl Arm {
         Ok(self.joint_pose(ws, q, joint)?.then(&frame.pose))
     }
 
-    /// Adds to `tau` what a force at a point of a link does to the joints: `tau += Jᵀ f`.
+    /// Adds the joint torques of a force at a point of a link: `tau += Jᵀ f`.
     ///
     /// * `point`: in the link frame, m. `force`: in the *base* frame, N.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::UnknownLink`]. `tau` is
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::UnknownLink`]. `tau` is
     /// then unchanged.
     ///
     /// # Realtime
@@ -70,12 +70,13 @@ impl Arm {
         Ok(())
     }
 
-    /// What a newton along each axis of the base does to every joint, N·m, where it acts on body `body`.
+    /// Writes the joint torques of a force of 1 N along each axis of the base on body `body`, N·m.
     ///
-    /// * `points`: in the body's re-based frame, m. `out`: `n` for every point, one point after the other.
+    /// * `points`: points of action in the body's re-based frame, m. `out`: `n` values per point, one point after the
+    ///   other.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`].
+    /// Returns [`StepError::Length`] for a wrong length and [`StepError::NotFinite`] for NaN or infinite input.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(depth) for every point.
@@ -163,11 +164,11 @@ impl Arm {
         Ok(pose)
     }
 
-    /// The same arm with `body` bolted to `link`; `body` in the link frame. A negative mass is
-    /// refused; a link fixed to the base changes nothing.
+    /// Returns a copy of the arm with `body` fixed to `link`, where `body` is given in the link frame. A negative mass
+    /// is an error; a body on a link that is fixed to the base has no effect.
     ///
     /// # Errors
-    /// `Ok(None)` when there's no such link; [`ArmError`] when `body` is impossible.
+    /// Returns `Ok(None)` if the link does not exist, and an [`ArmError`] if `body` is physically impossible.
     pub fn with_payload(&self, link: &str, body: BodyInertia) -> Result<Option<Self>, ArmError> {
         check_body(link, &body)?;
         let Some(frame) = self.links.iter().find(|l| l.name == link) else {
@@ -208,7 +209,7 @@ impl Arm {
     /// [`Arm::body`] speaks. `i` past the last changes nothing.
     ///
     /// # Errors
-    /// [`ArmError`] when `body` is impossible.
+    /// Returns an [`ArmError`] when `body` is impossible.
     pub fn with_body(&self, i: usize, body: BodyInertia) -> Result<Self, ArmError> {
         let mut arm = self.clone();
         if let (Some(joint), Some(name)) = (arm.joints.get_mut(i), self.names.get(i)) {
@@ -222,11 +223,11 @@ impl Arm {
         Ok(arm)
     }
 
-    /// The same arm with every mass and inertia multiplied by `factor`, which multiplies `M`,
-    /// `C` and `g` alike: the paper's model error "M, C, g each −10 %" is `0.9`.
+    /// The same arm with every mass and inertia multiplied by `factor`, which multiplies `M`, `C` and `g` by it: the
+    /// paper's model error "M, C, g each −10 %" is `0.9`.
     ///
     /// # Errors
-    /// [`ArmError`] when `factor` is negative or not finite.
+    /// Returns an [`ArmError`] when `factor` is negative or not finite.
     pub fn with_scaled_masses(&self, factor: f64) -> Result<Self, ArmError> {
         check_body("mass factor", &BodyInertia::point(factor, [0.0; 3]))?;
         let mut arm = self.clone();

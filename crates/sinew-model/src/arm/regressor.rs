@@ -19,7 +19,7 @@ pub struct MomentumRegressor {
     pub p: Vec<f64>,
     /// `A`, row-major `n × 10 n`, N·m per parameter unit.
     pub a: Vec<f64>,
-    /// What the joint at work sees of each body; `None`: it doesn't carry it.
+    /// View of the current joint on each body; `None` if it does not carry the body.
     carried: Vec<Option<Carried>>,
 }
 
@@ -56,7 +56,7 @@ impl Arm {
     /// `ξ = [ωᵢ × z; vᵢ × z]` (prismatic: `[0; ωᵢ × z]`), both carried from the joint out to the body.
     ///
     /// # Errors
-    /// As [`Arm::momentum`]; [`StepError::Length`] when `out` was made for another arm.
+    /// Returns the errors of [`Arm::momentum`]; [`StepError::Length`] when `out` was made for another arm.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n · depth).
@@ -86,7 +86,7 @@ impl Arm {
                 let here = if b == i {
                     Some(Carried::start(joint.kind, omega, v, gravity))
                 } else {
-                    // A body that the joint doesn't carry keeps the zeros of construction.
+                    // A body that the joint does not carry keeps the zeros of construction.
                     let parent = own.parent_slot.checked_sub(1).filter(|p| *p >= i);
                     let parent = parent.and_then(|p| carried.get(p).copied().flatten());
                     parent.map(|parent| parent.carried_on(&body.placement()))
@@ -124,7 +124,7 @@ impl Arm {
     }
 }
 
-/// What a joint sees of a body, in the body's axes at its origin.
+/// Motion of a body relative to a joint that carries it, in the body's axes at its origin.
 #[derive(Debug, Clone, Copy)]
 struct Carried {
     /// Twist of a unit of the joint's velocity.
@@ -153,7 +153,7 @@ impl Twist {
 }
 
 impl Carried {
-    /// Of the body the joint carries itself.
+    /// Creates the view on the body that the joint itself moves.
     fn start(kind: JointKind, omega: Vec3, v: Vec3, gravity: Vec3) -> Self {
         const ZERO: Vec3 = [0.0; 3];
         const AXIS: Vec3 = [0.0, 0.0, 1.0];
@@ -176,7 +176,7 @@ impl Carried {
         }
     }
 
-    /// Of a body placed so on the one this is of.
+    /// Transforms the view to the next body at this pose.
     fn carried_on(self, (rotation, origin): &(Mat3, Vec3)) -> Self {
         Self {
             unit: self.unit.carried_on(rotation, *origin),

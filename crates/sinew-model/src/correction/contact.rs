@@ -16,7 +16,7 @@ pub struct ContactConfig {
 }
 
 impl Default for ContactConfig {
-    /// Ends at 70 % of the threshold, counts at once.
+    /// Ends a contact at 70 % of the threshold, and reports it without delay.
     fn default() -> Self {
         Self {
             release_share: 0.7,
@@ -51,7 +51,7 @@ impl ContactDetector {
     /// A detector of `n` joints.
     ///
     /// # Errors
-    /// [`CorrectionError::Tolerance`] for a share outside 0…1 or a time outside 0…1e6 s.
+    /// Returns [`CorrectionError::Tolerance`] for a share outside 0…1 or a time outside 0…1e6 s.
     pub fn new(n: usize, config: ContactConfig) -> Result<Self, CorrectionError> {
         for (what, value, most, must) in [
             (
@@ -92,14 +92,15 @@ impl ContactDetector {
         }
     }
 
-    /// One step of `dt_s`; returns whether something touches at any joint.
+    /// Steps by `dt_s`; returns whether a contact is detected at any joint.
     ///
     /// * `tau_ext`, `threshold`: `n`, N·m, of
-    ///   [`ExternalTorqueObserver`](super::ExternalTorqueObserver). NaN means that this joint
-    ///   can't tell (rigid, or no sample yet): it keeps what it said.
+    ///   [`ExternalTorqueObserver`](super::ExternalTorqueObserver). NaN means that the joint
+    ///   provides no information (rigid, or no sample yet): its state is kept.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::TimeStep`]; the state is then unchanged.
+    /// Returns [`StepError::Length`] for a wrong length and [`StepError::TimeStep`] for an invalid
+    /// time step; the state is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n).

@@ -1,4 +1,4 @@
-//! The torque of what touches the robot.
+//! External torque of contacts with the robot.
 
 use super::error::CorrectionError;
 use super::tolerances::ContactTolerances;
@@ -17,12 +17,12 @@ use alloc::vec::Vec;
 pub struct ExternalTorqueConfig {
     /// Observer gain `K_I`, 1/s.
     pub gain_per_s: f64,
-    /// Where velocities come from.
+    /// Source of the joint velocities.
     pub velocity: VelocityFilter,
 }
 
 impl Default for ExternalTorqueConfig {
-    /// `K_I` = 30 1/s, filter at 60 rad/s: a contact shows after `2/ω + 1/K_I` = 67 ms, and a
+    /// `K_I` = 30 1/s, filter at 60 rad/s: a contact is detectable after `2/ω + 1/K_I` = 67 ms, and a
     /// 13-bit encoder makes a noise of a few hundredths of a newton metre at the shoulder of a
     /// light arm.
     fn default() -> Self {
@@ -50,19 +50,18 @@ struct JointFilters {
 /// r = K_I (p − p₀ − ∫ (tau_el + Cᵀdq − g − tau_friction_joint + r) dt),   ṙ = K_I (tau_ext − r)
 /// ```
 ///
-/// with `tau_el` of [`Correction::elastic_torque`] and the exact pole of [`MomentumObserver`].
-/// Positions and `tau_el` pass through the same filter, so that motion cancels. Contacts, an
-/// unknown payload and whatever is wrong with the model appear in `r` in full; an offset of
-/// `delta_e` left uncorrected appears as `−K delta_e`. With linear springs and filtered velocities
-/// `r = K (delta_e − delta_e_hat)`, `delta_e_hat` the estimate of
-/// [`OffsetObserver`](crate::offset::OffsetObserver): the two read the same residual, one as
-/// contact, the other as stretch. One recording can't be asked both.
+/// with `tau_el` of [`Correction::elastic_torque`] and the exact pole of [`MomentumObserver`]. Positions and `tau_el`
+/// pass through the same filter, so that motion cancels. Contacts, an unknown payload and all model errors are part of
+/// `r`; an offset of `delta_e` left uncorrected appears as `−K delta_e`. With linear springs
+/// and filtered velocities `r = K (delta_e − delta_e_hat)`, `delta_e_hat` the estimate of
+/// [`OffsetObserver`](crate::offset::OffsetObserver): both use the same residual, one for contacts, the other for the
+/// offset. One sample cannot determine both.
 ///
 /// # Realtime
 /// Everything is allocated at construction.
 ///
 /// # Source
-/// Kirchhoff, von Stryk, IROS 2018, eq. (7), with the known torque on the spring's side;
+/// Kirchhoff, von Stryk, IROS 2018, eq. (7), with the measured torque on the spring's side;
 /// De Luca et al., IROS 2006.
 #[derive(Debug, Clone)]
 pub struct ExternalTorqueObserver {
@@ -87,11 +86,11 @@ pub struct ExternalTorqueObserver {
 }
 
 impl ExternalTorqueObserver {
-    /// An observer of `arm`; one transmission, correction and noise per joint. The external
-    /// torque of a rigid joint (`None`), whose elastic torque nobody knows, stays NaN.
+    /// Creates an observer of `arm` with one transmission, correction and noise per joint. The external torque of a
+    /// rigid joint (`None`) is NaN, because its elastic torque is not measurable.
     ///
     /// # Errors
-    /// [`CorrectionError`], naming the joint and the value.
+    /// Returns a [`CorrectionError`] that names the joint and the value.
     pub fn new(
         arm: &Arm,
         transmissions: &[Option<Transmission>],
@@ -136,10 +135,10 @@ impl ExternalTorqueObserver {
         })
     }
 
-    /// Changes what is known of one joint's transmission; the estimate follows with its lag.
+    /// Changes the correction of one joint's transmission; the estimate follows with its lag.
     ///
     /// # Errors
-    /// [`CorrectionError`]; nothing is then changed.
+    /// Returns a [`CorrectionError`] for an invalid value; nothing is then changed.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -151,7 +150,7 @@ impl ExternalTorqueObserver {
         self.correction.set(joint, correction)
     }
 
-    /// What is known of the transmissions.
+    /// Returns the corrections of the transmissions.
     pub fn correction(&self) -> &Correction {
         &self.correction
     }
@@ -166,15 +165,14 @@ impl ExternalTorqueObserver {
         self.since_start_s = 0.0;
     }
 
-    /// One step of `dt_s` to a sample. The first one after construction or a reset only takes the
-    /// sample, as if the robot had stood there at rest, and doesn't look at `dt_s`.
+    /// Steps by `dt_s` to a sample. The first sample after construction or a reset only initialises the observer,
+    /// assuming that the robot was at rest, and ignores `dt_s`.
     ///
-    /// * `q`, `theta_measured`: `n`, rad. `dq`: `n`, rad/s, needed (and only then looked at) with
-    ///   [`VelocityFilter::Recorded`].
+    /// * `q`, `theta_measured`: `n`, rad. `dq`: `n`, rad/s, needed and used only with [`VelocityFilter::Recorded`].
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`], [`StepError::TimeStep`]; the state is then
-    /// unchanged, so a bad sample can be left out.
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`] or [`StepError::TimeStep`] for an invalid input; the
+    /// state is then unchanged, so that the caller can skip a bad sample.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
@@ -211,7 +209,7 @@ impl ExternalTorqueObserver {
         }
         self.observer
             .step(dt_s, terms.p, &self.alpha, Some(&self.tau_el))?;
-        self.judge();
+        self.update_outputs();
         if self.started {
             self.since_start_s += dt_s;
         }
@@ -219,7 +217,7 @@ impl ExternalTorqueObserver {
         Ok(())
     }
 
-    /// Refuses what can't be used, before anything changes.
+    /// Checks the inputs before any state changes.
     fn check(&self, dt_s: f64, q: &[f64], dq: Option<&[f64]>) -> Result<(), StepError> {
         let n = self.raw.len();
         if q.len() != n {
@@ -278,7 +276,7 @@ impl ExternalTorqueObserver {
     }
 
     /// Estimate and threshold of every joint.
-    fn judge(&mut self) {
+    fn update_outputs(&mut self) {
         let t = &self.tolerances;
         if let Some(routes) = self.correction.routes() {
             for ((filter, pole), tau_el) in (self.filters.iter_mut())
@@ -292,13 +290,13 @@ impl ExternalTorqueObserver {
                 }
             }
             let rows = self.tau_ext.iter_mut().zip(&mut self.threshold);
-            let known = self.friction.iter().zip(&t.noise_nm).zip(&self.filters);
-            let joints = rows.zip(known).zip(self.observer.torque()).enumerate();
+            let parameters = self.friction.iter().zip(&t.noise_nm).zip(&self.filters);
+            let joints = rows.zip(parameters).zip(self.observer.torque()).enumerate();
             for (j, (((tau_ext, threshold), ((friction, noise), filter)), r)) in joints {
                 if self.correction.joints().get(j).is_none_or(Option::is_none) {
                     continue;
                 }
-                let model = (filter.lagging.output() + r) * t.mass_deviation;
+                let model = (filter.lagging.output() + r) * t.mass_std;
                 let carried = self.filters.iter().map(|f| f.lagging.output());
                 let variance = spring_variance(&self.correction, routes, j, carried)
                     + model * model
@@ -311,8 +309,8 @@ impl ExternalTorqueObserver {
         }
         let outputs = self.tau_ext.iter_mut().zip(&mut self.threshold);
         let observed = self.observer.torque().iter().zip(self.observer.pole());
-        let known = self.tau_el.iter().zip(&self.friction).zip(&t.noise_nm);
-        let rows = outputs.zip(observed).zip(known).zip(&mut self.filters);
+        let parameters = self.tau_el.iter().zip(&self.friction).zip(&t.noise_nm);
+        let rows = outputs.zip(observed).zip(parameters).zip(&mut self.filters);
         for (((((tau_ext, threshold), (r, pole)), ((tau_el, friction), noise)), filter), joint) in
             rows.zip(self.correction.joints())
         {
@@ -326,9 +324,9 @@ impl ExternalTorqueObserver {
             let spring = &joint.spring;
             let slope = spring.slope(spring.deflection(carried).unwrap_or(0.0));
             let parts = [
-                slope * joint.delta_e_deviation,
-                carried * joint.stiffness_deviation,
-                (carried + r) * t.mass_deviation,
+                slope * joint.delta_e_std,
+                carried * joint.stiffness_std,
+                (carried + r) * t.mass_std,
                 *noise,
             ];
             let variance: f64 = parts.iter().map(|p| p * p).sum();
@@ -343,8 +341,8 @@ impl ExternalTorqueObserver {
         &self.tau_ext
     }
 
-    /// Size above which [`ExternalTorqueObserver::tau_ext`] can't be explained by what is known to
-    /// be unsure, `n`, N·m; NaN as there.
+    /// Threshold above which [`ExternalTorqueObserver::tau_ext`] exceeds the uncertainty of the model, `n`, N·m; NaN as
+    /// there.
     pub fn threshold(&self) -> &[f64] {
         &self.threshold
     }
@@ -364,7 +362,8 @@ impl ExternalTorqueObserver {
     }
 }
 
-/// Variance of the elastic torque of joint `j` by what is not known of offsets and stiffnesses, (N·m)², over all tendons that cross it.
+/// Returns the variance of the elastic torque of joint `j` by the uncertainty of offsets and stiffnesses, (N·m)², over
+/// all tendons that cross it.
 fn spring_variance(
     correction: &Correction,
     routes: &Routings,
@@ -378,8 +377,8 @@ fn spring_variance(
         let spring = &tendon.spring;
         let slope = spring.slope(spring.deflection(carried).unwrap_or(0.0));
         let arm = routes.moment_arm(i, j);
-        let by_offset = arm * slope * tendon.delta_e_deviation;
-        let by_stiffness = arm * carried * tendon.stiffness_deviation;
+        let by_offset = arm * slope * tendon.delta_e_std;
+        let by_stiffness = arm * carried * tendon.stiffness_std;
         sum + by_offset * by_offset + by_stiffness * by_stiffness
     })
 }

@@ -1,17 +1,16 @@
-//! What a controller and a collision detector need once the ropes have stretched.
+//! Corrections for a controller and a collision detector after the ropes have elongated.
 //!
 //! ```text
-//! theta     = theta_measured − delta_e                        motor position without the stretch
-//! tau_el    = K x (1 + c x²),   x = theta − q                 torque the spring really carries
-//! theta_set = q_d + x(tau_d) + delta_e                        motor position that puts the joint at q_d
-//! tau_ext   ← momentum observer driven by tau_el              what touches the robot
+//! theta     = theta_measured − delta_e                        motor position without the offset tau_el    = K x (1 + c
+//! x²),   x = theta − q                 actual torque of the spring theta_set = q_d + x(tau_d) + delta_e
+//! motor position for the joint position q_d tau_ext   ← momentum observer driven by tau_el              external
+//! torque on the robot
 //! ```
 //!
 //! With tendons that cross several joints the first three hold in the coordinate of each tendon: see [`Correction`] and [`SetPoint`].
 //!
-//! Uncorrected, a stretch of `delta_e` leaves the joint `delta_e` short of where it should be and
-//! shows as a contact of `−K delta_e` that isn't there. Sinew never commands a robot: these are
-//! numbers for a controller that does.
+//! Without correction, an offset of `delta_e` causes a joint position error of `delta_e` and appears as a false contact
+//! of `−K delta_e`. Sinew never commands a robot: it provides these numbers to a controller.
 //!
 //! Reading order: [`Spring`], [`Correction`] (motor position and torque), [`SetPoint`],
 //! [`ExternalTorqueObserver`] and its [`ContactTolerances`], [`ContactDetector`].

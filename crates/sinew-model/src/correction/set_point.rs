@@ -1,4 +1,4 @@
-//! Where the motor has to be so that the joint is where it is wanted.
+//! Motor set-points for a desired joint position.
 
 use super::error::CorrectionError;
 use super::transmission::{Correction, JointCorrection};
@@ -8,22 +8,22 @@ use crate::error::is_input;
 use crate::transmission::{Friction, Transmission};
 use alloc::vec::Vec;
 
-/// Motor set-points `theta_set = q_d + x(tau_d) + delta_e`, `x` the spring's deflection under the
-/// torque `tau_d` that the wanted motion needs.
+/// Motor set-points `theta_set = q_d + x(tau_d) + delta_e`, `x` the spring's deflection under the torque `tau_d` that
+/// the desired motion requires.
 ///
 /// ```text
 /// at rest     tau_d = g(q_d) − tau_ext
 /// in motion   tau_d = M(q_d) ddq_d + C dq_d + g(q_d) + tau_friction_joint(dq_d) − tau_ext
 /// ```
 ///
-/// A motor held at `theta_set` holds the joint at `q_d` exactly where the model is right: the
-/// set-point is a position of equilibrium. What it leaves: `(1/K − 1/K_true) tau_d` for a wrong
-/// stiffness, `δg/K` for wrong masses, dry friction at the joint over `K`. It is a feed-forward:
-/// a motor that doesn't reach its set-point, or an arm that swings about it, is the controller's.
+/// A motor held at `theta_set` holds the joint at `q_d` exactly if the model is exact: the set-point is an equilibrium.
+/// Remaining errors: `(1/K − 1/K_true) tau_d` for a wrong stiffness, `δg/K` for wrong masses, dry friction at the joint
+/// over `K`. It is a feed-forward: errors of the motor position and oscillations of the arm are tasks of the
+/// controller.
 ///
-/// A known payload is part of the arm given ([`Arm::with_payload`]).
+/// A payload is part of the arm passed to the constructor ([`Arm::with_payload`]).
 ///
-/// A tendon with a [`Routing`](crate::tendons::Routing) carries `f = Σ_j B_ij tau_j`, and its motor is wanted at
+/// A tendon with a [`Routing`](crate::tendons::Routing) carries `f = Σ_j B_ij tau_j`, and the set-point of its motor is
 ///
 /// ```text
 /// drive_ratio theta_set = Σ_j rho_ij q_d_j + x(f) + delta_e
@@ -52,7 +52,7 @@ impl SetPoint {
     /// joints, whose set-point is `q_d`.
     ///
     /// # Errors
-    /// [`CorrectionError`], naming the joint and the value.
+    /// Returns a [`CorrectionError`], naming the joint and the value.
     pub fn new(
         arm: &Arm,
         transmissions: &[Option<Transmission>],
@@ -81,10 +81,10 @@ impl SetPoint {
         })
     }
 
-    /// Changes what is known of one joint's transmission.
+    /// Changes the correction of one joint's transmission.
     ///
     /// # Errors
-    /// [`CorrectionError`]; nothing is then changed.
+    /// Returns a [`CorrectionError`] for an invalid value; nothing is then changed.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -96,19 +96,19 @@ impl SetPoint {
         self.correction.set(joint, correction)
     }
 
-    /// What is known of the transmissions.
+    /// Returns the corrections of the transmissions.
     pub fn correction(&self) -> &Correction {
         &self.correction
     }
 
-    /// Set-point that holds `q_d` at rest; returns `theta_set`, `n`, rad, as the motor's encoder
-    /// counts (stretch included).
+    /// Computes the set-point that holds `q_d` at rest; returns `theta_set`, `n`, rad, in the coordinate of the motor's
+    /// encoder (offset included).
     ///
-    /// * `q_d`: `n`, rad. `tau_ext`: `n`, N·m, known torque applied to the robot; `None`: none.
+    /// * `q_d`: `n`, rad. `tau_ext`: `n`, N·m, external torque applied to the robot; `None`: none.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`], [`StepError::Spring`] where a softening
-    /// spring can't carry the torque. The set-point before stays.
+    /// Returns [`StepError::Length`] or [`StepError::NotFinite`] for an invalid input, and [`StepError::Spring`] if the
+    /// torque exceeds the maximum of a softening spring. The previous set-point is kept.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
@@ -132,13 +132,13 @@ impl SetPoint {
     /// Set-point that lets the joint follow `q_d`, `dq_d`, `ddq_d`; otherwise as
     /// [`SetPoint::hold`].
     ///
-    /// With a right model the joint stays on `q_d` as long as the motor stays on `theta_set`; what
-    /// disturbs it swings about `q_d`, and damping that is the controller's.
+    /// With an exact model the joint follows `q_d` while the motor follows `theta_set`. A disturbance causes an
+    /// oscillation about `q_d`, which the controller has to damp.
     ///
     /// * `dq_d`, `ddq_d`: `n`, rad/s, rad/s².
     ///
     /// # Errors
-    /// As [`SetPoint::hold`].
+    /// Returns the errors of [`SetPoint::hold`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
@@ -173,10 +173,10 @@ impl SetPoint {
         &self.tau_el
     }
 
-    /// Torque of the tendons that the latest set-point counts on, `n`, N·m: what the motors have to hold.
+    /// Torque of the tendons for the latest set-point, `n`, N·m, which the motors have to provide.
     ///
-    /// A joint with a tendon of its own has its `tau_el` here. With a routing it is that in the tendon's coordinate, of which the
-    /// shaft of the motor sees `drive_ratio` times as much.
+    /// For a joint with a separate tendon the value is `tau_el`. With a routing it is the torque in the tendon's
+    /// coordinate; the torque at the motor shaft is `drive_ratio` times as large.
     pub fn tendon_torque(&self) -> &[f64] {
         match self.correction.routes() {
             Some(_) => &self.tendon_torque,
@@ -198,7 +198,7 @@ struct Set<'a> {
 }
 
 impl Set<'_> {
-    /// Writes `tau_el` and `theta_set` for the model's torque `tau`, or nothing.
+    /// Writes `tau_el` and `theta_set` for the model's torque `tau`; on an error neither.
     fn solve(
         &self,
         tau: &[f64],
@@ -220,7 +220,7 @@ impl Set<'_> {
             let n = tau.len();
             let carried = |i: usize| routes.torque_of(i, (0..n).map(torque));
             let joints = self.correction.joints();
-            // Refuse before anything is written.
+            // Errors are returned before any value is written.
             for (i, joint) in joints.iter().enumerate() {
                 if let Some(joint) = joint
                     && joint.spring.deflection(carried(i)).is_none()
@@ -243,7 +243,7 @@ impl Set<'_> {
             }
             return Ok(());
         }
-        // Refuse before anything is written.
+        // Errors are returned before any value is written.
         for (i, joint) in self.correction.joints().iter().enumerate() {
             if let Some(joint) = joint
                 && joint.spring.deflection(torque(i)).is_none()

@@ -12,8 +12,8 @@ use super::error::CorrectionError;
 /// c < 0   x = A sin(asin(3t/A)/3)        up to |x| = A/2, where the slope is 0; |t| ≤ A/3
 /// ```
 ///
-/// A softening spring (`c < 0`) holds only up to its largest torque: beyond, and past the
-/// deflection where that is reached, the formula no longer describes a rope.
+/// A softening spring (`c < 0`) is valid only up to its maximum torque: beyond it, and beyond the
+/// corresponding deflection, the formula does not describe a rope.
 ///
 /// # Source
 /// `4 sinh³u + 3 sinh u = sinh 3u`, `3 sin u − 4 sin³u = sin 3u`.
@@ -27,9 +27,9 @@ impl Spring {
     /// A spring of stiffness `K`, N·m/rad (N/m), and stiffening `c`, 1/rad² (1/m²).
     ///
     /// # Errors
-    /// [`CorrectionError::Stiffness`] unless `K` is finite and above 0 (between 1e-9 and 1e12),
-    /// [`CorrectionError::Cubic`] unless `|c|` is at most 1e6. Joint 0 is named: the caller knows
-    /// better.
+    /// Returns [`CorrectionError::Stiffness`] unless `K` is finite and above 0 (between 1e-9 and 1e12),
+    /// [`CorrectionError::Cubic`] unless `|c|` is at most 1e6. The error contains joint 0, which the caller replaces
+    /// by the actual joint.
     pub fn new(stiffness_nm_per_rad: f64, cubic_per_rad2: f64) -> Result<Self, CorrectionError> {
         // Far beyond any rope in any unit, far from where quotients and cubes overflow.
         if !(1e-9..=1e12).contains(&stiffness_nm_per_rad) {
@@ -50,12 +50,12 @@ impl Spring {
         })
     }
 
-    /// `K`, N·m/rad.
+    /// Stiffness `K`, N·m/rad.
     pub fn stiffness_nm_per_rad(&self) -> f64 {
         self.stiffness_nm_per_rad
     }
 
-    /// `c`, 1/rad².
+    /// Stiffening coefficient `c`, 1/rad².
     pub fn cubic_per_rad2(&self) -> f64 {
         self.cubic_per_rad2
     }
@@ -69,7 +69,7 @@ impl Spring {
         self.stiffness_nm_per_rad * x * (1.0 + self.cubic_per_rad2 * x * x)
     }
 
-    /// `∂tau_el/∂x` at the deflection `x`, N·m/rad: what one rad of offset is worth there.
+    /// `∂tau_el/∂x` at the deflection `x`, N·m/rad: the torque per rad of offset there.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -78,8 +78,8 @@ impl Spring {
         self.stiffness_nm_per_rad * (1.0 + 3.0 * self.cubic_per_rad2 * x * x)
     }
 
-    /// Deflection that gives `tau_el`, rad; `None` where a softening spring can't carry it, or
-    /// the torque is NaN or infinite.
+    /// Returns the deflection at the torque `tau_el`, rad; `None` if the torque exceeds the maximum
+    /// of a softening spring, or is NaN or infinite.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.

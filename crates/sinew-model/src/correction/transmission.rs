@@ -1,4 +1,4 @@
-//! Motor position and elastic torque without the stretch.
+//! Motor position and elastic torque without the offset.
 
 use super::error::CorrectionError;
 use super::spring::Spring;
@@ -8,9 +8,9 @@ use crate::transmission::Transmission;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
 
-/// What is known of a transmission beyond its description, with how well it is known.
+/// Correction of a transmission relative to its description, with its uncertainty.
 ///
-/// The default is a transmission as described: no offset, no doubt.
+/// The default is a transmission as described: no offset, no uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointCorrection {
     /// Offset `delta_e`, rad.
@@ -32,7 +32,7 @@ impl Default for JointCorrection {
 }
 
 impl JointCorrection {
-    /// An offset, everything else as described.
+    /// Creates a correction of the offset only; all other values are those of the description.
     pub fn offset(delta_e_rad: Gaussian) -> Self {
         Self {
             delta_e_rad,
@@ -46,9 +46,9 @@ impl JointCorrection {
 pub(super) struct Corrected {
     pub(super) spring: Spring,
     pub(super) delta_e: f64,
-    pub(super) delta_e_deviation: f64,
-    pub(super) stiffness_deviation: f64,
-    /// Of the description, N·m/rad: factors refer to it.
+    pub(super) delta_e_std: f64,
+    pub(super) stiffness_std: f64,
+    /// Stiffness of the description, N·m/rad: factors refer to it.
     described_nm_per_rad: f64,
 }
 
@@ -66,11 +66,8 @@ impl Corrected {
             });
         }
         for (what, value) in [
-            ("standard deviation of the offset", offset.deviation),
-            (
-                "standard deviation of the stiffness factor",
-                factor.deviation,
-            ),
+            ("standard deviation of the offset", offset.std),
+            ("standard deviation of the stiffness factor", factor.std),
         ] {
             if !(0.0..=1e6).contains(&value) {
                 return Err(CorrectionError::Tolerance {
@@ -86,14 +83,14 @@ impl Corrected {
         Ok(Self {
             spring,
             delta_e: offset.mean,
-            delta_e_deviation: offset.deviation,
-            stiffness_deviation: factor.deviation / factor.mean,
+            delta_e_std: offset.std,
+            stiffness_std: factor.std / factor.mean,
             described_nm_per_rad,
         })
     }
 }
 
-/// Motor positions and elastic torques of an arm, freed of what its ropes have gained.
+/// Motor positions and elastic torques of an arm, corrected for the elongation of its ropes.
 ///
 /// A tendon with a [`Routing`](crate::tendons::Routing) is corrected in the coordinate of the joint that it is paired with: its offset, stiffness
 /// and stiffening are of that coordinate. Positions of its motor are those of the motor's encoder.
@@ -116,7 +113,7 @@ impl Correction {
     /// must be the default.
     ///
     /// # Errors
-    /// [`CorrectionError`], naming the joint and the value.
+    /// Returns a [`CorrectionError`], naming the joint and the value.
     pub fn new(
         transmissions: &[Option<Transmission>],
         corrections: &[JointCorrection],
@@ -128,11 +125,13 @@ impl Correction {
             });
         }
         let expected = transmissions.len();
-        for routing in transmissions
-            .iter()
-            .flatten()
-            .filter_map(|t| t.routing.as_ref())
+        let routings = transmissions.iter().enumerate();
+        for (axis, routing) in
+            routings.filter_map(|(i, t)| Some((i, t.as_ref()?.routing.as_ref()?)))
         {
+            if routing.pull.is_some() {
+                return Err(CorrectionError::JointEquations { axis });
+            }
             for row in [&routing.moment_arms, &routing.torque_shares] {
                 if row.len() != expected {
                     return Err(CorrectionError::Length {
@@ -159,7 +158,7 @@ impl Correction {
     /// Transmissions as described: no offset anywhere.
     ///
     /// # Errors
-    /// [`CorrectionError::Stiffness`].
+    /// Returns [`CorrectionError::Stiffness`].
     pub fn none(transmissions: &[Option<Transmission>]) -> Result<Self, CorrectionError> {
         Self::new(
             transmissions,
@@ -167,10 +166,10 @@ impl Correction {
         )
     }
 
-    /// Changes what is known of one joint: an offset is followed over the months.
+    /// Changes the correction of one joint: an offset is tracked over months.
     ///
     /// # Errors
-    /// [`CorrectionError`]; nothing is then changed.
+    /// Returns a [`CorrectionError`] for an invalid value; nothing is then changed.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -211,12 +210,13 @@ impl Correction {
         self.routes.as_ref()
     }
 
-    /// Motor position without the stretch, `theta = theta_measured − delta_e`; with a routing, `theta_measured − delta_e / drive_ratio`.
+    /// Motor position without the offset, `theta = theta_measured − delta_e`; with a routing, `theta_measured − delta_e
+    /// / drive_ratio`.
     ///
     /// * `theta_measured`: `n`, rad. `theta`: `n`, written, rad; a rigid joint's is copied.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`] (an elastic joint's position); nothing is
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`] (an elastic joint's position); nothing is
     /// then written.
     ///
     /// # Realtime
@@ -244,14 +244,14 @@ impl Correction {
         Ok(())
     }
 
-    /// Torque the springs really carry, `tau_el = K x (1 + c x²)`, `x = theta_measured − delta_e − q`; with a routing that of
-    /// all tendons at the joint, `Σ_i rho_ij f_i`.
+    /// Computes the actual torque of the springs, `tau_el = K x (1 + c x²)`, `x = theta_measured − delta_e − q`; with a
+    /// routing that of all tendons at the joint, `Σ_i rho_ij f_i`.
     ///
-    /// * `theta_measured`, `q`: `n`, rad. `tau_el`: `n`, written, N·m; NaN for a rigid joint, whose
-    ///   torque no position tells.
+    /// * `theta_measured`, `q`: `n`, rad. `tau_el`: `n`, written, N·m; NaN for a rigid joint, whose torque is not
+    ///   determined by positions.
     ///
     /// # Errors
-    /// As [`Correction::motor_position`].
+    /// Returns the errors of [`Correction::motor_position`].
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n), with routings O(n²).

@@ -5,7 +5,7 @@ use crate::StepError;
 use crate::error::is_time_step;
 use alloc::vec::Vec;
 
-/// A gain nobody can use.
+/// Observer gain outside the permitted range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("observer gain of joint {joint} is {gain_per_s} 1/s; it must be finite and above 0")]
 pub struct GainError {
@@ -26,8 +26,9 @@ pub struct GainError {
 /// ```
 ///
 /// Stable for every `K_I > 0` and `Δt > 0`. Only the last `p` and `α + tau_ext` are kept, so a
-/// varying step, a gap (start anew) and a change of gain (no jump: `r` is the torque itself) are
-/// natural. Holds while `tau_ext` is known: an unknown contact appears in `r` in full.
+/// varying step, a gap (re-initialisation) and a change of gain (no discontinuity: `r` is the
+/// torque itself) need no special treatment. Valid if `tau_ext` is measured or specified: an
+/// unmodelled contact appears in `r` in full.
 ///
 /// # Source
 /// Kirchhoff, von Stryk, IROS 2018, eq. (7); De Luca et al., IROS 2006, for the momentum form.
@@ -47,7 +48,7 @@ impl MomentumObserver {
     /// An observer of `gain_per_s.len()` joints; `K_I` in 1/s, one per joint. Allocates here only.
     ///
     /// # Errors
-    /// [`GainError`] when a gain is not finite and above 0.
+    /// Returns a [`GainError`] when a gain is not finite and above 0.
     pub fn new(gain_per_s: &[f64]) -> Result<Self, GainError> {
         for (joint, &gain_per_s) in gain_per_s.iter().enumerate() {
             check_gain(joint, gain_per_s)?;
@@ -67,7 +68,7 @@ impl MomentumObserver {
     /// Changes the gain of one joint; `r` does not jump. A joint past the last is ignored.
     ///
     /// # Errors
-    /// [`GainError`]; the gain is then unchanged.
+    /// Returns a [`GainError`]; the gain is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -80,7 +81,7 @@ impl MomentumObserver {
         Ok(())
     }
 
-    /// Forgets everything; the next step is a start.
+    /// Resets the state; the next sample re-initialises the observer.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -102,7 +103,7 @@ impl MomentumObserver {
     /// * `p`, `alpha`, `tau_ext`: `n`; N·m·s, N·m, N·m.
     ///
     /// # Errors
-    /// [`StepError::Length`], [`StepError::NotFinite`], [`StepError::TimeStep`]; the state is
+    /// Returns [`StepError::Length`], [`StepError::NotFinite`], [`StepError::TimeStep`]; the state is
     /// then unchanged.
     ///
     /// # Realtime
@@ -165,7 +166,7 @@ impl MomentumObserver {
         &self.r
     }
 
-    /// Weights of the last step, one per joint: what else is compared with `r` goes through these.
+    /// Weights of the last step, one per joint: other signals compared with `r` use the same weights.
     pub fn pole(&self) -> &[ExactPole] {
         &self.pole
     }

@@ -6,11 +6,11 @@
 /// `y₁ = a y₀ + w₀ u₀ + w₁ u₁`, `w₀ = (1−a)/x − a`, `w₁ = 1 − (1−a)/x`, `w₀ + w₁ = 1 − a`.
 ///
 /// All three weights lie between 0 and 1 for every `k > 0` and `Δt > 0`: stable at any gain and
-/// step. For an input that is linear between samples there is no error at all; otherwise the
+/// step. For an input that is linear between samples the step is exact; otherwise the
 /// error is that of the straight line, `O(Δt² ü)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExactPole {
-    /// `exp(−k Δt)`: how much of the old output stays.
+    /// `exp(−k Δt)`: remaining share of the old output.
     pub a: f64,
     /// Weight of the input at the start of the step.
     pub w0: f64,
@@ -44,8 +44,7 @@ impl ExactPole {
     }
 }
 
-/// A first-order lag with its memory: what `theta − q` is passed through so that it lags like
-/// the observed torque.
+/// First-order low-pass filter with its state, which delays `theta − q` by the same amount as the observed torque.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FirstOrder {
     input: f64,
@@ -61,7 +60,7 @@ impl FirstOrder {
         }
     }
 
-    /// One step; returns the output.
+    /// Advances the filter by one step and returns the output.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -72,7 +71,7 @@ impl FirstOrder {
         self.output
     }
 
-    /// Latest output.
+    /// Latest output of the filter.
     pub fn output(&self) -> f64 {
         self.output
     }

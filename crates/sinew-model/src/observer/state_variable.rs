@@ -22,12 +22,12 @@ pub struct StateVariableFilter {
     dx: f64,
 }
 
-/// What all filters of one `ω` share over a step of one length.
+/// Weights shared by all filters of one `ω` over a step of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoublePole {
-    /// `1/Δt`.
+    /// Reciprocal of the time step, `1/Δt`.
     per_step: f64,
-    /// `2/ω`.
+    /// Delay of the filter, `2/ω`.
     delay: f64,
     /// `E (1 + ωΔt)`, `E Δt`: what `x₁` keeps of `e` and `f`.
     x_e: f64,
@@ -38,7 +38,7 @@ pub struct DoublePole {
 }
 
 impl DoublePole {
-    /// Of cut-off `ω` over `dt_s`, both positive.
+    /// Computes the weights for the cut-off `ω` and the time step `dt_s`, both positive.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -82,12 +82,12 @@ impl StateVariableFilter {
         self.input = u;
     }
 
-    /// Smoothed signal.
+    /// Filtered value of the signal.
     pub fn value(&self) -> f64 {
         self.x
     }
 
-    /// Its derivative, per second.
+    /// Derivative of the filtered signal, per second.
     pub fn rate(&self) -> f64 {
         self.dx
     }

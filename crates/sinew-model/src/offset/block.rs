@@ -1,14 +1,15 @@
-//! What a fifth of a second of samples says, averaged.
+//! Block of averaged samples, 0.2 s long.
 
 use super::effects::ENCODER;
 use alloc::vec::Vec;
 
 /// Signals that are averaged.
-const SUMS: usize = 17;
-/// Motion of a joint below this is a stand, rad: well above an encoder's step and friction's stroke.
-pub(crate) const STAND_RAD: f64 = 0.01;
-/// A shorter stand is part of motion, s.
-const LONG_STAND_S: f64 = 3.0;
+const SUMS: usize = 20;
+/// Motion of a joint below this is a rest phase, rad: well above the encoder resolution and the presliding displacement
+/// of friction.
+pub(crate) const REST_RAD: f64 = 0.01;
+/// Minimum duration of a long rest phase, s; a shorter one counts as motion.
+const LONG_REST_S: f64 = 3.0;
 
 /// Averages over one block.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,34 +17,34 @@ const LONG_STAND_S: f64 = 3.0;
 pub struct Block {
     /// Middle of the block, s since the first sample.
     pub time_s: f64,
-    /// For how long the arm has stood at the end of the block, s: no joint has moved by 10 mrad.
+    /// Time at rest up to the end of the block, s, in which no joint has moved by 10 mrad.
     pub stood_s: f64,
-    /// How often the arm came by like this in the recording; 1 where that isn't counted.
+    /// Number of passages through a similar motion in the recording; 1 if they are not counted.
     pub visits: f64,
     /// Filtered joint position at the end of the block, `n`, rad.
     pub q: Vec<f64>,
     /// Filtered `theta_measured − q`, `n`, rad.
     pub y: Vec<f64>,
-    /// `y` with a memory of half a minute: what a viscoelastic rope creeps after, `n`, rad.
+    /// `y` with a memory of half a minute, which the viscoelastic part of the deflection follows, `n`, rad.
     pub y_slow: Vec<f64>,
     /// `(theta_measured − q)²`, filtered like `y`, `n`, rad².
     pub y_square: Vec<f64>,
     /// `(theta_measured − q)³`, filtered like `y`, `n`, rad³: a spring that stiffens.
     pub y_cube: Vec<f64>,
-    /// `Φ` of the base parameters ([`crate::arm::BaseParameters`]), row-major `n × r`, N·m per
-    /// parameter unit.
+    /// Regressor `Φ` of the base parameters ([`crate::arm::BaseParameters`]), row-major `n × r`, N·m per parameter
+    /// unit.
     pub phi: Vec<f64>,
     /// Joint position like `y`, `n`, rad.
     pub turned: Vec<f64>,
-    /// Friction state, −1…1, `n`, as far as it is known.
+    /// Friction state, −1…1, `n`, where it is determined.
     pub z: Vec<f64>,
-    /// Half of what it may be: 1 until the joint has moved, 0 once it has slid, `n`.
+    /// Half-width of the possible range of `z`: 1 until the joint has moved, 0 once it has slid, `n`.
     pub z_unknown: Vec<f64>,
     /// Joint velocity, `n`, rad/s.
     pub dq: Vec<f64>,
     /// Friction state times the size of the spring's torque over its stiffness, `n`, rad.
     pub z_load: Vec<f64>,
-    /// Sine and cosine of once and twice `q`, `n × 4`.
+    /// Sine and cosine of `q` and `2q`, `n × 4`.
     pub encoder: Vec<f64>,
     /// Temperature, °C; NaN where not recorded.
     pub temperature_c: f64,
@@ -58,11 +59,17 @@ pub struct Block {
     /// Friction state of the drive times the size of the spring's torque over its stiffness,
     /// `n`, rad.
     pub motor_z_load: Vec<f64>,
-    /// Share of the time the motor stood, 0…1, `n`: its friction is unknown then.
+    /// Share of the time in which the motor was at rest, 0…1, `n`; its friction is unknown at rest.
     pub motor_stood: Vec<f64>,
+    /// Filtered torque of each tendon by its tension sensor, `n` where a group has one equation per joint, N·m; NaN where not recorded.
+    pub tension_nm: Vec<f64>,
+    /// Moment arms that vary with the position, filtered like `y`, one entry each, rad of the tendon's coordinate per rad of the joint.
+    pub arm: Vec<f64>,
+    /// Variable moment arms multiplied by the deflection of their tendon, rad.
+    pub arm_y: Vec<f64>,
 }
 
-/// What both have room for; unlike `copy_from_slice` it has no way to panic.
+/// Copies the common length of two slices; unlike `copy_from_slice` it cannot panic.
 pub(crate) fn copy(to: &mut [f64], from: &[f64]) {
     for (to, from) in to.iter_mut().zip(from) {
         *to = *from;
@@ -95,15 +102,32 @@ impl Block {
             motor_z: zero(),
             motor_z_load: zero(),
             motor_stood: zero(),
+            tension_nm: Vec::new(),
+            arm: Vec::new(),
+            arm_y: Vec::new(),
         }
     }
 
-    /// Whether the arm has stood for so long that friction may have turned round since it moved.
+    /// Whether the arm has been at rest for so long that friction may have reversed since the motion.
     ///
-    /// A controller that settles slowly lets a joint creep back by a friction's stroke. Short stands are part of motion:
-    /// the noise has what they do.
-    pub(crate) fn stands_long(&self) -> bool {
-        self.stood_s >= LONG_STAND_S
+    /// A controller that settles slowly lets a joint creep back within the presliding displacement. Short rest phases
+    /// count as motion: their effect is part of the noise.
+    pub(crate) fn rests_long(&self) -> bool {
+        self.stood_s >= LONG_REST_S
+    }
+
+    /// Excludes joint `i`, whose motor and joint do not drive each other: the block then has no equation of it.
+    pub fn exclude(&mut self, i: usize) {
+        for column in [&mut self.y, &mut self.motor_torque] {
+            if let Some(value) = column.get_mut(i) {
+                *value = f64::NAN;
+            }
+        }
+    }
+
+    /// Whether joint `i` is [excluded](Self::exclude).
+    pub(crate) fn is_excluded(&self, i: usize) -> bool {
+        self.y.get(i).is_none_or(|y| y.is_nan())
     }
 
     /// Memory it takes, bytes.
@@ -118,14 +142,31 @@ impl Block {
         let n = joints;
         let mut expected = [n; SUMS];
         // Their places in `columns`.
-        let [_, _, _, _, phi, _, _, _, _, _, encoder, ..] = &mut expected;
+        let [
+            _,
+            _,
+            _,
+            _,
+            phi,
+            _,
+            _,
+            _,
+            _,
+            _,
+            encoder,
+            ..,
+            tension,
+            arm,
+            arm_y,
+        ] = &mut expected;
         (*phi, *encoder) = (n * columns, n * ENCODER);
+        // Blocks on a wire are of robots with an equation per tendon.
+        (*tension, *arm, *arm_y) = (0, 0, 0);
         let mut lengths = self.columns().into_iter().zip(expected);
         self.q.len() == n && lengths.all(|(column, length)| column.len() == length)
     }
 
-    /// Whether everything is a number, but for a motor torque and a temperature that were not
-    /// recorded.
+    /// Whether all values are finite, except a motor torque and a temperature that were not recorded.
     #[cfg(feature = "wire")]
     pub(crate) fn is_finite(&self) -> bool {
         let Self {
@@ -151,9 +192,13 @@ impl Block {
             motor_z,
             motor_z_load,
             motor_stood,
+            tension_nm: _,
+            arm,
+            arm_y,
         } = self;
         let link = [
-            q, y, y_slow, y_square, y_cube, phi, turned, z, z_unknown, dq, z_load, encoder,
+            q, y, y_slow, y_square, y_cube, phi, turned, z, z_unknown, dq, z_load, encoder, arm,
+            arm_y,
         ];
         let motor = [
             motor_acceleration,
@@ -182,7 +227,7 @@ impl Block {
         }
     }
 
-    /// What [`Block::sums`] lends, to read.
+    /// Returns the columns of [`Block::sums`], read-only.
     fn columns(&self) -> [&[f64]; SUMS] {
         [
             &self.y,
@@ -202,10 +247,13 @@ impl Block {
             &self.motor_z,
             &self.motor_z_load,
             &self.motor_stood,
+            &self.tension_nm,
+            &self.arm,
+            &self.arm_y,
         ]
     }
 
-    /// What is averaged over a block.
+    /// Returns the quantities that are averaged over a block.
     pub(crate) fn sums(&mut self) -> [&mut Vec<f64>; SUMS] {
         [
             &mut self.y,
@@ -225,6 +273,9 @@ impl Block {
             &mut self.motor_z,
             &mut self.motor_z_load,
             &mut self.motor_stood,
+            &mut self.tension_nm,
+            &mut self.arm,
+            &mut self.arm_y,
         ]
     }
 }

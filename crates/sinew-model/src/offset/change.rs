@@ -4,27 +4,28 @@ use super::effects::{FORCE, JointParameter, PAYLOAD};
 use super::layout::Layout;
 use alloc::vec::Vec;
 
-/// What changes.
+/// Kind of a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ChangeKind {
-    /// Offset of a joint: a slip of rope or encoder, a re-tensioning.
+    /// Offset of a joint: a slip of rope or encoder, or a re-tensioning.
     Offset(usize),
-    /// Compliance of a joint: a failed strand, with the offset of that joint.
+    /// Compliance of a joint: a strand failure, which also changes the offset of that joint.
     Compliance(usize),
-    /// Offset of a joint, evenly from then on: a rope that creeps. Its entry is the rate, rad/s.
+    /// Offset of a joint that changes at a constant rate from the given time, as of a creeping rope. Its entry is the
+    /// rate, rad/s.
     Creep(usize),
-    /// What the gripper holds.
+    /// Payload in the gripper.
     Payload,
-    /// A constant force from outside, at the tool: a cable that drags, a hose, a spring balancer. Its entries are the
-    /// recording's alone: they change nothing that is believed of the robot.
+    /// Constant external force at the tool: a cable that drags, a hose, a spring balancer. Its entries belong to this
+    /// recording alone and do not affect the posterior of the robot.
     Force,
 }
 
 impl ChangeKind {
-    /// Entries of the state it changes.
+    /// Returns the number of state entries that the change has.
     pub(crate) fn columns(self) -> usize {
         match self {
             Self::Offset(_) | Self::Compliance(_) | Self::Creep(_) => 1,
@@ -33,7 +34,7 @@ impl ChangeKind {
         }
     }
 
-    /// First entry of the state it changes; `None`: it comes beside them.
+    /// First entry of the state that it changes; `None` if its entries are outside the state.
     pub(crate) fn place(self, layout: Layout) -> Option<usize> {
         Some(match self {
             Self::Offset(joint) | Self::Creep(joint) => layout.place(joint, JointParameter::Offset),
@@ -44,19 +45,19 @@ impl ChangeKind {
     }
 }
 
-/// A change from a time to the end of the recording; changes of the same thing add up.
+/// A change from a time to the end of the recording; changes of the same quantity add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChangePoint {
-    /// What changes.
+    /// Kind of the change.
     pub kind: ChangeKind,
-    /// When, s.
+    /// Time of the change since the start of the recording, s.
     pub at_s: f64,
 }
 
 impl ChangePoint {
-    /// By how much of its entry what it changes has changed by a time after it, s.
+    /// Returns the factor of the change's entries at a time after it, s: 1 for a step, the elapsed time in s for creep.
     pub(crate) fn factor(&self, time_s: f64) -> f64 {
         match self.kind {
             ChangeKind::Creep(_) => time_s - self.at_s,
@@ -64,101 +65,102 @@ impl ChangePoint {
         }
     }
 
-    /// Whether this is the loss of stiffness that was opened with `slip`.
+    /// Whether this is the stiffness loss that accompanies `slip`.
     pub(crate) fn accompanies(&self, slip: &Self) -> bool {
         self.at_s == slip.at_s
             && matches!((self.kind, slip.kind), (ChangeKind::Compliance(a), ChangeKind::Offset(b)) if a == b)
     }
 }
 
-/// How a sudden change of an offset or a payload appears in blocks: through the first-order low-pass of all signals.
+/// Appearance of a sudden change of an offset or a payload in blocks: through the first-order low-pass of all signals.
 ///
 /// ```text
 /// share(t) = 1 − e^(−K_I (t − t₀)),   t₀ = at_s − delay_s
 /// ```
 ///
-/// `at_s`: beginning of the first block that shows half of it.
+/// `at_s`: start of the first block that contains half of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Appearance {
     /// Pole `K_I` of the low-pass, 1/s.
     pub(crate) gain_per_s: f64,
-    /// From the change to half of it, s.
+    /// Delay from the change to half of its size, s.
     pub(crate) delay_s: f64,
 }
 
 impl Appearance {
-    /// Without a low-pass.
+    /// Appearance without a low-pass.
     #[cfg(test)]
     pub(crate) const AT_ONCE: Self = Self {
         gain_per_s: f64::INFINITY,
         delay_s: 0.0,
     };
 
-    /// Share of a change that blocks show at a time after it.
+    /// Share of a change that the blocks contain at a time after it.
     pub(crate) fn share(&self, change: &ChangePoint, time_s: f64) -> f64 {
-        /// From here on less than a twenty-thousandth of a change is missing: blocks of one factor are summed together.
+        /// Number of time constants after which less than 1/20,000 of a change is missing: blocks with one common
+        /// factor are summed.
         const TIME_CONSTANTS: f64 = 10.0;
         let passed = self.gain_per_s * (time_s - change.at_s + self.delay_s);
         match change.kind {
             ChangeKind::Offset(_) | ChangeKind::Payload if passed < TIME_CONSTANTS => {
                 1.0 - libm::exp(-passed)
             }
-            // A force acts, and a strand may have failed, before the first block; creep grows.
+            // A force acts from the first block, and a strand may have failed before it; creep grows.
             _ => 1.0,
         }
     }
 }
 
-/// Which changes a search looks for.
+/// Kinds of changes that a search considers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SearchScope {
-    /// Slips and failed strands.
+    /// Whether slips and strand failures are searched for.
     pub offsets: bool,
-    /// Payloads picked up or put down.
+    /// Whether payloads picked up or put down are searched for.
     pub payload: bool,
-    /// Offsets that move evenly: ropes that creep. It takes `offsets`, too.
+    /// Whether offsets with a constant rate, i.e. creeping ropes, are searched for. Requires `offsets`.
     pub creep: bool,
-    /// Whether the data goes on from where the belief ends: a change may come with its first
-    /// block then.
+    /// Whether the data continues from the end of the prior's recording: a change may then occur at the first block.
     pub continues: bool,
-    /// A step that a check of the newest blocks has found: the search accepts it from two seconds before the end on, where it
-    /// asks for five of other changes.
+    /// Step detected by a check of the newest blocks: the search accepts it up to two seconds before the end, whereas
+    /// other changes require five.
     pub onset: Option<Onset>,
 }
 
-/// A step of a joint's offset as a predictive check of the newest blocks dates it.
+/// A step of a joint's offset, with its time from a predictive check of the newest blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Onset {
     /// Index of the joint.
     pub joint: usize,
-    /// Beginning of the first block that shows it, s.
+    /// Start of the first block that contains the step, s.
     pub at_s: f64,
 }
 
 impl Onset {
-    /// Change points within this time of an onset may be the step, s.
-    const NEAR_S: f64 = 1.0;
+    /// Maximum time between a change point and an onset of the same step, s.
+    const MAX_ONSET_DISTANCE_S: f64 = 1.0;
 
-    /// Whether a change at a time may be what the onset shows: the joint's offset, or a payload that was picked up.
+    /// Whether a change at a time may be the step of the onset: the joint's offset, or a payload that was picked up.
     pub(crate) fn may_be(&self, kind: ChangeKind, at_s: f64) -> bool {
         let is_kind = match kind {
             ChangeKind::Offset(joint) => joint == self.joint,
             ChangeKind::Payload => true,
             ChangeKind::Compliance(_) | ChangeKind::Creep(_) | ChangeKind::Force => false,
         };
-        is_kind && (at_s - self.at_s).abs() <= Self::NEAR_S
+        is_kind && (at_s - self.at_s).abs() <= Self::MAX_ONSET_DISTANCE_S
     }
 }
 
 /// Entries of the state that add up to a joint's offset at a time, each with its factor: its own, and every change
-/// to it up to then.
+/// to it up to then of the kind `which`.
 pub(crate) fn offset_terms(
     layout: Layout,
     changes: &[ChangePoint],
+    which: impl Fn(&ChangePoint) -> bool,
     joint: usize,
     time_s: f64,
 ) -> Vec<(usize, f64)> {
@@ -166,7 +168,7 @@ pub(crate) fn offset_terms(
     let mut terms = alloc::vec![(place, 1.0)];
     let mut column = layout.dimension();
     for change in changes {
-        if change.kind.place(layout) == Some(place) && change.at_s <= time_s {
+        if change.kind.place(layout) == Some(place) && change.at_s <= time_s && which(change) {
             terms.push((column, change.factor(time_s)));
         }
         column += change.kind.columns();
@@ -183,7 +185,7 @@ pub(crate) fn without(changes: &[ChangePoint], k: usize) -> Vec<ChangePoint> {
         .collect()
 }
 
-/// The changes with the `k`-th, and the stiffness that goes with it, at another time.
+/// Returns the changes with the `k`-th, and the stiffness change that accompanies it, at another time.
 pub(crate) fn moved(changes: &[ChangePoint], k: usize, at_s: f64) -> Vec<ChangePoint> {
     let mut moved = changes.to_vec();
     for change in &mut moved {
@@ -199,7 +201,8 @@ pub(crate) fn moved(changes: &[ChangePoint], k: usize, at_s: f64) -> Vec<ChangeP
 mod tests {
     use super::*;
 
-    /// Half after the delay, all after a few time constants; what grows, or comes with the first block, is whole.
+    /// The share is one half after the delay and one after a few time constants; it is one for a change that grows or
+    /// starts with the first block.
     #[test]
     fn changes_appear_through_the_low_pass() {
         let appears = Appearance {

@@ -1,8 +1,8 @@
-//! How the estimates are made, and what they can't be made from.
+//! Configuration of the estimates, and errors of invalid configurations.
 
 use crate::observer::GainError;
 
-/// Where the elastic torque comes from.
+/// Source of the elastic torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -13,8 +13,8 @@ pub enum TorqueSource {
     Observer,
     /// Measured joint torque `tau_el`.
     TorqueSensor,
-    /// Motor-side momentum, eq. (2): needs `tau_m`, reflected inertia and motor friction. Never
-    /// the default, because motor friction hides the elastic torque when the arm stands still.
+    /// Motor-side momentum, eq. (2): needs `tau_m`, reflected inertia and motor friction. Not the default, because
+    /// motor friction masks the elastic torque while the arm is at rest.
     Motor,
 }
 
@@ -27,18 +27,18 @@ pub enum Comparison {
     /// `theta` and `q` go through the same filters as the observed torque: motion cancels.
     #[default]
     Matched,
-    /// The paper's: `theta − q` as measured against the torque as the source has it. An observed torque lags, so that
-    /// motion shows up; a measured one does not, and nothing is filtered.
+    /// The paper's: `theta − q` as measured against the torque of the source. An observed torque is delayed, so that
+    /// motion causes errors; a measured one is not, and no signal is filtered.
     Paper,
 }
 
-/// Where joint velocities come from.
+/// Source of joint velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VelocityFilter {
     /// A [`StateVariableFilter`](crate::observer::StateVariableFilter) of this cut-off on every position (and torque) that enters.
     /// Not on a measured torque in the paper's comparison.
     StateVariable {
-        /// `ω`, rad/s.
+        /// Cut-off frequency `ω`, rad/s.
         cutoff_rad_per_s: f64,
     },
     /// Velocities of the recording, positions unfiltered.
@@ -48,19 +48,18 @@ pub enum VelocityFilter {
 /// How offsets are estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OffsetConfig {
-    /// Where `tau_el` comes from.
+    /// Source of `tau_el`.
     pub source: TorqueSource,
-    /// Lag treatment.
+    /// Treatment of the observer's lag.
     pub comparison: Comparison,
     /// Observer gain `K_I`, 1/s.
     pub gain_per_s: f64,
-    /// Where velocities come from.
+    /// Source of joint velocities.
     pub velocity: VelocityFilter,
 }
 
 impl Default for OffsetConfig {
-    /// Observer, matched, `K_I` = 20 1/s, filter at 40 rad/s: the middle of what serves 12–14 bit
-    /// encoders.
+    /// Observer, matched, `K_I` = 20 1/s, filter at 40 rad/s: suitable for encoders of 12 to 14 bits.
     fn default() -> Self {
         Self {
             source: TorqueSource::Observer,
@@ -73,7 +72,7 @@ impl Default for OffsetConfig {
     }
 }
 
-/// Why an estimator could not be built.
+/// Reason why an estimator could not be created.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OffsetConfigError {
@@ -82,19 +81,19 @@ pub enum OffsetConfigError {
     Length {
         /// Joints of the arm.
         expected: usize,
-        /// Transmissions given.
+        /// Number of transmissions passed.
         found: usize,
     },
-    /// A gain nobody can use.
+    /// Observer gain outside the permitted range.
     #[error(transparent)]
     Gain(#[from] GainError),
-    /// A cut-off nobody can use.
+    /// Filter cut-off outside the permitted range.
     #[error("velocity filter at {cutoff_rad_per_s} rad/s; it must be above 0 and at most 1e6")]
     VelocityFilter {
         /// Cut-off given, rad/s.
         cutoff_rad_per_s: f64,
     },
-    /// A stiffness nobody can build.
+    /// Stiffness outside the permitted range.
     #[error(
         "stiffness of joint {joint} is {stiffness_nm_per_rad} N·m/rad; it must be finite and above 0"
     )]
@@ -134,7 +133,7 @@ pub struct FeatureConfig {
 }
 
 impl FeatureConfig {
-    /// How much later than a step itself its features are half way, s: `ln 2 / K_I` of the low-pass, `2 / ω` of the
+    /// Delay at which the features reach half of a step, s: `ln 2 / K_I` of the low-pass, `2 / ω` of the
     /// velocity filter.
     pub fn delay_s(&self) -> f64 {
         core::f64::consts::LN_2 / self.gain_per_s + 2.0 / self.cutoff_rad_per_s

@@ -1,6 +1,6 @@
-//! Why there is no estimate.
+//! Errors of the estimate.
 
-/// Why there is no estimate.
+/// Reason why there is no estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
@@ -10,12 +10,12 @@ pub enum MapError {
     /// The prior's covariance is not one.
     #[error("the prior's covariance is not positive definite at entry {0}")]
     Prior(usize),
-    /// Prior and robot don't go together.
+    /// The prior belongs to another robot.
     #[error("the prior has {found} entries, this robot needs {expected}")]
     Dimension {
-        /// Entries needed.
+        /// Number of entries that the robot requires.
         expected: usize,
-        /// Entries given.
+        /// Number of entries that were passed.
         found: usize,
     },
 }

@@ -1,72 +1,74 @@
-//! What an estimate from one recording says.
+//! Estimate from one recording.
 
-use super::belief::Belief;
-use super::change::{ChangePoint, offset_terms};
+use super::change::{ChangeKind, ChangePoint, offset_terms};
+use super::effects::JointParameter;
 use super::prior::Prior;
+use super::state_estimate::StateEstimate;
 use crate::{Gaussian, Interval95};
 use alloc::vec::Vec;
 
-/// Stiffness that may have changed since the prior was learned.
+/// Possible change of the stiffness since the recording of the prior.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StiffnessChange {
-    /// Posterior probability that it has.
+    /// Posterior probability that the stiffness has changed.
     pub probability: f64,
-    /// By how much the compliance rose if it has, over nominal.
-    pub softening: Gaussian,
+    /// Increase of the compliance if it has changed, relative to the nominal value.
+    pub compliance_increase: Gaussian,
 }
 
-/// A tendon that may creep while the recording goes on.
+/// Creep of a tendon during the recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CreepEstimate {
-    /// Posterior probability that it does.
+    /// Posterior probability of creep.
     pub probability: f64,
-    /// How fast its offset moves, rad/s: averaged over whether it does.
+    /// Rate of the offset, rad/s: averaged over the hypotheses with and without creep.
     pub rate_rad_per_s: Gaussian,
 }
 
-/// A constant force from outside that may act on the arm while the recording goes on.
+/// A constant external force on the arm during the recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceEstimate {
-    /// Whether somebody stated it.
-    pub is_stated: bool,
-    /// Posterior probability that it does; 1 where it was stated.
+    /// Whether the user specified the force.
+    pub is_specified: bool,
+    /// Posterior probability that the force acts; 1 if it was specified.
     pub probability: f64,
-    /// Along the axes of the base, N, if it does.
+    /// Force along the axes of the base, N, given that it acts.
     pub force_n: [Gaussian; 3],
 }
 
 impl ForceEstimate {
-    /// Whether it is likely enough to be named: more than 0.3.
-    pub fn is_worth_a_word(&self) -> bool {
-        const ACTS: f64 = 0.3;
-        self.probability > ACTS
+    /// Whether the probability is high enough for the force to be reported: more than 0.3.
+    pub fn is_reportable(&self) -> bool {
+        const MIN_REPORTED_PROBABILITY: f64 = 0.3;
+        self.probability > MIN_REPORTED_PROBABILITY
     }
 }
 
-/// Posterior of a change found within a recording: whether it happened, and when.
+/// Posterior of a change found within a recording: its probability and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChangePosterior {
-    /// The change at the time the blocks, which lag, show it.
+    /// Kind of the change, and its time in the delayed blocks.
     pub change: ChangePoint,
-    /// When it happened, s: that time less the lag ([`FeatureConfig::delay_s`](super::FeatureConfig::delay_s)).
+    /// Time of the change, s: that of the blocks minus the delay
+    /// ([`FeatureConfig::delay_s`](super::FeatureConfig::delay_s)).
     pub time_s: f64,
-    /// Probability that it happened, 0…1.
+    /// Probability that the change occurred, 0…1.
     pub probability: f64,
-    /// Probability that it is no noise, whatever it is.
+    /// Probability that the change is not noise, for any cause.
     pub probability_not_noise: f64,
     /// 95 % interval of `time_s`.
     pub interval_s: Interval95,
 }
 
-/// Why the last descent of an estimate ended.
+/// Reason for the end of the last descent of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -74,35 +76,35 @@ pub struct ChangePosterior {
 pub enum Termination {
     /// The last step was shorter than a tenth of a posterior standard deviation.
     SmallStep,
-    /// The schedule of steps was over while the state still moved.
+    /// The schedule of steps ended before the state converged.
     ScheduleEnd,
 }
 
-/// How the last descent to an estimate ended.
+/// Convergence of the last descent to an estimate.
 ///
-/// The Gauss–Newton steps are a fixed schedule, because the equations are nearly linear: the
-/// numbers do not depend on how it ended.
+/// The Gauss–Newton steps follow a fixed schedule, because the equations are nearly linear: the numbers do not depend
+/// on the termination.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Convergence {
-    /// Why it ended.
+    /// Reason for the end of the descent.
     pub termination: Termination,
-    /// Gauss–Newton steps taken.
+    /// Number of Gauss–Newton steps.
     pub iterations: usize,
     /// Length of the last step in posterior standard deviations (the Newton decrement).
     pub last_step: f64,
-    /// Half the robust chi-square of data and prior at its end.
+    /// Half the robust chi-square of data and prior at the end of the descent.
     pub cost: f64,
 }
 
 impl Convergence {
-    /// Of a descent whose last step had the Newton decrement `last_step`.
+    /// Creates the result of a descent whose last step had the Newton decrement `last_step`.
     pub(crate) fn new(iterations: usize, last_step: f64, cost: f64) -> Self {
-        /// Beside what isn't known, such a step is nothing.
-        const SMALL: f64 = 0.1;
+        /// Newton decrement below which a step is negligible relative to the posterior standard deviation.
+        const MAX_NEWTON_DECREMENT: f64 = 0.1;
         Self {
-            termination: if last_step < SMALL {
+            termination: if last_step < MAX_NEWTON_DECREMENT {
                 Termination::SmallStep
             } else {
                 Termination::ScheduleEnd
@@ -114,16 +116,19 @@ impl Convergence {
     }
 }
 
-/// The posterior.
+/// Posterior of the state from one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapEstimate {
     /// Changes within the recording.
     pub changes: Vec<ChangePoint>,
-    /// State of the robot as [`Prior`] lays it out, then the entries of every change.
+    /// Offset changes that are slips of an encoder: they change the encoder zero, which has the same row as
+    /// the offset, and not the rope.
+    pub encoder_slips: Vec<ChangePoint>,
+    /// State of the robot in the layout of [`Prior`], followed by the entries of every change.
     pub state: Vec<f64>,
-    /// Their covariance, row-major.
+    /// Covariance of the state, row-major.
     pub covariance: Vec<f64>,
-    /// Temperature the offsets refer to, °C; NaN where unknown.
+    /// Temperature to which the offsets refer, °C; NaN if it is unknown.
     pub temperature_c: f64,
     /// End of the last block, s.
     pub end_s: f64,
@@ -131,40 +136,42 @@ pub struct MapEstimate {
     pub noise_rad: Vec<f64>,
     /// Robust noise of each joint's motor equation, N·m.
     pub motor_noise_nm: Vec<f64>,
-    /// Weight of each block, 0 (left out) to 1.
+    /// Robust noise of the equations of tension sensors, `n`, N·m.
+    pub tension_noise_nm: Vec<f64>,
+    /// Weight of each block, 0 (rejected) to 1.
     pub weights: Vec<f64>,
-    /// How the descent to it ended, with the cost there.
+    /// Convergence of the descent, with the cost at its end.
     pub convergence: Convergence,
-    /// Whether each joint's stiffness has changed since the prior was learned; `None` where that isn't
-    /// sought.
+    /// Change of each joint's stiffness since the recording of the prior; `None` if no change is searched for.
     pub stiffness_changes: Vec<Option<StiffnessChange>>,
-    /// Creep of each joint's tendon; `None` where the recording shows none.
+    /// Creep of each joint's tendon; `None` if the recording provides no evidence of creep.
     pub creep: Vec<Option<CreepEstimate>>,
-    /// A constant force from outside; `None` where the recording shows none.
+    /// A constant external force; `None` if the recording provides no evidence of one.
     pub force: Option<ForceEstimate>,
     /// Posterior of each change that was found ([`MapEstimate::posterior`]).
     pub posteriors: Vec<ChangePosterior>,
 }
 
 impl MapEstimate {
-    /// Offset of a joint at the end of the recording, rad.
+    /// Offset of a joint at the end of the recording, rad, without slips of its encoders.
     pub fn offset(&self, prior: &Prior, joint: usize) -> Gaussian {
         self.offset_at(prior, joint, self.end_s)
     }
 
-    /// Offset of a joint at a time, s; rad.
+    /// Offset of a joint at the time `time_s`, rad, without slips of its encoders.
     pub fn offset_at(&self, prior: &Prior, joint: usize, time_s: f64) -> Gaussian {
-        self.sum(&offset_terms(prior.layout(), &self.changes, joint, time_s))
+        let is_rope = |change: &ChangePoint| !self.encoder_slips.contains(change);
+        let terms = offset_terms(prior.layout(), &self.changes, is_rope, joint, time_s);
+        self.sum(&terms)
     }
 
-    /// Size of change `k`; of a payload its mass, kg.
+    /// Size of change `k`; for a payload its mass, kg.
     pub fn change(&self, prior: &Prior, k: usize) -> Gaussian {
         let before: usize = self.changes[..k].iter().map(|c| c.kind.columns()).sum();
         self.sum(&[(prior.dimension() + before, 1.0)])
     }
 
-    /// Posterior of a change within the recording; of a loss of stiffness that came with a slip,
-    /// the slip's. `None` where changes were given, not sought, and for what changed before the
+    /// Posterior of a change within the recording; for a stiffness loss that accompanies a slip, that of the slip. `None` if changes were specified instead of searched for, and for what changed before the
     /// recording.
     pub fn posterior(&self, change: &ChangePoint) -> Option<&ChangePosterior> {
         let mut all = self.posteriors.iter();
@@ -184,19 +191,19 @@ impl MapEstimate {
         Gaussian::new(mean, libm::sqrt(variance))
     }
 
-    /// What is believed of the robot at the end of the recording: every change has become part of
-    /// what it changed.
-    pub fn belief(&self, prior: &Prior) -> Belief {
+    /// Returns the posterior of the robot at the end of the recording: every change is added to the parameter that it
+    /// changed.
+    pub fn state_estimate(&self, prior: &Prior) -> StateEstimate {
         let mut all = self.clone();
         all.fold(prior, |_| true);
-        Belief {
+        StateEstimate {
             mean: all.state,
             covariance: all.covariance,
             temperature_c: all.temperature_c,
         }
     }
 
-    /// Makes some changes part of what they changed.
+    /// Adds the selected changes to the parameters that they change.
     pub(crate) fn fold(&mut self, prior: &Prior, which: impl Fn(&ChangePoint) -> bool) {
         let (d, total) = (prior.dimension(), self.state.len());
         // Place each column adds to.
@@ -205,8 +212,13 @@ impl MapEstimate {
         for change in &self.changes {
             let columns = change.kind.columns();
             let (base, factor) = if which(change) {
-                // What comes beside the state goes nowhere.
-                let base = change.kind.place(prior.layout());
+                // Entries outside the state are not folded.
+                let base = match change.kind {
+                    ChangeKind::Offset(joint) if self.encoder_slips.contains(change) => {
+                        Some(prior.place(joint, JointParameter::Zero))
+                    }
+                    kind => kind.place(prior.layout()),
+                };
                 base.map_or((0, 0.0), |base| (base, change.factor(self.end_s)))
             } else {
                 left += columns;
@@ -229,8 +241,6 @@ impl MapEstimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::change::ChangeKind;
-    use crate::offset::effects::JointParameter;
     use crate::offset::fixtures::turntable;
 
     const CREEP: ChangePoint = ChangePoint {
@@ -242,12 +252,14 @@ mod tests {
     fn estimate(changes: &[ChangePoint], state: Vec<f64>, covariance: Vec<f64>) -> MapEstimate {
         MapEstimate {
             changes: changes.to_vec(),
+            encoder_slips: Vec::new(),
             state,
             covariance,
             temperature_c: f64::NAN,
             end_s: 300.0,
             noise_rad: Vec::new(),
             motor_noise_nm: Vec::new(),
+            tension_noise_nm: Vec::new(),
             weights: Vec::new(),
             convergence: Convergence::new(0, 0.0, 0.0),
             stiffness_changes: Vec::new(),
@@ -257,9 +269,9 @@ mod tests {
         }
     }
 
-    /// One change becomes part of the offset, the other one stays what it was.
+    /// One change is added to the offset, the other one is kept separate.
     #[test]
-    fn a_change_that_is_not_folded_stays_beside_the_state() {
+    fn unfolded_change_is_kept_outside_state() {
         let prior = turntable().prior;
         let d = prior.dimension();
         let offset = prior.place(0, JointParameter::Offset);
@@ -281,7 +293,7 @@ mod tests {
         assert_eq!(map.changes, [slip]);
         let kept = map.change(&prior, 0);
         assert_eq!(kept.mean, 4e-3);
-        assert!((kept.deviation - 3e-4).abs() < 1e-15, "{kept:?}");
+        assert!((kept.std - 3e-4).abs() < 1e-15, "{kept:?}");
         // 200 s of what rate and slip share.
         for at in [offset * (d + 1) + d, d * (d + 1) + offset] {
             assert!((map.covariance[at] + 4e-8).abs() < 1e-20, "{at}");
@@ -291,13 +303,46 @@ mod tests {
             (after.mean - before.mean).abs() < 1e-15,
             "{before:?} {after:?}"
         );
-        assert!((after.deviation - before.deviation).abs() < 1e-15);
+        assert!((after.std - before.std).abs() < 1e-15);
     }
 
-    /// An offset of 1.0 ± 0.1 mrad at 100 s that creeps by 10 ± 1 µrad/s, of which the compliance knows: at 300 s it is
-    /// 3.0 ± √(0.1² + 0.2²) mrad.
+    /// A slip of an encoder changes its zero and leaves the offset of the rope alone.
     #[test]
-    fn what_has_crept_is_part_of_the_offset_that_is_believed_after() {
+    fn encoder_slip_changes_zero_not_offset() {
+        let prior = turntable().prior;
+        let d = prior.dimension();
+        let [offset, zero] =
+            [JointParameter::Offset, JointParameter::Zero].map(|p| prior.place(0, p));
+        let slip = ChangePoint {
+            kind: ChangeKind::Offset(0),
+            at_s: 200.0,
+        };
+        let (mut state, mut covariance) =
+            (alloc::vec![0.0; d + 1], alloc::vec![0.0; (d + 1) * (d + 1)]);
+        (state[offset], state[d]) = (1e-3, 40e-3);
+        covariance[offset * (d + 2)] = 1e-8;
+        covariance[d * (d + 2)] = 4e-8;
+        for at in [offset * (d + 1) + d, d * (d + 1) + offset] {
+            covariance[at] = -1e-8;
+        }
+        let mut map = estimate(&[slip], state, covariance);
+        map.encoder_slips = alloc::vec![slip];
+        let near = |found: Gaussian, mean: f64, std: f64| {
+            (found.mean - mean).abs() < 1e-15 && (found.std - std).abs() < 1e-12
+        };
+        assert!(near(map.offset(&prior, 0), 1e-3, 1e-4));
+        let after = map.state_estimate(&prior);
+        assert!(near(after.entry(offset), 1e-3, 1e-4));
+        assert!(near(after.entry(zero), 40e-3, 2e-4));
+        // Offset and zero together are better known than either.
+        let shared = after.covariance[offset * d + zero];
+        assert!((shared + 1e-8).abs() < 1e-20, "{shared}");
+    }
+
+    /// An offset of 1.0 ± 0.1 mrad at 100 s that creeps by 10 ± 1 µrad/s, correlated with the compliance: at 300 s it
+    /// is 3.0 ± √(0.1² + 0.2²) mrad.
+    #[test]
+    fn posterior_offset_includes_creep() {
         let prior = turntable().prior;
         let d = prior.dimension();
         let [offset, compliance] = [JointParameter::Offset, JointParameter::Compliance]
@@ -314,17 +359,17 @@ mod tests {
         set(d, d, 1e-12);
         set(d, compliance, 1e-8);
         let map = estimate(&[CREEP], state, covariance);
-        let after = map.belief(&prior);
+        let after = map.state_estimate(&prior);
         assert_eq!(after.mean.len(), d);
         let near = |is: f64, should: f64| (is - should).abs() < 1e-9 * should;
-        let Gaussian { mean, deviation } = after.entry(offset);
+        let Gaussian { mean, std } = after.entry(offset);
         assert!(near(mean, 3e-3), "{mean}");
-        assert!(near(deviation, libm::sqrt(5e-8)), "{deviation}");
-        // The same by another way, and nothing else has moved.
+        assert!(near(std, libm::sqrt(5e-8)), "{std}");
+        // The same by another computation; all other entries are unchanged.
         let at_end = map.offset(&prior, 0);
-        assert!(near(at_end.mean, mean) && near(at_end.deviation, deviation));
+        assert!(near(at_end.mean, mean) && near(at_end.std, std));
         assert_eq!(after.entry(compliance), Gaussian::new(0.05, 0.02));
-        // 200 s of what the rate and the compliance share, whichever is asked of the other.
+        // The covariance of the rate and the compliance, times 200 s, in both directions.
         for (i, k) in [(offset, compliance), (compliance, offset)] {
             let shared = after.covariance[i * d + k];
             assert!(near(shared, 2e-6), "{shared}");

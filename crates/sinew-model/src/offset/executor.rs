@@ -1,15 +1,15 @@
-//! Work that can be done at once.
+//! Parallel execution of two tasks.
 
 use alloc::vec::Vec;
 
-/// Runs two independent closures, at once if it can. Results are the same to the last bit with
-/// every executor: work is split by what there is to do, never by who is there.
+/// Runs two independent closures, in parallel if possible. Results are bitwise identical with every
+/// executor: the work is split by its content, never by the available threads.
 pub trait Executor: core::fmt::Debug + Sync {
     /// Runs both, and returns when both are done.
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));
 }
 
-/// One closure after the other.
+/// Executor that calls one closure after the other.
 #[derive(Debug, Clone, Copy)]
 pub struct Sequential;
 
@@ -29,15 +29,15 @@ pub(crate) fn map_each<T: Sync, R: Send>(
     let every_second = |from: usize, out: &mut Vec<R>| {
         out.extend(items.iter().skip(from).step_by(2).map(&of));
     };
-    let (mut even, mut odd) = (Vec::new(), Vec::new());
-    executor.join(&mut || every_second(0, &mut even), &mut || {
-        every_second(1, &mut odd)
+    let (mut from_0, mut from_1) = (Vec::new(), Vec::new());
+    executor.join(&mut || every_second(0, &mut from_0), &mut || {
+        every_second(1, &mut from_1)
     });
-    let mut odd = odd.into_iter();
+    let mut from_1 = from_1.into_iter();
     let mut out = Vec::with_capacity(items.len());
-    for one in even {
+    for one in from_0 {
         out.push(one);
-        out.extend(odd.next());
+        out.extend(from_1.next());
     }
     out
 }

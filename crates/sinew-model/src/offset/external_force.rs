@@ -1,14 +1,14 @@
-//! A constant force from outside at the tool: a cable that drags, a hose, a spring balancer.
+//! A constant external force at the tool: a cable that drags, a hose, a spring balancer.
 //!
-//! It is known in the base's frame, so what it does to a joint turns with the arm, and an offset doesn't:
+//! The force is constant in the base frame, so its torque on a joint depends on the pose, whereas an offset does not:
 //!
 //! ```text
 //! τ_spring = τ − J(q)ᵀ f,    J(q)ᵀ f = Σ_k f_k (j_k + Σ_l a_l m_lk)
 //! ```
 //!
-//! with `j_k` the torque per newton along axis `k` of the base at the place where a payload is expected, and `m_lk` what
-//! that changes by for every metre that it acts elsewhere in the body. Like every torque of a block it has passed the
-//! low-pass: `LP[J]`, from the positions at the ends of the blocks and a straight line between them.
+//! with `j_k` the torque per newton along axis `k` of the base at the point where a payload is expected, and `m_lk` its
+//! change per metre of distance from that point in the body. Like every torque of a block it is low-pass filtered:
+//! `LP[J]`, from the positions at the ends of the blocks with linear interpolation between them.
 
 use super::block::Block;
 use super::effects::FORCE;
@@ -19,38 +19,39 @@ use crate::arm::{Arm, ArmWorkspace};
 use crate::vec3::{Vec3, add};
 use alloc::vec::Vec;
 
-/// Odds that a force acts which nobody stated: a starting guess.
-const ODDS: f64 = 0.05;
-/// An arm is in its place where every joint is within this of it, rad. Contacts for a tenth of the time move joints by up to
-/// 0.5 rad, and further than this for 1 to 5 % of it.
+/// Prior odds of an unspecified external force; an assumed value.
+const PRIOR_ODDS: f64 = 0.05;
+/// Maximum deviation of every joint from a pose in which the arm counts as resting, rad. Contacts during a tenth of
+/// the time move joints by up to 0.5 rad, and beyond this bound for 1 to 5 % of the time.
 pub(crate) const PLACE_RAD: f64 = 0.2;
-/// One that is there for such a share of the time says nothing of a force.
-const STANDS: f64 = 0.92;
-/// One that is there for such a share says little: a force further from nothing than so many deviations of what is believed is
-/// none. Contacts and friction made some of 9 to 14 N out of nothing, where 0 ± 2 N were believed.
-const HARDLY_MOVES: f64 = 0.75;
-const FAR: f64 = 4.0;
+/// Share of the time in one pose above which a recording is uninformative about a force.
+const MAX_SHARE_IN_PLACE: f64 = 0.92;
+/// Share of the time in one pose above which a recording is weakly informative about a force.
+const WEAK_SHARE_IN_PLACE: f64 = 0.75;
+/// Maximum distance of a force from its prior in such a recording, in prior standard deviations; a larger force is rejected.
+/// Contacts and friction caused spurious forces of 9 to 14 N at a prior of 0 ± 2 N.
+const MAX_FORCE_SIGMA: f64 = 4.0;
 
-/// Whether an arm that is in its place for such a share of the time says little of what pulls at it.
+/// Whether an arm that stays in one pose for this share of the time is weakly informative about an external force.
 pub(crate) fn hardly_moves(in_its_place: f64) -> bool {
-    in_its_place >= HARDLY_MOVES
+    in_its_place >= WEAK_SHARE_IN_PLACE
 }
 
-/// What is believed of a constant force from outside.
+/// Prior of a constant external force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExternalForce {
     /// Along the axes of the base, N.
     pub force_n: [Gaussian; 3],
-    /// Whether somebody said that there is one: it is estimated then, whatever the recording says.
-    pub is_stated: bool,
+    /// Whether the user specified the force; a specified force is always estimated.
+    pub is_specified: bool,
 }
 
 impl ExternalForce {
-    /// A force that nobody stated, and that may be as large as this along every axis, N; `None` for 0.
-    pub fn possible(deviation_n: f64) -> Option<Self> {
-        (deviation_n > 0.0).then_some(Self {
-            force_n: [Gaussian::new(0.0, deviation_n); 3],
-            is_stated: false,
+    /// Returns the prior of an unspecified force with this standard deviation along every axis, N; `None` for 0.
+    pub fn possible(std_n: f64) -> Option<Self> {
+        (std_n > 0.0).then_some(Self {
+            force_n: [Gaussian::new(0.0, std_n); 3],
+            is_specified: false,
         })
     }
 }
@@ -58,24 +59,24 @@ impl ExternalForce {
 /// A force on an arm.
 #[derive(Debug, Clone)]
 pub(crate) struct ForceModel {
-    pub(crate) believed: ExternalForce,
+    pub(crate) prior: ExternalForce,
     arm: Arm,
     /// Body it acts on, and where in its frame it is expected, m.
     body: usize,
     at: Vec3,
-    /// How far from there it may act, m.
+    /// Standard deviation of the distance of the force's point of action, m.
     pub(crate) reach_m: f64,
 }
 
 impl ForceModel {
     pub(crate) fn new(
-        believed: ExternalForce,
+        prior: ExternalForce,
         arm: &Arm,
         (body, at): (usize, Vec3),
         reach_m: f64,
     ) -> Self {
         Self {
-            believed,
+            prior,
             arm: arm.clone(),
             body,
             at,
@@ -83,9 +84,9 @@ impl ForceModel {
         }
     }
 
-    /// The force of a state's entries, which count from what is believed.
+    /// Returns the force of a state's entries, which are differences from the prior.
     pub(crate) fn applied(&self, [x, y, z, away_m @ ..]: [f64; FORCE]) -> AppliedForce {
-        let [a, b, c] = self.believed.force_n.map(|f| f.mean);
+        let [a, b, c] = self.prior.force_n.map(|f| f.mean);
         AppliedForce {
             force_n: [a + x, b + y, c + z],
             away_m,
@@ -93,8 +94,8 @@ impl ForceModel {
     }
 
     /// Standard deviations of its entries before a recording.
-    pub(crate) fn deviations(&self) -> [f64; FORCE] {
-        let [a, b, c] = self.believed.force_n.map(|f| f.deviation);
+    pub(crate) fn stds(&self) -> [f64; FORCE] {
+        let [a, b, c] = self.prior.force_n.map(|f| f.std);
         [a, b, c, self.reach_m, self.reach_m, self.reach_m]
     }
 
@@ -109,33 +110,33 @@ impl ForceModel {
         }
     }
 
-    /// What is believed of one that nobody stated.
+    /// Returns the prior odds of an unspecified force.
     pub(crate) fn odds(&self) -> PriorOdds {
-        let [deviation, ..] = self.deviations();
+        let [std, ..] = self.stds();
         PriorOdds {
-            deviation,
-            odds: ODDS,
+            std,
+            odds: PRIOR_ODDS,
             occurrence: Occurrence::AsOne,
         }
     }
 
-    /// Whether poses can say anything of a force, of an arm that is in its place for such a share of the time. An arm that stands
-    /// in one place says nothing of one: there it is like offsets, masses and what is held. What friction and contacts do to
-    /// it would speak for one. A stated force acts without that.
-    pub(crate) fn is_asked_for(&self, in_its_place: f64) -> bool {
-        self.believed.is_stated || in_its_place < STANDS
+    /// Whether a force is identifiable for an arm that stays in one pose for this share of the time. An arm at rest
+    /// provides no information: a force is then equivalent to offsets, masses and payload, and friction and contacts
+    /// would be misinterpreted as a force. A specified force is always identifiable.
+    pub(crate) fn is_identifiable(&self, in_its_place: f64) -> bool {
+        self.prior.is_specified || in_its_place < MAX_SHARE_IN_PLACE
     }
 
-    /// Whether a force that was found may be one, of an arm that is in its place for such a share of the time.
+    /// Whether an estimated force is plausible for an arm that stays in one pose for this share of the time.
     ///
-    /// * `force_n`: from what is believed.
+    /// * `force_n`: difference from the prior mean.
     pub(crate) fn is_credible(&self, force_n: Vec3, in_its_place: f64) -> bool {
-        let far_n = FAR * self.odds().deviation;
+        let far_n = MAX_FORCE_SIGMA * self.odds().std;
         let is_far = force_n.iter().any(|x| x.abs() > far_n);
-        self.is_asked_for(in_its_place) && !(is_far && hardly_moves(in_its_place))
+        self.is_identifiable(in_its_place) && !(is_far && hardly_moves(in_its_place))
     }
 
-    /// What it does to every joint in blocks that follow each other, `n` a block.
+    /// Returns the torques of the force on every joint in consecutive blocks, `n` per block.
     ///
     /// * `gain_per_s`: pole of the blocks' low-pass; `block_s`: their length.
     pub(crate) fn torques(
@@ -145,34 +146,34 @@ impl ForceModel {
         block_s: f64,
     ) -> Vec<ForceTorque> {
         let n = self.arm.dof();
-        let mut course = ForceCourse::new(self, gain_per_s, block_s);
+        let mut filter = ForceFilter::new(self, gain_per_s, block_s);
         let mut out = alloc::vec![ForceTorque::default(); n * blocks.len()];
         for (block, out) in blocks.iter().zip(out.chunks_exact_mut(n.max(1))) {
-            course.follow(self, block, out);
+            filter.follow(self, block, out);
         }
         out
     }
 }
 
-/// Where the force acts in the body, and a metre further along each of its axes.
+/// Number of points of action: the reference point of the body, and one metre along each of its axes.
 const POINTS: usize = 4;
 
-/// What a force does to the joints, from block to block.
+/// Torque of the force on the joints, from block to block.
 #[derive(Debug, Clone)]
-pub(crate) struct ForceCourse {
+pub(crate) struct ForceFilter {
     gain_per_s: f64,
     block_s: f64,
     ws: ArmWorkspace,
     /// Torques per newton at the end of the block before and of this one, `n` for each of [`POINTS`].
     before: Vec<Vec3>,
     now: Vec<Vec3>,
-    /// The same after the low-pass: at the end of the block and in its mean.
+    /// Torques per newton after the low-pass filter, at the end of the block and as its mean.
     passed: Vec<Vec3>,
     mean: Vec<Vec3>,
     last_s: f64,
 }
 
-impl ForceCourse {
+impl ForceFilter {
     /// Before the first block; allocates here only.
     ///
     /// * `gain_per_s`: pole of the blocks' low-pass; `block_s`: their length.
@@ -190,7 +191,7 @@ impl ForceCourse {
         }
     }
 
-    /// What the force does to every joint in the block that follows, to `out`.
+    /// Writes the torque of the force on every joint in the next block to `out`.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n).
@@ -205,7 +206,7 @@ impl ForceCourse {
                 (*x, *mean) = step.of(*x, *u0, *u1);
             }
         } else {
-            // What came before isn't known; its mean is.
+            // The earlier motion is unknown; its mean is used.
             model.per_newton(&mut self.ws, &block.turned, &mut self.mean);
             for (to, mean) in self.passed.iter_mut().zip(&self.mean) {
                 *to = *mean;
@@ -230,32 +231,32 @@ impl ForceCourse {
     }
 }
 
-/// A first-order low-pass over a time in which its input goes straight from one value to another.
+/// A first-order low-pass over a time in which its input changes linearly from one value to another.
 struct Straight {
     long_s: f64,
     lag_s: f64,
-    /// What is left of the start at the end, and in the mean.
-    left: f64,
-    left_mean: f64,
+    /// Decay of the initial value over a block: at its end, and in the mean.
+    decay: f64,
+    decay_mean: f64,
 }
 
 impl Straight {
     fn new(gain_per_s: f64, long_s: f64) -> Self {
-        let left = libm::exp(-gain_per_s * long_s);
+        let decay = libm::exp(-gain_per_s * long_s);
         Self {
             long_s,
             lag_s: 1.0 / gain_per_s,
-            left,
-            left_mean: (1.0 - left) / (gain_per_s * long_s),
+            decay,
+            decay_mean: (1.0 - decay) / (gain_per_s * long_s),
         }
     }
 
-    /// Its output at the end and in the mean, from `x` at the start and the input's `u0` and `u1`.
+    /// Returns the output at the end and in the mean, from `x` at the start and the input's `u0` and `u1`.
     fn of(&self, x: f64, u0: f64, u1: f64) -> (f64, f64) {
         let late = self.lag_s * (u1 - u0) / self.long_s;
         let start = x - u0 + late;
-        let end = u1 - late + start * self.left;
-        let mean = 0.5 * (u0 + u1) - late + start * self.left_mean;
+        let end = u1 - late + start * self.decay;
+        let mean = 0.5 * (u0 + u1) - late + start * self.decay_mean;
         (end, mean)
     }
 }
@@ -288,8 +289,8 @@ mod tests {
     }
 
     fn model() -> ForceModel {
-        let believed = ExternalForce::possible(2.0).unwrap();
-        ForceModel::new(believed, &arm(), (1, AT), 0.05)
+        let prior = ExternalForce::possible(2.0).unwrap();
+        ForceModel::new(prior, &arm(), (1, AT), 0.05)
     }
 
     fn block(time_s: f64, q: [f64; 2], turned: [f64; 2]) -> Block {
@@ -301,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn the_spring_carries_less_by_what_the_force_does_where_it_acts() {
+    fn spring_torque_reduced_by_external_force() {
         let (arm, model) = (arm(), model());
         let mut ws = ArmWorkspace::new(&arm);
         let entries = [0.7, -1.1, 0.4, 0.02, -0.01, 0.03];
@@ -317,7 +318,7 @@ mod tests {
             for (k, torque) in torques.iter().enumerate() {
                 let (found, slope) = torque.torque(&applied);
                 assert!((found + expected[k % 2]).abs() < 1e-12, "{found}");
-                // Linear in each entry by itself.
+                // The torque is linear in each entry.
                 for (i, slope) in slope.into_iter().enumerate() {
                     let mut more = entries;
                     more[i] += 0.5;
@@ -329,12 +330,12 @@ mod tests {
     }
 
     #[test]
-    fn a_stated_force_acts_before_anything_is_found() {
-        let believed = ExternalForce {
+    fn specified_force_acts_from_start() {
+        let prior = ExternalForce {
             force_n: [1.0, -2.0, 0.5].map(|mean| Gaussian::new(mean, 0.1)),
-            is_stated: true,
+            is_specified: true,
         };
-        let stated = ForceModel::new(believed, &arm(), (1, AT), 0.05);
+        let stated = ForceModel::new(prior, &arm(), (1, AT), 0.05);
         let q = [0.3, 0.9];
         let torques = stated.torques(&[block(0.1, q, q)], GAIN_PER_S, BLOCK_S);
         let free = model().applied([1.0, -2.0, 0.5, 0.0, 0.0, 0.0]);
@@ -345,9 +346,9 @@ mod tests {
         }
     }
 
-    /// The second joint sweeps: the low-pass in steps of a millisecond against that of whole blocks.
+    /// The second joint sweeps: the low-pass in steps of a millisecond is compared with that of whole blocks.
     #[test]
-    fn a_torque_of_motion_lags_as_the_blocks_do() {
+    fn moving_torque_is_filtered_like_blocks() {
         let (arm, model) = (arm(), model());
         let mut ws = ArmWorkspace::new(&arm);
         let angle = |t: f64| [0.2, libm::sin(1.5 * t)];

@@ -1,14 +1,14 @@
-//! From samples to block features: an equation per joint that is linear in what is unknown.
+//! Conversion of samples to block features, with one equation per joint that is linear in the unknown parameters.
 //!
 //! ```text
 //! LP[x + η x³] = κ τ,   x = theta_measured − q − delta_e − encoder error(q) − noise
 //! τ = Φ π + F_c LP[z] + F_v LP[dq] + μ LP[z |τ|],   Φ = K_I (P − LP[P]) − LP[A]
 //! ```
 //!
-//! `Φ` is the momentum-filtered torque regressor: what the observer does to `p` and `α`, done to
-//! the columns of their regressors, so no acceleration is needed and the lag of `Φ` is that of `y`.
-//! Of its columns those of the base parameters are kept, which the others are made of. Everything
-//! is averaged over blocks of a fifth of a second.
+//! `Φ` is the momentum-filtered torque regressor: the filter that the observer applies to `p` and `α` is applied to
+//! the columns of their regressors. No acceleration is needed, and the lag of `Φ` is that of `y`. Only the columns of
+//! the base parameters are stored, because the others are linear combinations of them. All signals are averaged over
+//! blocks of 0.2 s.
 //!
 //! Where the motor's torque `u` is recorded there is a second equation per joint,
 //!
@@ -21,14 +21,14 @@
 //!
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
-use super::block::{Block, STAND_RAD, copy};
+use super::block::{Block, REST_RAD, copy};
 use super::config::FeatureConfig;
 use super::effects::ENCODER;
 use super::joint_signals::{JointSignals, Lags, Spring};
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor, PARAMETERS_PER_BODY};
 use crate::error::{is_input, is_time_step};
-use crate::observer::{DoublePole, FirstOrder, StateVariableFilter};
+use crate::observer::{DoublePole, ExactPole, FirstOrder, StateVariableFilter};
 use crate::routings::Routings;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
@@ -40,23 +40,25 @@ pub struct FeatureObserver {
     config: FeatureConfig,
     ws: ArmWorkspace,
     regressor: MomentumRegressor,
-    /// Columns of the regressors that everything else follows from.
+    /// Columns of the base parameters in the regressors.
     base: Vec<usize>,
     /// These columns of `P` and `A` when they were last computed, `n × r`.
     before: Vec<[f64; 2]>,
     joints: Vec<JointSignals>,
-    /// Of the last sample's filters, and its step, s.
+    /// Filter weights of the last sample, and its time step, s.
     pole: DoublePole,
     dt_s: f64,
     lags: Lags,
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    /// Where the arm stands, and for how long, s.
-    stands_at: Vec<f64>,
+    /// Position at which the arm is at rest, and the duration of the rest, s.
+    rest_position: Vec<f64>,
     stood_s: f64,
     phi: Vec<f64>,
     /// Routings of tendons that cross several joints, and room for `Φ` of a block.
     routes: Option<(Routings, Vec<f64>)>,
+    /// Additional signals of groups with an equation per joint.
+    pulls: PullSignals,
     sum: Block,
     count: u32,
     since_start_s: f64,
@@ -65,7 +67,17 @@ pub struct FeatureObserver {
     started: bool,
 }
 
-/// Whether steps differ by no more than rounding does: a filter's weights are worth an exponential.
+/// Filtered signals of groups with an equation per joint; empty if there is none.
+#[derive(Debug, Clone, Default)]
+struct PullSignals {
+    /// Torque by the tension sensor of every axis.
+    tension_nm: Vec<StateVariableFilter>,
+    lagged_nm: Vec<FirstOrder>,
+    /// Moment arms that vary, and these times the deflection of their tendon.
+    arms: Vec<[FirstOrder; 2]>,
+}
+
+/// Whether two time steps are equal up to rounding, so that the filter weights (an exponential) can be reused.
 fn is_same_step(a_s: f64, b_s: f64) -> bool {
     (a_s - b_s).abs() <= 1e-9 * b_s
 }
@@ -76,11 +88,11 @@ impl FeatureObserver {
         Self::of_base(arm, config, arm.base_parameters().columns)
     }
 
-    /// The same for columns of base parameters that are known already ([`Arm::base_parameters`]): finding them takes
-    /// memory that a microcontroller hasn't got, `O(n³)` numbers.
+    /// Creates an observer with precomputed columns of base parameters ([`Arm::base_parameters`]): computing them takes
+    /// `O(n³)` numbers, more memory than a microcontroller has.
     ///
     /// # Errors
-    /// [`StepError::Length`] when they don't ascend, or the arm hasn't got as many.
+    /// Returns [`StepError::Length`] if they are not ascending, or if the arm has fewer.
     pub fn with_base_columns(
         arm: &Arm,
         config: FeatureConfig,
@@ -112,10 +124,11 @@ impl FeatureObserver {
             lags: Lags::new(config.gain_per_s, config.regressor_step_s),
             positions: alloc::vec![0.0; n],
             velocities: alloc::vec![0.0; n],
-            stands_at: alloc::vec![0.0; n],
+            rest_position: alloc::vec![0.0; n],
             stood_s: 0.0,
             phi: alloc::vec![0.0; n * columns],
             routes: None,
+            pulls: PullSignals::default(),
             sum: Block::zero(n, columns),
             count: 0,
             since_start_s: 0.0,
@@ -125,18 +138,45 @@ impl FeatureObserver {
         }
     }
 
-    /// Takes the routings of tendons that cross several joints; without any nothing changes. Allocates.
+    /// Sets the routings of tendons that cross several joints, if there are any. Allocates.
     ///
     /// `theta_measured` of a step is then that of [`Feeder::theta`](crate::feeder::Feeder::theta), and a block's equation of joint `i` is that
-    /// of the tendon paired with it: `y_i = theta_i − Σ_j rho_ij q_j` and `Φ_i = Σ_j B_ij Φ_j`.
+    /// of the tendon paired with it: `y_i = theta_i − Σ_j rho_ij q_j` and `Φ_i = Σ_j B_ij Φ_j`. In a group with an equation per joint `Φ_j` is
+    /// that of the joint. There are as many axes as transmissions, and slices of a step have one entry per axis.
     #[must_use]
     pub fn with_transmissions(mut self, transmissions: &[Option<Transmission>]) -> Self {
-        let routes = Routings::of(transmissions);
-        self.routes = routes.map(|routes| (routes, self.phi.clone()));
+        let axes = transmissions.len().max(self.arm.dof());
+        let columns = self.base.len();
+        if axes > self.joints.len() {
+            self.joints.resize(axes, JointSignals::default());
+            for of_axes in [
+                &mut self.positions,
+                &mut self.velocities,
+                &mut self.rest_position,
+            ] {
+                of_axes.resize(axes, 0.0);
+            }
+            self.phi.resize(axes * columns, 0.0);
+            self.sum = Block::zero(axes, columns);
+        }
+        if let Some(routes) = Routings::of(transmissions) {
+            if routes.has_pulls() {
+                let arms = routes.varying().len();
+                self.sum.tension_nm = alloc::vec![0.0; axes];
+                self.sum.arm = alloc::vec![0.0; arms];
+                self.sum.arm_y = alloc::vec![0.0; arms];
+                self.pulls = PullSignals {
+                    tension_nm: alloc::vec![StateVariableFilter::settled_at(f64::NAN); axes],
+                    lagged_nm: alloc::vec![FirstOrder::settled_at(f64::NAN); axes],
+                    arms: alloc::vec![[FirstOrder::default(); 2]; arms],
+                };
+            }
+            self.routes = Some((routes, self.phi.clone()));
+        }
         self
     }
 
-    /// The next sample starts anew, as after a gap. Time goes on.
+    /// Re-initialises the filters with the next sample, as after a gap. The time continues.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -149,13 +189,13 @@ impl FeatureObserver {
         self.since_start_s
     }
 
-    /// Takes a sample; returns whether a block is complete (see [`FeatureObserver::block`]).
+    /// Adds a sample; returns whether a block is complete (see [`FeatureObserver::block`]).
     ///
     /// * `q`, `theta_measured`: `n`, rad; `temperature_c` may be NaN.
-    /// * `motor_torque`: `n`, N·m, reflected to the joint; NaN where it isn't recorded.
+    /// * `motor_torque`: `n`, N·m, reflected to the joint; NaN if it is not recorded.
     ///
     /// # Errors
-    /// [`StepError`]; the state is then unchanged.
+    /// Returns a [`StepError`] for an invalid input; the state is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -167,15 +207,44 @@ impl FeatureObserver {
         motor_torque: &[f64],
         temperature_c: f64,
     ) -> Result<bool, StepError> {
-        let n = self.arm.dof();
+        self.step_with_tension(
+            dt_s,
+            [q, theta_measured],
+            [motor_torque, &[]],
+            temperature_c,
+        )
+    }
+
+    /// Adds a sample with tensions, as [`FeatureObserver::step`].
+    ///
+    /// * `tension_n`: `n` or empty, N; NaN if it is not recorded. Used in groups with an equation per joint.
+    ///
+    /// # Errors
+    /// Returns a [`StepError`] for an invalid input; the state is then unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn step_with_tension(
+        &mut self,
+        dt_s: f64,
+        [q, theta_measured]: [&[f64]; 2],
+        [motor_torque, tension_n]: [&[f64]; 2],
+        temperature_c: f64,
+    ) -> Result<bool, StepError> {
+        let n = self.joints.len();
         if q.len() != n || theta_measured.len() != n || motor_torque.len() != n {
+            return Err(StepError::Length);
+        }
+        if !(tension_n.is_empty() || tension_n.len() == n) {
             return Err(StepError::Length);
         }
         if q.iter().chain(theta_measured).any(|x| !is_input(*x)) {
             return Err(StepError::NotFinite);
         }
         if !self.started {
-            return self.start(q, theta_measured, motor_torque).map(|()| false);
+            self.start(q, theta_measured, motor_torque)?;
+            self.start_pulls(tension_n);
+            return Ok(false);
         }
         if !is_time_step(dt_s) {
             return Err(StepError::TimeStep);
@@ -189,13 +258,14 @@ impl FeatureObserver {
         for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
             joint.q.step(&pole, *q);
             joint.theta.step(&pole, *theta);
-            // A torque that comes back after a gap starts its filter anew.
+            // A torque that returns after a gap re-initialises its filter.
             if joint.torque.value().is_finite() {
                 joint.torque.step(&pole, *torque);
             } else {
                 joint.torque = StateVariableFilter::settled_at(*torque);
             }
         }
+        self.filter_tension(&pole, tension_n);
         self.since_start_s += dt_s;
         self.since_regressor_s += dt_s;
         if self.since_regressor_s + 0.5 * dt_s < self.config.regressor_step_s {
@@ -223,8 +293,11 @@ impl FeatureObserver {
 
     fn start(&mut self, q: &[f64], theta: &[f64], torque: &[f64]) -> Result<(), StepError> {
         self.velocities.fill(0.0);
+        let dof = self.arm.dof();
+        let of_arm = (q.get(..dof)).zip(self.velocities.get(..dof));
+        let (of_q, of_dq) = of_arm.ok_or(StepError::Length)?;
         self.arm
-            .momentum_regressor(&mut self.ws, q, &self.velocities, &mut self.regressor)?;
+            .momentum_regressor(&mut self.ws, of_q, of_dq, &mut self.regressor)?;
         let samples = q.iter().zip(theta).zip(torque);
         for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
             joint.start(*q, *theta, *torque);
@@ -236,7 +309,7 @@ impl FeatureObserver {
             }
         }
         self.follow_regressor(|phi, _, [_, a]| *phi = -a);
-        copy(&mut self.stands_at, q);
+        copy(&mut self.rest_position, q);
         self.stood_s = 0.0;
         self.count = 0;
         self.clear_sums();
@@ -253,17 +326,16 @@ impl FeatureObserver {
             (*position, *velocity) = (joint.q.value(), joint.q.rate());
         }
         self.stood_s += step_s;
-        let mut moved = self.positions.iter().zip(&self.stands_at);
-        if moved.any(|(q, at)| (q - at).abs() > STAND_RAD) {
-            copy(&mut self.stands_at, &self.positions);
+        let mut moved = self.positions.iter().zip(&self.rest_position);
+        if moved.any(|(q, at)| (q - at).abs() > REST_RAD) {
+            copy(&mut self.rest_position, &self.positions);
             self.stood_s = 0.0;
         }
-        self.arm.momentum_regressor(
-            &mut self.ws,
-            &self.positions,
-            &self.velocities,
-            &mut self.regressor,
-        )?;
+        let dof = self.arm.dof();
+        let of_arm = (self.positions.get(..dof)).zip(self.velocities.get(..dof));
+        let (of_q, of_dq) = of_arm.ok_or(StepError::Length)?;
+        self.arm
+            .momentum_regressor(&mut self.ws, of_q, of_dq, &mut self.regressor)?;
         if !is_same_step(step_s, self.lags.step_s) {
             self.lags = Lags::new(self.config.gain_per_s, step_s);
         }
@@ -278,7 +350,87 @@ impl FeatureObserver {
                 joint.follow(spring, self.config.presliding_rad, &pole, &slow);
             }
         }
+        self.follow_pulls(&pole);
         Ok(())
+    }
+
+    /// Starts the filters of tensions and moment arms.
+    fn start_pulls(&mut self, tension_n: &[f64]) {
+        for i in 0..self.pulls.tension_nm.len() {
+            let now = StateVariableFilter::settled_at(self.tension_nm(i, tension_n));
+            if let Some(to) = self.pulls.tension_nm.get_mut(i) {
+                *to = now;
+            }
+            if let Some(to) = self.pulls.lagged_nm.get_mut(i) {
+                *to = FirstOrder::settled_at(now.value());
+            }
+        }
+        for v in 0..self.pulls.arms.len() {
+            let inputs = self.varying(v);
+            if let Some(to) = self.pulls.arms.get_mut(v) {
+                *to = inputs.map(FirstOrder::settled_at);
+            }
+        }
+    }
+
+    /// Brings the tensions to a sample.
+    fn filter_tension(&mut self, pole: &DoublePole, tension_n: &[f64]) {
+        for i in 0..self.pulls.tension_nm.len() {
+            let now = self.tension_nm(i, tension_n);
+            let Some(filter) = self.pulls.tension_nm.get_mut(i) else {
+                return;
+            };
+            // A tension that returns after a gap re-initialises its filter.
+            if filter.value().is_finite() {
+                filter.step(pole, now);
+            } else {
+                *filter = StateVariableFilter::settled_at(now);
+            }
+        }
+    }
+
+    /// Brings the low-passed tensions and moment arms to now.
+    fn follow_pulls(&mut self, pole: &ExactPole) {
+        let tensions = self.pulls.lagged_nm.iter_mut().zip(&self.pulls.tension_nm);
+        for (lag, tension) in tensions {
+            if lag.output().is_finite() {
+                lag.step(pole, tension.value());
+            } else {
+                *lag = FirstOrder::settled_at(tension.value());
+            }
+        }
+        for v in 0..self.pulls.arms.len() {
+            let inputs = self.varying(v);
+            let lags = self.pulls.arms.get_mut(v).into_iter().flatten();
+            for (lag, u) in lags.zip(inputs) {
+                lag.step(pole, u);
+            }
+        }
+    }
+
+    /// Torque of the tendon on an axis by its tension, N·m; NaN where none is recorded.
+    fn tension_nm(&self, i: usize, tension_n: &[f64]) -> f64 {
+        let pull = self.routes.as_ref().and_then(|(routes, _)| routes.pull(i));
+        let metres = pull.and_then(|pull| pull.metres_per_rad);
+        match (metres, tension_n.get(i)) {
+            (Some(metres), Some(tension)) => metres * tension,
+            _ => f64::NAN,
+        }
+    }
+
+    /// Moment arm number `v` of those that vary, and this times the deflection of its tendon.
+    fn varying(&self, v: usize) -> [f64; 2] {
+        let varying = self
+            .routes
+            .as_ref()
+            .and_then(|(routes, _)| routes.varying().get(v));
+        let Some((i, j, arm)) = varying else {
+            return [0.0; 2];
+        };
+        let q = self.joints.get(*j).map_or(0.0, |joint| joint.q.value());
+        let y = self.joints.get(*i).map_or(0.0, JointSignals::deflection);
+        let [_, arm, _] = arm.evaluate(q);
+        [arm, arm * y]
     }
 
     /// Spring and motor of joint `i` now.
@@ -289,11 +441,13 @@ impl FeatureObserver {
             return Some(own);
         };
         let of_all = |of: fn(&JointSignals) -> f64| self.joints.iter().map(of);
+        let q = of_all(|j| j.q.value());
         Some(Spring {
             load_rad: routes.joint_deflection(i, of_all(JointSignals::deflection)),
-            motor_rad: own.motor_rad + routes.moved_by_others(i, of_all(|j| j.q.value())),
+            pull_rad: routes.pull_rad(i, own.pull_rad),
+            motor_rad: own.motor_rad + routes.moved_by_others(i, q.clone()),
             motor_rad_per_s: own.motor_rad_per_s
-                + routes.moved_by_others(i, of_all(|j| j.q.rate())),
+                + routes.speed_by_others(i, q, of_all(|j| j.q.rate())),
         })
     }
 
@@ -379,6 +533,14 @@ impl FeatureObserver {
                 *sum += e;
             }
         }
+        for (sum, lag) in s.tension_nm.iter_mut().zip(&self.pulls.lagged_nm) {
+            *sum += lag.output();
+        }
+        let arms = s.arm.iter_mut().zip(&mut s.arm_y).zip(&self.pulls.arms);
+        for ((arm, arm_y), [of_arm, of_arm_y]) in arms {
+            *arm += of_arm.output();
+            *arm_y += of_arm_y.output();
+        }
         s.temperature_c += temperature_c;
         self.count += 1;
     }
@@ -394,7 +556,10 @@ impl FeatureObserver {
         if let Some((routes, of_joints)) = &mut self.routes {
             copy(of_joints, &s.phi);
             let columns = self.base.len().max(1);
-            for (i, row) in s.phi.chunks_exact_mut(columns).enumerate() {
+            let rows = s.phi.chunks_exact_mut(columns).enumerate();
+            // An equation per joint has the torque of the joint.
+            let own = |i: usize| routes.pull(i).is_none() && routes.pulled(i).is_none();
+            for (i, row) in rows.filter(|(i, _)| own(*i)) {
                 for (k, to) in row.iter_mut().enumerate() {
                     let column = of_joints.iter().skip(k).step_by(columns);
                     *to = routes.torque_of(i, column.copied());
@@ -408,7 +573,7 @@ impl FeatureObserver {
         self.count = 0;
     }
 
-    /// The arm, how blocks are made of it, and the columns of its base parameters.
+    /// Arm, configuration of the blocks, and columns of the base parameters.
     #[cfg(feature = "wire")]
     pub(crate) fn made_for(&self) -> (&Arm, &FeatureConfig, &[usize]) {
         (&self.arm, &self.config, &self.base)
@@ -424,9 +589,9 @@ impl FeatureObserver {
 mod tests {
     use super::is_same_step;
 
-    /// At every rate from 10 Hz to 100 kHz: what rounding does to a step is none, a clock that jitters by a millionth is.
+    /// At every rate from 10 Hz to 100 kHz: rounding does not change the step, clock jitter of 1 ppm does.
     #[test]
-    fn a_step_is_another_where_the_clock_says_so() {
+    fn time_step_changes_only_with_clock() {
         for step_s in [0.1, 4e-3, 1e-3, 1e-4, 1e-5] {
             // From times of a day: their last place is 1.5e-11 s, and whole nanoseconds are exact.
             let from_s = 86_400.0 * 1e9;

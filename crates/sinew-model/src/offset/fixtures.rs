@@ -13,7 +13,7 @@ use crate::arm::{Arm, ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 use crate::tolerances::Tolerances;
 use alloc::vec::Vec;
 
-/// A joint's own entries of an equation: what only the other side knows is nothing, the zero is an
+/// A joint's own entries of an equation: parameters of the other side alone are zero, the encoder zero is an
 /// offset too.
 pub(crate) fn own(side: Side, seed: &mut u64) -> [f64; PER_JOINT] {
     let mut own = core::array::from_fn(|k| {
@@ -21,6 +21,7 @@ pub(crate) fn own(side: Side, seed: &mut u64) -> [f64; PER_JOINT] {
         let is_there = match side {
             Side::Link => term.is_of_link(),
             Side::Motor => term.is_of_motor(),
+            Side::Tension => false,
         };
         if is_there { random(seed) } else { 0.0 }
     });
@@ -79,6 +80,9 @@ pub(crate) fn turntables(count: usize, coulomb_nm: f64) -> EstimationModel {
             motor_viscous_nm_s_per_rad: 0.0,
             antagonistic: false,
             drift_rad_per_k: None,
+            has_joint: true,
+            has_tendon: true,
+            pretension_nm: 0.0,
         });
     }
     let mut model = EstimationModel::new(prior, &FeatureConfig::default());
@@ -110,7 +114,7 @@ pub(crate) fn slipping(model: &EstimationModel, slip_rad: f64, mut seed: u64) ->
         .collect()
 }
 
-/// How far from the axis a force acts, m.
+/// Distance of the force's point of action from the axis, m.
 const LEVER_M: f64 = 0.4;
 
 /// Two joints about one vertical axis; a force may act on the second one.
@@ -122,7 +126,7 @@ pub(crate) fn pushable(believed: ExternalForce) -> EstimationModel {
 }
 
 /// Poses, a second apart, of these joints with offsets of 1 and 2 mrad while a force acts: its moment about the axis is
-/// `r (f_y cos − f_x sin)`, and the springs bend by so much less.
+/// `r (f_y cos − f_x sin)`, and the spring torques decrease by it.
 pub(crate) fn pushed(model: &EstimationModel, [x, y, _]: [f64; 3], mut seed: u64) -> Vec<Block> {
     let columns = model.reduced.layout.bodies;
     (0..BLOCKS)

@@ -1,13 +1,13 @@
-//! What is filtered of one joint on the way to a block.
+//! Filtered signals of one joint that form a block.
 
 use super::effects::ENCODER;
 use crate::observer::{ExactPole, FirstOrder, StateVariableFilter};
 
 /// Memory of a viscoelastic rope within a session, s.
 const CREEP_S: f64 = 30.0;
-/// Travel after which friction surely points against it, rad: several times what quantisation makes
-/// a standing joint seem to move.
-const SURE_STROKE_RAD: f64 = 10e-3;
+/// Travel after which the direction of friction is certain, rad: several times the apparent motion
+/// of a joint at rest by quantisation.
+const CERTAIN_STROKE_RAD: f64 = 10e-3;
 /// JointSignals that are low-passed per joint.
 const LAGS: usize = 13 + ENCODER;
 
@@ -29,14 +29,14 @@ impl Lags {
     }
 }
 
-/// What is filtered of one joint.
+/// Filtered signals of one joint.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct JointSignals {
     pub(crate) q: StateVariableFilter,
     pub(crate) theta: StateVariableFilter,
     pub(crate) torque: StateVariableFilter,
     z: f64,
-    /// Bounds of the friction state: it may be anything when a recording begins.
+    /// Bounds of the friction state, which is unknown at the start of a recording.
     z_bounds: [f64; 2],
     q_at_z: f64,
     motor_z: f64,
@@ -49,11 +49,13 @@ pub(crate) struct JointSignals {
     pub(crate) slow: FirstOrder,
 }
 
-/// What the signals of a joint have of its spring and its motor.
+/// Spring and motor parameters that the signals of a joint need.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spring {
     /// Torque of the spring at the joint over its stiffness, rad.
     pub(crate) load_rad: f64,
+    /// Pull of the tendon over its stiffness, by its description, rad.
+    pub(crate) pull_rad: f64,
     /// Position of the motor, rad.
     pub(crate) motor_rad: f64,
     /// Velocity of the motor, rad/s.
@@ -65,6 +67,7 @@ impl JointSignals {
     pub(crate) fn spring(&self) -> Spring {
         Spring {
             load_rad: self.deflection(),
+            pull_rad: self.deflection(),
             motor_rad: self.theta.value(),
             motor_rad_per_s: self.theta.rate(),
         }
@@ -91,7 +94,7 @@ impl JointSignals {
     pub(crate) fn settle(&mut self, spring: Spring) {
         self.theta_at_z = spring.motor_rad;
         self.motor_rate = spring.motor_rad_per_s;
-        let inputs = self.lag_inputs(spring.load_rad);
+        let inputs = self.lag_inputs(spring);
         let [deflection, ..] = inputs;
         self.lags = inputs.map(FirstOrder::settled_at);
         self.slow = FirstOrder::settled_at(deflection);
@@ -110,13 +113,13 @@ impl JointSignals {
         self.q_at_z = q;
         self.z = (self.z + moved / stroke_rad).clamp(-1.0, 1.0);
         for z in &mut self.z_bounds {
-            *z = (*z + moved / SURE_STROKE_RAD).clamp(-1.0, 1.0);
+            *z = (*z + moved / CERTAIN_STROKE_RAD).clamp(-1.0, 1.0);
         }
         let turned = spring.motor_rad - self.theta_at_z;
         self.theta_at_z = spring.motor_rad;
         self.motor_rate = spring.motor_rad_per_s;
         self.motor_z = (self.motor_z + turned / stroke_rad).clamp(-1.0, 1.0);
-        let inputs = self.lag_inputs(spring.load_rad);
+        let inputs = self.lag_inputs(spring);
         for (lag, u) in self.lags.iter_mut().zip(inputs) {
             // Not a number is "not recorded"; it must not stay in the lag for ever.
             if lag.output().is_finite() {
@@ -129,10 +132,10 @@ impl JointSignals {
         self.slow.step(slow, deflection.output());
     }
 
-    /// What is low-passed.
-    fn lag_inputs(&self, load_rad: f64) -> [f64; LAGS] {
-        /// Below this speed a drive's friction may point either way, rad/s.
-        const STANDS_RAD_PER_S: f64 = 0.05;
+    /// Returns the inputs of the low-pass filters.
+    fn lag_inputs(&self, spring: Spring) -> [f64; LAGS] {
+        /// Speed below which the direction of a drive's friction is unknown, rad/s.
+        const REST_RAD_PER_S: f64 = 0.05;
         let q = &self.q;
         let deflection = self.deflection();
         let (s1, c1) = libm::sincos(q.value());
@@ -140,7 +143,7 @@ impl JointSignals {
         let [low, high] = self.z_bounds;
         let z_unknown = 0.5 * (high - low);
         let z = self.z * (1.0 - z_unknown);
-        let stands = self.motor_rate.abs() < STANDS_RAD_PER_S;
+        let is_at_rest = self.motor_rate.abs() < REST_RAD_PER_S;
         [
             deflection,
             deflection * deflection,
@@ -149,12 +152,12 @@ impl JointSignals {
             z,
             z_unknown,
             q.rate(),
-            z * load_rad.abs(),
+            z * spring.load_rad.abs(),
             self.torque.value(),
             self.motor_rate,
             self.motor_z,
-            self.motor_z * deflection.abs(),
-            if stands { 1.0 } else { 0.0 },
+            self.motor_z * spring.pull_rad.abs(),
+            if is_at_rest { 1.0 } else { 0.0 },
             s1,
             c1,
             s2,

@@ -10,10 +10,10 @@ use core::ops::Range;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PriorOdds {
     /// Standard deviation of its size.
-    pub(crate) deviation: f64,
+    pub(crate) std: f64,
     /// PriorOdds that it happened.
     pub(crate) odds: f64,
-    /// What the others have to do with one that happened.
+    /// Relation between occurrences: whether one change makes others more probable.
     pub(crate) occurrence: Occurrence,
 }
 
@@ -22,8 +22,8 @@ pub(crate) struct PriorOdds {
 pub(crate) enum Occurrence {
     /// Each for itself.
     Apart,
-    /// What makes one happen makes others happen: odds are those that any did, every number of them as likely, and every
-    /// set of a number.
+    /// A common cause makes several occur: the odds are those that any occurs, with equal probability for every number
+    /// of changes, and for every set of a given number.
     Together,
     /// All or none: they are the components of one.
     AsOne,
@@ -44,44 +44,44 @@ impl PriorOdds {
     }
 }
 
-/// A loss of stiffness between two recordings, relative: a starting guess.
+/// Stiffness loss between two recordings, relative; an assumed value.
 pub(crate) const LOST_STIFFNESS: PriorOdds = PriorOdds {
-    deviation: 0.1,
+    std: 0.1,
     odds: 0.3,
     occurrence: Occurrence::Apart,
 };
 
-/// A rope that creeps within a recording, rad/s: a starting guess. In the first minutes after tensioning it may be as
-/// fast as this, hours later a tenth of that.
+/// Rope creep within a recording, rad/s; an assumed value. The rate may reach this value in the first minutes after
+/// tensioning, and a tenth of it hours later.
 pub(crate) const CREEP: PriorOdds = PriorOdds {
-    deviation: 2e-3 / 60.0,
+    std: 2e-3 / 60.0,
     odds: 0.1,
     occurrence: Occurrence::Together,
 };
 
-/// Up to so many changes, all sets of them are weighed; of more, none, one, two and all.
+/// Maximum number of changes for which all subsets are weighted; above it, only the subsets with none, one, two and
+/// all changes.
 const ALL_SETS: usize = 10;
 
-/// Averages an estimate in which changes `c ~ N(0, s²)` are open over which of them happened, each
-/// set weighed by its evidence. Returns the probability of each change.
+/// Averages an estimate with free changes `c ~ N(0, s²)` over the sets of changes that may have occurred, each set
+/// weighed by its evidence. Returns the probability of each change.
 ///
-/// An estimate that leaves a change out is off, and too sure, where it happened; one that opens
-/// all of them knows less than it could. From the estimate `x, P` with all open, and `c, C` of the
-/// changes in it, the estimate without those in `E` is the one on condition that `c_E = 0`:
+/// An estimate without a change is biased and overconfident if the change occurred; one with all changes free has a
+/// larger variance than necessary. From the estimate `x, P` with all free, and `c, C` of the changes in it, the
+/// estimate without those in `E` is the one on condition that `c_E = 0`:
 ///
 /// ```text
 /// ln evidence = −½ c_Eᵀ C_EE⁻¹ c_E − ½ ln |C_EE| + |E| ln s + |S| ln odds,    S: the others
 /// c | E       = c − C_·E C_EE⁻¹ c_E,     C | E = C − C_·E C_EE⁻¹ C_E·
 /// ```
 ///
-/// (what a Gaussian says of zero against what it said before, Savage and Dickey's ratio). With mean `m` and
-/// covariance `V` of that mixture, `x → x + P_·c C⁻¹ (m − c)` and
-/// `P → P + P_·c C⁻¹ (V − C) C⁻¹ P_c·`.
+/// (density of a Gaussian at zero, posterior over prior: the Savage-Dickey ratio). With mean `m` and covariance `V` of
+/// that mixture, `x → x + P_·c C⁻¹ (m − c)` and `P → P + P_·c C⁻¹ (V − C) C⁻¹ P_c·`.
 ///
 /// * `columns`: of the changes in `state`; `covariance`: row-major.
 ///
 /// # Errors
-/// [`MapError::Prior`] where a covariance is none.
+/// Returns [`MapError::Prior`] if a covariance is not positive definite.
 ///
 /// # Source
 /// J. Dickey, *The weighted likelihood ratio*, Annals of Mathematical Statistics 42, 1971.
@@ -110,7 +110,7 @@ pub(crate) fn average(
 /// entry), that of the mixture over them: the last two equations of [`average`].
 ///
 /// # Errors
-/// [`MapError::Prior`] where `C` is no covariance.
+/// Returns [`MapError::Prior`] where `C` is no covariance.
 pub(crate) fn apply(
     (change, own): (&[f64], &[f64]),
     shared: &[f64],
@@ -147,7 +147,7 @@ pub(crate) fn apply(
     Ok(())
 }
 
-/// Changes, and what goes with them, averaged over all sets of changes that happened.
+/// Changes and correlated values, averaged over all sets of changes that may have occurred.
 ///
 /// # Realtime
 /// Allocates when it is made only. O(n m²) a set for `n` changes among `m` values; 2ⁿ sets up to ten changes, of more `n²/2`.
@@ -155,23 +155,23 @@ pub(crate) fn apply(
 pub(crate) struct Mixture {
     changes: usize,
     values: usize,
-    /// Those that may have happened, a bit per change.
+    /// Sets of changes that may have occurred, one bit per change.
     sets: Vec<u128>,
-    /// Per change.
+    /// Probability of each change.
     pub(crate) probability: Vec<f64>,
-    /// Per value, the changes first.
+    /// Mean per value, the changes first.
     pub(crate) mean: Vec<f64>,
-    /// Row-major.
+    /// Covariance of the mixture, row-major.
     pub(crate) spread: Vec<f64>,
-    /// Of the sets that are weighed already.
+    /// Sums over the sets weighed so far.
     sums: Sums,
-    /// On condition that only those of a set happened.
-    known: Vec<f64>,
+    /// Conditional mean, given that only the changes of a set occurred.
+    conditional: Vec<f64>,
     covariance: Vec<f64>,
     row: Vec<f64>,
 }
 
-/// What sets add up to, relative to the likeliest of them.
+/// Weighted sums over sets, relative to the most probable of them.
 #[derive(Debug, Clone)]
 struct Sums {
     /// Logarithm of the largest evidence.
@@ -183,7 +183,7 @@ struct Sums {
 }
 
 impl Mixture {
-    /// Room for so many changes, and so many values that go with them.
+    /// Allocates a mixture for `changes` changes and `more` values that depend on them.
     pub(crate) fn new(changes: usize, more: usize) -> Self {
         let values = changes + more;
         let vector = alloc::vec![0.0; values];
@@ -202,7 +202,7 @@ impl Mixture {
                 mean: vector.clone(),
                 spread: matrix.clone(),
             },
-            known: vector.clone(),
+            conditional: vector.clone(),
             covariance: matrix,
             row: vector,
         }
@@ -221,7 +221,7 @@ impl Mixture {
         self.finish();
     }
 
-    /// From now on sets are weighed anew; what they say stays until [`Mixture::finish`].
+    /// Starts a new weighting of subsets; the previous result remains valid until [`Mixture::finish`].
     pub(crate) fn begin(&mut self) {
         let sums = &mut self.sums;
         (sums.most, sums.all) = (f64::NEG_INFINITY, 0.0);
@@ -247,31 +247,31 @@ impl Mixture {
             if is_one && set != 0 && set != all_of_them {
                 continue;
             }
-            copy(&mut self.known, values);
+            copy(&mut self.conditional, values);
             copy(&mut self.covariance, covariance);
             let mut evidence = odds.ln_prior(set.count_ones() as usize, self.changes);
             for i in (0..self.changes).filter(|&i| !happened(set, i)) {
-                evidence += self.leave_out(i, odds.deviation);
+                evidence += self.remove(i, odds.std);
             }
             // Weights are relative to the largest so far.
             let weight = self.sums.weight(evidence);
             for (i, probability) in self.sums.probability.iter_mut().enumerate() {
                 *probability += if happened(set, i) { weight } else { 0.0 };
             }
-            for (mean, x) in self.sums.mean.iter_mut().zip(&self.known) {
+            for (mean, x) in self.sums.mean.iter_mut().zip(&self.conditional) {
                 *mean += weight * x;
             }
             let rows = self.sums.spread.chunks_exact_mut(n);
-            let own = self.covariance.chunks_exact(n).zip(&self.known);
+            let own = self.covariance.chunks_exact(n).zip(&self.conditional);
             for (row, (line, x)) in rows.zip(own) {
-                for ((sum, p), y) in row.iter_mut().zip(line).zip(&self.known) {
+                for ((sum, p), y) in row.iter_mut().zip(line).zip(&self.conditional) {
                     *sum += weight * (p + x * y);
                 }
             }
         }
     }
 
-    /// What the sets say that were weighed since [`Mixture::begin`].
+    /// Computes the result of the sets weighed since [`Mixture::begin`].
     pub(crate) fn finish(&mut self) {
         let (n, sums) = (self.values.max(1), &self.sums);
         for (to, from) in [
@@ -292,15 +292,15 @@ impl Mixture {
     }
 
     /// Conditions the others on value `i` being zero; returns the logarithm of its evidence.
-    fn leave_out(&mut self, i: usize, deviation: f64) -> f64 {
+    fn remove(&mut self, i: usize, std: f64) -> f64 {
         let n = self.values.max(1);
         let line = self.covariance.get(i * n..(i + 1) * n).unwrap_or_default();
         copy(&mut self.row, line);
-        let (Some(&pivot), Some(&known)) = (self.row.get(i), self.known.get(i)) else {
+        let (Some(&pivot), Some(&conditional)) = (self.row.get(i), self.conditional.get(i)) else {
             return 0.0;
         };
-        let step = known / pivot;
-        for (x, own) in self.known.iter_mut().zip(&self.row) {
+        let step = conditional / pivot;
+        for (x, own) in self.conditional.iter_mut().zip(&self.row) {
             *x -= own * step;
         }
         for (line, own) in self.covariance.chunks_exact_mut(n).zip(&self.row) {
@@ -309,7 +309,7 @@ impl Mixture {
                 *p -= factor * other;
             }
         }
-        -0.5 * known * step - 0.5 * libm::log(pivot / (deviation * deviation))
+        -0.5 * conditional * step - 0.5 * libm::log(pivot / (std * std))
     }
 }
 
@@ -360,7 +360,7 @@ mod tests {
 
     const D: usize = 7;
     const ODDS: PriorOdds = PriorOdds {
-        deviation: 0.4,
+        std: 0.4,
         odds: 0.1,
         occurrence: Occurrence::Apart,
     };
@@ -391,9 +391,9 @@ mod tests {
         (0..D).map(|i| 2.0 * l[i * D + i].ln()).sum()
     }
 
-    /// Every set by a prior covariance of its own: the mixture is exact where the data is linear.
+    /// Each set has its own prior covariance: the mixture is exact for linear data.
     #[test]
-    fn the_average_is_that_of_posteriors_computed_one_by_one() {
+    fn average_equals_mixture_of_single_posteriors() {
         const ENTRIES: [usize; 3] = [1, 4, 5];
         const TOTAL: usize = D + ENTRIES.len();
         for first in [3, 17, 40] {
@@ -409,7 +409,7 @@ mod tests {
                 let own = all.filter(|(i, _)| happened(set, *i));
                 let who: Vec<usize> = own.map(|(_, k)| *k).collect();
                 for &k in &who {
-                    prior[k * D + k] += ODDS.deviation * ODDS.deviation;
+                    prior[k * D + k] += ODDS.std * ODDS.std;
                 }
                 let information = sum(&cholesky::inverse(&prior, D).unwrap(), &data);
                 let covariance = cholesky::inverse(&information, D).unwrap();
@@ -438,7 +438,7 @@ mod tests {
                 }
             }
 
-            // All open: the state goes on with the changes.
+            // With all changes free, the state is extended by the changes.
             let place = |k: usize| if k < D { k } else { ENTRIES[k - D] };
             let own = cholesky::inverse(&before, D).unwrap();
             let mut information = alloc::vec![0.0; TOTAL * TOTAL];
@@ -446,7 +446,7 @@ mod tests {
                 for k in 0..TOTAL {
                     let believed = match (i < D, k < D) {
                         (true, true) => own[i * D + k],
-                        _ if i == k => ODDS.deviation.powi(-2),
+                        _ if i == k => ODDS.std.powi(-2),
                         _ => 0.0,
                     };
                     information[i * TOTAL + k] = data[place(i) * D + place(k)] + believed;
@@ -480,13 +480,13 @@ mod tests {
         }
     }
 
-    /// What data can't tell stays as it was believed.
+    /// Directions without data keep their prior.
     #[test]
-    fn without_data_the_odds_stay_what_they_were() {
+    fn without_data_odds_are_unchanged() {
         for n in [1, ALL_SETS + 2] {
             let mut p = alloc::vec![0.0; n * n];
             for i in 0..n {
-                p[i * n + i] = ODDS.deviation * ODDS.deviation;
+                p[i * n + i] = ODDS.std * ODDS.std;
             }
             let mut x = alloc::vec![0.0; n];
             let columns: Vec<usize> = (0..n).collect();
@@ -496,14 +496,14 @@ mod tests {
             let last = if n > 1 { last } else { 0.0 };
             let all = 1.0 + n as f64 * (one + 0.5 * two) + last;
             assert!((probability[0] - (one + two + last) / all).abs() < 1e-12);
-            let expected = probability[0] * ODDS.deviation * ODDS.deviation;
+            let expected = probability[0] * ODDS.std * ODDS.std;
             assert!((p[0] - expected).abs() < 1e-12, "{} {expected}", p[0]);
         }
     }
 
-    /// Of changes that come together every number is as likely, and every set of a number.
+    /// For changes with a common cause every number is equally probable, and every set of a given number.
     #[test]
-    fn without_data_changes_that_come_together_are_as_likely_as_they_were() {
+    fn without_data_joint_odds_are_unchanged() {
         let together = PriorOdds {
             occurrence: Occurrence::Together,
             ..ODDS
@@ -511,7 +511,7 @@ mod tests {
         let n = 4;
         let mut p = alloc::vec![0.0; n * n];
         for i in 0..n {
-            p[i * n + i] = ODDS.deviation * ODDS.deviation;
+            p[i * n + i] = ODDS.std * ODDS.std;
         }
         let columns: Vec<usize> = (0..n).collect();
         let mut x = alloc::vec![0.0; n];
@@ -523,39 +523,39 @@ mod tests {
         }
     }
 
-    /// The components of one happen all or not at all, and vouch for each other.
+    /// The components of one change occur all or none, and support each other.
     #[test]
-    fn what_is_one_happened_as_a_whole() {
+    fn components_of_one_change_occur_together() {
         let occurrence = Occurrence::AsOne;
         let odds = PriorOdds { occurrence, ..ODDS };
         let n = 3;
         let columns: Vec<usize> = (0..n).collect();
-        let of = |size: f64, deviation: f64| {
+        let of = |size: f64, std: f64| {
             let mut p = alloc::vec![0.0; n * n];
             for i in 0..n {
-                p[i * n + i] = deviation * deviation;
+                p[i * n + i] = std * std;
             }
             let mut x = alloc::vec![size; n];
             let each = average(&columns, odds, &mut x, &mut p).unwrap();
             assert!(each.iter().all(|p| *p == each[0]), "{each:?}");
             each[0]
         };
-        // Data that says nothing leaves 0.1 against 1.
-        assert!((of(0.0, ODDS.deviation) - 0.1 / 1.1).abs() < 1e-12);
+        // Uninformative data leave odds of 0.1 to 1.
+        assert!((of(0.0, ODDS.std) - 0.1 / 1.1).abs() < 1e-12);
         // N(0; x, C) over N(0; 0, S), three times.
-        let (size, deviation): (f64, f64) = (0.2, 0.1);
-        let each = libm::log(deviation / ODDS.deviation) + 0.5 * (size / deviation).powi(2);
+        let (size, std): (f64, f64) = (0.2, 0.1);
+        let each = libm::log(std / ODDS.std) + 0.5 * (size / std).powi(2);
         let expected = 0.1 * libm::exp(3.0 * each);
-        let found = of(size, deviation);
+        let found = of(size, std);
         assert!(
             (found / (1.0 - found) / expected - 1.0).abs() < 1e-9,
             "{found}"
         );
     }
 
-    /// What all show a little, together is sure.
+    /// Weak evidence for every change is strong evidence in total.
     #[test]
-    fn changes_that_come_together_vouch_for_each_other() {
+    fn joint_changes_support_each_other() {
         let n = 4;
         let of = |together: bool, shown: usize| {
             let occurrence = match together {

@@ -1,16 +1,13 @@
-//! The offset of the motor position: the paper's eq. (5)–(6) on a running robot, and the absolute
-//! offset estimated with everything that disguises itself as one.
+//! The offset of the motor position: the paper's eq. (5)–(6) on a running robot, and the absolute offset estimated
+//! jointly with all effects that are similar to one.
 //!
-//! Reading order: `observer` (a sample to every joint's offset), `features` (samples to blocks),
-//! [`effects`] (parameters, priors and terms of everything that the estimate models), `layout` and `prior` (the state, and what is believed of it), `equations` (a block's
-//! rows over the state), `batch` (a whole recording), [`beliefs`]
-//! (from one recording to the next), [`alike`] (from robots of a type to the next), `shared_error` (what sessions since one baseline get wrong together),
-//! [`misfit`] (what fits nothing).
+//! Reading order: `observer` (offset of every joint per sample), `features` (samples to blocks), [`effects`]
+//! (parameters, priors and terms of all modelled effects), `layout` and `prior` (the state and its prior), `equations`
+//! (a block's rows over the state), `batch` (a whole recording), [`state_estimates`] (between recordings),
+//! [`shared_parameters`] (between robots of a type), `systematic_error` (common error of the sessions since one
+//! baseline), [`excess_residual`] (unexplained residuals).
 
-pub mod alike;
 mod batch;
-mod belief;
-pub mod beliefs;
 mod block;
 mod change;
 mod config;
@@ -18,24 +15,28 @@ pub mod effects;
 mod equations;
 mod error;
 mod estimate;
+pub mod excess_residual;
 mod executor;
 mod external_force;
 mod features;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod group_posterior;
 mod joint_prior;
 mod joint_signals;
 mod lag;
 mod layout;
-pub mod misfit;
 mod mixture;
 mod observer;
 mod prior;
-mod shared_error;
+pub mod shared_parameters;
 mod state_entry;
+mod state_estimate;
+pub mod state_estimates;
+pub mod stated_payload;
+mod systematic_error;
 
 pub use batch::{Innovation, MapEstimator, MotorInnovation, Prediction};
-pub use belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 pub use block::Block;
 pub use change::{ChangeKind, ChangePoint, Onset, SearchScope};
 pub use config::{
@@ -50,9 +51,11 @@ pub use estimate::{
 pub use executor::{Executor, Sequential};
 pub use external_force::ExternalForce;
 pub use features::FeatureObserver;
+pub use group_posterior::{GroupPosterior, UnobservableDirection, group_posteriors};
 pub use joint_prior::JointPrior;
 pub use lag::lag_s;
 pub use observer::{OffsetObserver, Sample};
 pub use prior::{PayloadRange, Prior};
-pub use shared_error::{SharedError, shared_errors};
 pub use state_entry::StateEntry;
+pub use state_estimate::{Payload, StateEstimate, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
+pub use systematic_error::{SharedError, shared_errors};

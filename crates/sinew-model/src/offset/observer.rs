@@ -1,4 +1,4 @@
-//! One step from a sample to every joint's offset.
+//! Computation of the offset of every joint from one sample.
 
 use super::block::copy;
 use super::config::{Comparison, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter};
@@ -27,7 +27,7 @@ pub struct Sample<'a> {
     pub tau_ext: Option<&'a [f64]>,
 }
 
-/// Above this a filter does nothing at any sampling rate.
+/// Maximum filter cut-off, above which a filter has no effect at any sampling rate.
 const MAX_CUTOFF_RAD_PER_S: f64 = 1e6;
 
 /// Filters of one joint.
@@ -69,7 +69,7 @@ pub struct OffsetObserver {
     // One entry per joint each.
     q: Vec<f64>,
     dq: Vec<f64>,
-    known: Vec<f64>,
+    external_torque: Vec<f64>,
     momentum: Vec<f64>,
     alpha: Vec<f64>,
     deflection: Vec<f64>,
@@ -80,21 +80,21 @@ pub struct OffsetObserver {
 }
 
 impl OffsetObserver {
-    /// An estimator for `arm`; one transmission per joint, `None` for rigid joints, whose offset
-    /// stays NaN.
+    /// Creates an estimator for `arm`, with one transmission per axis and `None` for a rigid joint. The offset of a
+    /// rigid joint is NaN, as is that of a tendon whose group has one equation per joint.
     ///
     /// # Errors
-    /// [`OffsetConfigError`], naming the joint and the value.
+    /// Returns an [`OffsetConfigError`], naming the joint and the value.
     pub fn new(
         arm: &Arm,
         transmissions: &[Option<Transmission>],
         config: OffsetConfig,
     ) -> Result<Self, OffsetConfigError> {
-        let n = arm.dof();
-        if transmissions.len() != n {
+        let (n, dof) = (transmissions.len(), arm.dof());
+        if n < dof {
             return Err(OffsetConfigError::Length {
-                expected: n,
-                found: transmissions.len(),
+                expected: dof,
+                found: n,
             });
         }
         if let VelocityFilter::StateVariable { cutoff_rad_per_s } = config.velocity
@@ -118,7 +118,11 @@ impl OffsetObserver {
         if config.source == TorqueSource::Motor && config.velocity == VelocityFilter::Recorded {
             return Err(OffsetConfigError::MotorVelocity);
         }
-        let gains = alloc::vec![config.gain_per_s; n];
+        let observed = match config.source {
+            TorqueSource::Motor => n,
+            TorqueSource::Observer | TorqueSource::TorqueSensor => dof,
+        };
+        let gains = alloc::vec![config.gain_per_s; observed];
         let zeros = || alloc::vec![0.0; n];
         Ok(Self {
             arm: arm.clone(),
@@ -130,7 +134,7 @@ impl OffsetObserver {
             filters: alloc::vec![JointFilters::default(); n],
             q: zeros(),
             dq: zeros(),
-            known: zeros(),
+            external_torque: zeros(),
             momentum: zeros(),
             alpha: zeros(),
             deflection: zeros(),
@@ -146,7 +150,7 @@ impl OffsetObserver {
         &self.config
     }
 
-    /// The arm it knows.
+    /// Returns the model of the arm.
     pub fn arm(&self) -> &Arm {
         &self.arm
     }
@@ -161,26 +165,26 @@ impl OffsetObserver {
         self.since_start_s = 0.0;
     }
 
-    /// One step of `dt_s` to `sample`. The first one after construction or a reset only takes
-    /// the sample, as if the robot had stood there at rest, and doesn't look at `dt_s`.
+    /// Steps by `dt_s` to `sample`. The first sample after construction or a reset only initialises the observer,
+    /// assuming that the robot was at rest, and ignores `dt_s`.
     ///
     /// # Errors
-    /// [`StepError::Length`] (also when the source needs a quantity the sample doesn't have),
-    /// [`StepError::NotFinite`], [`StepError::TimeStep`]; the state is then unchanged, so a bad
-    /// sample can be left out and the next step given the time since the last good one.
+    /// Returns [`StepError::Length`] (also if the source needs a quantity that the sample lacks),
+    /// [`StepError::NotFinite`] or [`StepError::TimeStep`]; the state is then unchanged, so that the caller can skip a
+    /// bad sample and pass the time since the last good one with the next step.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. One O(n) pass.
     pub fn step(&mut self, dt_s: f64, sample: &Sample<'_>) -> Result<(), StepError> {
         self.check(dt_s, sample)?;
-        let known = match self.config.source {
+        let external_torque = match self.config.source {
             TorqueSource::Observer => sample.tau_ext,
             TorqueSource::TorqueSensor => sample.tau_el,
             TorqueSource::Motor => sample.tau_m,
         };
-        self.filter(dt_s, sample, known);
+        self.filter(dt_s, sample, external_torque);
         match self.config.source {
-            TorqueSource::Observer => self.link_side(dt_s, known.is_some())?,
+            TorqueSource::Observer => self.link_side(dt_s, external_torque.is_some())?,
             TorqueSource::Motor => self.motor_side(dt_s)?,
             TorqueSource::TorqueSensor => self.measured(sample),
         }
@@ -192,9 +196,9 @@ impl OffsetObserver {
         Ok(())
     }
 
-    /// Refuses what can't be used, before anything changes.
+    /// Checks the inputs before any state changes.
     fn check(&self, dt_s: f64, sample: &Sample<'_>) -> Result<(), StepError> {
-        let n = self.arm.dof();
+        let n = self.transmissions.len();
         let fits = |x: Option<&[f64]>| x.is_none_or(|x| x.len() == n);
         if sample.q.len() != n
             || sample.theta_measured.len() != n
@@ -223,7 +227,7 @@ impl OffsetObserver {
             TorqueSource::TorqueSensor => Some(sample.tau_el.ok_or(StepError::Length)?),
             TorqueSource::Motor => Some(sample.tau_m.ok_or(StepError::Length)?),
         };
-        // External torque acts on every joint; a rigid joint's own torques don't matter.
+        // External torque acts on every joint; the torques of a rigid joint itself are ignored.
         let every_joint = self.config.source == TorqueSource::Observer;
         for (i, transmission) in self.transmissions.iter().enumerate() {
             let elastic = transmission.is_some();
@@ -237,8 +241,8 @@ impl OffsetObserver {
         Ok(())
     }
 
-    /// Brings `q`, `dq`, `known` and the filters of `theta` to this sample.
-    fn filter(&mut self, dt_s: f64, sample: &Sample<'_>, known: Option<&[f64]>) {
+    /// Updates `q`, `dq`, the external torque and the filters of `theta` with this sample.
+    fn filter(&mut self, dt_s: f64, sample: &Sample<'_>, external_torque: Option<&[f64]>) {
         let VelocityFilter::StateVariable {
             cutoff_rad_per_s: w,
         } = self.config.velocity
@@ -247,17 +251,21 @@ impl OffsetObserver {
             if let Some(dq) = sample.dq {
                 copy(&mut self.dq, dq);
             }
-            for (i, slot) in self.known.iter_mut().enumerate() {
-                *slot = known.and_then(|k| k.get(i)).copied().unwrap_or(0.0);
+            for (i, slot) in self.external_torque.iter_mut().enumerate() {
+                *slot = external_torque
+                    .and_then(|k| k.get(i))
+                    .copied()
+                    .unwrap_or(0.0);
             }
             return;
         };
         let pole = DoublePole::new(w, dt_s);
-        let rows = self
-            .filters
-            .iter_mut()
-            .zip(&self.transmissions)
-            .zip(self.q.iter_mut().zip(&mut self.dq).zip(&mut self.known));
+        let rows = self.filters.iter_mut().zip(&self.transmissions).zip(
+            self.q
+                .iter_mut()
+                .zip(&mut self.dq)
+                .zip(&mut self.external_torque),
+        );
         for (i, ((filter, transmission), ((q, dq), slot))) in rows.enumerate() {
             let at = |x: &[f64]| x.get(i).copied().unwrap_or(0.0);
             // A rigid joint's motor side may be missing (NaN): it must not get in.
@@ -267,7 +275,7 @@ impl OffsetObserver {
             } else {
                 0.0
             };
-            let torque = known.map_or(0.0, at);
+            let torque = external_torque.map_or(0.0, at);
             let torque = if torque.is_finite() { torque } else { 0.0 };
             if self.started {
                 filter.q.step(&pole, at(sample.q));
@@ -284,14 +292,19 @@ impl OffsetObserver {
         }
     }
 
-    /// Elastic torque as the sensor has it. Eq. (5) compares samples of one time, so that nothing is filtered; matched,
+    /// Elastic torque as measured. Eq. (5) compares samples of one time, so that nothing is filtered; matched,
     /// torque and positions pass the same filter.
     fn measured(&mut self, sample: &Sample<'_>) {
         let unfiltered = match self.config.comparison {
             Comparison::Paper => sample.tau_el,
             Comparison::Matched => None,
         };
-        for (i, (tau, filtered)) in self.tau_el.iter_mut().zip(&self.known).enumerate() {
+        for (i, (tau, filtered)) in self
+            .tau_el
+            .iter_mut()
+            .zip(&self.external_torque)
+            .enumerate()
+        {
             // A rigid joint's may be missing (NaN).
             let raw = unfiltered.and_then(|x| x.get(i)).copied();
             *tau = raw.filter(|x| x.is_finite()).unwrap_or(*filtered);
@@ -300,7 +313,10 @@ impl OffsetObserver {
 
     /// Elastic torque from the arm's momentum.
     fn link_side(&mut self, dt_s: f64, tau_ext: bool) -> Result<(), StepError> {
-        let terms = self.arm.momentum(&mut self.ws, &self.q, &self.dq)?;
+        let dof = self.arm.dof();
+        let of_arm = self.q.get(..dof).zip(self.dq.get(..dof));
+        let (q, dq) = of_arm.ok_or(StepError::Length)?;
+        let terms = self.arm.momentum(&mut self.ws, q, dq)?;
         let rows = self.alpha.iter_mut().zip(&self.transmissions);
         let inputs = terms.ct_dq.iter().zip(terms.g).zip(&self.dq);
         for ((alpha, transmission), ((ct_dq, g), dq)) in rows.zip(inputs) {
@@ -309,8 +325,10 @@ impl OffsetObserver {
                 .map_or(0.0, |t| t.joint_friction.torque(*dq));
             *alpha = ct_dq - g - friction;
         }
-        let tau_ext = tau_ext.then_some(self.known.as_slice());
-        self.observer.step(dt_s, terms.p, &self.alpha, tau_ext)?;
+        let of_arm = self.alpha.get(..dof).zip(self.external_torque.get(..dof));
+        let (alpha, external_torque) = of_arm.ok_or(StepError::Length)?;
+        self.observer
+            .step(dt_s, terms.p, alpha, tau_ext.then_some(external_torque))?;
         copy(&mut self.tau_el, self.observer.torque());
         Ok(())
     }
@@ -323,7 +341,7 @@ impl OffsetObserver {
             .transmissions
             .iter()
             .zip(&self.filters)
-            .zip(&self.known);
+            .zip(&self.external_torque);
         for (i, ((p, alpha), ((transmission, filter), tau_m))) in rows.zip(inputs).enumerate() {
             (*p, *alpha) = match transmission {
                 None => (0.0, 0.0),
@@ -357,10 +375,11 @@ impl OffsetObserver {
             .zip(&mut self.deflection)
             .zip(&mut self.filters)
             .zip(&self.transmissions);
-        let inputs = self.tau_el.iter().zip(self.observer.pole());
         let positions = sample.theta_measured.iter().zip(sample.q);
         // A motor's torque is that of its tendon already.
         let routes = (self.routes.as_ref()).filter(|_| self.config.source != TorqueSource::Motor);
+        // Axes without a joint are in groups with an equation per joint.
+        let inputs = self.tau_el.iter().zip(self.observer.pole());
         for (i, (((((delta_e, out), filter), transmission), (tau_el, pole)), (theta, q))) in
             rows.zip(inputs).zip(positions).enumerate()
         {
@@ -383,6 +402,14 @@ impl OffsetObserver {
                 Some(routes) => routes.torque_of(i, self.tau_el.iter().copied()),
             };
             *out = deflection;
+            // A group with an equation per joint does not have the torque of one tendon.
+            if self
+                .routes
+                .as_ref()
+                .is_some_and(|routes| routes.pull(i).is_some())
+            {
+                continue;
+            }
             *delta_e = deflection - torque / transmission.stiffness_nm_per_rad;
         }
     }
@@ -397,7 +424,7 @@ impl OffsetObserver {
         &self.tau_el
     }
 
-    /// `theta_measured − q` as it is compared (lagging when matched), `n`, rad.
+    /// Deflection `theta_measured − q` as used in the comparison (delayed if the lag is matched), `n`, rad.
     pub fn deflection(&self) -> &[f64] {
         &self.deflection
     }
@@ -412,8 +439,8 @@ impl OffsetObserver {
         self.since_start_s
     }
 
-    /// Time after which what was wrong about the start (a robot in motion, an observer that
-    /// assumed rest) has faded to a thousandth, s: `7/K_I + 9/ω`, since `e⁻⁷` and
+    /// Time after which the error of the initial state (a robot in motion, an observer that assumes rest) has
+    /// decreased to a thousandth, s: `7/K_I + 9/ω`, since `e⁻⁷` and
     /// `(1 + 9) e⁻⁹` are about 1e-3.
     pub fn settling_time_s(&self) -> f64 {
         let filter = match self.config.velocity {

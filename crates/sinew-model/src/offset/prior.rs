@@ -1,6 +1,5 @@
 //! The unknown parameters of a robot, with their prior before any recording.
 
-use super::belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 use super::block::Block;
 use super::effects::bodies::Bodies;
 use super::effects::payload::{HeldPayload, point_mass};
@@ -10,6 +9,7 @@ use super::effects::{
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::state_entry::{self, StateEntry};
+use super::state_estimate::{Payload, StateEstimate, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 use crate::Gaussian;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
 use crate::routings::Routings;
@@ -17,10 +17,10 @@ use crate::tolerances::Tolerances;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
-/// What the gripper may hold.
+/// Range of the payload in the gripper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PayloadRange {
-    /// Least and largest mass, kg.
+    /// Minimum and maximum mass, kg.
     pub mass_kg: [f64; 2],
     /// Largest moment about where it is expected, along every axis of the body that carries it, kg·m.
     pub moment_kg_m: f64,
@@ -35,7 +35,7 @@ pub struct Prior {
     /// Body the payload hangs on, and where in its frame it is expected, m.
     pub(crate) payload_body: usize,
     pub(crate) payload_at: [f64; 3],
-    /// What of `inertial` motion depends on.
+    /// Combinations of `inertial` that determine the motion.
     pub(crate) base: BaseParameters,
     /// Routings of tendons that cross several joints.
     pub(crate) routes: Option<Routings>,
@@ -51,11 +51,18 @@ impl Prior {
         payload_at: [f64; 3],
         tolerances: Tolerances,
     ) -> Self {
+        let routes = Routings::of(transmissions);
         Self {
             joints: transmissions
                 .iter()
-                .map(|t| {
-                    t.as_ref().map(|t| JointPrior {
+                .enumerate()
+                .map(|(i, t)| {
+                    let pulled = routes.as_ref().and_then(|routes| routes.pulled(i));
+                    let pull = routes.as_ref().and_then(|routes| routes.pull(i));
+                    let Some(t) = t else {
+                        return pulled.map(JointPrior::of_joint);
+                    };
+                    Some(JointPrior {
                         stiffness_nm_per_rad: t.stiffness_nm_per_rad,
                         motor_inertia_kg_m2: t.motor_inertia_kg_m2,
                         coulomb_nm: t.joint_friction.coulomb_nm,
@@ -63,7 +70,10 @@ impl Prior {
                         motor_coulomb_nm: t.motor_friction.coulomb_nm,
                         motor_viscous_nm_s_per_rad: t.motor_friction.viscous_nm_s_per_rad,
                         antagonistic: t.tendon.as_ref().is_some_and(|t| t.antagonistic),
-                        drift_rad_per_k: t.warmth.map(|w| w.drift_rad_per_k),
+                        drift_rad_per_k: t.temperature_effect.map(|w| w.drift_rad_per_k),
+                        has_joint: i < arm.dof() && (pull.is_none() || pulled.is_some()),
+                        has_tendon: true,
+                        pretension_nm: pull.map_or(0.0, |pull| pull.pretension_nm),
                     })
                 })
                 .collect(),
@@ -71,12 +81,12 @@ impl Prior {
             payload_body: payload_body.min(arm.dof().saturating_sub(1)),
             payload_at,
             base: arm.base_parameters(),
-            routes: Routings::of(transmissions),
+            routes,
             tolerances,
         }
     }
 
-    /// Joints of the arm.
+    /// Axes: joints of the arm, and tendons beyond these.
     pub fn joints(&self) -> usize {
         self.joints.len()
     }
@@ -87,9 +97,15 @@ impl Prior {
         joint.is_some_and(|j| j.antagonistic)
     }
 
-    /// Whether joint `i` is elastic.
+    /// Whether axis `i` has a tendon.
     pub fn is_elastic(&self, i: usize) -> bool {
-        self.joints.get(i).is_some_and(Option::is_some)
+        let joint = self.joints.get(i).and_then(Option::as_ref);
+        joint.is_some_and(|joint| joint.has_tendon)
+    }
+
+    /// Routings of tendons that cross several joints; `None` where every joint has a tendon of its own.
+    pub fn routings(&self) -> Option<&Routings> {
+        self.routes.as_ref()
     }
 
     /// Length of the state.
@@ -97,25 +113,31 @@ impl Prior {
         self.layout().dimension()
     }
 
-    /// Place of a joint's parameter in the state.
+    /// Returns the index of a joint's parameter in the state.
     pub fn place(&self, joint: usize, parameter: JointParameter) -> usize {
         self.layout().place(joint, parameter)
     }
 
-    /// Of the state as beliefs and estimates have it: every body with all its parameters.
+    /// Returns the layout of the state in posteriors and estimates: every body with all its parameters.
     pub(crate) fn layout(&self) -> Layout {
+        let of_routes = |count: &dyn Fn(&Routings) -> usize| self.routes.as_ref().map_or(0, count);
         Layout {
             joints: self.joints.len(),
-            bodies: self.joints.len() * PARAMETERS_PER_BODY,
-            arms: self
-                .routes
-                .as_ref()
-                .map_or(0, |routes| routes.crossings().len()),
+            bodies: self.inertial.len(),
+            arms: of_routes(&|routes| routes.crossings().len()),
+            springs: of_routes(&|routes| routes.sprung().len()),
+            sensors: of_routes(&|routes| {
+                if routes.has_pulls() {
+                    self.joints.len()
+                } else {
+                    0
+                }
+            }),
             is_coupled: self.routes.is_some(),
         }
     }
 
-    /// How far from where it is expected a payload, or a force, may be, m.
+    /// Returns the standard deviation of the point of action of a payload or a force, m.
     pub(crate) fn reach_m(&self) -> f64 {
         self.tolerances.payload_reach_m
     }
@@ -124,7 +146,7 @@ impl Prior {
         self.layout().body_start()
     }
 
-    /// Place of the payload's mass in the state.
+    /// Returns the index of the payload mass in the state.
     pub fn payload_place(&self) -> usize {
         self.layout().payload_place()
     }
@@ -134,25 +156,39 @@ impl Prior {
         state_entry::parameter(self.layout(), k).map(|(_, parameter)| parameter)
     }
 
-    /// What entry `k` of the state is.
+    /// Describes entry `k` of the state.
     pub fn describe(&self, k: usize) -> Option<StateEntry> {
-        let entry = StateEntry::of(self.layout(), k)?;
-        let arm = k.checked_sub(self.layout().arm_start());
-        let crossings = self.routes.as_ref().map_or(&[][..], Routings::crossings);
-        Some(match arm.and_then(|arm| crossings.get(arm)) {
-            Some((tendon, _)) => StateEntry {
-                joint: Some(*tendon),
-                ..entry
-            },
-            None => entry,
+        let layout = self.layout();
+        let entry = StateEntry::of(layout, k)?;
+        let routes = self.routes.as_ref();
+        let crossing = |k: usize| Some(routes?.crossings().get(k)?.0);
+        let sprung = |k: usize| routes?.sprung().get(k / 2).copied();
+        let axis = if k >= layout.body_start() {
+            entry.joint
+        } else if let Some(k) = k.checked_sub(layout.sensor_start()) {
+            Some(k / 2)
+        } else if let Some(k) = k.checked_sub(layout.spring_start()) {
+            sprung(k)
+        } else if let Some(k) = k.checked_sub(layout.arm_start()) {
+            crossing(k)
+        } else {
+            entry.joint
+        };
+        Some(StateEntry {
+            joint: axis,
+            ..entry
         })
     }
 
-    /// Deflection of elastic joint `i`'s spring that motion and gravity ask for, friction and contact aside, one row per block, rad:
-    /// `Φ_i z / K` with the described masses and stiffness and an empty gripper, then what a kilogram where a payload is expected adds to
-    /// it, and a moment of 1 kg·m beside that place along each axis of the body. Empty for a rigid joint. Allocates.
+    /// Returns the deflection of elastic joint `i`'s spring that motion and gravity require, without friction and
+    /// contact, one row per block, rad: `Φ_i z / K` with the described masses and stiffness and an empty gripper, then
+    /// its change by a payload of 1 kg at the expected point, and by a first moment of 1 kg·m about that point along
+    /// each axis of the body. Empty for a rigid joint, for a tendon, and for a joint of a group with one equation per
+    /// joint. Allocates.
     pub fn described_deflections_rad(&self, blocks: &[Block], i: usize) -> Vec<[f64; 1 + PAYLOAD]> {
-        let Some(joint) = self.joints.get(i).and_then(Option::as_ref) else {
+        let has_own = |routes: &Routings| routes.pull(i).is_none() && routes.pulled(i).is_none();
+        let joint = self.joints.get(i).and_then(Option::as_ref);
+        let Some(joint) = joint.filter(|_| self.routes.as_ref().is_none_or(has_own)) else {
             return Vec::new();
         };
         let moved = |axis: usize, by_m: f64| {
@@ -182,7 +218,7 @@ impl Prior {
         blocks.iter().map(of_block).collect()
     }
 
-    /// Inertial parameters of all bodies of which only the payload's has any.
+    /// Returns the inertial parameters of all bodies, which are zero except for the payload.
     fn on_payload_body(&self, own: [f64; PARAMETERS_PER_BODY]) -> Vec<f64> {
         let mut inertial = alloc::vec![0.0; self.inertial.len()];
         let body = inertial
@@ -194,60 +230,74 @@ impl Prior {
         inertial
     }
 
-    /// What the gripper may hold: what is believed, two deviations off in mass and five in place, as of a tool held by its end. `None`:
-    /// nothing.
+    /// Returns the range of the payload: the prior mean, two standard deviations in mass and five in position, as of a
+    /// tool held at its end. `None` for no payload.
     pub fn payload_range(&self, payload: Payload) -> Option<PayloadRange> {
-        const FAR: f64 = 2.0;
-        const FAR_OUT: f64 = 5.0;
-        let [mass, ..] = self.payload_belief(payload);
-        let off_kg = FAR * mass.deviation;
+        const MASS_SIGMA: f64 = 2.0;
+        const POSITION_SIGMA: f64 = 5.0;
+        let [mass, ..] = self.payload_prior(payload);
+        let off_kg = MASS_SIGMA * mass.std;
         let least_kg = match payload {
             Payload::Empty => return None,
             Payload::Unknown => 0.0,
-            Payload::Known { .. } => (mass.mean - off_kg).max(0.0),
+            Payload::Specified { .. } => (mass.mean - off_kg).max(0.0),
         };
         let most_kg = (mass.mean + off_kg).max(least_kg);
         Some(PayloadRange {
             mass_kg: [least_kg, most_kg],
-            moment_kg_m: most_kg * FAR_OUT * self.tolerances.payload_reach_m,
+            moment_kg_m: most_kg * POSITION_SIGMA * self.tolerances.payload_reach_m,
         })
     }
 
-    /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.
-    pub fn belief(&self, payload: Payload, offset_deviation_rad: f64) -> Belief {
+    /// Returns the prior before any recording; every offset is `0 ± offset_std_rad`.
+    pub fn state_estimate(&self, payload: Payload, offset_std_rad: f64) -> StateEstimate {
         let d = self.dimension();
-        let (mut mean, mut deviation) = (alloc::vec![0.0; d], alloc::vec![FIXED; d]);
+        let (mut mean, mut std) = (alloc::vec![0.0; d], alloc::vec![FIXED; d]);
         for (i, joint) in self.joints.iter().enumerate() {
             let Some(joint) = joint else { continue };
-            let inputs = self.inputs(joint, offset_deviation_rad);
+            let inputs = self.inputs(joint, offset_std_rad);
             for (k, parameter) in self.layout().own(i).zip(&JOINT_PARAMETERS) {
                 if let Some(believed) = parameter.prior_of(&inputs) {
-                    (mean[k], deviation[k]) = (believed.mean, believed.deviation);
+                    (mean[k], std[k]) = (believed.mean, believed.std);
                 }
             }
         }
-        for k in self.layout().arm_start()..self.body_start() {
-            deviation[k] = self.tolerances.moment_arm.max(FIXED);
+        let layout = self.layout();
+        for k in layout.arm_start()..layout.spring_start() {
+            std[k] = self.tolerances.moment_arm.max(FIXED);
         }
-        for b in 0..self.joints.len() {
+        for k in (layout.spring_start()..layout.sensor_start()).step_by(2) {
+            std[k] = self.tolerances.spring.max(FIXED);
+            std[k + 1] = self.tolerances.spring_rest_rad.max(FIXED);
+        }
+        for (i, k) in (layout.sensor_start()..layout.body_start())
+            .step_by(2)
+            .enumerate()
+        {
+            let joint = self.joints.get(i).and_then(Option::as_ref);
+            let nm = joint.map_or(0.0, JointPrior::usual_torque_nm);
+            std[k] = self.tolerances.tension_sensor.max(FIXED);
+            std[k + 1] = (self.tolerances.tension_sensor * nm).max(FIXED);
+        }
+        for b in 0..self.inertial.len() / PARAMETERS_PER_BODY {
             let at = self.body_start() + b * PARAMETERS_PER_BODY;
             let pi = self.inertial.get(b * PARAMETERS_PER_BODY..);
             if let Some(pi) = pi.and_then(|pi| pi.first_chunk()) {
-                let of_body = Bodies::deviations(&self.tolerances, pi);
-                deviation[at..at + PARAMETERS_PER_BODY].copy_from_slice(&of_body);
+                let of_body = Bodies::stds(&self.tolerances, pi);
+                std[at..at + PARAMETERS_PER_BODY].copy_from_slice(&of_body);
             }
         }
         let mut covariance = alloc::vec![0.0; d * d];
-        for (k, s) in deviation.iter().enumerate() {
+        for (k, s) in std.iter().enumerate() {
             covariance[k * d + k] = s * s;
         }
-        let mut belief = Belief {
+        let mut state_estimate = StateEstimate {
             mean,
             covariance,
             temperature_c: f64::NAN,
         };
-        self.open_payload(&mut belief, payload);
-        belief
+        self.reset_payload(&mut state_estimate, payload);
+        state_estimate
     }
 
     fn inputs<'a>(&'a self, joint: &'a JointPrior, offset_rad: f64) -> PriorInputs<'a> {
@@ -259,37 +309,37 @@ impl Prior {
     }
 
     /// The payload's mass and moments before a recording.
-    pub(crate) fn payload_belief(&self, payload: Payload) -> [Gaussian; PAYLOAD] {
+    pub(crate) fn payload_prior(&self, payload: Payload) -> [Gaussian; PAYLOAD] {
         HeldPayload::prior(&self.tolerances, payload)
     }
 
-    /// The encoders' zero is forgotten, as when the ropes are tensioned anew.
-    pub fn open_zero(&self, belief: &mut Belief) {
-        self.open_until(belief, Lifetime::Tensioning, f64::NAN);
+    /// Resets the variance of the encoder zero offsets, as after re-tensioning of the ropes.
+    pub fn reset_zero(&self, state_estimate: &mut StateEstimate) {
+        self.reset_until(state_estimate, Lifetime::Tensioning, f64::NAN);
     }
 
     /// Parameters of such a lifetime are forgotten.
-    fn open_until(&self, belief: &mut Belief, lifetime: Lifetime, offset_rad: f64) {
+    fn reset_until(&self, state_estimate: &mut StateEstimate, lifetime: Lifetime, offset_rad: f64) {
         for (i, joint) in self.joints.iter().enumerate() {
             let Some(joint) = joint else { continue };
             let inputs = self.inputs(joint, offset_rad);
             let of_joint = self.layout().own(i).zip(&JOINT_PARAMETERS);
             for (k, parameter) in of_joint.filter(|(_, p)| p.lifetime == lifetime) {
                 if let Some(believed) = parameter.prior_of(&inputs) {
-                    belief.open(k, believed);
+                    state_estimate.reset(k, believed);
                 }
             }
         }
     }
 
-    /// The rope of `joint` was tensioned, and nobody zeroed its encoders: its offset is zero from now on by
-    /// definition, wherever the encoders say that it is.
-    pub fn tension(&self, belief: &mut Belief, joint: usize) {
+    /// Accounts for the tensioning of the rope of `joint` without zeroing its encoders: its offset is zero from now on
+    /// by definition, for any encoder values.
+    pub fn tension(&self, state_estimate: &mut StateEstimate, joint: usize) {
         let anywhere = self.tolerances.zero_rad.max(UNKNOWN_OFFSET_RAD);
         if self.is_elastic(joint) {
             let offset = self.place(joint, JointParameter::Offset);
-            belief.open(offset, about_zero(TENSIONED_OFFSET_RAD));
-            belief.open(
+            state_estimate.reset(offset, about_zero(TENSIONED_OFFSET_RAD));
+            state_estimate.reset(
                 self.place(joint, JointParameter::Zero),
                 about_zero(anywhere),
             );
@@ -297,43 +347,43 @@ impl Prior {
     }
 
     /// Offsets are taken against the encoders' zero, wherever that is.
-    pub fn hold_zero(&self, belief: &mut Belief) {
+    pub fn hold_zero(&self, state_estimate: &mut StateEstimate) {
         for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
-            belief.open(self.place(i, JointParameter::Zero), about_zero(FIXED));
+            state_estimate.reset(self.place(i, JointParameter::Zero), about_zero(FIXED));
         }
     }
 
-    /// How late one side is stamped against the other is `0 ± deviation_s` on top of what is believed.
+    /// Adds a delay of one side relative to the other of `0 ± std_s` to the posterior.
     ///
-    /// A motor side stamped `T` late shows `theta(t − T) ≈ theta − T dtheta`: on every joint that is `−K T` of
-    /// viscous friction. So an unknown `T` makes the joints' viscous frictions go together.
-    pub fn open_lag(&self, belief: &mut Belief, deviation_s: f64) {
+    /// A motor encoder delayed by `T` measures `theta(t − T) ≈ theta − T dtheta`: at every joint this is a viscous
+    /// friction of `−K T`. An unknown `T` therefore correlates the viscous frictions of the joints.
+    pub fn open_lag(&self, state_estimate: &mut StateEstimate, std_s: f64) {
         let d = self.dimension();
         let slope = |i: usize| {
             let joint = self.joints.get(i).and_then(Option::as_ref);
-            joint.map_or(0.0, |j| deviation_s * j.stiffness_nm_per_rad)
+            joint.map_or(0.0, |j| std_s * j.stiffness_nm_per_rad)
         };
         for i in 0..self.joints.len() {
             let row = self.place(i, JointParameter::Viscous) * d;
             for k in 0..self.joints.len() {
                 let column = self.place(k, JointParameter::Viscous);
-                if let Some(cell) = belief.covariance.get_mut(row + column) {
+                if let Some(cell) = state_estimate.covariance.get_mut(row + column) {
                     *cell += slope(i) * slope(k);
                 }
             }
         }
     }
 
-    /// Whatever the gripper held is forgotten.
-    pub fn open_payload(&self, belief: &mut Belief, payload: Payload) {
-        for (k, believed) in self.payload_belief(payload).into_iter().enumerate() {
-            belief.open(self.payload_place() + k, believed);
+    /// Resets the payload to its prior.
+    pub fn reset_payload(&self, state_estimate: &mut StateEstimate, payload: Payload) {
+        for (k, believed) in self.payload_prior(payload).into_iter().enumerate() {
+            state_estimate.reset(self.payload_place() + k, believed);
         }
     }
 
-    /// Offsets are forgotten: each `0 ± deviation_rad`; so are the slack of antagonistic pairs and
-    /// where friction stood.
-    pub fn open_offsets(&self, belief: &mut Belief, deviation_rad: f64) {
-        self.open_until(belief, Lifetime::Recording, deviation_rad);
+    /// Resets the offsets to `0 ± std_rad`, and the slack of antagonistic pairs and the initial friction to their
+    /// priors.
+    pub fn reset_offsets(&self, state_estimate: &mut StateEstimate, std_rad: f64) {
+        self.reset_until(state_estimate, Lifetime::Recording, std_rad);
     }
 }

@@ -16,7 +16,7 @@
 //! joint_pulley_radius_mm = 25.0
 //! antagonistic = true                  # optional: a second rope pulls the other way
 //! frame_expansion_per_k = 23e-6        # optional, or once for all at the top: aluminium
-//! [[joints.shoulder.anchors]]          # optional: where the joint is known to stand
+//! [[joints.shoulder.anchors]]          # optional: reference positions of the joint
 //! kind = "stop"                        # an end stop; or joint-mark, motor-mark
 //! position_rad = 1.92
 //! deviation_rad = 0.0003
@@ -34,7 +34,7 @@
 //! stiffness_n_per_mm = 35.0            # or, with motor and ratios, stiffness_nm_per_rad at the motor
 //! [joints.track]
 //! rigid = true                         # moves, but has no elastic transmission to estimate
-//! [tolerances]                         # optional: how far the robot may be from this file
+//! [tolerances]                         # optional: tolerances of the values in this file
 //! stiffness_percent = 12.0             # standard deviations; see [`Tolerances`]
 //! ```
 
@@ -56,19 +56,20 @@ mod tendons;
 /// A robot, ready for an observer or a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
-    /// Its name in the URDF.
+    /// Name of the robot in the URDF.
     pub name: String,
-    /// The arm.
+    /// Arm of the robot.
     pub arm: Arm,
-    /// One entry per joint of the arm; `None` for a rigid joint.
+    /// One entry per axis: per joint of the arm, `None` for one without a tendon on its axis, then per tendon beyond these. Arrays of a
+    /// sample, an estimate and a result have one entry per axis.
     pub transmissions: Vec<Option<Transmission>>,
     /// Joints, motors and tendons, where `robot.toml` has `[[tendons]]`.
     pub coupling: Option<Coupling>,
     /// One entry per joint, as the URDF states them.
     pub limits: Vec<JointLimits>,
-    /// How far it may be from its description.
+    /// Tolerances of the robot's description.
     pub tolerances: Tolerances,
-    /// What was odd in the description, in sentences.
+    /// Warnings about implausible values of the description, in sentences.
     pub warnings: Vec<String>,
 }
 
@@ -78,30 +79,64 @@ impl Robot {
         self.arm.joint_names()
     }
 
-    /// Name of the tendon that is paired with each joint, in the order of `q`: the joint's own where it has no other.
+    /// Number of axes: the joints of the arm, and the tendons beyond these.
+    pub fn axes(&self) -> usize {
+        self.transmissions.len()
+    }
+
+    /// Name of the tendon on each axis, in the order of `q`: the joint's own where it has no other.
     pub fn tendon_names(&self) -> Vec<String> {
         self.named(|routing| &routing.tendon)
     }
 
-    /// Name of the tendon that is paired with a joint, which results are named by; empty where there is no such joint.
-    pub fn tendon_name(&self, joint: usize) -> &str {
-        let transmission = self.transmissions.get(joint).and_then(Option::as_ref);
+    /// Name of the tendon on an axis, which results are named by; empty where there is no such axis.
+    pub fn tendon_name(&self, axis: usize) -> &str {
+        let transmission = self.transmissions.get(axis).and_then(Option::as_ref);
         let routing = transmission.and_then(|t| t.routing.as_ref());
-        let own = || self.joint_names().get(joint).map_or("", String::as_str);
+        let own = || self.joint_names().get(axis).map_or("", String::as_str);
         routing.map_or_else(own, |routing| &routing.tendon)
     }
 
-    /// Index of the joint that the tendon of a name is paired with.
+    /// Axis of the tendon of a name.
     pub fn tendon_index(&self, tendon: &str) -> Option<usize> {
-        (0..self.arm.dof()).find(|joint| self.tendon_name(*joint) == tendon)
+        (0..self.axes()).find(|joint| self.tendon_name(*joint) == tendon)
     }
 
-    /// Name of the motor that drives each joint's tendon, in the order of `q`: the joint's own where it has no other.
+    /// Name of the motor that drives the tendon on each axis, in the order of `q`: the joint's own where it has no other.
     pub fn motor_names(&self) -> Vec<String> {
         self.named(|routing| &routing.motor)
     }
 
-    /// Motor of each joint at whose shaft position and torque are measured, in the order of `q`; `None`: the joint's own, reflected to it.
+    /// Name of the joint of an axis, or of its tendon if the axis has no joint; empty if the axis does not exist.
+    pub fn axis_name(&self, axis: usize) -> &str {
+        let joint = self.joint_names().get(axis).map(String::as_str);
+        joint.unwrap_or_else(|| self.tendon_name(axis))
+    }
+
+    /// Whether the motor of an axis is measured at an axis before it, as both share it.
+    pub fn shares_motor(&self, axis: usize) -> bool {
+        let motors = self.motors_at_shaft();
+        let own = motors.get(axis).copied().flatten();
+        own.is_some() && motors.iter().take(axis).any(|other| *other == own)
+    }
+
+    /// Tendon on an axis whose group has one equation per joint, in which a measured tension counts.
+    pub fn pulling_tendon(&self, axis: usize) -> Option<&str> {
+        let routing = self.transmissions.get(axis)?.as_ref()?.routing.as_ref()?;
+        routing.pull.is_some().then_some(routing.tendon.as_str())
+    }
+
+    /// Whether a group of tendons has one equation per joint, so that only combinations of its tendons are observable.
+    pub fn has_joint_equations(&self) -> bool {
+        (0..self.axes()).any(|axis| self.pulling_tendon(axis).is_some())
+    }
+
+    /// Whether every axis is a joint and has its name, so that results are named by joints; `false` where tendons have names of their own.
+    pub fn is_named_by_joints(&self) -> bool {
+        self.tendon_names() == self.joint_names()
+    }
+
+    /// Motor of each axis at whose shaft position and torque are measured, in the order of `q`; `None`: the joint's own, reflected to it.
     pub fn motors_at_shaft(&self) -> Vec<Option<&str>> {
         let all = self.transmissions.iter();
         all.map(|t| Some(t.as_ref()?.routing.as_ref()?.motor.as_str()))
@@ -109,13 +144,13 @@ impl Robot {
     }
 
     fn named(&self, name: impl Fn(&Routing) -> &String) -> Vec<String> {
-        let joints = self.joint_names().iter().zip(&self.transmissions);
-        joints
-            .map(|(joint, transmission)| {
-                let routing = transmission.as_ref().and_then(|t| t.routing.as_ref());
-                routing.map_or(joint, &name).clone()
-            })
-            .collect()
+        let axes = self.transmissions.iter().enumerate();
+        axes.map(|(axis, transmission)| {
+            let routing = transmission.as_ref().and_then(|t| t.routing.as_ref());
+            let own = || self.joint_names().get(axis).cloned().unwrap_or_default();
+            routing.map_or_else(own, |routing| name(routing).clone())
+        })
+        .collect()
     }
 }
 
@@ -133,17 +168,17 @@ pub struct RobotFile {
     tolerances: Tolerances,
 }
 
-/// What the file says of a joint.
+/// Entry of a joint in the file.
 #[derive(Debug, Clone)]
 struct JointEntry {
     name: String,
     line: u64,
     locked_at_rad: Option<f64>,
-    /// Passive spring.
+    /// Passive spring of the joint.
     spring: Option<JointSpring>,
     /// Friction of the joint, where the file states it.
     friction: Option<Friction>,
-    /// `None`: rigid. An error counts only where the URDF has such a joint, and it isn't locked.
+    /// Drive of the joint; `None`: rigid. An error is reported only if the URDF has such a joint that is not locked.
     drive: Result<Option<Drive>, Located>,
 }
 
@@ -188,13 +223,29 @@ impl RobotFile {
         self.urdf.as_deref()
     }
 
+    /// Names of the files of moment arms that its tendons have, relative to `robot.toml`; [`with_table`](Self::with_table) takes each.
+    pub fn tables(&self) -> Vec<&str> {
+        tendons::tables(&self.tendons)
+    }
+
+    /// Takes a file of moment arms, with the columns `q_rad`, rad, and `shortening_mm`, mm.
+    ///
+    /// * `name`: as in `robot.toml`. `file`: for messages.
+    ///
+    /// # Errors
+    /// With file, line, value and unit.
+    pub fn with_table(mut self, name: &str, file: &str, text: &str) -> Result<Self, Located> {
+        tendons::take_table(&mut self.tendons, name, (file, text))?;
+        Ok(self)
+    }
+
     /// Names of the joints it describes, or that its tendons cross, but for those it locks.
     pub fn moving_joints(&self) -> Vec<String> {
         let moving = self.joints.iter().filter(|j| j.locked_at_rad.is_none());
         let mut names: Vec<String> = moving.map(|j| j.name.clone()).collect();
         for joint in tendons::crossed(&self.tendons) {
-            let is_known = self.joints.iter().any(|j| j.name == joint);
-            if !(is_known || names.iter().any(|name| name == joint)) {
+            let is_described = self.joints.iter().any(|j| j.name == joint);
+            if !(is_described || names.iter().any(|name| name == joint)) {
                 names.push(joint.to_owned());
             }
         }
@@ -204,17 +255,17 @@ impl RobotFile {
     /// Builds the robot with the text of its URDF.
     ///
     /// # Errors
-    /// With the file at fault, `robot.toml` or URDF; nothing is half-built.
+    /// Returns a [`Located`] that names the faulty file, `robot.toml` or URDF.
     pub fn build(&self, urdf_text: &str) -> Result<Robot, Located> {
         let (robot, gaps) = self.draft(urdf_text)?;
         gaps.into_iter().next().map_or(Ok(robot), Err)
     }
 
-    /// The robot as far as the file describes it, and what keeps it from being built: joints that the
-    /// URDF lacks, joints that the file lacks, joints without a stiffness (all three rigid meanwhile).
+    /// Builds the robot from an incomplete file, and lists the missing parts: joints missing in the URDF, joints
+    /// missing in the file, and joints without a stiffness. All three kinds are treated as rigid.
     ///
     /// # Errors
-    /// With the URDF at fault; nothing is half-built.
+    /// Returns a [`Located`] that names the faulty URDF.
     pub fn draft(&self, urdf_text: &str) -> Result<(Robot, Vec<Located>), Located> {
         let options = urdf::UrdfOptions {
             gravity_m_s2: self.gravity_m_s2.unwrap_or([0.0, 0.0, -GRAVITY_M_S2]),
@@ -222,9 +273,9 @@ impl RobotFile {
             locked: Vec::new(),
         };
         let urdf_file = self.urdf().unwrap_or("robot_description");
-        let refused = |error: urdf::UrdfError| error.located(urdf_file, urdf_text);
+        let located = |error: urdf::UrdfError| error.located(urdf_file, urdf_text);
         // Once with every joint moving, to check the names of the file against.
-        let moving = urdf::parse(urdf_text, &options).map_err(refused)?;
+        let moving = urdf::parse(urdf_text, &options).map_err(located)?;
         let is_there = |joint: &&JointEntry| moving.arm.joint_index(&joint.name).is_some();
         let (there, strangers): (Vec<_>, Vec<_>) = self.joints.iter().partition(is_there);
         let strangers = strangers.into_iter();
@@ -245,7 +296,7 @@ impl RobotFile {
             coulomb_nm,
             viscous_nm_s_per_rad,
             warnings,
-        } = urdf::parse(urdf_text, &options).map_err(refused)?;
+        } = urdf::parse(urdf_text, &options).map_err(located)?;
         let urdf_friction = |i: usize| Friction {
             coulomb_nm: coulomb_nm[i],
             viscous_nm_s_per_rad: viscous_nm_s_per_rad[i],
@@ -301,6 +352,8 @@ impl RobotFile {
             Some(Ok(coupled)) => {
                 gaps.extend(coupled.gap);
                 coupling = Some(coupled.coupling);
+                let axes = coupled.drives.len().max(transmissions.len());
+                transmissions.resize(axes, None);
                 for (to, drive) in transmissions.iter_mut().zip(coupled.drives) {
                     match (drive, to) {
                         (CoupledDrive::Own, _) | (CoupledDrive::Crossed(_), None) => {}
@@ -328,16 +381,17 @@ impl RobotFile {
         Ok((robot, gaps))
     }
 
-    /// Joint of the file that the URDF doesn't have.
-    fn unknown(&self, joint: &JointEntry, known: &[String]) -> Located {
+    /// Returns the error for a joint of the file that is missing in the URDF.
+    fn unknown(&self, joint: &JointEntry, joints: &[String]) -> Located {
         let name = &joint.name;
-        let hint = names::hint(name, known);
-        let known = known.join(", ");
-        let problem = format!("joint '{name}' is not in the URDF{hint} it has {known}");
+        let hint = names::hint(name, joints);
+        let joints = joints.join(", ");
+        let problem =
+            format!("joint '{name}' is not in the URDF{hint} joints of the URDF: {joints}");
         Located::new(&self.file, Fault::UnknownName, problem).line(joint.line)
     }
 
-    /// Joint of the URDF that the file doesn't speak of.
+    /// Returns the error for a joint of the URDF that is missing in the file.
     fn missing(&self, joint: &str) -> Located {
         let problem = format!("joint '{joint}' of the URDF is missing");
         Located::new(&self.file, Fault::MissingKey, problem).cure(format!(
@@ -391,7 +445,7 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
                 joint_friction: Friction::default(),
                 motor_friction,
                 tendon,
-                warmth: None,
+                temperature_effect: None,
                 anchors,
                 routing: None,
             },
@@ -420,14 +474,18 @@ const M_PER_MM: f64 = 1e-3;
 const EXPANSION: Bound = Bound::Within(-1e-4, 1e-3);
 
 fn tendon(s: &Section<'_>) -> Result<Tendon, Located> {
-    let length =
-        |key, why| -> Result<f64, Located> { Ok(M_PER_MM * s.need(key, Bound::Positive, why)?) };
+    let length = |key, reason| -> Result<f64, Located> {
+        Ok(M_PER_MM * s.need(key, Bound::Positive, reason)?)
+    };
     let retension_at_mm = s.number("retension_at_mm", Bound::Positive)?;
     let replace_at_percent = s.number("replace_at_strain_percent", Bound::Positive)?;
     Ok(Tendon {
         rope: s.text("rope")?,
         length_m: length("length_mm", "free rope between the pulleys")?,
-        joint_pulley_radius_m: length("joint_pulley_radius_mm", "what the rope turns")?,
+        joint_pulley_radius_m: length(
+            "joint_pulley_radius_mm",
+            "radius of the pulley at the joint",
+        )?,
         pretension_n: s.number("pretension_n", Bound::NotNegative)?,
         antagonistic: s.flag("antagonistic")?,
         guides: s.each("guides", guide)?,
@@ -448,18 +506,14 @@ fn anchor(s: &Section<'_>) -> Result<Anchor, Located> {
         position_rad: s.need(
             "position_rad",
             Bound::Any,
-            "where joint or motor stands there",
+            "position of the joint or motor at the reference",
         )?,
-        deviation_rad: s.need(
-            "deviation_rad",
-            Bound::Positive,
-            "how well it comes back there",
-        )?,
+        std_rad: s.need("std_rad", Bound::Positive, "repeatability of the position")?,
     })
 }
 
 fn guide(s: &Section<'_>) -> Result<Guide, Located> {
-    let wrap_deg = s.need("wrap_deg", Bound::NotNegative, "how far the rope bends")?;
+    let wrap_deg = s.need("wrap_deg", Bound::NotNegative, "wrap angle of the rope")?;
     Ok(Guide {
         radius_m: M_PER_MM * s.need("radius_mm", Bound::Positive, "of the guiding pulley")?,
         wrap_rad: wrap_deg.to_radians(),

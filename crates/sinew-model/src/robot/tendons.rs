@@ -1,10 +1,10 @@
-//! `[motors.NAME]` and `[[tendons]]` of `robot.toml`, and what they make of the joints.
+//! `[motors.NAME]` and `[[tendons]]` of `robot.toml`, and the resulting transmissions of the joints.
 
 use super::{EXPANSION, M_PER_MM, friction, guide};
 use crate::routing::Routing;
 use crate::tendons::{
     Coordinate, Coupling, CouplingDescription, CouplingError, JointDescription, JointSpring,
-    MomentArm, PairedTendon, TendonDescription, TendonKind,
+    MomentArm, PairedTendon, ShorteningTable, TableError, TendonDescription, TendonKind,
 };
 use crate::transmission::{Friction, Guide, Tendon, Transmission};
 use alloc::borrow::ToOwned;
@@ -12,6 +12,7 @@ use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::{String, ToString as _};
 use alloc::vec::Vec;
+use sinew_files::csv::Table as CsvTable;
 use sinew_files::{Bound, Fault, Fields as _, Located, Section};
 
 /// Newtons per metre of 1 N/mm.
@@ -42,8 +43,8 @@ pub(super) struct TendonEntry {
 enum ArmEntry {
     /// In the coordinate of the tendon, per rad.
     Constant(f64),
-    /// Name of a file with the shortening over the joint position, and its line.
-    Table(String, u64),
+    /// Name of a file with the shortening over the joint position, and its line; read by [`shortenings`].
+    Table(String, u64, Option<ShorteningTable>),
 }
 
 /// Rope of a tendon of the file.
@@ -100,7 +101,7 @@ pub(super) fn spring(s: &Section<'_>) -> Result<JointSpring, Located> {
 pub(super) fn tendon(s: &Section<'_>) -> Result<TendonEntry, Located> {
     const KINDS: [(&str, TendonKind); 2] =
         [("loop", TendonKind::Loop), ("strand", TendonKind::Strand)];
-    let name = s.need_text("name", "results are named by it")?;
+    let name = s.need_text("name", "name of the tendon in results")?;
     let kind = s.one_of("kind", &KINDS)?.unwrap_or(TendonKind::Loop);
     let drums = s.read("drums_mm", |s| factors(s, M_PER_MM))?;
     let arms = s.read("moment_arms_mm", moment_arms)?;
@@ -243,7 +244,7 @@ fn rope(
 fn factors(s: &Section<'_>, unit: f64) -> Result<Vec<(String, f64)>, Located> {
     let entries = s.entries().into_iter();
     let read = entries.map(|(name, _, value)| match value.number(Bound::Any)? {
-        0.0 => Err(value.refuse("a number that is not 0: drop the entry")),
+        0.0 => Err(value.invalid("a number that is not 0: drop the entry")),
         number => Ok((name.to_owned(), unit * number)),
     });
     read.collect()
@@ -254,9 +255,9 @@ fn moment_arms(s: &Section<'_>) -> Result<Vec<(String, ArmEntry)>, Located> {
     let entries = s.entries().into_iter();
     let read = entries.map(|(name, line, value)| {
         let arm = match value.text() {
-            Ok(file) => ArmEntry::Table(file.to_owned(), line),
+            Ok(file) => ArmEntry::Table(file.to_owned(), line, None),
             Err(_) => match value.number(Bound::Any)? {
-                0.0 => return Err(value.refuse("a number that is not 0: drop the entry")),
+                0.0 => return Err(value.invalid("a number that is not 0: drop the entry")),
                 arm => ArmEntry::Constant(M_PER_MM * arm),
             },
         };
@@ -265,13 +266,71 @@ fn moment_arms(s: &Section<'_>) -> Result<Vec<(String, ArmEntry)>, Located> {
     read.collect()
 }
 
+/// Files with moment arms over a joint's position, each once, in the order of the file.
+pub(super) fn tables(tendons: &[TendonEntry]) -> Vec<&str> {
+    let arms = tendons.iter().flat_map(|tendon| &tendon.moment_arms);
+    let mut names: Vec<&str> = Vec::new();
+    for (_, arm) in arms {
+        if let ArmEntry::Table(name, ..) = arm
+            && !names.contains(&name.as_str())
+        {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Takes the text of a file with moment arms.
+///
+/// # Errors
+/// With file, line, value and unit.
+pub(super) fn take_table(
+    tendons: &mut [TendonEntry],
+    name: &str,
+    (file, text): (&str, &str),
+) -> Result<(), Located> {
+    let (q_rad, shortening_m) = shortenings(file, text)?;
+    let located = |error: TableError| {
+        let row = match error {
+            TableError::Value { row, .. } | TableError::Order { row, .. } => row + 2,
+            _ => 0,
+        };
+        Located::new(file, Fault::NotAllowed, error.to_string()).line(row as u64)
+    };
+    let table = ShorteningTable::new(&q_rad, &shortening_m).map_err(located)?;
+    for tendon in tendons {
+        for (_, arm) in &mut tendon.moment_arms {
+            match arm {
+                ArmEntry::Table(own, _, to) if own == name => *to = Some(table.clone()),
+                ArmEntry::Table(..) | ArmEntry::Constant(_) => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Reads positions of a joint, rad, and shortenings of a path, m.
+fn shortenings(file: &str, text: &str) -> Result<(Vec<f64>, Vec<f64>), Located> {
+    const COLUMNS: [&str; 2] = ["q_rad", "shortening_mm"];
+    let table = CsvTable::parse(text, file)?;
+    table.need(&COLUMNS)?;
+    table.only(&COLUMNS)?;
+    let (mut q_rad, mut shortening_m) = (Vec::new(), Vec::new());
+    for row in table.rows() {
+        q_rad.push(row.need("q_rad", Bound::Any, "required in every row")?);
+        shortening_m
+            .push(M_PER_MM * row.need("shortening_mm", Bound::Any, "required in every row")?);
+    }
+    Ok((q_rad, shortening_m))
+}
+
 /// Names of the joints that tendons cross.
 pub(super) fn crossed(tendons: &[TendonEntry]) -> impl Iterator<Item = &str> {
     let arms = tendons.iter().flat_map(|tendon| &tendon.moment_arms);
     arms.map(|(joint, _)| joint.as_str())
 }
 
-/// Faults that keep tendons from being used, whatever the arm.
+/// Faults of tendons that are independent of the arm.
 pub(super) fn gaps(tendons: &[TendonEntry]) -> impl Iterator<Item = Located> {
     tendons.iter().filter_map(|tendon| tendon.gap.clone())
 }
@@ -279,13 +338,13 @@ pub(super) fn gaps(tendons: &[TendonEntry]) -> impl Iterator<Item = Located> {
 /// Joints of an arm, coupled by its tendons.
 pub(super) struct Coupled {
     pub(super) coupling: Coupling,
-    /// Transmission of each joint in the coupled robot.
+    /// Transmission of each axis in the coupled robot.
     pub(super) drives: Vec<CoupledDrive>,
     /// Reason why the robot cannot be estimated.
     pub(super) gap: Option<Located>,
 }
 
-/// Transmission of a joint in a coupled robot.
+/// Transmission of an axis in a coupled robot.
 pub(super) enum CoupledDrive {
     /// Transmission that the file describes for the joint.
     Own,
@@ -297,7 +356,7 @@ pub(super) enum CoupledDrive {
 
 /// Couples joints by the motors and tendons of the file.
 ///
-/// * `joints`: those of the arm, in its order. `locked`: joints that are welded, whose moment arms count for nothing.
+/// * `joints`: those of the arm, in its order. `locked`: joints that are welded, whose moment arms are ignored.
 ///
 /// # Errors
 /// With tendon, value and unit.
@@ -335,19 +394,23 @@ pub(super) fn couple(
         let mut own = tendon.description.clone();
         for (joint, arm) in &tendon.moment_arms {
             match arm {
-                ArmEntry::Constant(arm) if !locked.contains(&joint.as_str()) => {
+                _ if locked.contains(&joint.as_str()) => {}
+                ArmEntry::Constant(arm) => {
                     own.moment_arms
                         .push((joint.clone(), MomentArm::Constant(*arm)));
                 }
-                ArmEntry::Constant(_) => {}
-                ArmEntry::Table(table, line) => {
+                ArmEntry::Table(.., Some(table)) => {
+                    own.moment_arms
+                        .push((joint.clone(), MomentArm::Table(table.clone())));
+                }
+                ArmEntry::Table(table, line, None) => {
                     let problem = format!(
-                        "moment arm of tendon '{}' at joint '{joint}' is the table '{table}': tables are not read yet",
+                        "moment arm of tendon '{}' at joint '{joint}' is the table '{table}', which has not been read",
                         own.name
                     );
                     return Err(Located::new(file, Fault::NotAllowed, problem)
                         .line(*line)
-                        .cure("give the moment arm in the middle of the joint's motion, in mm"));
+                        .cure("load the robot from its folder"));
                 }
             }
         }
@@ -366,20 +429,28 @@ pub(super) fn couple(
     let mut drives = Vec::with_capacity(joints.len());
     let gap = match coupling.paired() {
         Err(error) => {
-            let cure = "until then, describe the joints by stiffness_nm_per_rad, or rigid = true";
             let located = Located::new(file, Fault::NotAllowed, error.to_string());
-            Some(located.line(line_of(None)).cure(cure))
+            Some(located.line(line_of(error.tendon())))
         }
         Ok(paired) => {
-            let rows = paired.into_iter().zip(joints);
-            drives.extend(rows.map(|(paired, joint)| {
-                let Some(paired) = paired else {
+            drives.extend(paired.into_iter().enumerate().map(|(axis, paired)| {
+                let Some(mut paired) = paired else {
                     return CoupledDrive::Own;
                 };
+                for pulled in paired
+                    .routing
+                    .pull
+                    .iter_mut()
+                    .flat_map(|pull| &mut pull.joints)
+                {
+                    pulled.friction = joints[pulled.joint].friction;
+                }
                 let entry = paired.tendon.checked_sub(shorthand);
                 match entry.and_then(|i| tendons.get(i)) {
                     Some(entry) => {
-                        let tendon = transmission(entry, paired, joint, motors);
+                        let friction = joints.get(axis).map(|joint| joint.friction);
+                        let tendon =
+                            transmission(entry, paired, friction.unwrap_or_default(), motors);
                         CoupledDrive::Tendon(Box::new(tendon))
                     }
                     None if is_single(&paired.routing) => CoupledDrive::Own,
@@ -396,17 +467,17 @@ pub(super) fn couple(
     })
 }
 
-/// Whether a tendon crosses its joint alone, and no other tendon does.
+/// Whether a tendon crosses only its joint, and no other tendon crosses that joint.
 fn is_single(routing: &Routing) -> bool {
     let is_one = |row: &[f64]| row.iter().filter(|x| **x != 0.0).count() == 1;
     is_one(&routing.moment_arms) && is_one(&routing.torque_shares)
 }
 
-/// Transmission of a joint by the tendon it is paired with, in the coordinate of the joint.
+/// Transmission by a tendon in the coordinate of its joint.
 fn transmission(
     entry: &TendonEntry,
     paired: PairedTendon,
-    joint: &JointOfFile<'_>,
+    joint_friction: Friction,
     motors: &[MotorEntry],
 ) -> Transmission {
     let PairedTendon {
@@ -424,7 +495,7 @@ fn transmission(
         motor_inertia_kg_m2: motor
             .and_then(|m| m.inertia_kg_m2)
             .map(|inertia| inertia / (ratio * ratio)),
-        joint_friction: joint.friction,
+        joint_friction,
         motor_friction: Friction {
             coulomb_nm: friction.coulomb_nm / ratio.abs(),
             viscous_nm_s_per_rad: friction.viscous_nm_s_per_rad / (ratio * ratio),
@@ -440,7 +511,7 @@ fn transmission(
             replace_at_strain: rope.replace_at_strain,
             frame_expansion_per_k: rope.frame_expansion_per_k,
         }),
-        warmth: None,
+        temperature_effect: None,
         anchors: Vec::new(),
         routing: Some(routing),
     }

@@ -3,11 +3,12 @@
 //! These functions allocate: they run when a robot is checked or a recording is evaluated, not in a control loop.
 
 use super::coupling::Coupling;
-use super::description::{Coordinate, MomentArm, TendonKind};
-use super::eigen;
+use super::description::Coordinate;
 use super::error::{EvaluationError, check_length};
 use super::state::{CouplingState, TendonStatus, add_scaled};
 use crate::cholesky::Factor;
+use crate::eigen;
+use crate::moment_arm::{MomentArm, TendonKind};
 use alloc::vec::Vec;
 
 /// Largest condition number that counts as full rank. A convention: up to here the equation of one tendon amplifies the
@@ -58,6 +59,8 @@ pub enum Equations {
 pub enum JointEquationsReason {
     /// The numbers of tendons and joints differ.
     NotSquare,
+    /// A joint, given by its index, has a passive spring.
+    Spring(usize),
     /// A tendon, given by its index, is a strand.
     Strand(usize),
     /// A moment arm of a tendon, given by its index, varies with position.
@@ -125,6 +128,9 @@ impl Coupling {
         if tendons.len() != joints.len() {
             return Equations::Joint(JointEquationsReason::NotSquare);
         }
+        if let Some(j) = joints.iter().find(|j| self.joints[**j].spring.is_some()) {
+            return Equations::Joint(JointEquationsReason::Spring(*j));
+        }
         if let Some((i, _)) = all().find(|(_, t)| t.kind == TendonKind::Strand) {
             return Equations::Joint(JointEquationsReason::Strand(i));
         }
@@ -157,13 +163,14 @@ impl Coupling {
         }
     }
 
-    /// Offset of the group's joints by the elongations of its tendons, `(Rᵀ K R)⁻¹ Rᵀ K delta`, rad, in the order of
+    /// Offset of the group's joints due to the elongations of its tendons, `(Rᵀ K R)⁻¹ Rᵀ K delta`, rad, in the order
+    /// of
     /// `group.joints()`; `R⁻¹ delta` where `R` is square. Positive: the joints stay behind their motors.
     ///
     /// * `state`: evaluated at the position in question. `delta`: elongations of all tendons, length `T`.
     ///
     /// # Errors
-    /// [`EvaluationError::Slack`] where a strand of the group is slack, [`EvaluationError::Singular`] where the tendons do not determine
+    /// Returns [`EvaluationError::Slack`] where a strand of the group is slack, [`EvaluationError::Singular`] where the tendons do not determine
     /// the joints, [`EvaluationError::Length`].
     pub fn joint_offset(
         &self,
@@ -192,7 +199,7 @@ impl Coupling {
     /// * `offset`: rad, in the order of `group.joints()`.
     ///
     /// # Errors
-    /// [`EvaluationError::Length`].
+    /// Returns [`EvaluationError::Length`].
     pub fn elongation_from_joint_offset(
         &self,
         state: &CouplingState,
@@ -214,7 +221,7 @@ impl Coupling {
     /// * `tau_el`: N·m, in the order of `group.joints()`.
     ///
     /// # Errors
-    /// [`EvaluationError::NotSquare`] where the numbers differ, [`EvaluationError::Slack`] where a strand of the group is slack,
+    /// Returns [`EvaluationError::NotSquare`] where the numbers differ, [`EvaluationError::Slack`] where a strand of the group is slack,
     /// [`EvaluationError::Singular`] where `√K R` has a condition number above [`MAX_CONDITION`], [`EvaluationError::Length`].
     pub fn tension_from_torque(
         &self,
@@ -245,13 +252,31 @@ impl Coupling {
     /// [`MAX_CONDITION`], with rows and columns scaled to unit length. Indices beyond the last motor or tendon are ignored.
     ///
     /// # Errors
-    /// [`EvaluationError::Length`] of `state`.
+    /// Returns [`EvaluationError::Length`] of `state`.
     pub fn observability(
         &self,
         state: &CouplingState,
         sensors: Sensors<'_>,
     ) -> Result<Observability, EvaluationError> {
-        self.check_state(state)?;
+        self.observability_over(&[state], sensors)
+    }
+
+    /// Combinations of elongations that joint dynamics and `sensors` [observe](Self::observability) at several
+    /// positions together, and those that they observe at none; variable moment arms make further combinations
+    /// observable.
+    ///
+    /// * `states`: evaluated at the positions.
+    ///
+    /// # Errors
+    /// Returns [`EvaluationError::Length`] of a state.
+    pub fn observability_over(
+        &self,
+        states: &[&CouplingState],
+        sensors: Sensors<'_>,
+    ) -> Result<Observability, EvaluationError> {
+        for state in states {
+            self.check_state(state)?;
+        }
         let (n, m, count) = (
             self.joints.len(),
             self.motor_names().len(),
@@ -268,16 +293,22 @@ impl Coupling {
         let motors: Vec<usize> = (0..m)
             .filter(|k| sensors.motor_torque.contains(k))
             .collect();
-        let width = elastic.len() + motors.len() + count;
+        let width = states.len() * (elastic.len() + motors.len()) + count;
         let (mut g, mut taut, mut scale) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..count {
-            if state.stiffness[i] == 0.0 {
+            let stiffness = states.iter().map(|state| state.stiffness[i]);
+            let stiffness = stiffness.fold(0.0, f64::max);
+            if stiffness == 0.0 {
                 unobservable.push(unit(i));
                 continue;
             }
-            let torques = (elastic.iter().map(|j| state.moment_arms()[i * n + j]))
-                .chain(motors.iter().map(|k| self.drums[i * m + k]));
-            let torques: Vec<f64> = torques.collect();
+            let mut torques = Vec::with_capacity(width);
+            for state in states {
+                let share = state.stiffness[i] / stiffness;
+                let arms = elastic.iter().map(|j| state.moment_arms()[i * n + j]);
+                let drums = motors.iter().map(|k| self.drums[i * m + k]);
+                torques.extend(arms.chain(drums).map(|torque| share * torque));
+            }
             let length = libm::sqrt(torques.iter().map(|x| x * x).sum());
             let length = if length > 0.0 { length } else { 1.0 };
             g.extend(torques.iter().map(|x| x / length));
@@ -285,7 +316,7 @@ impl Coupling {
                 (0..count).map(|k| f64::from(u8::from(k == i && sensors.tension.contains(&k)))),
             );
             taut.push(i);
-            scale.push(length);
+            scale.push(length * stiffness);
         }
         scale_columns(&mut g, width);
         // Tensions u with Gᵀ u = 0 change nothing; the elongations that make them are u/k.
@@ -301,7 +332,7 @@ impl Coupling {
             }
             let mut direction = alloc::vec![0.0; count];
             for ((i, u), scale) in taut.iter().zip(u).zip(&scale) {
-                direction[*i] = u / (scale * state.stiffness[*i]);
+                direction[*i] = u / scale;
             }
             let largest = direction
                 .iter()

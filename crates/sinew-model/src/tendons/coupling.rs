@@ -1,10 +1,8 @@
 //! Validated coupling of joints, motors and tendons.
 
-use super::description::{
-    Coordinate, CouplingDescription, JointDescription, JointSpring, MomentArm, TendonDescription,
-    TendonKind,
-};
+use super::description::{Coordinate, CouplingDescription, JointDescription, TendonDescription};
 use super::error::CouplingError;
+use crate::moment_arm::{JointSpring, MomentArm, TendonKind};
 use alloc::borrow::ToOwned;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -34,7 +32,7 @@ impl Coupling {
     /// Validates a description.
     ///
     /// # Errors
-    /// [`CouplingError`] with the element, the value, its unit and the remedy: names that are empty, occur twice or do not
+    /// Returns a [`CouplingError`] with the element, the value, its unit and the remedy: names that are empty, occur twice or do not
     /// exist; a tendon that crosses no joint; values out of range; a strand without pretension that another one
     /// pulls against; a joint that nothing drives, or that strands pull only one way, at `q = 0`, without a spring.
     pub fn new(description: CouplingDescription) -> Result<Self, CouplingError> {

@@ -1,7 +1,7 @@
 //! Description of joints, motors and tendons, as a file or a program states it.
 
 use super::error::CouplingError;
-use super::table::ShorteningTable;
+use crate::moment_arm::{JointSpring, MomentArm, TendonKind};
 use crate::transmission::Transmission;
 use alloc::borrow::ToOwned;
 use alloc::string::String;
@@ -27,24 +27,6 @@ pub struct JointDescription {
     pub is_rigid: bool,
     /// Passive spring, if the joint has one.
     pub spring: Option<JointSpring>,
-}
-
-/// Passive spring of a joint, `tau_spring = k_s (q − q_rest)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointSpring {
-    /// Stiffness `k_s`, N·m/rad, between 1e-9 and 1e12.
-    pub stiffness_nm_per_rad: f64,
-    /// Position `q_rest` without torque, rad.
-    pub rest_rad: f64,
-}
-
-/// Way in which a tendon pulls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TendonKind {
-    /// Closed loop of two pretensioned strands, which pulls both ways: `f = k x`.
-    Loop,
-    /// Single strand, which only pulls: `f = max(0, f0 + k x)`.
-    Strand,
 }
 
 /// Unit of a tendon's extension, elongation, drums and moment arms.
@@ -78,26 +60,6 @@ impl Coordinate {
     }
 }
 
-/// Moment arm `R_ij = ∂l_i/∂q_j` of a tendon at a joint; positive where tension drives the joint positively.
-#[derive(Debug, Clone, PartialEq)]
-pub enum MomentArm {
-    /// Pulley: the same arm everywhere, per rad of the joint.
-    Constant(f64),
-    /// Path whose shortening is a table over the position of the joint.
-    Table(ShorteningTable),
-}
-
-impl MomentArm {
-    /// Shortening, moment arm and slope of the moment arm at the position `q`, rad.
-    #[inline]
-    pub(super) fn evaluate(&self, q: f64) -> [f64; 3] {
-        match self {
-            Self::Constant(arm) => [arm * q, *arm, 0.0],
-            Self::Table(table) => table.evaluate(q),
-        }
-    }
-}
-
 /// Tendon between motors and joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TendonDescription {
@@ -105,7 +67,7 @@ pub struct TendonDescription {
     pub name: String,
     /// Way in which it pulls.
     pub kind: TendonKind,
-    /// Unit of everything below.
+    /// Unit of the following fields.
     pub coordinate: Coordinate,
     /// Rope that one rad of each motor takes in, `s_ik`, by the motor's name. Without a motor the tendon is tied to the base.
     pub drums: Vec<(String, f64)>,
@@ -127,7 +89,7 @@ impl CouplingDescription {
     /// * `joints`: joint names in the order of `q`. `transmissions`: one entry per joint, `None` for a rigid joint.
     ///
     /// # Errors
-    /// [`CouplingError::Transmissions`] where the two lengths differ.
+    /// Returns [`CouplingError::Transmissions`] where the two lengths differ.
     pub fn diagonal(
         joints: &[String],
         transmissions: &[Option<Transmission>],

@@ -58,23 +58,18 @@
 mod analysis;
 mod coupling;
 mod description;
-mod eigen;
 mod error;
 mod pairing;
 mod state;
 mod strand_pair;
-mod table;
 
-pub use crate::routing::Routing;
-pub use crate::routings::Routings;
+pub use crate::moment_arm::{JointSpring, MomentArm, ShorteningTable, TableError, TendonKind};
+pub use crate::routing::{Pull, PulledJoint, Routing};
+pub use crate::routings::{PulledAxis, PulledGroup, Routings};
 pub use analysis::{Equations, Group, JointEquationsReason, MAX_CONDITION, Observability, Sensors};
 pub use coupling::Coupling;
-pub use description::{
-    Coordinate, CouplingDescription, JointDescription, JointSpring, MomentArm, TendonDescription,
-    TendonKind,
-};
+pub use description::{Coordinate, CouplingDescription, JointDescription, TendonDescription};
 pub use error::{CouplingError, EvaluationError};
 pub use pairing::{PairedTendon, PairingError};
 pub use state::{CouplingState, Input, Output, TendonStatus};
 pub use strand_pair::StrandPair;
-pub use table::{ShorteningTable, TableError};

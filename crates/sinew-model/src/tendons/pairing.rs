@@ -1,6 +1,7 @@
-//! Tendons in the coordinate of the joint that each is paired with, in which the estimate reads them.
+//! Tendons in the coordinates of the estimate, each related to a joint.
 //!
-//! In a group of as many loops as joints, with constant moment arms, tendon `i` is paired with a joint `i` that it crosses. With
+//! The estimate has arrays of axes: an axis is a joint, a tendon with its motor, or both. In a group of as many loops as joints, with
+//! constant moment arms and without passive springs, tendon `i` is paired with a joint `i` that it crosses. With
 //! `a_i = |R_ii|`, `y_i = x_i / a_i` and `delta'_i = delta_i / a_i` in rad of that joint,
 //!
 //! ```text
@@ -9,23 +10,29 @@
 //! tau_motor = drive_ratio_i · B_i· tau_el
 //! ```
 //!
-//! For a joint with a tendon of its own, `rho` and `B` are 1, which is `theta − q = delta_e + tau_el / K`.
+//! For a joint with one tendon, `rho` and `B` are 1, which is `theta − q = delta_e + tau_el / K`.
+//!
+//! Every other group has an equation per joint, `Σ_i rho_ij f_i = tau_el_j`. Its tendons are assigned to the axes of
+//! joints that they cross while these suffice, then to axes after those of all joints; `a_i = |R_ij|` of the main joint
+//! `j`: that of the tendon's name, otherwise the one with the largest moment arm at `q = 0`.
 
-use super::analysis::{Equations, Group, JointEquationsReason};
+use super::analysis::{Equations, Group};
 use super::coupling::Coupling;
 use super::state::CouplingState;
-use crate::routing::Routing;
+use crate::friction::Friction;
+use crate::moment_arm::TendonKind;
+use crate::routing::{Pull, PulledJoint, Routing};
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Tendon with the joint it is paired with.
+/// Tendon on its axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairedTendon {
     /// Index of the tendon.
     pub tendon: usize,
     /// `a_i`, units of the tendon's own coordinate per rad of the joint; above 0.
     pub units_per_rad: f64,
-    /// Routing in the coordinate of the joint.
+    /// Routing in the coordinate of the joint; the friction of pulled joints is 0.
     pub routing: Routing,
 }
 
@@ -33,16 +40,6 @@ pub struct PairedTendon {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PairingError {
-    /// The group needs one equation per joint.
-    #[error(
-        "tendons {tendons} cannot be estimated yet: {why}. A group is estimated that has as many loops as joints, with constant moment arms"
-    )]
-    JointEquations {
-        /// Names of the group's tendons, separated by commas.
-        tendons: String,
-        /// Reason in words.
-        why: String,
-    },
     /// A tendon has no motor, or several.
     #[error("tendon '{tendon}' has {motors} motors: a tendon that is estimated has one")]
     Motors {
@@ -63,28 +60,38 @@ pub enum PairingError {
         /// Name of the second tendon.
         second: String,
     },
-    /// A joint of the group has a passive spring.
+    /// The moment arms of a tendon vanish at `q = 0`.
     #[error(
-        "joint '{joint}' has a passive spring, which is not estimated together with tendons yet"
+        "tendon '{tendon}' has no moment arm at the zero position of any joint: move the zero of the joint to where the tendon pulls it"
     )]
-    Spring {
-        /// Name of the joint.
-        joint: String,
+    NoMomentArm {
+        /// Name of the tendon.
+        tendon: String,
     },
 }
 
+impl PairingError {
+    /// Name of the tendon at fault.
+    pub fn tendon(&self) -> Option<&str> {
+        match self {
+            Self::Motors { tendon, .. }
+            | Self::SharedMotor { second: tendon, .. }
+            | Self::NoMomentArm { tendon } => Some(tendon),
+        }
+    }
+}
+
 impl Coupling {
-    /// Pairs every tendon with a joint: one of the same name where it crosses that, otherwise in the order of the tendons.
-    /// `None` for a rigid joint.
+    /// Puts every tendon on an axis: that of the joint of its name where the tendon crosses that, otherwise in the order of the
+    /// tendons. As many entries as axes, at least one per joint; `None` for a joint without a tendon on its axis.
     ///
     /// # Errors
-    /// [`PairingError`] where a group is none of as many loops as joints with constant moment arms and one motor each.
+    /// Returns a [`PairingError`] where a tendon has no motor or several, or a motor drives two tendons of which one has its own equation.
     pub fn paired(&self) -> Result<Vec<Option<PairedTendon>>, PairingError> {
         let mut paired = alloc::vec![None; self.joints.len()];
         let mut state = CouplingState::new(self);
         let at_zero = |length: usize| alloc::vec![0.0; length];
         let (n, m) = (self.joints.len(), self.motor_names().len());
-        // Constant moment arms are the same everywhere.
         let evaluated = self.evaluate(
             &mut state,
             &at_zero(m),
@@ -93,53 +100,111 @@ impl Coupling {
         );
         debug_assert!(evaluated.is_ok());
         let mut driven: Vec<Option<usize>> = alloc::vec![None; m];
+        let mut without_joint = Vec::new();
         for group in self.groups() {
-            if let Equations::Joint(reason) = group.equations() {
-                return Err(self.needs_joint_equations(&group, reason));
-            }
-            if let Some(j) = (group.joints().iter()).find(|j| self.joints[**j].spring.is_some()) {
-                let joint = self.joints[*j].name.clone();
-                return Err(PairingError::Spring { joint });
-            }
-            let unpairable = || self.needs_joint_equations(&group, JointEquationsReason::NotSquare);
-            let shares = self.torque_shares(&state, &group).ok_or_else(unpairable)?;
-            let of_joint = self.pairing(&state, &group).ok_or_else(unpairable)?;
-            for (j, tendon) in of_joint {
+            let shares = self.torque_shares(&state, &group);
+            let of_joint = self.pairing(&state, &group);
+            for &tendon in group.tendons() {
                 let motor = self.only_motor(tendon)?;
-                if let Some(first) = driven[motor].replace(tendon) {
+                if let (Some(first), true) = (driven[motor].replace(tendon), shares.is_some()) {
                     return Err(PairingError::SharedMotor {
                         motor: self.motor_names()[motor].clone(),
                         first: self.tendons[first].name.clone(),
                         second: self.tendons[tendon].name.clone(),
                     });
                 }
+                let axis = of_joint.iter().find(|(_, own)| *own == tendon);
+                let joint = match (axis, &shares) {
+                    (Some((joint, _)), Some(_)) => *joint,
+                    _ => self.main_joint(&state, &group, tendon)?,
+                };
                 let arms = &state.moment_arms()[tendon * n..(tendon + 1) * n];
-                let units_per_rad = arms[j].abs();
-                let row = group.tendons().iter().position(|i| *i == tendon);
-                let mut torque_shares = alloc::vec![0.0; n];
-                let width = group.joints().len();
-                let own = shares.chunks_exact(width).nth(row.unwrap_or_default());
-                for (j, share) in group.joints().iter().zip(own.unwrap_or_default()) {
-                    torque_shares[*j] = share * units_per_rad;
-                }
-                paired[j] = Some(PairedTendon {
+                let units_per_rad = arms[joint].abs();
+                let torque_shares = shares.as_ref().map(|shares| {
+                    let row = group.tendons().iter().position(|i| *i == tendon);
+                    let width = group.joints().len();
+                    let own = shares.chunks_exact(width).nth(row.unwrap_or_default());
+                    let mut torque_shares = alloc::vec![0.0; n];
+                    for (j, share) in group.joints().iter().zip(own.unwrap_or_default()) {
+                        torque_shares[*j] = share * units_per_rad;
+                    }
+                    torque_shares
+                });
+                let pull = shares.is_none().then(|| self.pull(tendon, units_per_rad));
+                let routed = PairedTendon {
                     tendon,
                     units_per_rad,
                     routing: Routing {
                         tendon: self.tendons[tendon].name.clone(),
+                        joint,
                         motor: self.motor_names()[motor].clone(),
                         drive_ratio: self.drums()[tendon * m + motor] / units_per_rad,
                         moment_arms: arms.iter().map(|r| r / units_per_rad).collect(),
-                        torque_shares,
+                        torque_shares: torque_shares.unwrap_or_default(),
+                        pull,
                     },
-                });
+                };
+                match axis {
+                    Some((joint, _)) => paired[*joint] = Some(routed),
+                    None => without_joint.push(Some(routed)),
+                }
             }
         }
+        paired.extend(without_joint);
         Ok(paired)
     }
 
-    /// `R⁻ᵀ` of a group, its tendons by its joints; `None` where it has no full rank.
+    /// Returns the pull of a tendon in a coordinate of `units_per_rad` units per rad.
+    fn pull(&self, i: usize, units_per_rad: f64) -> Pull {
+        let tendon = &self.tendons[i];
+        let elastic = tendon
+            .arms
+            .iter()
+            .filter(|(j, _)| !self.joints[*j].is_rigid);
+        let metres = tendon.coordinate.metres_per_unit();
+        Pull {
+            kind: tendon.kind,
+            pretension_nm: match tendon.kind {
+                TendonKind::Loop => 0.0,
+                TendonKind::Strand => tendon.pretension.unwrap_or(0.0) * units_per_rad,
+            },
+            metres_per_rad: metres.map(|metres| metres * units_per_rad),
+            joints: elastic
+                .map(|(joint, arm)| PulledJoint {
+                    joint: *joint,
+                    arm: arm.over(units_per_rad),
+                    friction: Friction::default(),
+                    spring: self.joints[*joint].spring,
+                })
+                .collect(),
+        }
+    }
+
+    /// Joint whose rad are the coordinate of a tendon: that of its name, otherwise the one with the largest moment arm.
+    fn main_joint(
+        &self,
+        state: &CouplingState,
+        group: &Group,
+        tendon: usize,
+    ) -> Result<usize, PairingError> {
+        let n = self.joints.len();
+        let arm = |j: usize| state.moment_arms()[tendon * n + j].abs();
+        let crossed = || group.joints().iter().copied().filter(|j| arm(*j) > 0.0);
+        let named = crossed().find(|j| self.joints[*j].name == self.tendons[tendon].name);
+        let largest = || crossed().max_by(|a, b| arm(*a).total_cmp(&arm(*b)));
+        named
+            .or_else(largest)
+            .ok_or_else(|| PairingError::NoMomentArm {
+                tendon: self.tendons[tendon].name.clone(),
+            })
+    }
+
+    /// Returns `R⁻ᵀ` of a group with an equation per tendon, indexed by its tendons and joints; `None` for a group with
+    /// an equation per joint.
     fn torque_shares(&self, state: &CouplingState, group: &Group) -> Option<Vec<f64>> {
+        if matches!(group.equations(), Equations::Joint(_)) {
+            return None;
+        }
         let n = group.joints().len();
         let mut shares = alloc::vec![0.0; n * n];
         for j in 0..n {
@@ -153,8 +218,8 @@ impl Coupling {
         Some(shares)
     }
 
-    /// Joints of a group with the tendon that each is paired with: a perfect matching of the nonzero moment arms.
-    fn pairing(&self, state: &CouplingState, group: &Group) -> Option<Vec<(usize, usize)>> {
+    /// Joints of a group with the tendon that each is paired with: a maximum matching of the nonzero moment arms.
+    fn pairing(&self, state: &CouplingState, group: &Group) -> Vec<(usize, usize)> {
         let n = self.joints.len();
         let crosses = |i: usize, j: usize| state.moment_arms()[i * n + j] != 0.0;
         let mut of_joint: Vec<Option<usize>> = alloc::vec![None; n];
@@ -172,11 +237,11 @@ impl Coupling {
         for &i in group.tendons() {
             if !of_joint.contains(&Some(i)) {
                 let mut visited = alloc::vec![false; n];
-                augment(i, group.joints(), &crosses, &mut of_joint, &mut visited).then_some(())?;
+                augment(i, group.joints(), &crosses, &mut of_joint, &mut visited);
             }
         }
         let joints = group.joints().iter();
-        joints.map(|j| Some((*j, of_joint[*j]?))).collect()
+        joints.filter_map(|j| Some((*j, of_joint[*j]?))).collect()
     }
 
     fn only_motor(&self, tendon: usize) -> Result<usize, PairingError> {
@@ -192,32 +257,6 @@ impl Coupling {
                 tendon: self.tendons[tendon].name.clone(),
                 motors: own.len(),
             }),
-        }
-    }
-
-    fn needs_joint_equations(&self, group: &Group, reason: JointEquationsReason) -> PairingError {
-        let name = |i: usize| self.tendons[i].name.as_str();
-        let names: Vec<String> = (group.tendons().iter())
-            .map(|i| alloc::format!("'{}'", name(*i)))
-            .collect();
-        PairingError::JointEquations {
-            tendons: names.join(", "),
-            why: match reason {
-                JointEquationsReason::NotSquare => alloc::format!(
-                    "{} tendons drive {} joints",
-                    group.tendons().len(),
-                    group.joints().len()
-                ),
-                JointEquationsReason::Strand(i) => {
-                    alloc::format!("'{}' is a strand, which only pulls", name(i))
-                }
-                JointEquationsReason::VariableMomentArm(i) => {
-                    alloc::format!("a moment arm of '{}' varies with the position", name(i))
-                }
-                JointEquationsReason::IllConditioned(condition) => alloc::format!(
-                    "their moment arms are nearly dependent, condition number {condition:.0}"
-                ),
-            },
         }
     }
 }

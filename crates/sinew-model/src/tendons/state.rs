@@ -1,9 +1,9 @@
 //! Tensions, torques, energies and their derivatives at one position.
 
 use super::coupling::Coupling;
-use super::description::TendonKind;
 use super::error::{EvaluationError, check_length};
 use crate::error::is_input;
+use crate::moment_arm::TendonKind;
 use alloc::vec::Vec;
 
 /// Condition of a tendon at one position.
@@ -144,7 +144,7 @@ impl Coupling {
     ///   `delta`: elongations in the tendons' coordinates, length `T`.
     ///
     /// # Errors
-    /// [`EvaluationError::Length`] and [`EvaluationError::NotFinite`] name the argument; the state is unchanged.
+    /// Returns [`EvaluationError::Length`] and [`EvaluationError::NotFinite`] name the argument; the state is unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(T (n + m)).
@@ -241,7 +241,7 @@ impl Coupling {
     /// * `state`: as [`evaluate`](Self::evaluate) left it. `out`: length of the output times length of the input.
     ///
     /// # Errors
-    /// [`EvaluationError::Length`] of `state` or `out`; `out` is unchanged.
+    /// Returns [`EvaluationError::Length`] of `state` or `out`; `out` is unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(T) times the length of `out`.
@@ -294,7 +294,7 @@ impl Coupling {
     /// `n × n`, to `out`. Motors are at rest.
     ///
     /// # Errors
-    /// As [`jacobian`](Self::jacobian).
+    /// Returns the errors of [`jacobian`](Self::jacobian).
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(T n²).

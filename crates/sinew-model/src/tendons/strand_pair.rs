@@ -9,7 +9,8 @@
 /// ```
 ///
 /// So `r delta_e` is half of what one strand alone has grown by. An elongation that both share turns no joint: it lowers the
-/// remaining pretension `f0'` and shows only beyond `2 r f0'`, where one strand is slack and the stiffness is `K/2`.
+/// remaining pretension `f0'` and has an effect only beyond `2 r f0'`, where one strand is slack and the stiffness is
+/// `K/2`.
 ///
 /// # Source
 /// Sum of the two strands of [`TendonKind::Strand`](super::TendonKind::Strand) with drums and moment arms `±r`.

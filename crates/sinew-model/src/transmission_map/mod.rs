@@ -8,8 +8,8 @@
 //! | MuJoCo `<fixed>` | `length = Σ coef q` | moment arms `−1000 coef`, mm/rad |
 //! | table: joints in the header, a motor in each row | `θ = Σ ratio q` | one tendon with ratios a row |
 //!
-//! Only positions are read. Torques follow by virtual work, `τ_q = Rᵀ τ_θ` with the matrix `R` of ratios, whatever an
-//! effort map of the source says. For a joint that slides, rad is m.
+//! Only positions are read. Torques follow by virtual work, `τ_q = Rᵀ τ_θ` with the matrix `R` of ratios, independent
+//! of an effort map of the source. For a prismatic joint, rad is m.
 
 mod mjcf;
 mod ros;
@@ -39,7 +39,7 @@ pub struct MappedTendon {
     pub relation: Relation,
 }
 
-/// Relation of the positions of a tendon's motors and joints at zero stretch.
+/// Relation of the positions of a tendon's motors and joints at zero elongation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Relation {
     /// One motor: `θ = Σ_j ratio_j q_j + θ₀`.
@@ -91,7 +91,7 @@ impl TransmissionMap {
     /// Reads a URDF with `<transmission>`, a MuJoCo model with `<tendon>`, or a table. `file` is its name for messages.
     ///
     /// # Errors
-    /// [`Located`] with the line: text of another format, a transmission type or a tendon that is not supported, a
+    /// Returns a [`Located`] with the line: text of another format, a transmission type or a tendon that is not supported, a
     /// missing or duplicate name, a number that is not finite, a ratio of 0, more tendons than [`limits::URDF_JOINTS`].
     pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
         let text = text.trim_start_matches('\u{feff}');
@@ -126,7 +126,7 @@ fn read_xml(text: &str, file: &str) -> Result<Vec<MappedTendon>, Located> {
     }
 }
 
-/// Checks what holds for every source.
+/// Checks the conditions that apply to every source.
 fn check(tendons: &[MappedTendon], file: &str) -> Result<(), Located> {
     let mut tendon_names = BTreeSet::new();
     let mut motor_names = BTreeSet::new();
@@ -182,7 +182,7 @@ fn check(tendons: &[MappedTendon], file: &str) -> Result<(), Located> {
 /// Tendons after which a source is read no further, so that [`check`] rejects it: a line number takes a pass over the text.
 const MAX_READ: usize = limits::URDF_JOINTS.length() + 1;
 
-/// The file that elements stand in, for messages.
+/// Name of the file that contains the elements, for messages.
 struct Source<'a> {
     file: &'a str,
 }
@@ -227,7 +227,7 @@ impl Source<'_> {
     }
 }
 
-/// Elements of a name inside another, whatever their namespace.
+/// Elements of a name inside another, in any namespace.
 fn children<'a, 'i>(node: Node<'a, 'i>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
     node.children()
         .filter(move |child| child.tag_name().name() == tag)

@@ -1,6 +1,7 @@
-//! `<transmission>` of ros_control and ros2_control.
+//! The `<transmission>` elements of ros_control and ros2_control.
 //!
-//! They differ in where a number stands. ros_control sorts two joints by their roles; ros2_control takes them in the
+//! They differ in the location of the numbers. ros_control sorts two joints by their roles; ros2_control takes them
+//! in the
 //! file's order. The ratio of a simple transmission is the actuator's in ros_control and the joint's in ros2_control.
 
 use super::{MAX_READ, MappedTendon, Relation, Source, children};
@@ -16,7 +17,7 @@ struct Part<'a, 'i> {
     offset_rad: f64,
 }
 
-/// Which of the two formats a transmission is written in.
+/// Format of a transmission.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Format {
     Ros1,
@@ -207,7 +208,7 @@ fn order(
             Ok(())
         }
         ([Some(a), Some(b)], Format::Ros2) if a == two && b == one => {
-            let problem = format!("'{two}' stands before '{one}', and ros2_control ignores roles");
+            let problem = format!("'{two}' precedes '{one}', and ros2_control ignores roles");
             Err(source
                 .fault(transmission, Fault::Contradiction, problem)
                 .cure(format!("write '{one}' first")))

@@ -246,7 +246,7 @@ fn invalid_sources_return_line_value_and_remedy() {
                 .replace("'joint1'", "'x'")
                 .replace("'joint2'", "'joint1'")
                 .replace("'x'", "'joint2'"),
-            "'joint2' stands before 'joint1', and ros2_control ignores roles; write 'joint1' first",
+            "'joint2' precedes 'joint1', and ros2_control ignores roles; write 'joint1' first",
         ),
         (
             differential[0].replace("name='j2'", "name='j1'"),

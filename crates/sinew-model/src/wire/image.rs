@@ -1,4 +1,4 @@
-//! A robot as bytes, for a chip that can't read URDF.
+//! Robot description as bytes, for a chip that cannot read URDF.
 
 use super::{WireError, checked, sealed};
 use crate::arm::Arm;
@@ -6,10 +6,10 @@ use crate::offset::{FeatureConfig, FeatureObserver};
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
-/// What a chip knows of its robot.
+/// Robot description on the chip.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RobotImage {
-    /// The arm.
+    /// Arm of the robot.
     pub arm: Arm,
     /// Columns of its base parameters: finding them takes more memory than a chip has.
     base_columns: Vec<usize>,
@@ -18,7 +18,7 @@ pub struct RobotImage {
 }
 
 impl RobotImage {
-    /// Of a robot, on the host. Allocates.
+    /// Creates the image of a robot on the host. Allocates.
     pub fn new(arm: &Arm, transmissions: &[Option<Transmission>]) -> Self {
         Self {
             arm: arm.clone(),
@@ -27,15 +27,16 @@ impl RobotImage {
         }
     }
 
-    /// As bytes. Allocates.
+    /// Encodes the image as bytes. Allocates.
     pub fn write(&self) -> Vec<u8> {
         sealed(self)
     }
 
-    /// Of bytes: the same robot, to the last bit. Allocates: for a program's start.
+    /// Decodes an image: the robot is bitwise identical. Allocates, for the start of a program.
     ///
     /// # Errors
-    /// [`WireError`] when they are damaged, of another version, or hold what no robot is.
+    /// Returns a [`WireError`] if the bytes are damaged, of another version, or invalid for a
+    /// robot.
     pub fn read(bytes: &[u8]) -> Result<Self, WireError> {
         let read: Self = postcard::from_bytes(checked(bytes)?).map_err(|_| WireError::Content)?;
         match read.is_whole() {
@@ -53,10 +54,11 @@ impl RobotImage {
         stiff && self.arm.is_whole() && self.transmissions.len() == self.arm.dof()
     }
 
-    /// What makes blocks of this robot's samples. Takes no more memory than what makes them needs.
+    /// Creates the observer that computes blocks from this robot's samples. Uses no more memory
+    /// than the observer.
     ///
     /// # Errors
-    /// [`WireError::Content`] when the base columns are none of this arm.
+    /// Returns [`WireError::Content`] if the base columns are invalid for this arm.
     pub fn features(&self, config: FeatureConfig) -> Result<FeatureObserver, WireError> {
         FeatureObserver::with_base_columns(&self.arm, config, &self.base_columns)
             .map(|features| features.with_transmissions(&self.transmissions))

@@ -1,17 +1,18 @@
-//! What a microcontroller and its host tell each other, as bytes: the robot (host to chip, once) and blocks (chip to host,
+//! Binary protocol between a microcontroller and its host: the robot (host to chip, once) and blocks (chip to host,
 //! five a second).
 //!
 //! ```text
-//! frame   = COBS(content) 0                       a zero byte is nowhere else, so a reader finds the next frame
+//! frame   = COBS(content) 0                       zero bytes occur nowhere else, so that a reader finds the next frame
 //! content = version robot sequence block crc      fields as postcard writes them, CRC-32 (IEEE 802.3), little endian
 //! image   = version arm base-columns transmissions crc
 //! ```
 //!
-//! Numbers are IEEE 754 doubles, little endian, as they are: what comes out has the bits of what went in. `robot` is the
-//! checksum of arm, base columns and [`FeatureConfig`], so that blocks of another robot, or made in another way, are refused. `sequence`
-//! counts blocks that were complete, sent or not, so that a host knows how many it has not got.
+//! Numbers are IEEE 754 doubles, little endian, unchanged: decoded values are bitwise identical. `robot` is the
+//! checksum of arm, base columns and [`FeatureConfig`], so that blocks of another robot, or of another configuration,
+//! are rejected. `sequence` counts blocks that were complete, sent or not, so that a host can count the missing ones.
 //!
-//! The format is that of one [`VERSION`]: chip and host are built of the same one, or the host says that they aren't.
+//! The format is that of one [`VERSION`]: chip and host must be built with the same version, otherwise the host reports
+//! an error.
 //!
 //! Reading order: this file, `image` (the robot), `sender`, `receiver`.
 //!
@@ -31,27 +32,27 @@ use crate::offset::FeatureConfig;
 use crate::offset::FeatureObserver;
 use alloc::vec::Vec;
 
-/// Version of what is written; another one is refused.
+/// Version of the format; other versions are rejected.
 pub const VERSION: u8 = 2;
 
 /// Checksum of every content and image.
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
-/// Its bytes.
+/// Size of the checksum in bytes.
 const CRC_BYTES: usize = 4;
 
-/// Why bytes are no block, or no robot.
+/// Reason why bytes are not a valid block or robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WireError {
-    /// Bytes were lost or changed on the way, or this is something else.
-    #[error("bytes were lost or changed on the way: the checksum is another")]
+    /// Checksum mismatch: bytes were lost or changed in transmission, or the data is not a frame.
+    #[error("checksum mismatch: bytes were lost or changed in transmission")]
     Damaged,
     /// Written by another version of Sinew.
     #[error(
-        "written as version {found}, read as version {VERSION}: build both sides of the same Sinew"
+        "written as version {found}, expected version {VERSION}: build both sides with the same version of Sinew"
     )]
     Version {
-        /// Version found.
+        /// Version of the bytes.
         found: u8,
     },
     /// A block of another robot, or made with another configuration.
@@ -64,12 +65,12 @@ pub enum WireError {
         /// Robot of the receiver.
         expected: u32,
     },
-    /// Written as agreed, and still no block or robot: a length, a number or a parent that can't be.
-    #[error("the checksum is right, and the content is none of this arm")]
+    /// Valid checksum but invalid content: a length, a number or a parent index is impossible.
+    #[error("the checksum is valid, but the content does not match this arm")]
     Content,
 }
 
-/// What blocks depend on, as a number. Allocates.
+/// Returns a checksum of the configuration of blocks. Allocates.
 fn robot_id(features: &FeatureObserver) -> u32 {
     // Into memory there is no way for this to fail.
     let bytes = postcard::to_allocvec(&features.made_for()).unwrap_or_default();

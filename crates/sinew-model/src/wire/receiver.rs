@@ -5,10 +5,10 @@ use crate::arm::Arm;
 use crate::offset::{Block, FeatureConfig, FeatureObserver};
 use alloc::vec::Vec;
 
-/// Reads blocks from a line, byte by byte. It finds its way again after bytes that were lost, changed or added, and starts
-/// anywhere.
+/// Reads blocks from a line, byte by byte. It resynchronises after bytes that were lost, changed or added, and may
+/// start at any byte.
 ///
-/// Allocates for every block: for a host.
+/// Allocates memory for every block and is therefore intended for a host.
 #[derive(Debug, Clone)]
 pub struct BlockReceiver {
     robot: u32,
@@ -16,36 +16,37 @@ pub struct BlockReceiver {
     columns: usize,
     frame: Vec<u8>,
     bytes_max: usize,
-    /// More came than a frame has: nothing is kept until the next begins.
+    /// The frame is longer than allowed: input is discarded until the next frame begins.
     too_long: bool,
     /// Sequence that the next block has if none is lost.
     expected: Option<u32>,
     counts: Counts,
 }
 
-/// What came so far.
+/// Statistics of the received frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// Blocks taken.
+    /// Number of blocks received.
     pub blocks: u64,
-    /// Blocks that the chip completed and that didn't come: lost on the line, or left out because it was too slow.
+    /// Number of blocks that the chip completed and that were not received: lost on the line, or skipped because the
+    /// line was too slow.
     pub lost: u64,
-    /// Frames refused, for whatever reason; the first bytes of a line that was open already are one.
-    pub refused: u64,
-    /// How often the chip began anew.
+    /// Number of frames rejected for any reason, including the partial first frame of a running line.
+    pub rejected: u64,
+    /// Number of restarts of the chip.
     pub restarts: u64,
 }
 
-/// A block that came.
+/// Received block with its number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Received {
-    /// Its number since the chip began, from 0.
+    /// Number of the block since the start of the chip, from 0.
     pub sequence: u32,
-    /// Blocks between the last one and this that didn't come.
+    /// Number of blocks lost between the previous block and this one.
     pub lost_before: u32,
-    /// The chip began anew since the last block.
+    /// Whether the chip restarted since the last block.
     pub restarted: bool,
-    /// The block, with the bits it had on the chip.
+    /// Block, bitwise identical to the one on the chip.
     pub block: Block,
 }
 
@@ -66,7 +67,7 @@ impl BlockReceiver {
         }
     }
 
-    /// What came so far.
+    /// Returns the statistics of the received frames.
     pub fn counts(&self) -> Counts {
         self.counts
     }
@@ -74,7 +75,7 @@ impl BlockReceiver {
     /// Takes a byte; gives a block when it was the last of one.
     ///
     /// # Errors
-    /// [`WireError`] with the last byte of a frame that is no block of this robot. The next byte begins a new one.
+    /// Returns a [`WireError`] with the last byte of a frame that is no block of this robot. The next byte begins a new one.
     pub fn push(&mut self, byte: u8) -> Result<Option<Received>, WireError> {
         if byte != 0 {
             self.too_long |= self.frame.len() >= self.bytes_max;
@@ -94,9 +95,9 @@ impl BlockReceiver {
         self.frame.clear();
         match received {
             Ok((sequence, block)) => Ok(Some(self.count(sequence, block))),
-            Err(why) => {
-                self.counts.refused += 1;
-                Err(why)
+            Err(reason) => {
+                self.counts.rejected += 1;
+                Err(reason)
             }
         }
     }
@@ -123,7 +124,7 @@ impl BlockReceiver {
     fn count(&mut self, sequence: u32, block: Block) -> Received {
         let expected = self.expected.unwrap_or(sequence);
         let restarted = sequence < expected;
-        // What a chip completed before its first block that came is lost, too.
+        // Blocks completed before the first received one are lost, too.
         let lost_before = if restarted {
             sequence
         } else {

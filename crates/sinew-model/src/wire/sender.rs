@@ -5,10 +5,10 @@ use crate::StepError;
 use crate::offset::{Block, FeatureObserver};
 use alloc::vec::Vec;
 
-/// Most bytes of what stands before a block: version, robot, sequence.
+/// Maximum number of bytes before a block: version, robot, sequence.
 const HEAD_BYTES: usize = 1 + 5 + 5;
 
-/// Writes blocks as frames, and keeps what the line has not taken yet.
+/// Writes blocks as frames, and stores the bytes that the line has not accepted yet.
 ///
 /// ```text
 /// if features.step(…)? { sender.put(features.block())?; }
@@ -20,10 +20,10 @@ pub struct BlockSender {
     columns: usize,
     joints: usize,
     sequence: u32,
-    left_out: u32,
+    skipped: u32,
     content: Vec<u8>,
     frame: Vec<u8>,
-    /// What of the frame is not sent yet.
+    /// Start of the part of the frame that is not sent yet.
     from: usize,
     to: usize,
 }
@@ -41,7 +41,7 @@ impl BlockSender {
             columns,
             joints,
             sequence: 0,
-            left_out: 0,
+            skipped: 0,
             content: alloc::vec![0; content],
             frame: alloc::vec![0; cobs::max_encoding_length(content) + 1],
             from: 0,
@@ -49,10 +49,11 @@ impl BlockSender {
         }
     }
 
-    /// Takes a block, to be sent. `false`: the one before is not out yet, so this one is left out, and counted.
+    /// Accepts a block for sending. Returns `false` if the previous one is not sent yet; this block is then
+    /// skipped and counted.
     ///
     /// # Errors
-    /// [`StepError::Length`] when the block is of another arm; nothing has changed.
+    /// Returns [`StepError::Length`] if the block belongs to another arm; nothing has changed.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock; `O(n r)` of `r` base parameters.
@@ -63,7 +64,7 @@ impl BlockSender {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
         if !self.pending().is_empty() {
-            self.left_out = self.left_out.saturating_add(1);
+            self.skipped = self.skipped.saturating_add(1);
             return Ok(false);
         }
         let message = (VERSION, self.robot, sequence, block);
@@ -76,7 +77,7 @@ impl BlockSender {
         Ok(true)
     }
 
-    /// What is to be sent, in order.
+    /// Returns the bytes to be sent, in order.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -84,7 +85,7 @@ impl BlockSender {
         self.frame.get(self.from..self.to).unwrap_or_default()
     }
 
-    /// The line has taken the first `count` bytes of what is [pending](BlockSender::pending).
+    /// Removes the first `count` [pending](BlockSender::pending) bytes, which the line has accepted.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -92,13 +93,13 @@ impl BlockSender {
         self.from = self.from.saturating_add(count).min(self.to);
     }
 
-    /// Most bytes of a frame: what a line must carry five times a second.
+    /// Maximum number of bytes of a frame, which the line transmits five times per second.
     pub fn frame_bytes_max(&self) -> usize {
         self.frame.len()
     }
 
-    /// Blocks left out because the line was too slow.
-    pub fn left_out(&self) -> u32 {
-        self.left_out
+    /// Number of blocks skipped because the line was too slow.
+    pub fn skipped(&self) -> u32 {
+        self.skipped
     }
 }

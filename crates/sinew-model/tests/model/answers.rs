@@ -1,6 +1,6 @@
-//! Numbers as they were when somebody last looked, each held to a millionth of its own deviation, so that no change of the code
-//! goes unnoticed. Where a change is meant, `SINEW_WRITE=1 cargo test -p PACKAGE known` writes them anew; `git diff` says
-//! which moved, and by how much.
+//! Golden results: numbers are compared with stored values to a millionth of their standard deviation, so that every
+//! change of the results is detected. For an intended change, `SINEW_WRITE=1 cargo test -p PACKAGE golden` updates the
+//! files; `git diff` shows the changed values.
 
 #![allow(dead_code, reason = "each crate uses its own part")]
 
@@ -26,16 +26,15 @@ impl Answers {
             .push((format!("{} {name}", self.about), value, value.abs()));
     }
 
-    /// One that is held to a millionth of its deviation.
+    /// Compares a number to a millionth of its standard deviation.
     pub(crate) fn gaussian(&mut self, name: &str, value: Gaussian) {
         let name = format!("{} {name}", self.about);
+        self.rows.push((name.clone(), value.mean, value.std.abs()));
         self.rows
-            .push((name.clone(), value.mean, value.deviation.abs()));
-        self.rows
-            .push((format!("{name} ±"), value.deviation, value.deviation.abs()));
+            .push((format!("{name} ±"), value.std, value.std.abs()));
     }
 
-    /// One that is held to a millionth of what is usual.
+    /// Compares a number to a millionth of its usual size.
     pub(crate) fn usually(&mut self, name: &str, value: f64, usual: f64) {
         self.rows
             .push((format!("{} {name}", self.about), value, usual));
@@ -47,7 +46,7 @@ impl Answers {
             .push((format!("{} {name}", self.about), value, 1.0));
     }
 
-    /// Holds the numbers against those that stand in a file, or writes them there.
+    /// Compares the numbers with those stored in a file, or updates the file.
     pub(crate) fn hold(&self, file: &str) {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
             .join("tests/reference")

@@ -27,8 +27,8 @@ fn observer(
     ExternalTorqueObserver::new(arm, t, c, config, quiet).unwrap()
 }
 
-/// A recording with known torques applied: the motion's own torque is what the springs don't get
-/// from outside. Calls `each` with the observer and the applied torque after every step.
+/// Simulates a recording with external torques: the springs carry the torque of the motion minus
+/// the external torque. Calls `each` with the observer and the applied torque after every step.
 fn applied(
     config: ExternalTorqueConfig,
     seconds: f64,
@@ -52,7 +52,7 @@ fn applied(
 }
 
 #[test]
-fn the_external_torque_is_the_applied_one_with_the_lag_stated() {
+fn external_torque_matches_applied_with_documented_lag() {
     let smooth = |t: f64, i: usize| (1.0 + 0.1 * i as f64) * (2.0 * t).sin().powi(2);
     let pole = ExactPole::new(RECORDED.gain_per_s, 1e-3);
     let mut lagging: Vec<Option<FirstOrder>> = vec![None; 9];
@@ -73,7 +73,7 @@ fn the_external_torque_is_the_applied_one_with_the_lag_stated() {
 }
 
 #[test]
-fn at_steady_state_the_external_torque_is_exactly_the_applied_one() {
+fn steady_external_torque_equals_applied_torque() {
     let arm = pendulum();
     let t = vec![Some(Transmission::spring(K))];
     let c = [JointCorrection::offset(Gaussian::new(0.01, 0.0))];
@@ -94,7 +94,7 @@ fn at_steady_state_the_external_torque_is_exactly_the_applied_one() {
 }
 
 #[test]
-fn a_step_rises_as_the_gain_says() {
+fn step_response_matches_gain() {
     let arm = pendulum();
     let t = vec![Some(Transmission::spring(K))];
     let mut observer = observer(&arm, &t, &[JointCorrection::default()], RECORDED);
@@ -116,7 +116,7 @@ fn a_step_rises_as_the_gain_says() {
 }
 
 #[test]
-fn an_uncorrected_offset_is_a_contact_of_minus_k_delta_e() {
+fn uncorrected_offset_appears_as_contact_torque() {
     let arm = branching();
     let n = arm.dof();
     let t = springs(n);
@@ -194,7 +194,7 @@ fn contact_and_stretch_read_the_same_residual() {
 }
 
 #[test]
-fn the_threshold_is_what_is_unsure() {
+fn threshold_equals_model_uncertainty() {
     let arm = pendulum();
     let mut spring = Transmission::spring(K);
     spring.joint_friction.coulomb_nm = 0.05;
@@ -207,7 +207,7 @@ fn the_threshold_is_what_is_unsure() {
     let tolerances = ContactTolerances {
         sigmas: 4.0,
         noise_nm: vec![0.02],
-        mass_deviation: 0.05,
+        mass_std: 0.05,
         friction_share: 1.0,
     };
     let mut observer = ExternalTorqueObserver::new(&arm, &t, &c, RECORDED, tolerances).unwrap();
@@ -232,7 +232,7 @@ fn the_threshold_is_what_is_unsure() {
 }
 
 #[test]
-fn rigid_joints_say_nothing_and_spoil_nothing() {
+fn rigid_joint_has_no_torque_and_no_side_effect() {
     let arm = branching();
     let n = arm.dof();
     let (mut t, mut c) = (springs(n), known(n));
@@ -266,20 +266,20 @@ fn rigid_joints_say_nothing_and_spoil_nothing() {
 }
 
 #[test]
-fn a_contact_begins_above_and_ends_well_below_the_threshold() {
+fn contact_threshold_has_hysteresis() {
     let config = ContactConfig {
         release_share: 0.7,
         confirm_s: 0.0025,
     };
     let mut detector = ContactDetector::new(1, config).unwrap();
-    let mut say = |tau: f64| detector.step(1e-3, &[tau], &[1.0]).unwrap();
-    // Two samples above are not enough, and a fall starts the count anew.
-    assert_eq!([1.1, -1.2, 0.9, 1.1, 1.1].map(&mut say), [false; 5]);
-    assert!(say(1.1));
-    // About the threshold it stays on; NaN keeps what was said.
-    assert_eq!([0.9, 1.1, -0.8, f64::NAN, 0.71].map(&mut say), [true; 5]);
-    assert!(!say(0.7));
-    assert!(!say(f64::NAN));
+    let mut step = |tau: f64| detector.step(1e-3, &[tau], &[1.0]).unwrap();
+    // Two samples above the threshold are not sufficient, and a lower value resets the count.
+    assert_eq!([1.1, -1.2, 0.9, 1.1, 1.1].map(&mut step), [false; 5]);
+    assert!(step(1.1));
+    // Near the threshold the contact remains active; NaN keeps the state.
+    assert_eq!([0.9, 1.1, -0.8, f64::NAN, 0.71].map(&mut step), [true; 5]);
+    assert!(!step(0.7));
+    assert!(!step(f64::NAN));
     let mut at_once = ContactDetector::new(2, ContactConfig::default()).unwrap();
     assert!(at_once.step(1e-3, &[0.0, -2.0], &[1.0, 1.0]).unwrap());
     assert!(!at_once.is_touching_at(0) && at_once.is_touching_at(1));
@@ -288,7 +288,7 @@ fn a_contact_begins_above_and_ends_well_below_the_threshold() {
 }
 
 #[test]
-fn a_refused_sample_leaves_the_state_as_it_was() {
+fn rejected_sample_keeps_external_torque_state() {
     let arm = branching();
     let n = arm.dof();
     let (t, c) = (springs(n), known(n));

@@ -8,7 +8,7 @@ use sinew_model::correction::{Correction, CorrectionError, JointCorrection, SetP
 use sinew_model::transmission::Transmission;
 
 #[test]
-fn a_spring_and_its_inverse_undo_each_other() {
+fn spring_inverse_recovers_deflection() {
     for c in [0.0, 1e-12, 0.5, 2.0, 6.0, 1e4, -0.5, -2.0] {
         let spring = Spring::new(40.0, c).unwrap();
         for k in -60..=60 {
@@ -49,7 +49,7 @@ fn stiffening_by_hand() {
 }
 
 #[test]
-fn a_softening_spring_refuses_what_it_cannot_carry() {
+fn softening_spring_rejects_torque_above_maximum() {
     // Largest torque (2/3) K x at x = 1/√(3|c|): 40 · (2/3) · 0.5 = 13.33 for |c| = 4/3.
     let spring = Spring::new(40.0, -4.0 / 3.0).unwrap();
     let most = 40.0 * 2.0 / 3.0 * 0.5;
@@ -65,7 +65,7 @@ fn a_softening_spring_refuses_what_it_cannot_carry() {
     };
     let mut set = SetPoint::new(&pendulum(), &t, &[soft]).unwrap();
     let before = set.hold(&[0.1], None).unwrap().to_vec();
-    // It carries 0.333 N·m; the pendulum asks for 1.47 at 90°.
+    // It carries 0.333 N·m; the pendulum requires 1.47 N·m at 90°.
     assert_eq!(
         set.hold(&[1.57], None).unwrap_err(),
         StepError::Spring { joint: 0 }
@@ -74,7 +74,7 @@ fn a_softening_spring_refuses_what_it_cannot_carry() {
 }
 
 #[test]
-fn the_set_point_of_a_pendulum_is_the_closed_form() {
+fn pendulum_set_point_matches_closed_form() {
     let arm = pendulum();
     let t = vec![Some(Transmission::spring(K))];
     let mut set = SetPoint::new(
@@ -121,7 +121,7 @@ fn at_its_set_point_the_arm_stays_where_it_is_wanted() {
             // Rounding of the torque (1e-14) over the smallest inertia of this arm, some 1e-4.
             assert!(ddq.iter().all(|a| a.abs() < 1e-9), "{ddq:?}");
 
-            // In motion with friction: the acceleration asked for.
+            // In motion with friction: the desired acceleration.
             let theta = set.follow(&q, &dq, &wanted, None).unwrap().to_vec();
             set.correction()
                 .elastic_torque(&theta, &q, &mut tau_el)
@@ -139,7 +139,7 @@ fn at_its_set_point_the_arm_stays_where_it_is_wanted() {
 }
 
 #[test]
-fn without_anything_known_nothing_is_corrected() {
+fn default_correction_is_identity() {
     let n = 3;
     let none = Correction::none(&springs(n)).unwrap();
     let (theta, q) = ([0.3, -0.2, 0.7], [0.1, 0.0, 0.9]);
@@ -164,7 +164,7 @@ fn bad_configurations_name_the_joint_and_the_value() {
     };
     let message = with(&|c| c.delta_e_rad.mean = f64::NAN);
     assert!(message.contains("joint 4 is NaN rad"), "{message}");
-    let message = with(&|c| c.delta_e_rad.deviation = -1.0);
+    let message = with(&|c| c.delta_e_rad.std = -1.0);
     assert!(message.contains("offset of joint 4 is -1"), "{message}");
     let message = with(&|c| c.stiffness_factor.mean = 0.0);
     assert!(message.contains("joint 4 is 0 N·m/rad"), "{message}");

@@ -49,9 +49,10 @@ fn of(robot: &Robot, i: usize) -> &Transmission {
     robot.transmissions[i].as_ref().unwrap()
 }
 
-/// The description's own coupling, whose motors, tendons and units know of no joint that a tendon is paired with, carries gravity there.
+/// The gravity torque comes from the description's coupling, whose motors, tendons and units are independent of the
+/// pairing with joints.
 #[test]
-fn motors_at_their_set_points_hold_the_joints_where_they_are_wanted() {
+fn set_points_hold_joints_at_desired_positions() {
     for robot in robots() {
         let n = robot.arm.dof();
         let no_stiffening: Vec<_> = (0..n)
@@ -90,7 +91,7 @@ fn motors_at_their_set_points_hold_the_joints_where_they_are_wanted() {
 }
 
 #[test]
-fn what_the_set_point_counts_on_is_what_the_springs_carry() {
+fn set_point_torque_equals_spring_torque() {
     for robot in robots() {
         let n = robot.arm.dof();
         let corrections = known(n, 0.9, 1.3);
@@ -123,7 +124,7 @@ fn what_the_set_point_counts_on_is_what_the_springs_carry() {
 }
 
 #[test]
-fn the_external_torque_is_the_applied_one() {
+fn coupled_external_torque_equals_applied_torque() {
     for robot in robots() {
         let n = robot.arm.dof();
         let corrections = known(n, 0.9, 1.3);
@@ -149,15 +150,15 @@ fn the_external_torque_is_the_applied_one() {
     }
 }
 
-/// In mm of rope: the left loop has 16 and 12 mm, 40 N/mm, and an offset known to 0.1 mm.
+/// In mm of rope: the left loop has 16 and 12 mm, 40 N/mm, and an offset with a standard deviation of 0.1 mm.
 #[test]
-fn a_doubt_about_one_tendon_widens_the_threshold_of_all_joints_that_it_crosses() {
+fn tendon_uncertainty_widens_thresholds_of_crossed_joints() {
     let [_, robot] = robots();
     let tendons = robot.tendon_names();
     let left = tendons.iter().position(|name| name == "left").unwrap();
     let radius_mm = [16.0, 12.0][left];
     let mut corrections = vec![JointCorrection::default(); 2];
-    corrections[left].delta_e_rad.deviation = 0.1 / radius_mm;
+    corrections[left].delta_e_rad.std = 0.1 / radius_mm;
     let mut tolerances = ContactTolerances::new(vec![0.0; 2]);
     tolerances.friction_share = 0.0;
     let (arm, t) = (&robot.arm, &robot.transmissions);
@@ -173,8 +174,8 @@ fn a_doubt_about_one_tendon_widens_the_threshold_of_all_joints_that_it_crosses()
         assert!((found - by_hand).abs() < 1e-12, "{found} for {by_hand}");
     }
     // A stiffness known to 10 %.
-    corrections[left].delta_e_rad.deviation = 0.0;
-    corrections[left].stiffness_factor.deviation = 0.1;
+    corrections[left].delta_e_rad.std = 0.0;
+    corrections[left].stiffness_factor.std = 0.1;
     observer.set(left, &corrections[left]).unwrap();
     observer.step(1e-3, &q, theta, Some(&[0.0; 2])).unwrap();
     let f = set.tendon_torque()[left] / (1e-3 * [16.0, 12.0][left]);
@@ -185,7 +186,7 @@ fn a_doubt_about_one_tendon_widens_the_threshold_of_all_joints_that_it_crosses()
 }
 
 #[test]
-fn a_routing_of_another_robot_is_refused() {
+fn routing_of_other_robot_returns_error() {
     let [coupled, _] = robots();
     let two = &coupled.transmissions[..2];
     let refused = Correction::none(two).unwrap_err();

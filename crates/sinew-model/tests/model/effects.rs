@@ -1,6 +1,6 @@
-//! The book's page of effects says what the code does.
+//! Tests that the book's page of effects matches the code.
 //!
-//! `SINEW_WRITE=1 cargo test -p sinew-model --test model effects::` writes it anew.
+//! `SINEW_WRITE=1 cargo test -p sinew-model --test model effects::` regenerates it.
 
 use sinew_model::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 use sinew_model::offset::effects::{ALL, Lifetime, Parameter};
@@ -14,26 +14,23 @@ use std::path::Path;
 const HEAD: &str = "\
 # Effects
 
-The [absolute offset](absolute.md) is estimated together with every other effect that moves the measurements. This page is generated
-from the code: it lists the terms of each effect, its parameters and their priors.
+The [absolute offset](absolute.md) is estimated jointly with all other effects that influence the measurements. This page is generated from the
+code and lists the terms, parameters and priors of each effect.
 
-An effect adds its terms to sums in the [equations of a block](absolute.md#the-equations-of-a-block). All signals have passed the
-low-pass `LP`. The number after ± is a standard deviation. Keys in the column *prior* are those of
-[tolerances](../reference/robot.md#tolerances). *Engineering judgement* marks starting values for light rope-driven arms that
-no measurement supports.
+An effect adds its terms to the sums in the [block equations](absolute.md#block-equations). All signals have passed the low-pass `LP`. Numbers
+after ± are standard deviations. The column *prior* names the keys of [tolerances](../reference/robot.md#tolerances). *Engineering judgement* marks
+default values for light rope-driven arms that no measurement supports.
 
-The column *default* is the prior where robot.toml states no more than a stiffness of 50 N·m/rad and an antagonistic pair. The body
-there has 1 kg in a point 0.1 m from its joint.
+The column *default* is the prior for a stiffness of 50 N·m/rad, an antagonistic pair and a point mass of 1 kg at 0.1 m from the joint. The column
+*ages* states the validity of a value:
 
-The column *ages* says how long a value holds:
-
-- *recording*: for one recording.
-- *tensioning*: until the rope is tensioned again.
-- *days*: the standard deviation grows with the square root of time, by a tenth of the prior's in a day, up to the prior's.
-- *months*: the same, by a hundredth in a day.
+- *recording*: valid for one recording.
+- *tensioning*: valid until the rope is re-tensioned.
+- *days*: the standard deviation grows with the square root of time, by a tenth of the prior in one day, up to that of the prior.
+- *months*: the same growth, by a hundredth of the prior in one day.
 ";
 
-/// Priors of a joint and a body about which robot.toml says nothing else.
+/// Returns the priors of a joint and a body with the default tolerances of robot.toml.
 fn defaults() -> HashMap<String, String> {
     let body = BodySpec {
         name: "body".into(),
@@ -53,17 +50,34 @@ fn defaults() -> HashMap<String, String> {
     };
     let tolerances = Tolerances::default();
     let prior = Prior::new(&arm, &[Some(joint)], 0, [0.0; 3], tolerances);
-    let belief = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let state_estimate = prior.state_estimate(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     let mut out = HashMap::new();
     for k in 0..prior.dimension() {
-        let (of, entry) = (prior.parameter(k).unwrap(), belief.entry(k));
+        let (of, entry) = (prior.parameter(k).unwrap(), state_estimate.entry(k));
         out.insert(
             of.name.to_owned(),
-            in_unit([entry.mean, entry.deviation], of.unit),
+            in_unit([entry.mean, entry.std], of.unit),
         );
     }
     let arm = in_unit([0.0, tolerances.moment_arm], "");
     out.insert("moment arm error".into(), arm);
+    let more = [
+        ("joint spring stiffness", tolerances.spring, ""),
+        (
+            "joint spring rest position",
+            tolerances.spring_rest_rad,
+            "rad",
+        ),
+        ("tension sensor gain", tolerances.tension_sensor, ""),
+    ];
+    for (name, std, unit) in more {
+        out.insert(name.into(), in_unit([0.0, std], unit));
+    }
+    let of_sensor = tolerances.tension_sensor * 0.02 * 50.0;
+    out.insert(
+        "tension sensor zero".into(),
+        in_unit([0.0, of_sensor], "N·m"),
+    );
     let force = in_unit([0.0, tolerances.external_force_n], "N");
     let place = in_unit([0.0, tolerances.payload_reach_m], "m");
     for axis in ["x", "y", "z"] {
@@ -83,15 +97,15 @@ fn shown(unit: &str) -> (String, f64) {
 }
 
 /// Mean and standard deviation, to two digits.
-fn in_unit([mean, deviation]: [f64; 2], unit: &str) -> String {
-    /// What is held fixed has less.
+fn in_unit([mean, std]: [f64; 2], unit: &str) -> String {
+    /// Standard deviation below which a parameter is fixed.
     const FIXED: f64 = 1e-8;
     let (_, factor) = shown(unit);
     let number = |x: f64| -> f64 { format!("{:.1e}", factor * x).parse().unwrap() };
-    if deviation < FIXED {
+    if std < FIXED {
         return format!("{}, fixed", number(mean));
     }
-    format!("{} ± {}", number(mean), number(deviation))
+    format!("{} ± {}", number(mean), number(std))
 }
 
 fn row(parameter: &Parameter, defaults: &HashMap<String, String>) -> String {

@@ -142,7 +142,7 @@ proptest! {
         }
     }
 
-    /// `Ṁ dq = C dq + Cᵀ dq`, the identity the observer stands on.
+    /// Checks `Ṁ dq = C dq + Cᵀ dq`, the identity that the observer requires.
     #[test]
     fn momentum_changes_as_the_observer_assumes(case in case(12)) {
         let mut weightless = case.clone();
@@ -231,7 +231,7 @@ proptest! {
     }
 
     #[test]
-    fn a_payload_is_a_body_bolted_on(
+    fn payload_equals_rigidly_attached_body(
         case in case(8),
         which in 0.0..1.0f64,
         xyz in prop::array::uniform3(-0.3..0.3f64),
@@ -259,7 +259,7 @@ proptest! {
     }
 
     #[test]
-    fn a_force_acts_through_the_jacobian(
+    fn force_torque_equals_jacobian_transpose(
         case in case(8),
         which in 0.0..1.0f64,
         point in prop::array::uniform3(-0.3..0.3f64),
@@ -307,7 +307,7 @@ proptest! {
     }
 }
 
-/// `E(1 s) − E(0)` of a free motion by the classical Runge–Kutta method with `steps` steps.
+/// Returns `E(1 s) − E(0)` of a free motion by the classical Runge–Kutta method with `steps` steps.
 fn energy_drift(arm: &Arm, q0: &[f64], dq0: &[f64], steps: usize) -> f64 {
     let n = arm.dof();
     let mut ws = ArmWorkspace::new(arm);
@@ -383,8 +383,8 @@ fn energy_is_conserved_without_friction() {
         .map(|&steps| energy_drift(&arm, &q, &rest, steps).abs())
         .collect();
     println!("energy drift over 1 s, J: {drifts:?}");
-    // The method's error falls with the fourth power of the step at least; a wrong term in the
-    // equations leaves a drift that doesn't fall at all.
+    // The error of the method decreases at least with the fourth power of the step; a wrong term in the
+    // equations causes a constant drift.
     for pair in drifts.windows(2).take(2) {
         assert!(
             pair[1] < pair[0] / 12.0,

@@ -1,6 +1,6 @@
 //! The model against closed forms, identities, references and itself, in one binary.
 //!
-//! `realtime.rs` beside this folder is a binary of its own: it counts allocations, for which it brings a
+//! `realtime.rs` next to this folder is a separate binary: it counts allocations and therefore has a
 //! global allocator.
 
 mod answers;
@@ -10,11 +10,10 @@ mod correction;
 mod coupled_correction;
 mod coverage;
 mod effects;
+mod golden_observer;
+mod golden_offsets;
 mod identities;
-mod known_observer;
-mod known_offsets;
 mod lost_stiffness;
-mod made_up_arm;
 mod observer;
 mod offset;
 mod offset_state;
@@ -30,6 +29,8 @@ mod score;
 #[path = "../../../sinew-files/tests/support/skipped.rs"]
 mod skipped;
 mod spring_arms;
+mod strands;
+mod synthetic_arm;
 mod tendons;
 mod urdf;
 #[cfg(feature = "wire")]

@@ -97,7 +97,7 @@ fn error_against_continuous_filter(gain: f64, nominal_dt: f64, irregular: bool) 
             .map(|(c, g)| c - g)
             .collect();
         observer.step(dt, terms.p, &alpha, None).unwrap();
-        // The start is a guess (rest); compare once it has faded.
+        // The initial state assumes rest; results are compared after it has decayed.
         if t > 10.0 / gain {
             for (r, e) in observer.torque().iter().zip(&exact) {
                 sum += (r - e.output()).powi(2);
@@ -120,7 +120,7 @@ fn follows_the_continuous_filter_at_every_gain() {
 }
 
 #[test]
-fn the_error_falls_with_the_square_of_the_step_at_low_gain() {
+fn low_gain_error_is_quadratic_in_step() {
     let coarse = error_against_continuous_filter(20.0, 4e-3, false);
     let fine = error_against_continuous_filter(20.0, 1e-3, false);
     let order = (coarse / fine).log2() / 2.0;
@@ -168,7 +168,7 @@ fn weights_are_convex_and_exact_on_ramps() {
 }
 
 #[test]
-fn a_change_of_gain_does_not_jump() {
+fn gain_change_is_continuous() {
     let mut observer = MomentumObserver::new(&[10.0]).unwrap();
     for _ in 0..50 {
         observer.step(1e-3, &[0.0], &[-4.0], None).unwrap();
@@ -182,7 +182,7 @@ fn a_change_of_gain_does_not_jump() {
 }
 
 #[test]
-fn known_external_torque_is_taken_out() {
+fn specified_external_torque_is_subtracted() {
     // p constant: tau_el = −α − tau_ext.
     let mut observer = MomentumObserver::new(&[50.0]).unwrap();
     for _ in 0..1000 {
@@ -232,7 +232,7 @@ fn bad_samples_leave_the_state_as_it_was() {
 }
 
 #[test]
-fn the_state_variable_filter_is_exact_on_ramps_and_smooths_steps() {
+fn state_variable_filter_exact_on_ramps() {
     let (w, dt) = (40.0, 1e-3);
     let pole = DoublePole::new(w, dt);
     let mut filter = StateVariableFilter::settled_at(0.0);

@@ -1,7 +1,7 @@
 //! The offset estimate: what motion, model errors and bad samples do to it.
 //!
 //! Motions are analytic and torques come from inverse dynamics, so that motor positions
-//! `theta = q + tau_el/K + delta_e` are exact and no simulator stands between.
+//! `theta = q + tau_el/K + delta_e` are exact and independent of a simulator.
 
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace};
@@ -169,7 +169,7 @@ fn config(comparison: Comparison, velocity: VelocityFilter) -> OffsetConfig {
 }
 
 #[test]
-fn a_matched_comparison_cancels_motion() {
+fn matched_comparison_cancels_motion() {
     let robot = robot();
     let delta_e = 10.0 * MRAD;
     let of = |c| run(&robot, &robot.arm, &robot.transmissions, c, delta_e);
@@ -189,7 +189,7 @@ fn a_matched_comparison_cancels_motion() {
 }
 
 #[test]
-fn model_errors_read_as_the_closed_form_says() {
+fn model_error_bias_matches_closed_form() {
     let robot = robot();
     let reference = OffsetConfig::default();
     // Straight out at 90°: 0.55·0.12 + 0.3·(0.31 + 0.13) + 0.25·(0.62 + 0.07) kg·m.
@@ -213,7 +213,7 @@ fn model_errors_read_as_the_closed_form_says() {
     assert!((error - 0.1 * g / k / MRAD).abs() < 0.01, "{error}");
     assert!((error - 9.1).abs() < 0.1, "{error}");
 
-    // The difference of two estimates doesn't mind either.
+    // The difference of two estimates is unaffected, too.
     for (arm, transmissions) in [(&robot.arm, &stiffer), (&lighter, &robot.transmissions)] {
         let (_, _, small) = run(&robot, arm, transmissions, reference, 10.0 * MRAD);
         let (_, _, large) = run(&robot, arm, transmissions, reference, 15.0 * MRAD);
@@ -227,7 +227,7 @@ fn model_errors_read_as_the_closed_form_says() {
 }
 
 #[test]
-fn every_source_finds_the_offset() {
+fn all_torque_sources_estimate_offset() {
     let robot = robot();
     for source in [
         TorqueSource::Observer,
@@ -256,7 +256,7 @@ fn every_source_finds_the_offset() {
 }
 
 #[test]
-fn a_measured_torque_is_compared_as_it_is() {
+fn measured_torque_is_compared_unfiltered() {
     let robot = robot();
     for comparison in [Comparison::Paper, Comparison::Matched] {
         let config = OffsetConfig {
@@ -277,7 +277,7 @@ fn a_measured_torque_is_compared_as_it_is() {
 }
 
 #[test]
-fn a_bad_sample_changes_nothing() {
+fn rejected_sample_keeps_observer_state() {
     let robot = robot();
     let mut truth = Truth::new(&robot, [5.0 * MRAD; N]);
     let mut observer =
@@ -336,7 +336,7 @@ fn a_bad_sample_changes_nothing() {
         ..sample
     };
     assert_eq!(observer.step(1e-3, &short), Err(StepError::Length));
-    // One frame left out: both go on with the same step and the same result, to the bit.
+    // One frame is skipped: both continue with the same step and bitwise identical results.
     feed(&mut observer, &mut truth, 501, 2e-3).unwrap();
     feed(&mut untouched, &mut truth, 501, 2e-3).unwrap();
     assert_eq!(observer.delta_e(), untouched.delta_e());
@@ -344,7 +344,7 @@ fn a_bad_sample_changes_nothing() {
 }
 
 #[test]
-fn a_rigid_joint_needs_no_motor_and_gets_no_offset() {
+fn rigid_joint_needs_no_motor_and_has_no_offset() {
     let robot = robot();
     let mut transmissions = robot.transmissions.clone();
     transmissions[0] = None;
@@ -372,7 +372,7 @@ fn a_rigid_joint_needs_no_motor_and_gets_no_offset() {
 }
 
 #[test]
-fn a_start_in_motion_settles_in_the_time_stated() {
+fn start_in_motion_settles_in_documented_time() {
     let robot = robot();
     let mut truth = Truth::new(&robot, [0.0; N]);
     let mut observer =
@@ -402,7 +402,7 @@ fn a_start_in_motion_settles_in_the_time_stated() {
 }
 
 #[test]
-fn impossible_settings_are_refused() {
+fn invalid_settings_return_error() {
     let robot = robot();
     let new = |transmissions: &[Option<Transmission>], config| {
         OffsetObserver::new(&robot.arm, transmissions, config).unwrap_err()

@@ -3,9 +3,9 @@
 use crate::pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::Gaussian;
 use sinew_model::offset::{
-    Belief, Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError,
-    MapEstimator, Payload, Prior, SearchScope, Sequential, TENSIONED_OFFSET_RAD, Termination,
-    UNKNOWN_OFFSET_RAD, beliefs,
+    Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator,
+    Payload, Prior, SearchScope, Sequential, StateEstimate, TENSIONED_OFFSET_RAD, Termination,
+    UNKNOWN_OFFSET_RAD, state_estimates,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Friction;
@@ -13,22 +13,18 @@ use sinew_model::transmission::Friction;
 const JOINT_PARAMETERS: usize = JointParameter::Zero as usize + 1;
 
 #[test]
-fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
+fn offset_and_stiffness_separable_only_in_motion() {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
-    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let start = estimator
+        .prior()
+        .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let map = estimator
         .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, PLAIN))
         .unwrap();
-    let Gaussian {
-        mean: offset,
-        deviation,
-    } = map.offset(estimator.prior(), 0);
-    assert!(
-        (offset - 0.01).abs() < 2.0 * deviation,
-        "{offset} ± {deviation}"
-    );
-    assert!(deviation < 1.5e-3, "{deviation}");
+    let Gaussian { mean: offset, std } = map.offset(estimator.prior(), 0);
+    assert!((offset - 0.01).abs() < 2.0 * std, "{offset} ± {std}");
+    assert!(std < 1.5e-3, "{std}");
     // The schedule is ten steps long; the last one hardly moved the state.
     let end = map.convergence;
     assert_eq!(
@@ -36,20 +32,20 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
         (Termination::SmallStep, 10)
     );
     assert!(end.last_step < 0.1 && end.cost > 0.0, "{end:?}");
-    let belief = map.belief(estimator.prior());
+    let state_estimate = map.state_estimate(estimator.prior());
     let place = estimator.prior().place(0, JointParameter::Compliance);
     let Gaussian {
         mean: compliance,
-        deviation: unsure,
-    } = belief.entry(place);
-    // Mass and stiffness are one in a single pendulum's statics: only their ratio is sure.
+        std: unsure,
+    } = state_estimate.entry(place);
+    // Mass and stiffness are not separable in a single pendulum's statics: only their ratio is determined.
     assert!(
         (compliance - 0.1).abs() < 2.0 * unsure,
         "{compliance} ± {unsure}"
     );
 
-    // Standing, the offset is the whole of the compliance's and mass's uncertainty:
-    // 0.12 and 0.065 of the deflection, and what friction holds.
+    // At rest, the offset has the whole uncertainty of compliance and mass, 0.12 and 0.065 of the deflection, and of
+    // the stiction.
     let stand = Truth {
         swing_rad: [0.0, 1.2],
         ..PLAIN
@@ -57,22 +53,24 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
     let map = estimator
         .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, stand))
         .unwrap();
-    let deviation = map.offset(estimator.prior(), 0).deviation;
+    let std = map.offset(estimator.prior(), 0).std;
     let deflection = MASS_KG * G * LENGTH_M * 1.2_f64.sin() / K;
-    assert!(deviation > 0.12 * deflection, "{deviation} of {deflection}");
+    assert!(std > 0.12 * deflection, "{std} of {deflection}");
 }
 
 #[test]
-fn a_stiffening_spring_is_followed_however_far_it_is_stretched() {
+fn stiffening_spring_accurate_at_large_deflection() {
     let mut robot = pendulum("").unwrap();
-    // All but offset and stiffening is known.
+    // All parameters except offset and stiffening have narrow priors.
     let known = &mut robot.tolerances;
     (known.stiffness, known.mass, known.first_moment) = (1e-6, 1e-6, 1e-6);
     (known.first_moment_across, known.encoder_rad) = (1e-6, 1e-9);
     (known.viscoelastic, known.gear) = (1e-9, 1e-9);
     known.stiffening_per_rad2 = Gaussian::new(15.0, 10.0);
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
-    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let start = estimator
+        .prior()
+        .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let truth = Truth {
         compliance: 0.0,
         cubic_per_rad2: 30.0,
@@ -82,17 +80,17 @@ fn a_stiffening_spring_is_followed_however_far_it_is_stretched() {
     let map = estimator
         .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, truth))
         .unwrap();
-    // At 4.2° of deflection the spring is 16 % stiffer than its first term says; the series of its
-    // inverse, cut after the cubic, is 3 c² d⁵ = 5.8 mrad off.
+    // At 4.2° of deflection the spring is 16 % stiffer than its first term; the series of its inverse, truncated after
+    // the cubic term, has an error of 3 c² d⁵ = 5.8 mrad.
     let offset = map.offset(estimator.prior(), 0).mean;
     assert!((offset - 0.01).abs() < 2e-5, "{offset}");
     let place = estimator.prior().place(0, JointParameter::Stiffening);
-    let cubic = map.belief(estimator.prior()).entry(place).mean;
+    let cubic = map.state_estimate(estimator.prior()).entry(place).mean;
     assert!((cubic - 30.0).abs() < 0.2, "{cubic}");
 }
 
 #[test]
-fn a_dead_zone_is_seen_where_the_robot_file_says_that_two_ropes_pull() {
+fn slack_estimated_for_antagonistic_ropes() {
     let tendon = "[joints.swing.tendon]\nlength_mm = 500.0\njoint_pulley_radius_mm = 20.0\n";
     let pair = pendulum(&format!("{tendon}antagonistic = true\n")).unwrap();
     let single = pendulum(tendon).unwrap();
@@ -102,29 +100,31 @@ fn a_dead_zone_is_seen_where_the_robot_file_says_that_two_ropes_pull() {
     };
     let solve = |robot: &Robot, truth: Truth| {
         let estimator = MapEstimator::new(prior(robot), &FeatureConfig::default());
-        let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let start = estimator
+            .prior()
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let map = estimator
             .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, truth))
             .unwrap();
-        let belief = map.belief(estimator.prior());
+        let state_estimate = map.state_estimate(estimator.prior());
         let place = |p| estimator.prior().place(0, p);
         (
-            belief.entry(place(JointParameter::Slack)),
-            belief.entry(place(JointParameter::Offset)),
+            state_estimate.entry(place(JointParameter::Slack)),
+            state_estimate.entry(place(JointParameter::Offset)),
         )
     };
     let (found, known) = solve(&pair, slack);
-    let (slack_rad, deviation) = (found.mean, found.deviation);
-    let (offset, unsure) = (known.mean, known.deviation);
+    let (slack_rad, std) = (found.mean, found.std);
+    let (offset, unsure) = (known.mean, known.std);
     assert!(
-        (slack_rad - 0.004).abs() < 5e-4 + 2.0 * deviation,
-        "{slack_rad} ± {deviation}"
+        (slack_rad - 0.004).abs() < 5e-4 + 2.0 * std,
+        "{slack_rad} ± {std}"
     );
-    assert!(slack_rad > 5.0 * deviation);
+    assert!(slack_rad > 5.0 * std);
     assert!((offset - 0.01).abs() < 3.0 * unsure, "{offset} ± {unsure}");
     let (found, _) = solve(&pair, PLAIN);
-    let (none, deviation) = (found.mean, found.deviation);
-    assert!(none.abs() < 3.0 * deviation + 2e-4, "{none} ± {deviation}");
+    let (none, std) = (found.mean, found.std);
+    assert!(none.abs() < 3.0 * std + 2e-4, "{none} ± {std}");
     let (fixed, _) = solve(&single, slack);
     assert!(fixed.mean.abs() < 1e-6);
     // Near zero torque a pair's offset is unknown by what the slack may be.
@@ -132,15 +132,17 @@ fn a_dead_zone_is_seen_where_the_robot_file_says_that_two_ropes_pull() {
         swing_rad: [0.0, 0.0],
         ..slack
     };
-    let near_zero = solve(&pair, hanging).1.deviation;
+    let near_zero = solve(&pair, hanging).1.std;
     assert!(near_zero > 0.2e-3, "{near_zero}");
 }
 
 #[test]
-fn a_step_is_found_with_its_time_and_size() {
+fn step_is_found_with_time_and_size() {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
-    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let start = estimator
+        .prior()
+        .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let scope = SearchScope {
         offsets: true,
         payload: true,
@@ -158,14 +160,8 @@ fn a_step_is_found_with_its_time_and_size() {
             continue;
         }
         assert_eq!(map.changes.len(), 1, "{:?}", map.changes);
-        let Gaussian {
-            mean: size,
-            deviation,
-        } = map.change(estimator.prior(), 0);
-        assert!(
-            (size - step_rad).abs() < 3.0 * deviation + 1e-4,
-            "{size} ± {deviation}"
-        );
+        let Gaussian { mean: size, std } = map.change(estimator.prior(), 0);
+        assert!((size - step_rad).abs() < 3.0 * std + 1e-4, "{size} ± {std}");
         // The low-pass spreads a step over a third of a second.
         assert!(
             (map.changes[0].at_s - 30.0).abs() < 1.0,
@@ -175,15 +171,17 @@ fn a_step_is_found_with_its_time_and_size() {
     }
 }
 
-/// A contact says nothing about what the sensors do.
+/// A contact provides no information on the sensor noise.
 #[test]
 fn noise_is_that_of_the_blocks_that_count() {
     const NOISE_RAD: f64 = 1e-3;
     const PUSHED_RAD: f64 = 0.03;
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
-    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
-    // Every fifth stretch of two seconds pushed, or none.
+    let start = estimator
+        .prior()
+        .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    // Every fifth segment of two seconds contains a push, or none.
     let solved = |pushed: bool| {
         let mut blocks = blocks(&robot.arm, PLAIN);
         // A sum of twelve even ones is nearly normal with a variance of one; the same at every call.
@@ -239,12 +237,12 @@ impl Executor for OtherFirst {
 }
 
 #[test]
-fn whoever_does_what_the_answer_is_the_same_to_the_last_bit() {
+fn result_is_bitwise_identical_with_every_executor() {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
     let start = estimator
         .prior()
-        .belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+        .state_estimate(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     let scope = SearchScope {
         offsets: true,
         payload: true,
@@ -275,11 +273,11 @@ fn whoever_does_what_the_answer_is_the_same_to_the_last_bit() {
 }
 
 #[test]
-fn beliefs_are_put_together_once_and_age_towards_the_prior() {
+fn posteriors_merge_once_and_age_towards_prior() {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
     let prior = estimator.prior();
-    let common = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+    let common = prior.state_estimate(Payload::Empty, TENSIONED_OFFSET_RAD);
     let learn = |truth: Truth| {
         let tensioned = Truth {
             offset_rad: 0.0,
@@ -288,7 +286,7 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
         estimator
             .solve(&common, &[], Payload::Empty, &blocks(&robot.arm, tensioned))
             .unwrap()
-            .belief(prior)
+            .state_estimate(prior)
     };
     let a = learn(PLAIN);
     let b = learn(Truth {
@@ -297,25 +295,25 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
     });
     let place = prior.place(0, JointParameter::Compliance);
     // What one learned, put together with what the other did not, is what the one learned.
-    let same = beliefs::merge(prior, &common, &a, &common).unwrap();
-    let Gaussian { mean, deviation } = same.entry(place);
+    let same = state_estimates::merge(prior, &common, &a, &common).unwrap();
+    let Gaussian { mean, std } = same.entry(place);
     let Gaussian {
         mean: expected,
-        deviation: expected_deviation,
+        std: expected_std,
     } = a.entry(place);
-    assert!((mean - expected).abs() < 1e-6 && (deviation - expected_deviation).abs() < 1e-6);
-    // Two that learned are surer than either, in any order.
-    let ab = beliefs::merge(prior, &common, &a, &b).unwrap();
-    let ba = beliefs::merge(prior, &common, &b, &a).unwrap();
-    let Gaussian { mean, deviation } = ab.entry(place);
-    assert!(deviation <= expected_deviation.min(b.entry(place).deviation) + 1e-12);
+    assert!((mean - expected).abs() < 1e-6 && (std - expected_std).abs() < 1e-6);
+    // Two informative posteriors give a narrower one than either, in any order.
+    let ab = state_estimates::merge(prior, &common, &a, &b).unwrap();
+    let ba = state_estimates::merge(prior, &common, &b, &a).unwrap();
+    let Gaussian { mean, std } = ab.entry(place);
+    assert!(std <= expected_std.min(b.entry(place).std) + 1e-12);
     assert!((mean - ba.entry(place).mean).abs() < 1e-9);
     assert!(matches!(
-        beliefs::merge(
+        state_estimates::merge(
             prior,
             &common,
             &a,
-            &Belief {
+            &StateEstimate {
                 mean: vec![],
                 ..b.clone()
             }
@@ -323,7 +321,7 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
         Err(MapError::Dimension { found: 0, .. })
     ));
 
-    // Both know less of the stiffness than they started with: as much as they know, and no more.
+    // Both have wider posteriors of the stiffness than the prior: the result has the same information as they have.
     let d = prior.dimension();
     for looser in [1.2, 1.9, 9.0] {
         let lost = [-0.06, -0.02].map(|change| {
@@ -332,32 +330,29 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
             of.covariance[place * (d + 1)] *= looser;
             of
         });
-        let both = beliefs::merge(prior, &a, &lost[0], &lost[1]).unwrap();
-        let Gaussian { mean, deviation } = both.entry(place);
+        let both = state_estimates::merge(prior, &a, &lost[0], &lost[1]).unwrap();
+        let Gaussian { mean, std } = both.entry(place);
         let Gaussian {
             mean: before,
-            deviation: each,
+            std: each,
         } = lost[0].entry(place);
-        assert!((deviation - each).abs() < 1e-9 * each, "{deviation} {each}");
+        assert!((std - each).abs() < 1e-9 * each, "{std} {each}");
         let expected = before + 0.02;
         assert!((mean - expected).abs() < 1e-9, "{mean} {expected}");
     }
 
     let mut aged = a.clone();
     for _ in 0..20_000 {
-        let before = aged.entry(place).deviation;
-        beliefs::age(prior, &mut aged);
-        assert!(aged.entry(place).deviation >= before);
+        let before = aged.entry(place).std;
+        state_estimates::age(prior, &mut aged);
+        assert!(aged.entry(place).std >= before);
     }
-    let oldest = aged.entry(place).deviation;
-    assert!(
-        (oldest - common.entry(place).deviation).abs() < 1e-9,
-        "{oldest}"
-    );
+    let oldest = aged.entry(place).std;
+    assert!((oldest - common.entry(place).std).abs() < 1e-9, "{oldest}");
 }
 
 #[test]
-fn every_entry_of_the_state_has_a_name() {
+fn state_entries_have_names() {
     let robot = pendulum("").unwrap();
     let prior = prior(&robot);
     for k in 0..prior.dimension() {
@@ -369,10 +364,10 @@ fn every_entry_of_the_state_has_a_name() {
         .describe(prior.place(0, JointParameter::Offset))
         .unwrap();
     assert_eq!((offset.name, offset.unit), ("offset", "rad"));
-    let stuck = prior
-        .describe(prior.place(0, JointParameter::Stuck))
+    let initial_friction = prior
+        .describe(prior.place(0, JointParameter::InitialFriction))
         .unwrap();
-    assert!(stuck.name.starts_with("friction at the start"));
+    assert!(initial_friction.name.starts_with("friction at the start"));
 }
 
 #[test]
@@ -382,9 +377,9 @@ fn tolerances_come_from_the_robot_file() {
     assert_eq!(robot.tolerances.stiffness, 0.05);
     assert_eq!(robot.tolerances.payload_reach_m, 0.02);
     let prior = prior(&robot);
-    let belief = prior.belief(Payload::Unknown, 0.03);
+    let state_estimate = prior.state_estimate(Payload::Unknown, 0.03);
     let place = prior.place(0, JointParameter::Compliance);
-    assert!((belief.entry(place).deviation - 0.05).abs() < 1e-12);
+    assert!((state_estimate.entry(place).std - 0.05).abs() < 1e-12);
     for (text, said) in [
         (
             "[tolerances]\nstiffness = 5.0\n",
@@ -405,9 +400,9 @@ fn tolerances_come_from_the_robot_file() {
     }
 }
 
-/// A joint of which no friction is stated isn't believed to be without.
+/// A joint without specified friction is not assumed to be frictionless.
 #[test]
-fn friction_nobody_stated_is_a_guess_that_may_be_wrong_by_all_of_itself() {
+fn unspecified_friction_has_default_with_100_percent_std() {
     let entry = |more: &str, parameter| {
         let robot = pendulum(more).unwrap();
         let mut transmissions = robot.transmissions.clone();
@@ -416,8 +411,8 @@ fn friction_nobody_stated_is_a_guess_that_may_be_wrong_by_all_of_itself() {
         }
         let at = [0.0, 0.0, -LENGTH_M];
         let prior = Prior::new(&robot.arm, &transmissions, 0, at, robot.tolerances);
-        let belief = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
-        belief.entry(prior.place(0, parameter))
+        let state_estimate = prior.state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        state_estimate.entry(prior.place(0, parameter))
     };
     let stated = "motor_friction = { coulomb_nm = 0.06, viscous_nm_s_per_rad = 0.02 }\n";
     // Two thousandths of the stiffness at rest, 0.6 of that at a rad per second, a hundredth for the drive.
@@ -432,7 +427,7 @@ fn friction_nobody_stated_is_a_guess_that_may_be_wrong_by_all_of_itself() {
         (stated, JointParameter::MotorViscous, [0.02, 0.01]),
     ] {
         let found = entry(more, parameter);
-        for (found, expected) in [found.mean, found.deviation].into_iter().zip(expected) {
+        for (found, expected) in [found.mean, found.std].into_iter().zip(expected) {
             assert!(
                 (found - expected).abs() < 1e-12,
                 "{parameter:?}: {found} {expected}"
@@ -445,18 +440,23 @@ fn friction_nobody_stated_is_a_guess_that_may_be_wrong_by_all_of_itself() {
 fn without_blocks_there_is_no_estimate() {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
-    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let start = estimator
+        .prior()
+        .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
     assert_eq!(
         estimator.solve(&start, &[], Payload::Empty, &[]),
         Err(MapError::NoData)
     );
 }
 
-/// How far a push of the arm during some blocks moves the offset, and its deviation; both in deviations of the calm run.
+/// Returns the shift of the offset by a push of the arm during some blocks, and the change of its standard deviation;
+/// both in standard deviations of the run without push.
 fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f64) -> [f64; 2] {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
-    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let start = estimator
+        .prior()
+        .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let offset = |pushed_rad: f64| {
         let mut blocks = calm.to_vec();
         for block in &mut blocks[pushed.clone()] {
@@ -465,51 +465,47 @@ fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f6
         let map = estimator.solve(&start, &[], Payload::Empty, &blocks);
         map.unwrap().offset(estimator.prior(), 0)
     };
-    let Gaussian {
-        mean: calm,
-        deviation,
-    } = offset(0.0);
+    let Gaussian { mean: calm, std } = offset(0.0);
     let Gaussian {
         mean: found,
-        deviation: left,
+        std: left,
     } = offset(pushed_rad);
     let error = calm - PLAIN.offset_rad;
-    assert!(error.abs() < 2.0 * deviation, "{calm} ± {deviation}");
-    [(found - calm).abs() / deviation, left / deviation]
+    assert!(error.abs() < 2.0 * std, "{calm} ± {std}");
+    [(found - calm).abs() / std, left / std]
 }
 
 #[test]
-fn a_push_is_left_out_in_the_end_even_where_nothing_was_known() {
+fn push_is_rejected_without_prior_information() {
     let calm = blocks(&pendulum("").unwrap().arm, PLAIN);
     for first in [0, 3, 8, 15, 25, 60, 150] {
         for (length, moved_most) in [(3, 0.05), (6, 0.1), (12, 0.2), (25, 0.5)] {
             for pushed_mrad in [-200.0, -50.0, -20.0, 20.0, 50.0, 200.0] {
-                let [moved, deviation] =
-                    moved_by_push(&calm, first..first + length, 1e-3 * pushed_mrad);
+                let [moved, std] = moved_by_push(&calm, first..first + length, 1e-3 * pushed_mrad);
                 let said = format!(
-                    "{length} blocks from {first} pushed by {pushed_mrad} mrad: {moved:.3}, {deviation:.3}"
+                    "{length} blocks from {first} pushed by {pushed_mrad} mrad: {moved:.3}, {std:.3}"
                 );
                 println!("{said}");
                 // A wider answer may be further off.
-                assert!(moved < moved_most * deviation, "{said}");
-                assert!(deviation < 5.0, "{said}");
+                assert!(moved < moved_most * std, "{said}");
+                assert!(std < 5.0, "{said}");
             }
         }
     }
 }
 
 #[test]
-fn from_one_recording_to_the_next_friction_is_believed_less_than_the_rest() {
+fn ageing_widens_friction_more_than_other_parameters() {
     let robot = pendulum("").unwrap();
     let prior = prior(&robot);
-    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let fresh = prior.state_estimate(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     let d = prior.dimension();
     let mut known = fresh.clone();
     for x in &mut known.covariance {
         *x *= 0.04;
     }
     let learned = known.clone();
-    beliefs::age(&prior, &mut known);
+    state_estimates::age(&prior, &mut known);
     let grown = |p: JointParameter| {
         let k = prior.place(0, p) * (d + 1);
         (known.covariance[k] - learned.covariance[k]) / fresh.covariance[k]
@@ -522,20 +518,20 @@ fn from_one_recording_to_the_next_friction_is_believed_less_than_the_rest() {
         (JointParameter::Stiffening, 0.01),
         (JointParameter::Viscoelastic, 0.01),
         (JointParameter::Offset, 0.0),
-        (JointParameter::Stuck, 0.0),
+        (JointParameter::InitialFriction, 0.0),
         (JointParameter::Zero, 0.0),
     ] {
         let expected: f64 = share * share;
         assert!((grown(parameter) - expected).abs() < 1e-12, "{parameter:?}");
     }
-    // Never less sure than the data sheet.
+    // The result is at least as narrow as the data sheet.
     let mut unknown = fresh.clone();
-    beliefs::age(&prior, &mut unknown);
+    state_estimates::age(&prior, &mut unknown);
     assert_eq!(unknown.covariance, fresh.covariance);
 }
 
 #[test]
-fn a_joint_that_only_shakes_has_unknown_friction() {
+fn vibrating_joint_has_unknown_friction() {
     let robot = pendulum("").unwrap();
     let unknown = |travel_rad: f64| {
         let mut features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
@@ -594,9 +590,9 @@ fn features_follow_a_rate_that_changes() {
     assert!(checked > 60, "{checked}");
 }
 
-/// At rest `Φ z = g`: what is described, and a kilogram at the end of the rod, over the stiffness.
+/// At rest `Φ z = g`: the described torque, and that of 1 kg at the end of the rod, divided by the stiffness.
 #[test]
-fn what_a_payload_would_turn_a_joint_by_is_told_beforehand() {
+fn payload_deflection_matches_statics() {
     let robot = pendulum("").unwrap();
     let stand = Truth {
         swing_rad: [0.0, 1.2],

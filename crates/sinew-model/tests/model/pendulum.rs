@@ -36,13 +36,13 @@ pub(crate) fn prior(robot: &Robot) -> Prior {
     )
 }
 
-/// What is true of a swing.
+/// True parameters of a swing.
 #[derive(Clone, Copy)]
 pub(crate) struct Truth {
     pub(crate) offset_rad: f64,
     pub(crate) compliance: f64,
     pub(crate) slack_rad: f64,
-    /// `c` of `τ = K x (1 + c x²)`, 1/rad².
+    /// Coefficient `c` of `τ = K x (1 + c x²)`, 1/rad².
     pub(crate) cubic_per_rad2: f64,
     /// The offset grows by this at half time.
     pub(crate) step_rad: f64,

@@ -4,13 +4,14 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sinew_model::arm::{Arm, ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 
-/// What rounding may cost an identity, relative to the sum of the magnitudes added up.
+/// Relative rounding error of an identity, as a share of the sum of the magnitudes added up.
 ///
 /// A joint adds about 200 roundings to a value on the way out and back, twelve joints 2,400; half
 /// an epsilon each when all go the same way.
 pub(crate) const ROUNDING: f64 = 1200.0 * f64::EPSILON;
 
-/// So many cases from a fixed seed, the same in every run and on every machine.
+/// Returns a configuration with `cases` cases from a fixed seed, identical in every run and on every
+/// machine.
 pub(crate) fn config(cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases,
@@ -27,7 +28,7 @@ const SEED: u64 = 7_2018;
 #[derive(Debug, Clone)]
 pub(crate) struct Link {
     pub(crate) revolute: bool,
-    /// Which of the earlier joints carries this one; 0 is the base, 1 the one just before.
+    /// Index of the earlier joint that carries this one; 0 is the base, 1 the previous joint.
     pub(crate) parent: f64,
     pub(crate) xyz: [f64; 3],
     pub(crate) rpy: [f64; 3],

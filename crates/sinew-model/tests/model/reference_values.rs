@@ -1,19 +1,19 @@
 //! Every pair of URDF and reference values agrees to 1e-9 relative or better.
 //!
-//! Where from: `SINEW_FIXTURES` (a folder holding `models/` and `fixtures/`), else the shared
-//! folder beside the checkout. Small models of our own with committed values, in
-//! `tests/reference`, are checked always.
+//! Source: `SINEW_FIXTURES` (a folder holding `models/` and `fixtures/`), otherwise the shared
+//! folder next to the checkout. Small models with committed values, in `tests/reference`, are
+//! always checked.
 
 use crate::skipped::skipped;
 use serde_json::Value;
 use sinew_model::arm::{Arm, ArmWorkspace, JointKind, urdf};
 use std::path::{Path, PathBuf};
 
-/// Asked for by the project; the passes reach about 1e-14.
+/// Tolerance that the project requires; the passes reach about 1e-14.
 const TOLERANCE: f64 = 1e-9;
 
 #[test]
-fn own_models_agree() {
+fn committed_models_match_reference() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference");
     assert!(check_folder(&folder) >= 4, "our own models are committed");
 }

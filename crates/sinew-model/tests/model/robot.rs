@@ -1,4 +1,4 @@
-//! `robot.toml`: what is read, and how a slip is told.
+//! Tests of `robot.toml`: its content, and the errors of invalid values.
 
 use sinew_files::{Fault, Located};
 use sinew_model::robot::{Robot, RobotFile};
@@ -17,7 +17,7 @@ fn slip(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn the_arm_we_ship_is_read_whole() {
+fn shipped_robot_file_is_read_completely() {
     let robot = build(TOML).unwrap();
     assert_eq!(
         robot.joint_names(),
@@ -37,7 +37,7 @@ fn the_arm_we_ship_is_read_whole() {
 }
 
 #[test]
-fn slips_are_told_with_file_line_key_value_and_cure() {
+fn robot_error_names_file_line_key_value_remedy() {
     for value in ["0.0", "-50.0", "nan", "inf"] {
         let error = slip(
             "stiffness_nm_per_rad = 50.0",
@@ -65,7 +65,7 @@ fn slips_are_told_with_file_line_key_value_and_cure() {
 }
 
 #[test]
-fn unknown_keys_and_joints_are_refused() {
+fn unknown_keys_and_joints_return_error() {
     let error = slip("stiffness_nm_per_rad = 50.0", "stiffnes_nm_per_rad = 50.0");
     assert!(
         error.contains("line 6") && error.contains("stiffnes_nm_per_rad"),

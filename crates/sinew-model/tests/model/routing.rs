@@ -1,12 +1,12 @@
 //! Tendons that cross several joints: from `robot.toml` to observer and blocks, by hand.
 
 use crate::random::Random;
-use sinew_model::feeder::{Feeder, FeederOptions, Reading};
+use sinew_model::feeder::{Feeder, FeederOptions, RobotSample};
 use sinew_model::offset::{FeatureConfig, FeatureObserver, OffsetConfig, OffsetObserver};
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_model::tendons::{Coupling, CouplingState};
 
-const URDF: &str = r#"<robot name="two">
+pub(crate) const URDF: &str = r#"<robot name="two">
 <link name="base"/>
 <link name="upper"><inertial><origin xyz="0.15 0 0.02"/><mass value="0.8"/>
 <inertia ixx="0.002" ixy="0" ixz="0" iyy="0.006" iyz="0" izz="0.006"/></inertial></link>
@@ -99,7 +99,7 @@ fn by_joint(robot: &Robot, theta: [f64; 2]) -> [f64; 2] {
 }
 
 #[test]
-fn a_tendon_is_described_in_the_coordinate_of_its_joint() {
+fn tendon_is_described_in_joint_coordinate() {
     let robot = build(COUPLED);
     assert_eq!(robot.tendon_names(), ["shoulder", "forearm"]);
     assert_eq!(robot.motor_names(), ["shoulder", "m2"]);
@@ -123,7 +123,7 @@ fn a_tendon_is_described_in_the_coordinate_of_its_joint() {
 }
 
 #[test]
-fn a_tendon_of_one_joint_with_the_names_of_the_shorthand_is_the_shorthand() {
+fn single_joint_tendon_equals_shorthand() {
     let text = "[joints.shoulder]\nstiffness_nm_per_rad = 40.0\n[joints.elbow]\nstiffness_nm_per_rad = 20.0\n";
     let robot = build(text);
     assert!(robot.coupling.is_none());
@@ -132,7 +132,7 @@ fn a_tendon_of_one_joint_with_the_names_of_the_shorthand_is_the_shorthand() {
 }
 
 #[test]
-fn the_observer_reads_the_elongation_of_a_resting_arm() {
+fn observer_estimates_elongation_at_rest() {
     for text in [COUPLED, DIFFERENTIAL] {
         let robot = build(text);
         let (q, delta_rad) = ([0.4, -0.7], [3e-3, -2e-3]);
@@ -151,7 +151,7 @@ fn the_observer_reads_the_elongation_of_a_resting_arm() {
             OffsetObserver::new(&robot.arm, &robot.transmissions, OffsetConfig::default()).unwrap();
         let mut feeder = Feeder::new(observer, &robot.transmissions, FeederOptions::default());
         for k in 0..2000_i64 {
-            let reading = Reading {
+            let reading = RobotSample {
                 time_ns: k * 1_000_000,
                 segment: 0,
                 q: &q,
@@ -160,6 +160,7 @@ fn the_observer_reads_the_elongation_of_a_resting_arm() {
                 tau_el: &[],
                 tau_m: &[],
                 tau_ext: &[],
+                tension: &[],
                 temperature_c: f64::NAN,
             };
             feeder.take(&reading);
@@ -205,7 +206,7 @@ fn blocks_are_combinations_of_those_of_the_joints() {
             t.routing.as_ref().unwrap().drive_ratio
         };
         let theta = [0, 1].map(|i| ratio(i) * motor[i]);
-        let reading = Reading {
+        let reading = RobotSample {
             time_ns: k * 2_000_000,
             segment: 0,
             q: &q,
@@ -214,6 +215,7 @@ fn blocks_are_combinations_of_those_of_the_joints() {
             tau_el: &[],
             tau_m: &torque,
             tau_ext: &[],
+            tension: &[],
             temperature_c: f64::NAN,
         };
         let there = feeder.take(&reading).output().unwrap_or(false);
@@ -255,7 +257,7 @@ fn blocks_are_combinations_of_those_of_the_joints() {
 }
 
 #[test]
-fn what_is_wrong_with_a_tendon_is_named() {
+fn tendon_error_names_problem() {
     let slip = |from: &str, to: &str| {
         assert!(COUPLED.contains(from), "{from}");
         refused(&COUPLED.replacen(from, to, 1))
@@ -290,7 +292,7 @@ fn what_is_wrong_with_a_tendon_is_named() {
         (
             "elbow = 20.0",
             "elbow = \"arm.csv\"",
-            "is the table 'arm.csv': tables are not read yet",
+            "is the table 'arm.csv', which has not been read",
         ),
         (
             "name = \"forearm\"",

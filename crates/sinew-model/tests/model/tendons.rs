@@ -726,6 +726,19 @@ fn observability_finds_what_no_sensor_shows() {
         (of(pair.clone(), &[0], &[]).0, of(pair, &[0], &[1]).0),
         (1, 2)
     );
+    // A strand that is slack in one of two positions is seen in the other.
+    let (coupling, taut) = at_zero(antagonist());
+    let mut slack = CouplingState::new(&coupling);
+    coupling
+        .evaluate(&mut slack, &[0.0; 2], &[0.0], &[0.01, 0.0])
+        .unwrap();
+    let of_states = |states: &[&CouplingState]| {
+        let found = coupling.observability_over(states, Sensors::default());
+        found.unwrap().rank
+    };
+    assert_eq!(of_states(&[&slack]), 1);
+    assert_eq!(of_states(&[&taut, &taut]), 1);
+    assert_eq!(of_states(&[&taut, &slack]), 2);
     // A rigid joint shows nothing.
     let mut rigid = antagonist();
     rigid.joints[0].is_rigid = true;

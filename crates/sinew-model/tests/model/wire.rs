@@ -51,20 +51,20 @@ fn sent(sender: &mut BlockSender, blocks: &[Block]) -> Vec<u8> {
     line
 }
 
-/// What a receiver makes of a line, and why it refused the rest.
+/// Returns the blocks received from a line, and the errors of the rejected frames.
 fn received(receiver: &mut BlockReceiver, line: &[u8]) -> (Vec<Received>, Vec<WireError>) {
     let (mut blocks, mut refused) = (Vec::new(), Vec::new());
     for byte in line {
         match receiver.push(*byte) {
             Ok(None) => {}
             Ok(Some(block)) => blocks.push(block),
-            Err(why) => refused.push(why),
+            Err(reason) => refused.push(reason),
         }
     }
     (blocks, refused)
 }
 
-/// Equal to the last bit, where NaN is NaN.
+/// Whether two blocks are bitwise identical, with NaN equal to NaN.
 fn same(a: &Block, b: &Block) -> bool {
     let bits = |block: &Block| format!("{block:?}");
     bits(a) == bits(b)
@@ -75,7 +75,7 @@ fn same(a: &Block, b: &Block) -> bool {
 }
 
 #[test]
-fn a_block_comes_back_with_the_bits_it_had() {
+fn block_round_trip_is_bitwise_identical() {
     let arm = robot().arm;
     let config = FeatureConfig::default();
     let made = blocks(&arm, 30);
@@ -98,7 +98,7 @@ fn a_block_comes_back_with_the_bits_it_had() {
 }
 
 #[test]
-fn a_line_that_is_too_slow_leaves_blocks_out_and_the_host_counts_them() {
+fn slow_line_skips_blocks_and_host_counts_them() {
     let arm = robot().arm;
     let config = FeatureConfig::default();
     let made = blocks(&arm, 4);
@@ -111,7 +111,7 @@ fn a_line_that_is_too_slow_leaves_blocks_out_and_the_host_counts_them() {
     // Half of it is out when the next two come.
     assert!(!sender.put(&made[1]).unwrap());
     assert!(!sender.put(&made[2]).unwrap());
-    assert_eq!(sender.left_out(), 2);
+    assert_eq!(sender.skipped(), 2);
     line.extend_from_slice(sender.pending());
     sender.sent(usize::MAX);
     line.extend(sent(&mut sender, &made[3..]));
@@ -124,7 +124,7 @@ fn a_line_that_is_too_slow_leaves_blocks_out_and_the_host_counts_them() {
 }
 
 #[test]
-fn a_host_that_comes_later_or_a_chip_that_begins_anew_is_noticed() {
+fn late_host_and_chip_restart_are_detected() {
     let arm = robot().arm;
     let config = FeatureConfig::default();
     let made = blocks(&arm, 6);
@@ -135,7 +135,7 @@ fn a_host_that_comes_later_or_a_chip_that_begins_anew_is_noticed() {
     assert_eq!(refused, [WireError::Damaged]);
     assert_eq!(back.len(), 5);
     assert_eq!(back[0].sequence, 1);
-    // The chip lost its power: its first block doesn't come.
+    // The chip lost power: its first block is missing.
     let anew = sent(&mut sender_of(&arm), &made);
     let first = anew.iter().position(|b| *b == 0).unwrap();
     let (back, _) = received(&mut receiver, &anew[first + 1..]);
@@ -145,7 +145,7 @@ fn a_host_that_comes_later_or_a_chip_that_begins_anew_is_noticed() {
 }
 
 #[test]
-fn blocks_of_another_robot_another_configuration_or_another_size_are_refused() {
+fn blocks_of_other_robot_or_config_are_rejected() {
     let arm = robot().arm;
     let config = FeatureConfig::default();
     let made = blocks(&arm, 1);
@@ -177,7 +177,7 @@ fn blocks_of_another_robot_another_configuration_or_another_size_are_refused() {
 }
 
 #[test]
-fn a_robot_comes_back_with_the_bits_it_had_and_a_damaged_one_not_at_all() {
+fn robot_image_round_trip_and_damage_detection() {
     let robot = robot();
     let image = RobotImage::new(&robot.arm, &robot.transmissions).write();
     let back = RobotImage::read(&image).unwrap();
@@ -199,7 +199,7 @@ fn a_robot_comes_back_with_the_bits_it_had_and_a_damaged_one_not_at_all() {
 }
 
 #[test]
-fn a_chip_that_was_told_the_base_parameters_makes_the_same_blocks() {
+fn image_base_parameters_give_identical_blocks() {
     let robot = robot();
     let config = FeatureConfig::default();
     let image = RobotImage::new(&robot.arm, &robot.transmissions).write();
@@ -220,7 +220,7 @@ fn a_chip_that_was_told_the_base_parameters_makes_the_same_blocks() {
 }
 
 #[test]
-fn a_robot_of_a_later_version_is_refused_by_its_number() {
+fn later_version_error_names_version() {
     let robot = robot();
     let mut image = RobotImage::new(&robot.arm, &robot.transmissions).write();
     let end = image.len() - 4;
@@ -247,9 +247,10 @@ fn crc32_of(bytes: &[u8]) -> u32 {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
-    /// Bytes changed, lost and put in anywhere: what comes out was sent, and what is untouched comes out.
+    /// Bytes are changed, lost and inserted anywhere: only sent blocks are received, and all undamaged
+    /// ones are.
     #[test]
-    fn a_bad_line_loses_blocks_and_makes_none_up(
+    fn corrupt_line_loses_blocks_and_creates_none(
         faults in prop::collection::vec((0.0..1.0f64, 0u8..3, any::<u8>()), 0..6),
     ) {
         let arm = robot().arm;
@@ -269,7 +270,7 @@ proptest! {
         for back in &back {
             prop_assert!(same(&back.block, &made[back.sequence as usize]));
         }
-        // A fault spoils the frame it is in, and the next one where it takes the zero between them.
+        // A fault damages its frame, and the next one if it removes the zero between them.
         prop_assert!(back.len() + 2 * faults.len() >= made.len());
     }
 }

@@ -1,70 +1,70 @@
-//! What creep tests show: strain, slope, readings, faults, isochrones.
+//! Analysis of creep tests: strain, slope, measurements, artefacts, isochrones.
 
 use super::isochronous::{isochrones, isochronous_figure};
+use super::messages::{artefact, group, short};
 use super::page;
 use super::picture::plotted;
 use super::specimen::{answer, groups, readings, recovery, specimens};
-use super::words::{fault, group, short};
 use crate::data::Data;
-use crate::text::{self, Told};
+use crate::text::{self, TerminalText};
 use sinew_creep::{Analysis, AnalyzeReport, PERCENT_PER_H, Scatter, Tests, scatter};
 use sinew_figure::{Block, Headline, Page};
 
-/// Specimens beyond which the terminal shows groups only.
-const SHOWN: usize = 24;
-/// Specimens beyond which the terminal leaves readings to the table file.
-const READINGS_OF: usize = 3;
-/// Faults that the terminal lists.
-const FAULTS: usize = 20;
-/// Specimens beyond which groups answer.
-const FEW: usize = 6;
+/// Maximum number of specimens that are shown individually on the terminal.
+const MAX_SHOWN: usize = 24;
+/// Maximum number of specimens whose measurements are shown on the terminal.
+const MAX_MEASURED: usize = 3;
+/// Maximum number of artefacts that are listed on the terminal.
+const MAX_FAULTS: usize = 20;
+/// Maximum number of specimens or groups with a headline in the report.
+const MAX_HEADLINES: usize = 6;
 
-/// Specimens, groups, readings, faults and isochrones.
+/// Renders specimens, groups, measurements, artefacts and isochrones for a terminal.
 pub fn analyze_table(report: &AnalyzeReport) -> String {
     let analyses = &report.specimens;
-    let mut out = Told::default();
-    if analyses.len() <= SHOWN {
+    let mut out = TerminalText::default();
+    if analyses.len() <= MAX_SHOWN {
         out.table(specimens(analyses, text::short).table());
     }
-    if report.groups.len() > 1 || analyses.len() > SHOWN {
+    if report.groups.len() > 1 || analyses.len() > MAX_SHOWN {
         out.add("\n");
         out.table(
             groups(&report.groups)
-                .column("apart", |g| g.apart.len())
+                .column("outliers", |g| g.apart.len())
                 .table(),
         );
     }
-    if analyses.len() <= READINGS_OF {
+    if analyses.len() <= MAX_MEASURED {
         for a in analyses {
             let table = readings(a);
             out.add("\n");
             out.flat(&table.caption);
             out.table(table);
             for text in recovery(a) {
-                out.say(text);
+                out.paragraph(text);
             }
         }
     }
-    faults(&mut out, analyses);
-    /// Readings of every group that the terminal shows: the times of a decade each.
+    artefacts(&mut out, analyses);
+    /// Times of the isochrones on the terminal, s: one per decade.
     const TIMES: [f64; 5] = [60.0, 720.0, 3600.0, 36_000.0, 360_000.0];
     let decades = report.isochrones.iter();
     let table = isochrones(decades.filter(|i| TIMES.contains(&i.time_s)));
     if !table.rows.is_empty() {
-        out.add("\nisochronous: strain against load at the same time, strain ∝ load^p\n\n");
+        out.add("\nisochrones: strain over load at the same time, strain ∝ load^p\n\n");
         out.table(table);
     }
     out.0
 }
 
-/// Faults; one that every record has is listed once.
-fn faults(out: &mut Told, analyses: &[Analysis]) {
+/// Lists artefacts; one without a time is listed once for all specimens.
+fn artefacts(out: &mut TerminalText, analyses: &[Analysis]) {
     let mut listed: Vec<(String, usize)> = Vec::new();
     for a in analyses {
-        for f in &a.faults {
+        for f in &a.artefacts {
             let text = match f.time_s() {
-                None => fault(f),
-                Some(_) => format!("{}: {}", a.name, fault(f)),
+                None => artefact(f),
+                Some(_) => format!("{}: {}", a.name, artefact(f)),
             };
             match listed.iter_mut().find(|(t, _)| *t == text) {
                 Some((_, count)) => *count += 1,
@@ -75,53 +75,56 @@ fn faults(out: &mut Told, analyses: &[Analysis]) {
     if !listed.is_empty() {
         out.add("\n");
     }
-    for (text, count) in listed.iter().take(FAULTS) {
-        out.say(match count {
+    for (text, count) in listed.iter().take(MAX_FAULTS) {
+        out.paragraph(match count {
             1 => format!("- {text}"),
             _ => format!("- {text} ({count} specimens)"),
         });
     }
-    if listed.len() > FAULTS {
-        let more = listed.len() - FAULTS;
+    if listed.len() > MAX_FAULTS {
+        let more = listed.len() - MAX_FAULTS;
         out.add(format!("- and {more} more (--csv, --json)\n"));
     }
 }
 
-/// The report of analyses: curves, readings, moduli, isochrones.
+/// Builds the report of an analysis: curves, measurements, moduli, isochrones.
 pub fn analyze_page(report: &AnalyzeReport, tests: &Tests) -> Page {
     let mut figures = page::curves(&plotted(tests), "");
     if let Some(figure) = isochronous_figure(&report.isochrones) {
-        let caption = "Isochronous curves: load over strain after the same time under load; one point per specimen.";
+        let caption =
+            "Isochrones: load over strain after the same time under load; one point per specimen.";
         figures.push((figure, caption.into()));
     }
     let answers = answers(&tests.analyses);
     let mut page = page::begin("Creep test", answers, &report.conditions, tests, figures);
     page = page::readings(page::repeats(page, &report.groups), tests);
     if !report.isochrones.is_empty() {
-        let table = isochrones(&report.isochrones).captioned("Strain of a group's specimens after the same time under different loads, ε ∝ σ^p; p = 1: strain is proportional to load; n: specimens. Load per %: secant at the middle of the loads.");
-        page = page.section("Isochronous curves", vec![Block::Table(table)]);
+        let table = isochrones(&report.isochrones).captioned("Strain of the specimens of a group after the same time under different loads, ε ∝ σ^p; p = 1: strain is proportional to load; n: specimens. Load per %: secant at the mean load.");
+        page = page.section("Isochrones", vec![Block::Table(table)]);
     }
     page::end(page, &report.sources, &report.failures, tests)
 }
 
-/// How far each specimen, or of many each group, stretched, and whether it goes on.
+/// Makes the headlines: strain of each specimen, or of each group if there are many.
 fn answers(analyses: &[Analysis]) -> Vec<Headline> {
-    if analyses.len() <= FEW {
+    if analyses.len() <= MAX_HEADLINES {
         return analyses.iter().map(answer).collect();
     }
     let of_group = |g: &Scatter| {
         let (name, n) = (group(&g.group), g.specimens);
         let end = short(100.0 * g.end_strain_ratio);
-        Headline::from(format!("{name}: {end} % at the end, mean of {n}"))
+        Headline::from(format!(
+            "{name}: final strain {end} %, mean of {n} specimens"
+        ))
     };
     let groups = scatter(analyses);
-    groups.iter().take(FEW).map(of_group).collect()
+    groups.iter().take(MAX_HEADLINES).map(of_group).collect()
 }
 
-/// One row per specimen; %, h and °C as laboratories write them.
+/// Tabulates the analysis in %, h and °C, one row per specimen.
 pub fn analyze_csv(report: &AnalyzeReport) -> sinew_log::Table {
-    let faults = |a: &&Analysis| {
-        let all: Vec<String> = a.faults.iter().map(fault).collect();
+    let artefacts = |a: &&Analysis| {
+        let all: Vec<String> = a.artefacts.iter().map(artefact).collect();
         all.join("; ")
     };
     Data::of(&report.specimens)
@@ -139,6 +142,6 @@ pub fn analyze_csv(report: &AnalyzeReport) -> sinew_log::Table {
         })
         .number("saturation_s", |a| a.saturation_s)
         .text("saturated", |a| a.saturated.map(|s| s.to_string()))
-        .text("faults", faults)
+        .text("artefacts", artefacts)
         .table()
 }

@@ -1,21 +1,21 @@
-//! Ropes in the order of their strain.
+//! Comparison of ropes by strain.
 
+use super::messages::{bracketed, duration, scatter_source, slope};
 use super::page;
 use super::picture::{figure, plotted};
-use super::words::{bracketed, duration, scatter_source, slope};
 use crate::data::Data;
-use crate::text::{Told, short};
+use crate::text::{TerminalText, short};
 use sinew_creep::{CompareReport, Conditions, PERCENT_PER_H, Rank, ScatterSource, Tests, scatter};
 use sinew_figure::{Columns, Headline, Level, Page};
 use sinew_log::Table;
 
-/// Ropes by their strain.
+/// Builds the columns with rank, strain and slope of the ropes.
 fn ranks(ranks: &[Rank]) -> Columns<&Rank> {
     Columns::of(ranks)
         .words("rank", |r| r.rank)
         .words("rope", |r| &r.name)
         .column("n", |r| r.specimens)
-        .columns(["strain, %", "interval"], |r| {
+        .columns(["strain (%)", "95 % interval"], |r| {
             let strain = r.strain_ratio.scaled(100.0);
             let (low, high) = (strain.low, strain.high);
             [
@@ -23,35 +23,38 @@ fn ranks(ranks: &[Rank]) -> Columns<&Rank> {
                 format!("{low:.4} … {high:.4}"),
             ]
         })
-        .columns(["m_E, %/h", "interval"], |r| slope(r.slope_per_s))
+        .columns(["m_E (%/h)", "95 % interval"], |r| slope(r.slope_per_s))
 }
 
-/// Ropes by their strain, and what the intervals of single specimens rest on.
+/// Renders the ranking for a terminal, and the assumption for the intervals of single specimens.
 pub fn compare_table(report: &CompareReport) -> String {
     let at = report.ranks.first().map_or(f64::NAN, |r| r.at_s / 60.0);
-    let mut out = Told(format!("strain after {} min, least first\n\n", short(at)));
+    let mut out = TerminalText(format!(
+        "strain after {} min, in ascending order\n\n",
+        short(at)
+    ));
     out.table(ranks(&report.ranks).table());
     if let Some(single) = report.ranks.iter().find(|r| r.specimens == 1) {
         let from = match single.scatter_source {
-            ScatterSource::OtherRopes => "that of the other ropes' repeats",
-            ScatterSource::Stated => "as stated",
-            _ => "a starting guess; --scatter states your own, repeats measure it",
+            ScatterSource::OtherRopes => "from the repeats of the other ropes",
+            ScatterSource::Stated => "as specified",
+            _ => "assumed; specify --scatter, or test repeats",
         };
         let percent = short(100.0 * single.scatter_share);
         out.add("\n");
         out.flat(format!(
-            "One specimen can't tell how specimens differ: where n is 1 the interval takes {percent} % between specimens, {from}."
+            "n = 1: the interval includes a scatter between specimens of {percent} %, {from}."
         ));
     }
     out.0
 }
 
-/// The report of a comparison.
+/// Builds the report of a comparison.
 pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: &Conditions) -> Page {
-    // Specimens of no group are ropes of their own, not repeats.
+    // Specimens without a group are different ropes, not repeats.
     let grouped = tests.analyses.iter().filter(|a| a.group.is_some());
     let figures = vec![(figure("", &plotted(tests), false), String::new())];
-    let title = "Creep of ropes compared";
+    let title = "Creep comparison";
     let mut page = page::begin(title, answers(&report.ranks), conditions, tests, figures);
     if let Some(first) = report.ranks.first() {
         let between = |r: &&Rank| {
@@ -59,9 +62,9 @@ pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: &Conditio
             format!("{} %, {source}", short(100.0 * r.scatter_share))
         };
         let table = ranks(&report.ranks)
-            .column("between specimens", between)
+            .column("scatter", between)
             .captioned(format!(
-                "Strain after {} min; intervals are 95 % of a rope's mean. A rank is one more than the ropes whose whole interval lies below.",
+                "Strain after {} min with the 95 % interval of the mean of a rope. Rank: one plus the number of ropes whose whole interval is below.",
                 short(first.at_s / 60.0)
             ));
         page = page.section("Ranking", vec![table.into()]);
@@ -70,7 +73,8 @@ pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: &Conditio
     page::end(page, &report.sources, &report.failures, tests)
 }
 
-/// Which ropes stretched least, as far as that is shown.
+/// Returns the headlines, which list the ropes with the smallest strain that are not distinguishable by their
+/// intervals.
 fn answers(ranks: &[Rank]) -> Vec<Headline> {
     let first: Vec<&Rank> = ranks.iter().filter(|r| r.rank == 1).collect();
     let percent = |r: &Rank| bracketed(r.strain_ratio.scaled(100.0));
@@ -80,7 +84,7 @@ fn answers(ranks: &[Rank]) -> Vec<Headline> {
         [one] => Headline::new(
             Level::Good,
             format!(
-                "{} stretched least: {} % after {after} (95 % in brackets)",
+                "{}: smallest strain, {} % after {after} (95 % interval in brackets)",
                 one.name,
                 percent(one)
             ),
@@ -92,23 +96,23 @@ fn answers(ranks: &[Rank]) -> Vec<Headline> {
             Headline::new(
                 Level::Open,
                 format!(
-                    "Which of {n} ropes stretches least can't be told: {strains} after {after} (95 % in brackets)"
+                    "Smallest strain inconclusive among {n} ropes: {strains} after {after} (95 % intervals in brackets)"
                 ),
             )
         }
     };
     let mut out = vec![answer];
-    let guess = |r: &&Rank| r.scatter_source == ScatterSource::StartingGuess;
-    if first.iter().any(guess) {
+    let assumed = |r: &&Rank| r.scatter_source == ScatterSource::Assumed;
+    if first.iter().any(assumed) {
         out.push(Headline::new(
             Level::Open,
-            "How much specimens of a rope differ is a guess: test repeats of each",
+            "Scatter between specimens is assumed; test repeats of each rope",
         ));
     }
     out
 }
 
-/// One row per rope.
+/// Tabulates the comparison, one row per rope.
 pub fn compare_csv(report: &CompareReport) -> Table {
     Data::of(&report.ranks)
         .integer("rank", |r| r.rank)
@@ -131,7 +135,7 @@ mod tests {
     use sinew_model::Bounded;
 
     #[test]
-    fn ropes_that_cannot_be_told_apart_are_not_ranked_in_the_headline() {
+    fn headline_overlapping_intervals_is_inconclusive() {
         let rank = |name: &str, rank| Rank {
             rank,
             name: name.into(),
@@ -146,13 +150,13 @@ mod tests {
             scatter_share: 0.1,
             scatter_source: ScatterSource::Repeats,
         };
-        let apart = answers(&[rank("A", 1), rank("B", 2)]);
+        let distinct = answers(&[rank("A", 1), rank("B", 2)]);
         assert_eq!(
-            apart[0].text,
-            "A stretched least: 0.500 (0.400 to 0.600) % after 60.0 min (95 % in brackets)"
+            distinct[0].text,
+            "A: smallest strain, 0.500 (0.400 to 0.600) % after 60.0 min (95 % interval in brackets)"
         );
-        let alike = answers(&[rank("A", 1), rank("B", 1)]);
-        assert_eq!((alike.len(), alike[0].level), (1, Level::Open));
-        assert!(alike[0].text.contains("can't be told"), "{}", alike[0].text);
+        let equal = answers(&[rank("A", 1), rank("B", 1)]);
+        assert_eq!((equal.len(), equal[0].level), (1, Level::Open));
+        assert!(equal[0].text.contains("inconclusive"), "{}", equal[0].text);
     }
 }

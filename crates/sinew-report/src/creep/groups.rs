@@ -1,11 +1,11 @@
-//! One line per group: what was fitted, which law won, what could not be.
+//! Fits per group of specimens.
 
-use super::words::group;
-use crate::text::{Told, short};
+use super::messages::group;
+use crate::text::{TerminalText, short};
 use sinew_creep::{Analysis, Fit, FitSet, Law};
 use sinew_figure::Columns;
 
-/// Groups of specimens that were fitted alone, by name.
+/// Renders the fits per group of specimens that were fitted individually.
 pub fn group_table(analyses: &[Analysis], fits: &[FitSet], laws: &[Law]) -> String {
     let mut groups: Vec<&str> = analyses.iter().map(|a| group(&a.group)).collect();
     groups.sort_unstable();
@@ -20,12 +20,12 @@ pub fn group_table(analyses: &[Analysis], fits: &[FitSet], laws: &[Law]) -> Stri
         let best: Vec<&Fit> = fits.filter_map(|f| f.laws.first()).collect();
         (*name, members, best)
     });
-    let undecided = |f: &&&Fit| f.parameters.iter().any(|p| p.not_identifiable.is_some());
+    let unidentified = |f: &&&Fit| f.parameters.iter().any(|p| p.not_identifiable.is_some());
     let mut table = Columns::of(rows)
         .words("group", |(name, ..)| *name)
         .column("n", |(_, members, _)| members.len())
-        .column("not", |(_, members, best)| members.len() - best.len())
-        .column("creep\n%", |(_, members, _)| {
+        .column("failed", |(_, members, best)| members.len() - best.len())
+        .column("creep\n(%)", |(_, members, _)| {
             median(members.iter().map(|a| 100.0 * a.creep_strain_ratio))
         });
     for law in laws {
@@ -42,20 +42,20 @@ pub fn group_table(analyses: &[Analysis], fits: &[FitSet], laws: &[Law]) -> Stri
         });
     }
     let table = table
-        .column("noise\n%", |(_, _, best)| {
+        .column("noise\n(%)", |(_, _, best)| {
             median(best.iter().map(|f| 100.0 * f.residual_strain_ratio))
         })
-        .column("un-\ntold", |(_, _, best)| {
-            best.iter().filter(undecided).count()
+        .column("not\nid.", |(_, _, best)| {
+            best.iter().filter(unidentified).count()
         });
-    let mut out = Told("\n".into());
-    out.flat("Per group: tests, those not fitted, median creep; tests in which each law (log-time, findley, burgers, kelvin-voigt, stretched) has the smallest AICc; median noise of the readings about that law; tests in which a parameter of it can't be told.");
+    let mut out = TerminalText("\n".into());
+    out.flat("n: tests; failed: not fitted; creep: median; log, fin, bur, kv, str: tests in which log-time, findley, burgers, kelvin-voigt or stretched has the smallest AICc; noise: median residual of that law; not id.: tests with a parameter that is not identifiable.");
     out.add("\n");
     out.table(table.table());
     out.0
 }
 
-/// The median of strains in a column of five.
+/// Formats the median of strains in %.
 fn median(percent: impl Iterator<Item = f64>) -> String {
     let mut values: Vec<f64> = percent.collect();
     values.sort_by(f64::total_cmp);

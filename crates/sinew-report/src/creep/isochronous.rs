@@ -1,37 +1,37 @@
-//! Isochronous curves as a table and as a figure.
+//! Isochrones as table and figure.
 
-use super::words::{duration, group, reading_time};
+use super::messages::{duration, group, measurement_time};
 use crate::text::short;
 use sinew_creep::{Isochrone, LoadQuantity};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{Columns, Table};
 
-/// Exponent and secant of groups and times.
+/// Tabulates exponent and secant per group and time.
 pub(super) fn isochrones<'a>(all: impl IntoIterator<Item = &'a Isochrone>) -> Table {
     Columns::of(all)
         .words("group", |i| group(&i.group))
-        .column("after", |i| reading_time(i.time_s))
+        .column("after", |i| measurement_time(i.time_s))
         .column("n", |i| i.points.len())
         .column("load per %", |i| match i.quantity {
             LoadQuantity::Stress => format!("{} MPa", short(1e-8 * i.secant)),
             LoadQuantity::Force => format!("{} N", short(0.01 * i.secant)),
         })
         .column("p", |i| short(i.exponent.value))
-        .column("interval", |i| {
+        .column("95 % interval", |i| {
             format!("{} … {}", short(i.exponent.low), short(i.exponent.high))
         })
         .table()
 }
 
-/// Isochronous curves of up to six groups, a panel each: points joined, the power law dashed.
+/// Plots the isochrones of up to six groups, one panel each; the fitted power law is dashed.
 pub(super) fn isochronous_figure(isochrones: &[Isochrone]) -> Option<Figure> {
-    /// Groups beyond which panels are too small.
-    const PANELS: usize = 6;
-    /// Curves of a panel.
-    const CURVES: usize = 4;
+    /// Maximum number of panels.
+    const MAX_PANELS: usize = 6;
+    /// Maximum number of curves per panel.
+    const MAX_CURVES: usize = 4;
     let mut groups: Vec<&Option<String>> = isochrones.iter().map(|i| &i.group).collect();
     groups.dedup();
-    if groups.is_empty() || groups.len() > PANELS {
+    if groups.is_empty() || groups.len() > MAX_PANELS {
         return None;
     }
     let columns = groups.len().min(2);
@@ -47,7 +47,7 @@ pub(super) fn isochronous_figure(isochrones: &[Isochrone]) -> Option<Figure> {
         };
         let title = name.as_deref().unwrap_or("");
         let mut panel = Panel::new(title, "strain (%)", load);
-        let every = own.len().div_ceil(CURVES);
+        let every = own.len().div_ceil(MAX_CURVES);
         for (k, curve) in own.iter().step_by(every).enumerate() {
             let colour = Colour::CYCLE[k % Colour::CYCLE.len()];
             let mut points = points(curve);
@@ -63,7 +63,7 @@ pub(super) fn isochronous_figure(isochrones: &[Isochrone]) -> Option<Figure> {
     Some(figure)
 }
 
-/// Strain, %, and load, N or MPa, of every specimen.
+/// Returns strain (%) and load (N or MPa) of every specimen.
 fn points(curve: &Isochrone) -> Vec<(f64, f64)> {
     let unit = match curve.quantity {
         LoadQuantity::Stress => 1e-6,
@@ -75,13 +75,13 @@ fn points(curve: &Isochrone) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The fitted power law over the loads: strain, %, and load, N or MPa.
+/// Evaluates the fitted power law: strain (%) and load (N or MPa).
 fn power_law(curve: &Isochrone) -> (Vec<f64>, Vec<f64>) {
     const POINTS: i32 = 30;
     let load: Vec<f64> = points(curve).iter().map(|p| p.1).collect();
     let (low, high) = (load[0], load[load.len() - 1]);
     let middle = load.iter().map(|load| load.ln()).sum::<f64>() / load.len() as f64;
-    // The secant is the load over the strain at the middle.
+    // The secant is load over strain at the geometric mean of the loads.
     let unit = match curve.quantity {
         LoadQuantity::Stress => 1e-8,
         LoadQuantity::Force => 0.01,

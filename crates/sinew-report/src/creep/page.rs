@@ -1,17 +1,17 @@
-//! What every report of creep tests holds, for a customer.
+//! Sections common to all reports of creep tests.
 
+use super::messages::{artefact, duration, short};
 use super::picture::{Plotted, figure};
 use super::specimen::{groups, readings as readings_of, recovery, specimens};
-use super::words::{duration, fault, short};
 use crate::text::or_dash;
 use sinew_creep::{Analysis, Conditions, Failure, Scatter, Source, Span, Tests};
 use sinew_figure::plot::Figure;
 use sinew_figure::{Block, Columns, Headline, Page, Table};
 
-/// Specimens beyond which readings are left to the table file.
-pub(super) const READINGS_OF: usize = 12;
+/// Maximum number of specimens whose measurements are in the report.
+pub(super) const MAX_MEASURED: usize = 12;
 
-/// Curves over time and over its logarithm.
+/// Plots the curves over time, and over its logarithm.
 pub(super) fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, String)> {
     vec![
         (figure("", plotted, false), caption.to_owned()),
@@ -19,7 +19,7 @@ pub(super) fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, Str
     ]
 }
 
-/// The answers, the curves with the line under each figure, what was tested.
+/// Starts a report with headlines, curves with captions, and test conditions.
 pub(super) fn begin(
     title: &str,
     answers: Vec<Headline>,
@@ -42,7 +42,7 @@ pub(super) fn begin(
         .collect();
     let results = specimens(analyses, |percent| format!("{percent:.4}"))
         .column("95 % of creep", |a| or_dash(a.saturation_s, duration))
-        .captioned("m_E: slope of a straight line from 20 min on unless stated otherwise, with the interval that correlated residuals leave. 95 % of creep: when less than a twentieth of the creep was still to come.");
+        .captioned("m_E: slope of a straight line from 20 min (default), with its 95 % interval for correlated residuals. 95 % of creep: time at which 95 % of the final creep was reached.");
     blocks.push(results.into());
     if !answers.is_empty() {
         page = page.section("", vec![Block::Headlines(answers)]);
@@ -51,9 +51,10 @@ pub(super) fn begin(
         .section("Test", vec![circumstances(conditions, analyses).into()])
 }
 
-/// Load, temperature and what the laboratory states.
+/// Tabulates load, temperature and the conditions specified by the laboratory.
 fn circumstances(conditions: &Conditions, analyses: &[Analysis]) -> Table {
-    let stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".to_owned());
+    let specified =
+        |text: &Option<String>| text.clone().unwrap_or_else(|| "not specified".to_owned());
     let of = |unit: &str, pick: &dyn Fn(&Analysis) -> Option<f64>| {
         let values: Vec<f64> = analyses.iter().filter_map(pick).collect();
         span(&values, unit)
@@ -74,8 +75,8 @@ fn circumstances(conditions: &Conditions, analyses: &[Analysis]) -> Table {
         ),
         ("Humidity or moisture", span(&moist, "%")),
         ("Time under load", of("h", &|a| Some(a.duration_s / 3600.0))),
-        ("Preconditioning", stated(&conditions.preconditioning)),
-        ("Conditions", stated(&conditions.conditions)),
+        ("Preconditioning", specified(&conditions.preconditioning)),
+        ("Conditions", specified(&conditions.conditions)),
     ])
 }
 
@@ -92,24 +93,24 @@ fn span(values: &[f64], unit: &str) -> String {
     }
 }
 
-/// How specimens of a group differ, where one has several.
+/// Adds the scatter between the specimens of groups with repeats.
 pub(super) fn repeats(page: Page, all: &[Scatter]) -> Page {
     if !all.iter().any(|g| g.specimens > 1) {
         return page;
     }
     let table = groups(all)
-        .column("apart", |g| g.apart.join(", "))
-        .captioned("Means; scatter: standard deviation between specimens.");
+        .column("outliers", |g| g.apart.join(", "))
+        .captioned("Mean values; scatter: standard deviation between specimens.");
     page.section("Groups", vec![table.into()])
 }
 
-/// Readings of a few specimens, and what came back when the load fell.
+/// Adds the measurements of a few specimens, and their recovery.
 pub(super) fn readings(mut page: Page, tests: &Tests) -> Page {
     let analyses = &tests.analyses;
     let read = analyses.iter().filter(|a| !a.readings.is_empty());
     let blocks: Vec<Block> = read.map(|a| readings_of(a).into()).collect();
-    if analyses.len() <= READINGS_OF && !blocks.is_empty() {
-        page = page.section("Readings", blocks);
+    if analyses.len() <= MAX_MEASURED && !blocks.is_empty() {
+        page = page.section("Measurements", blocks);
     }
     let recovered: Vec<String> = (analyses.iter())
         .flat_map(|a| recovery(a).map(|text| format!("{}: {text}", a.name)))
@@ -120,26 +121,30 @@ pub(super) fn readings(mut page: Page, tests: &Tests) -> Page {
     }
 }
 
-/// What is odd, and the raw data: files with their checksums, and what was understood of them.
+/// Ends a report with artefacts and raw data: files with checksums and column mapping.
 pub(super) fn end(mut page: Page, sources: &[Source], failures: &[Failure], tests: &Tests) -> Page {
-    /// A list nobody reads to its end is cut.
-    const MOST: usize = 60;
-    let mut odd: Vec<String> = failures.iter().map(ToString::to_string).collect();
+    /// Maximum number of listed artefacts.
+    const MAX_LISTED: usize = 60;
+    let mut artefacts: Vec<String> = failures.iter().map(ToString::to_string).collect();
     for a in &tests.analyses {
-        odd.extend(a.faults.iter().map(|f| format!("{}: {}", a.name, fault(f))));
+        artefacts.extend(
+            a.artefacts
+                .iter()
+                .map(|f| format!("{}: {}", a.name, artefact(f))),
+        );
     }
-    let more = odd.len().saturating_sub(MOST);
-    odd.truncate(MOST);
+    let more = artefacts.len().saturating_sub(MAX_LISTED);
+    artefacts.truncate(MAX_LISTED);
     if more > 0 {
-        odd.push(format!("and {more} more, in the table file"));
+        artefacts.push(format!("and {more} more (see the table file)"));
     }
-    if !odd.is_empty() {
-        page = page.section("What is odd about the records", vec![Block::List(odd)]);
+    if !artefacts.is_empty() {
+        page = page.section("Artefacts and failures", vec![Block::List(artefacts)]);
     }
     let files = Columns::of(sources)
         .column("file", |s| &s.file)
         .column("SHA-256", |s| &s.sha256)
-        .captioned("A file with another checksum is another file.");
+        .captioned("The checksum identifies the file.");
     let mut notes = Vec::new();
     for s in sources {
         let columns = s.columns.iter();

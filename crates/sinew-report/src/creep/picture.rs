@@ -1,29 +1,29 @@
-//! Creep curves in one figure, with slopes in the legend, as the paper's Figs. 1 and 2.
+//! Creep curves with slopes in the legend, as in Figs. 1 and 2 of the paper.
 
+use super::messages::short;
 use super::specimen::answer;
-use super::words::short;
 use sinew_creep::{Analysis, Curve, Forecast, PERCENT_PER_H, SLOPE_FROM_S, Tests};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 
-/// Curves beyond which a legend tells nobody anything.
-const NAMED: usize = 12;
+/// Maximum number of curves with a legend entry.
+const MAX_LEGEND: usize = 12;
 
-/// A curve to draw.
+/// Curve of a creep test in a figure.
 #[derive(Debug, Clone)]
 pub struct Plotted<'a> {
     /// Name in the legend.
     pub name: String,
-    /// Readings.
+    /// Measurements of the test.
     pub curve: &'a Curve,
-    /// Its analysis; gives the slope in the legend.
+    /// Analysis of the test; gives the slope in the legend.
     pub analysis: &'a Analysis,
-    /// A fitted law's strain, at the times of the readings.
+    /// Strain of a fitted law at the times of the measurements.
     pub fitted: Option<Vec<f64>>,
-    /// What a law says about later.
+    /// Forecast of the strain.
     pub forecast: Option<Forecast>,
 }
 
-/// Curves with their analyses.
+/// Returns the curves of all tests with their analyses.
 pub fn plotted(tests: &Tests) -> Vec<Plotted<'_>> {
     let pairs = tests.prepared.iter().zip(&tests.analyses);
     pairs
@@ -37,13 +37,13 @@ pub fn plotted(tests: &Tests) -> Vec<Plotted<'_>> {
         .collect()
 }
 
-/// Strain over time; `logarithmic`: over the decadic logarithm of time.
+/// Plots strain over time, or over the decadic logarithm of time if `logarithmic`.
 pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure {
     let longest = plotted
         .iter()
         .filter_map(|p| {
-            let ahead = p.forecast.as_ref().and_then(|f| f.time_s.last());
-            ahead.or(p.curve.time_s.last())
+            let end = p.forecast.as_ref().and_then(|f| f.time_s.last());
+            end.or(p.curve.time_s.last())
         })
         .fold(0.0_f64, |m, t| m.max(*t));
     let (unit, seconds) = match longest {
@@ -57,15 +57,15 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
     } else {
         format!("time ({unit})")
     };
-    let place = |t: f64| {
+    let position = |t: f64| {
         if logarithmic { t.log10() } else { t / seconds }
     };
     // A logarithm starts at the first positive time.
     let line = |name: &str, time_s: &[f64], strain: &[f64]| {
-        let known = time_s.iter().zip(strain);
-        let (time, strain) = known
+        let points = time_s.iter().zip(strain);
+        let (time, strain) = points
             .filter(|(t, _)| !logarithmic || **t > 0.0)
-            .map(|(t, e)| (place(*t), 100.0 * e))
+            .map(|(t, e)| (position(*t), 100.0 * e))
             .unzip();
         Line::new(name, time, strain)
     };
@@ -81,7 +81,7 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
             1 => Dash::Dashed,
             _ => Dash::Dotted,
         };
-        let name = if plotted.len() > NAMED {
+        let name = if plotted.len() > MAX_LEGEND {
             String::new()
         } else {
             match p.analysis.slope_per_s {
@@ -94,7 +94,7 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
             }
         };
         if let Some(f) = &p.forecast {
-            let time: Vec<f64> = f.time_s.iter().map(|t| place(*t)).collect();
+            let time: Vec<f64> = f.time_s.iter().map(|t| position(*t)).collect();
             let low = percent(&f.reading_low_strain_ratio);
             let high = percent(&f.reading_high_strain_ratio);
             let middle = Line::new("", time.clone(), percent(&f.strain_ratio));
@@ -113,9 +113,12 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
     if !logarithmic && SLOPE_FROM_S < 0.5 * longest && plotted.len() > 1 {
         panel = panel.event(SLOPE_FROM_S / seconds, "20 min");
     }
-    let told = plotted.iter().take(NAMED).map(|p| answer(p.analysis).text);
+    let sentences = plotted
+        .iter()
+        .take(MAX_LEGEND)
+        .map(|p| answer(p.analysis).text);
     Figure::new(title)
-        .seen(told.collect::<Vec<_>>().join(". "))
+        .seen(sentences.collect::<Vec<_>>().join(". "))
         .size(820.0, 400.0)
         .panel(panel)
 }

@@ -1,32 +1,30 @@
-//! A plan of creep tests in words, and as the bench's programme.
+//! Plan of creep tests as text, and as programme of the test bench.
 
 use crate::data::Data;
-use crate::text::{Told, or_dash};
+use crate::format::counted;
+use crate::text::{TerminalText, or_dash};
 use sinew_creep::{BenchTest, Plan, PlannedTest};
 use sinew_figure::{Columns, duration, rounded};
 use sinew_log::Table;
 
-/// What to test next, and what it is worth.
+/// Renders a plan: tests, and the interval of the elongation before and after them.
 pub fn plan_table(plan: &Plan) -> String {
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     let now = within(plan.half_width_share);
     out.flat(format!(
-        "{}: {}, stretch since tensioned after {}",
+        "{}: {}, elongation after pretensioning at {}",
         plan.rope,
         plan.duty,
         duration(plan.time_s)
     ));
     let beyond = within(plan.beyond_share);
     out.flat(format!(
-        "now within {now}; of that {beyond} is what the law may miss beyond its data"
+        "present 95 % interval {now}, of which {beyond} from extrapolation beyond the data"
     ));
-    if let Some(wider) = plan.known_half_width_share.map(within) {
-        let records = match plan.known {
-            1 => "record".to_string(),
-            n => format!("{n} records"),
-        };
+    if let Some(wider) = plan.prior_half_width_share.map(within) {
+        let records = counted(plan.existing as u64, "specified record");
         out.flat(format!(
-            "a fit of the {records} given alone is within {wider}: the catalogue's entry knows more, keep it"
+            "a fit of {records} alone gives {wider}; the catalogue entry is more accurate, keep it"
         ));
     }
     for (i, planned) in plan.tests.iter().enumerate() {
@@ -37,49 +35,50 @@ pub fn plan_table(plan: &Plan) -> String {
     let last = plan.tests.last();
     let after = last.map_or(plan.half_width_share, |t| t.half_width_share);
     out.flat(format!(
-        "{} on the bench, then within {} instead of {now}; readings scatter by {} % of the length",
+        "{} on the bench reduce the interval to {} (from {now}); standard deviation of a measurement {} % of the length",
         duration(plan.bench_s),
         within(after),
         rounded(100.0 * plan.reading_ratio, 2)
     ));
     if after >= plan.half_width_share {
-        out.flat("none of these tests makes it surer: what a law may miss beyond their loads, temperatures and times counts for more than what they tell. Hold loads longer, nearer to the duty's");
+        out.flat("no test reduces the interval: extrapolation beyond the loads, temperatures and times of the tests dominates; plan longer tests at loads closer to the duty");
     }
     let Some(check) = &plan.check else {
         return out.0;
     };
     let failed = match check.failed {
         0 => String::new(),
-        n => format!("; {n} could not be fitted or predicted"),
+        n => format!("; {n} not fitted or not predicted"),
     };
-    let without = match plan.known {
+    let without = match plan.existing {
         0 => "",
-        _ => ", without the records given",
+        _ => ", without the specified records",
     };
     let (ropes, inside, found) = (check.ropes, check.inside, within(check.half_width_share));
     out.flat(format!(
-        "carried out on {ropes} virtual ropes{without}: within {found} (median), and {inside} of them lay inside{failed}"
+        "validated on {ropes} simulated ropes{without}: interval {found} (median), coverage {inside}/{ropes}{failed}"
     ));
-    let came_true = check.half_width_share / after;
-    if ropes == 0 || (plan.known == 0 && !TRUE.contains(&came_true)) {
-        out.flat("the promise doesn't come true: tests so short or so few are not linear in what is open. Go by the figure of the check");
+    let actual_over_planned = check.half_width_share / after;
+    if ropes == 0 || (plan.existing == 0 && !ACCEPTED_RATIO.contains(&actual_over_planned)) {
+        out.flat("planned interval not confirmed: the fit is not linear in the free parameters for such short or few tests; use the interval of the validation");
     }
     out.0
 }
 
-/// A promise that came true: the interval found over the one promised.
-const TRUE: std::ops::Range<f64> = 0.67..1.5;
+/// Accepted range of the validated interval over the planned one.
+const ACCEPTED_RATIO: std::ops::Range<f64> = 0.67..1.5;
 
-/// Half an interval for people: ± up to a half, else times or over.
+/// Formats a relative half-width: ± % up to one half, else as a factor.
 fn within(share: f64) -> String {
     if share < 0.5 {
         format!("± {} %", rounded(100.0 * share, 2))
     } else {
-        format!("a factor {}", rounded(1.0 + share, 2))
+        format!("factor {}", rounded(1.0 + share, 2))
     }
 }
 
-fn step(out: &mut Told, number: usize, planned: &PlannedTest) {
+/// Renders a planned test with the best candidates.
+fn step(out: &mut TerminalText, number: usize, planned: &PlannedTest) {
     let t = &planned.test;
     let [preload, load, celsius] = [t.preload_n, t.load_n, t.temperature_c].map(|v| rounded(v, 3));
     let after = match t.recovery_s > 0.0 {
@@ -87,26 +86,26 @@ fn step(out: &mut Told, number: usize, planned: &PlannedTest) {
         false => String::new(),
     };
     out.flat(format!(
-        "test {number}: {preload} N for {}, {load} N for {} at {celsius} °C{after}: within {}",
+        "test {number}: {preload} N for {}, {load} N for {} at {celsius} °C{after}: interval {}",
         duration(t.preloaded_s),
         duration(t.loaded_s),
         within(planned.half_width_share)
     ));
-    out.add("\nlooked at for it, the best first:\n");
-    let watched = |s: f64| or_dash(Some(s).filter(|s| *s > 0.0), duration);
+    out.add("\ncandidates, best first:\n");
+    let recovery = |s: f64| or_dash(Some(s).filter(|s| *s > 0.0), duration);
     out.table(
         Columns::of(&planned.candidates)
-            .column("load\nN", |c| rounded(c.test.load_n, 3))
-            .column("at\n°C", |c| rounded(c.test.temperature_c, 3))
-            .column("held\n", |c| duration(c.test.loaded_s))
-            .column("watched\nafter", |c| watched(c.test.recovery_s))
+            .column("load\n(N)", |c| rounded(c.test.load_n, 3))
+            .column("temperature\n(°C)", |c| rounded(c.test.temperature_c, 3))
+            .column("duration\n", |c| duration(c.test.loaded_s))
+            .column("recovery\n", |c| recovery(c.test.recovery_s))
             .column("bench\n", |c| duration(c.test.bench_s()))
-            .column("then within\n", |c| within(c.half_width_share))
+            .column("95 % interval\n", |c| within(c.half_width_share))
             .table(),
     );
 }
 
-/// Load and temperature over time: a row where something is set, and one for every reading.
+/// Tabulates load and temperature over time, one row per set point and measurement.
 pub fn plan_programme(plan: &Plan) -> Table {
     let tests = (1_u32..).zip(&plan.tests);
     let rows = tests.flat_map(|(i, t)| rows(&t.test).into_iter().map(move |row| (i, t, row)));

@@ -1,10 +1,10 @@
-//! Creep tests over time as tables in SI.
+//! Creep tests over time as tables in SI units.
 
 use crate::data::Data;
 use sinew_creep::{FitReport, Tests};
 use sinew_log::Table;
 
-/// Readings of every specimen as they are fitted: strain from its zero, time from the load on, faults taken out.
+/// Tabulates the prepared measurements of every specimen: strain from its zero, time since loading, artefacts removed.
 pub fn readings_series(tests: &Tests) -> Table {
     let tests = tests.prepared.iter();
     let readings = tests.flat_map(|test| {
@@ -28,8 +28,10 @@ pub fn readings_series(tests: &Tests) -> Table {
         .table()
 }
 
-/// Readings and forecasts (`kind`). A reading to come lies within `reading_low_ratio` and `reading_high_ratio`, the
-/// law's strain within `strain_low_ratio` and `strain_high_ratio`.
+/// Tabulates measurements and forecasts (`kind`).
+///
+/// `reading_low_ratio` and `reading_high_ratio` bound the 95 % prediction interval of a measurement, `strain_low_ratio`
+/// and `strain_high_ratio` the 95 % interval of the strain of the law.
 pub fn fit_series(report: &FitReport, tests: &Tests) -> Table {
     let readings = tests.prepared.iter().flat_map(|test| {
         let curve = test.curve.time_s.iter().zip(&test.curve.strain);

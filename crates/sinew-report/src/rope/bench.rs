@@ -1,18 +1,18 @@
-//! A run of the bending bench as table, CSV and figure.
+//! Simulation of the bending bench as terminal table, machine-readable table and figure.
 
 use crate::data::Data;
-use crate::text::Told;
+use crate::text::TerminalText;
 use sinew_figure::plot::{Band, Figure, Line, Panel};
 use sinew_figure::{Columns, rounded};
 use sinew_log::Table;
 use sinew_rope::bench::{BenchReading, BenchRun};
 
-/// A dozen rows, the last one, and both sides of every change of force.
+/// Renders about a dozen rows, the last one, and both sides of every change of force.
 pub fn bench_table(run: &BenchRun) -> String {
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     let [strand, stroke] = [run.strand_m, run.stroke_m].map(|m| rounded(1e3 * m, 3));
     let (bench, rope) = (&run.bench, &run.rope);
-    out.say(format!(
+    out.paragraph(format!(
         "bench {bench}, {rope}: strands of {strand} mm, stroke {stroke} mm"
     ));
     out.add("\n");
@@ -27,24 +27,24 @@ pub fn bench_table(run: &BenchRun) -> String {
     let shown = (0..readings.len()).filter(shown).map(|i| &readings[i]);
     out.table(
         Columns::of(shown)
-            .column("min", |r| rounded(r.time_s / 60.0, 3))
-            .column("force\nN", |r| rounded(r.force_n, 3))
-            .column("elongation\nmm", |r| rounded(1e3 * r.elongation_m, 3))
-            .column("strain\n%", |r| {
+            .column("time\n(min)", |r| rounded(r.time_s / 60.0, 3))
+            .column("force\n(N)", |r| rounded(r.force_n, 3))
+            .column("elongation\n(mm)", |r| rounded(1e3 * r.elongation_m, 3))
+            .column("strain\n(%)", |r| {
                 let s = r.strain_ratio.scaled(100.0);
                 let [low, high] = [s.low, s.high].map(|v| rounded(v, 2));
                 format!("{} ({low} to {high})", rounded(s.value, 3))
             })
-            .column("stays\n%", |r| {
+            .column("permanent\n(%)", |r| {
                 rounded(100.0 * r.irreversible_strain_ratio, 3)
             })
             .table(),
     );
-    out.say("elongation: how far the carriage has moved; brackets: 95 % of the draws of the rope's parameters");
+    out.paragraph("elongation: displacement of the carriage; 95 % intervals in brackets, from draws of the rope parameters");
     out.0
 }
 
-/// One row per reading.
+/// Tabulates the simulation, one row per time.
 pub fn bench_csv(run: &BenchRun) -> Table {
     let strain = [
         "strain_percent",
@@ -53,7 +53,7 @@ pub fn bench_csv(run: &BenchRun) -> Table {
     ];
     Data::of(&run.readings)
         .number("time_s", |r| r.time_s)
-        // Two strands carry the carriage.
+        // Two strands share the force of the carriage.
         .number("tension_n", |r| 0.5 * r.force_n)
         .number("carriage_force_n", |r| r.force_n)
         .number("elongation_mm", |r| 1e3 * r.elongation_m)
@@ -61,7 +61,7 @@ pub fn bench_csv(run: &BenchRun) -> Table {
         .table()
 }
 
-/// Strain over time with the band of the draws.
+/// Plots the strain over time with its 95 % band.
 pub fn bench_figure(run: &BenchRun) -> Figure {
     let of = |f: &dyn Fn(&BenchReading) -> f64| run.readings.iter().map(f).collect::<Vec<f64>>();
     let minutes = of(&|r| r.time_s / 60.0);
@@ -73,7 +73,7 @@ pub fn bench_figure(run: &BenchRun) -> Figure {
         .band(Band::new("", minutes.clone(), low, high))
         .line(Line::new("", minutes, middle));
     Figure::new(format!("Bench {}, simulated", run.bench))
-        .subtitle(format!("{}; band: 95 % of the draws", run.rope))
+        .subtitle(format!("{}; band: 95 % interval", run.rope))
         .size(900.0, 420.0)
         .panel(panel)
 }

@@ -1,25 +1,25 @@
-//! The catalogue, and a rope of it, as text.
+//! Rope catalogue and catalogue entries as text.
 
+use super::messages::range;
 use super::spoken;
-use super::words::range;
-use crate::text::{Told, or_dash};
+use crate::text::{TerminalText, or_dash};
 use sinew_figure::{Columns, Table, rounded};
 use sinew_rope::law::entry::{Uncertainty, Value};
 use sinew_rope::{Catalogue, CatalogueRope};
 
-/// All ropes, a line each.
+/// Renders the catalogue, one line per rope.
 pub fn catalogue_table(catalogue: &Catalogue) -> String {
     let published =
         |value: &Option<Value>, digits| or_dash(value.as_ref(), |v| rounded(v.value, digits));
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     out.table(
         Columns::of(catalogue.ropes().iter().map(|rope| &rope.entry))
             .words("name", |e| &e.name)
             .words("fibre", |e| &e.fibre)
-            .column("d\nmm", |e| published(&e.diameter_mm, 3))
-            .column("load\nN", |e| published(&e.breaking_load_n, 4))
-            .column("g/m", |e| published(&e.weight_g_per_m, 3))
-            .column("guesses", |e| format!("{}/{}", e.guesses(), e.law.len()))
+            .column("d\n(mm)", |e| published(&e.diameter_mm, 3))
+            .column("breaking load\n(N)", |e| published(&e.breaking_load_n, 4))
+            .column("weight\n(g/m)", |e| published(&e.weight_g_per_m, 3))
+            .column("assumed", |e| format!("{}/{}", e.assumed(), e.law.len()))
             .table(),
     );
     let own = catalogue
@@ -28,17 +28,17 @@ pub fn catalogue_table(catalogue: &Catalogue) -> String {
         .filter(|r| r.file.is_some())
         .count();
     if own > 0 {
-        out.flat(format!("{own} of them from your folders"));
+        out.flat(format!("{own} of them from additional catalogues"));
     }
     out.0
 }
 
-/// Everything known about a rope.
+/// Renders all properties of a rope.
 pub fn rope_table(rope: &CatalogueRope) -> String {
     let e = &rope.entry;
     let plait = e.plait.as_ref().map(|p| format!(", {p}"));
-    let mut out = Told::default();
-    out.say(format!(
+    let mut out = TerminalText::default();
+    out.paragraph(format!(
         "{}: {} {}, {} ({}){}",
         e.name,
         e.manufacturer,
@@ -48,7 +48,7 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
         plait.unwrap_or_default()
     ));
     if let Some(note) = &e.note {
-        out.say(note);
+        out.paragraph(note);
     }
     let published = [
         ("diameter_mm", &e.diameter_mm),
@@ -56,45 +56,45 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
         ("weight_g_per_m", &e.weight_g_per_m),
         ("discard_strain_percent", &e.discard_strain_percent),
     ];
-    let known = published.iter();
-    let known = known.filter_map(|(name, v)| Some((*name, v.as_ref()?)));
+    let given = published.iter();
+    let given = given.filter_map(|(name, v)| Some((*name, v.as_ref()?)));
     out.add("\npublished\n");
-    out.table(values(known));
+    out.table(values(given));
     let missing: Vec<&str> = published
         .iter()
         .filter(|(_, v)| v.is_none())
         .map(|(name, _)| *name)
         .collect();
     if !missing.is_empty() {
-        out.say(format!("not published: {}", missing.join(", ")));
+        out.paragraph(format!("not published: {}", missing.join(", ")));
     }
-    let holds = rope.holds();
-    out.add("\nlaw\n");
-    out.say(format!(
-        "data behind it: {} of the breaking load, {}, {}{}",
-        range(holds.load_share.map(|s| 100.0 * s), "%"),
-        range(holds.temperature_c, "°C"),
-        spoken(holds.duration_s),
-        match e.holds {
-            Some(_) => "; beyond, predictions widen",
-            None => " (not stated by the entry: taken for any rope)",
+    let tested_range = rope.tested_range();
+    out.add("\ncreep law\n");
+    out.paragraph(format!(
+        "tested range: {} of the breaking load, {}, {}{}",
+        range(tested_range.load_share.map(|s| 100.0 * s), "%"),
+        range(tested_range.temperature_c, "°C"),
+        spoken(tested_range.duration_s),
+        match e.tested_range {
+            Some(_) => "; intervals are widened beyond it",
+            None => " (not specified in the entry, default)",
         }
     ));
     out.table(values(e.law.iter().map(|(p, v)| (p.name(), v))));
     if let Err(missing) = e.parameters() {
-        out.say(format!(
-            "missing, so nothing can be predicted with this rope: {}",
+        out.paragraph(format!(
+            "no prediction possible, missing parameters: {}",
             missing.join(", ")
         ));
     }
     if let Some(c) = &e.correlation {
         let names: Vec<&str> = c.parameters.iter().map(|p| p.name()).collect();
-        out.say(format!("errors correlated among {}", names.join(", ")));
+        out.paragraph(format!("correlated errors: {}", names.join(", ")));
     }
-    // The fibres' files ship with the program; a test reads each of them.
+    // Fibre files are part of the program; a test reads each of them.
     let class = rope.endurance().ok();
     if let Some(class) = &class {
-        out.add("\nendurance: its own values, else those of its fibre\n");
+        out.add("\nendurance (of the rope, else of its fibre)\n");
         out.table(values(class.endurance.iter().map(|(k, v)| (k.name(), v))));
     }
     out.add("\nsources\n");
@@ -108,10 +108,10 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
     out.0
 }
 
-/// Values with their source and uncertainty.
+/// Tabulates values with origin, source and uncertainty.
 fn values<'a>(named: impl Iterator<Item = (&'a str, &'a Value)>) -> Table {
     Columns::of(named)
-        .words("", |(name, _)| *name)
+        .words("parameter", |(name, _)| *name)
         .words("origin", |(_, v)| {
             let date = v.date.as_ref().map(|d| format!(" {d}"));
             format!("{}{}", v.origin.name(), date.unwrap_or_default())
@@ -122,7 +122,7 @@ fn values<'a>(named: impl Iterator<Item = (&'a str, &'a Value)>) -> Table {
         .table()
 }
 
-/// Four digits, with a power of ten where a rate or a lifetime needs one.
+/// Formats four significant digits, in scientific notation if very small or large.
 fn number(v: f64) -> String {
     if v != 0.0 && !(1e-3..1e5).contains(&v.abs()) {
         format!("{v:e}").replace('-', "−")
@@ -131,11 +131,11 @@ fn number(v: f64) -> String {
     }
 }
 
-/// The 95 % interval of a value.
+/// Formats the 95 % interval of a value.
 fn interval(value: &Value) -> String {
     match value.uncertainty {
-        Uncertainty::NotStated => "not stated".into(),
-        Uncertainty::Factor(f) => format!("times or over {f}"),
+        Uncertainty::NotSpecified => "not specified".into(),
+        Uncertainty::Factor(f) => format!("factor {f}"),
         Uncertainty::PlusMinus(d) => format!("± {}", number(d)),
     }
 }

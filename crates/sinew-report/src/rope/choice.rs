@@ -1,28 +1,27 @@
-//! The choice of a rope as a figure.
+//! Figure of a rope selection.
 
 use super::bracketed;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
 use sinew_rope::select::{Candidate, Selection, is_pareto};
 
-/// Elongation against diameter and against weight; the dotted line joins the ropes that nothing
-/// beats, life included.
+/// Plots elongation over diameter and over weight; the dotted line connects the Pareto-optimal ropes, including lifetime.
 pub fn figure(selection: &Selection, time: &str) -> Figure {
     let panel = |label: &str, x: &dyn Fn(&Candidate) -> Option<f64>| {
         let mut panel = Panel::new("", label, format!("elongation after {time} (mm)"));
         let mut front: Vec<(f64, f64)> = Vec::new();
         let candidates = selection.candidates.iter();
         let points: Vec<_> = candidates.map(|c| (x(c), c.objectives())).collect();
-        let known = || points.iter().filter_map(|p| p.0);
-        let low = known().reduce(f64::min)?;
-        let high = known().reduce(f64::max)?;
+        let positions = || points.iter().filter_map(|p| p.0);
+        let low = positions().reduce(f64::min)?;
+        let high = positions().reduce(f64::max)?;
         let room = (0.15 * (high - low)).max(0.1 * high);
         let (left, right) = (low - room, high + 2.5 * room);
         let tick = 0.008 * (right - left);
-        let mut best = Points::new("beaten by none in both", Vec::new(), Vec::new());
-        let mut beaten = Points::new("beaten", Vec::new(), Vec::new()).colour(Colour::Grey);
+        let mut best = Points::new("Pareto-optimal", Vec::new(), Vec::new());
+        let mut dominated = Points::new("dominated", Vec::new(), Vec::new()).colour(Colour::Grey);
         for (i, c) in selection.candidates.iter().enumerate() {
             let Some(at) = x(c) else { continue };
-            // Ropes of the same size stand beside each other.
+            // Ropes of equal size are drawn side by side.
             let before = points[..i].iter().filter(|p| p.0 == Some(at)).count();
             let at = at + 3.0 * tick * before as f64;
             let e = c.elongation_m.scaled(1e3);
@@ -32,7 +31,7 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
                     front.push((at, e.value));
                     &mut best
                 }
-                false => &mut beaten,
+                false => &mut dominated,
             };
             own.x.push(at);
             own.y.push(e.value);
@@ -43,14 +42,11 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (xs, ys) = front.into_iter().unzip();
         let front = Line::new("", xs, ys).dash(Dash::Dotted).width(1.0);
-        panel = panel.points(best.size(8.0)).points(beaten.size(6.0));
+        panel = panel.points(best.size(8.0)).points(dominated.size(6.0));
         Some(panel.line(front).x_range(left, right))
     };
     let mut figure = Figure::new("Ropes for this duty")
-        .subtitle(format!(
-            "{}; bars are 95 % intervals from the catalogue's uncertainty",
-            selection.duty
-        ))
+        .subtitle(format!("{}; bars: 95 % intervals", selection.duty))
         .seen(seen(selection, time))
         .size(820.0, 860.0);
     for panel in [
@@ -67,7 +63,7 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
     figure
 }
 
-/// Which rope stretches least, and by how much.
+/// Describes the figure for screen readers.
 fn seen(selection: &Selection, time: &str) -> String {
     let of = |c: &Candidate| {
         let mm = bracketed(c.elongation_m.scaled(1e3), 2);

@@ -1,24 +1,25 @@
-//! Predictions, choices and plans as HTML pages and as text.
+//! Rope predictions, selections and pretension plans as text and HTML reports.
 
 mod bench;
 mod catalogue;
 mod choice;
-mod life;
+pub(crate) mod life;
+pub(crate) mod messages;
 mod planned;
 mod predicted;
 mod route_map;
 mod selected;
 mod series;
-mod words;
 
 pub use bench::{bench_csv, bench_figure, bench_table};
 pub use catalogue::{catalogue_table, rope_table};
 pub use choice::figure;
+pub(crate) use messages::caution_message;
+pub use messages::{caution, namesake, rejection};
 pub use planned::{plan_table, planned};
 pub use predicted::{predicted, prediction_table};
 pub use selected::{selected, selection_table};
 pub use series::{curve_times, prediction_series};
-pub use words::{caution, namesake, rejection};
 
 use crate::text::sentence;
 use sinew_figure::{Block, Page, rounded};
@@ -26,7 +27,7 @@ use sinew_model::Bounded;
 use sinew_rope::Caution;
 use sinew_rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
 
-/// A duration as a person says it.
+/// Formats a duration in a suitable unit, `8 h` or `1 year`.
 pub fn spoken(s: f64) -> String {
     let whole = |v: f64, unit: &str| {
         let rounded = (10.0 * v).round() / 10.0;
@@ -53,7 +54,7 @@ pub fn spoken(s: f64) -> String {
     }
 }
 
-/// `0.42 (0.31 to 0.58)`
+/// Formats a value with its interval, `0.42 (0.31 to 0.58)`.
 pub fn bracketed(i: Bounded, digits: u8) -> String {
     format!(
         "{} ({} to {})",
@@ -95,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn pages_say_what_the_tables_say() {
+    fn pages_contain_values_of_tables() {
         let catalogue = Catalogue::shipped().expect("shipped");
         let rope = catalogue.find("liros-dc000-0301").expect("there");
         let p = predict(rope, &request()).expect("a prediction");
@@ -104,7 +105,7 @@ mod tests {
             ..request()
         };
         let curve = predict(rope, &more).expect("a prediction").readings;
-        // A curve, not a line from reading to reading; and its readings are on it.
+        // The curve is denser than the table and contains its values.
         assert!(curve.len() > 25, "{} times", curve.len());
         for r in &p.readings {
             let on = curve.iter().find(|c| c.time_s == r.time_s).expect("on it");
@@ -117,7 +118,7 @@ mod tests {
             bracketed(last.scaled(1e3), 2).as_str(),
             "after 1 year",
             "<svg",
-            "starting guesses",
+            "parameters assumed",
         ] {
             assert!(text.contains(words), "{words}");
         }
@@ -128,14 +129,14 @@ mod tests {
         let s = select::select(&catalogue, &request(), &limits).expect("a choice");
         let text = selected(&s, &limits).html();
         for words in [
-            "diameter at most",
+            "maximum diameter",
             "1.9 mm",
-            "diameter 2.00 mm is above 1.9 mm",
+            "diameter 2.00 mm exceeds the limit of 1.9 mm",
             "<svg",
         ] {
             assert!(text.contains(words), "{words}");
         }
-        let asked = pretension::Request {
+        let requested = pretension::Request {
             tension_n: 60.0,
             temperature_c: 23.0,
             length_m: 0.7,
@@ -146,12 +147,12 @@ mod tests {
             draws: 20,
             seed: 1,
         };
-        let plan = pretension::plan(rope, &asked).expect("a plan");
+        let plan = pretension::plan(rope, &requested).expect("a plan");
         let text = planned(&plan).html();
         for words in [
-            "Hold it at 60.0 N for 1 h",
-            "as it comes",
-            "bedded in",
+            "Hold 60.0 N for 1 h",
+            "as delivered",
+            "preconditioned",
             "<svg",
         ] {
             assert!(text.contains(words), "{words}");

@@ -1,43 +1,49 @@
-//! A prediction as a page.
+//! Prediction of the elongation of a rope as text and HTML report.
 
-use super::words::guessed;
-use super::{bracketed, caution, life, notices, page, route_map, spoken};
-use crate::text::{Told, capitalised};
+use super::messages::assumed_note;
+use super::{bracketed, caution_message, life, notices, page, route_map, spoken};
+use crate::text::{TerminalText, capitalised};
 use sinew_figure::plot::{Band, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
-use sinew_rope::predict::{Prediction, Reading};
+use sinew_rope::predict::{PredictedElongation, Prediction};
 
-/// How far a rope will stretch; `curve`: its readings at more times, by [`super::series::curve_times`].
-pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
+/// Builds the report of a prediction.
+///
+/// * `curve`: values at the times of [`super::series::curve_times`].
+pub fn predicted(p: &Prediction, curve: &[PredictedElongation]) -> Page {
     let mut first = Vec::new();
     if let Some(last) = p.readings.last() {
         first.push(Block::Headlines(vec![Headline::from(format!(
-            "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).{}",
+            "{} after {}: elongation {} mm after pretensioning (95 % interval in brackets).{}",
             p.rope,
             spoken(last.time_s),
             bracketed(last.since_tensioned_m.scaled(1e3), 2),
-            guessed(p.starting_guesses, p.parameters)
+            assumed_note(p.assumed_parameters, p.parameters)
         ))]));
     }
     if let Some(time_s) = p.breaks_after_s {
-        let breaks = format!(
-            "{} breaks after some {}, of {}.{}",
+        let failure = format!(
+            "{}: failure predicted after about {} ({}).{}",
             p.rope,
             spoken(time_s),
-            life::cause(p.life.cause),
-            guessed(p.starting_guesses, p.parameters)
+            life::cause(p.lifetime.cause),
+            assumed_note(p.assumed_parameters, p.parameters)
         );
-        let breaks = Headline::new(Level::Alarm, breaks);
-        first.push(Block::Headlines(vec![breaks]));
+        let failure = Headline::new(Level::Alarm, failure);
+        first.push(Block::Headlines(vec![failure]));
     }
     if let (Some(text), None) = (broken(p), p.breaks_after_s) {
-        let breaks = format!("{}. It {}.", capitalised(&text), life::lasts(&p.life));
-        first.push(Block::Headlines(vec![Headline::new(Level::Watch, breaks)]));
+        let failure = format!(
+            "{}. {}.",
+            capitalised(&text),
+            capitalised(&life::lifetime(&p.lifetime))
+        );
+        first.push(Block::Headlines(vec![Headline::new(Level::Watch, failure)]));
     }
     first.extend(notices(&p.cautions));
     if p.readings.len() > 1 {
-        first.push(Block::Figure(Box::new(course(p, curve)), String::new()));
+        first.push(Block::Figure(Box::new(trajectory(p, curve)), String::new()));
     }
     let s = &p.summary;
     let celsius = [
@@ -47,116 +53,132 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
     ];
     let constant = s.tension_min_n == s.tension_max_n && celsius[0] == celsius[2];
     let cycle = match constant {
-        true => "always the same".into(),
+        true => "constant".into(),
         false => spoken(s.duration_s),
     };
     let strength = p.strength_left_share.map_or_else(
-        || "not asked for, or broken by then".into(),
+        || "not requested, or failed before".into(),
         |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
     );
     let basis = Table::facts([
         ("duty", p.duty.clone()),
-        ("one cycle", cycle),
+        ("cycle", cycle),
         (
             "tension",
             span([s.tension_min_n, s.tension_mean_n, s.tension_max_n], "N"),
         ),
         ("temperature", span(celsius, "°C")),
         ("strand", format!("{} mm", rounded(1e3 * p.length_m, 4))),
-        ("read at", read_at(p)),
-        ("parameters", format!("{}; {}", guesses(p), draws(p))),
-        ("strength left after bending", strength),
+        ("reference conditions", read_at(p)),
+        ("parameters", format!("{}; {}", assumed(p), draws(p))),
+        ("residual strength after bending", strength),
     ]);
-    let mut lasts = vec![Block::Paragraph(format!("It {}.", life::lasts(&p.life)))];
-    if route_map::is_told(p) {
-        let about = "The route, drawn as if its pulleys turned the rope to the left and to the right by turns. The wider the line, the more of that portion's life is used up.";
+    let mut lasts = vec![Block::Paragraph(format!(
+        "{}.",
+        capitalised(&life::lifetime(&p.lifetime))
+    ))];
+    if route_map::is_drawn(p) {
+        let about = "Schematic route with pulleys alternating left and right. Line width: share of the life used in each section.";
         lasts.push(Block::Figure(Box::new(route_map::figure(p)), about.into()));
     }
-    if life::is_told(&p.life) {
-        let about = "What is used up of each portion's life at the last time, or when it breaks; a star marks the weakest.";
-        lasts.push(Block::Figure(Box::new(life::figure(&p.life)), about.into()));
-        lasts.push(life::spots(&p.life).into());
+    if life::is_significant(&p.lifetime) {
+        let about = "Life used in each section at the last time or at failure; * weakest section.";
+        lasts.push(Block::Figure(
+            Box::new(life::figure(&p.lifetime)),
+            about.into(),
+        ));
+        lasts.push(life::spots(&p.lifetime).into());
     }
     page(format!("Elongation of {}", p.rope), p.duty.clone())
         .section("", first)
-        .section("Readings", vec![readings(p, |v| bracketed(v, 2)).into()])
-        .section("How long it lasts", lasts)
-        .section("What it rests on", vec![basis.into()])
+        .section(
+            "Elongation",
+            vec![elongations(p, |v| bracketed(v, 2)).into()],
+        )
+        .section("Lifetime", lasts)
+        .section("Conditions and parameters", vec![basis.into()])
 }
 
-/// Elongation over time as a curve with its band, and the readings of the table as dots.
-fn course(p: &Prediction, curve: &[Reading]) -> Figure {
-    let of = |readings: &[Reading], f: fn(Bounded) -> f64| -> Vec<f64> {
+/// Plots the elongation over time with its band, and the values of the table as dots.
+fn trajectory(p: &Prediction, curve: &[PredictedElongation]) -> Figure {
+    let of = |readings: &[PredictedElongation], f: fn(Bounded) -> f64| -> Vec<f64> {
         let all = readings.iter().map(|r| r.since_tensioned_m.scaled(1e3));
         all.map(f).collect()
     };
-    let times = |of: &[Reading]| -> Vec<f64> { of.iter().map(|r| r.time_s.log10()).collect() };
+    let times =
+        |of: &[PredictedElongation]| -> Vec<f64> { of.iter().map(|r| r.time_s.log10()).collect() };
     let most = of(curve, |i| i.high).into_iter().fold(0.0, f64::max);
     let x = times(curve);
     let (low, high) = (of(curve, |i| i.low), of(curve, |i| i.high));
-    let dots = Points::new("readings", times(&p.readings), of(&p.readings, |i| i.value));
-    let panel = Panel::new("", "time", "elongation since tensioned (mm)")
+    let dots = Points::new(
+        "table values",
+        times(&p.readings),
+        of(&p.readings, |i| i.value),
+    );
+    let panel = Panel::new("", "time", "elongation after pretensioning (mm)")
         .y_range(0.0, 1.06 * most)
-        .band(Band::new("95 % of the draws", x.clone(), low, high))
-        .line(Line::new("catalogue's values", x, of(curve, |i| i.value)))
+        .band(Band::new("95 % interval", x.clone(), low, high))
+        .line(Line::new("catalogue values", x, of(curve, |i| i.value)))
         .points(dots)
         .x_times();
-    let told = p.readings.iter().map(|r| {
+    let values = p.readings.iter().map(|r| {
         let mm = bracketed(r.since_tensioned_m.scaled(1e3), 2);
         format!("after {} {mm} mm", spoken(r.time_s))
     });
     Figure::new("")
         .size(820.0, 360.0)
         .seen(format!(
-            "{} since tensioned, with 95 % intervals: {}",
+            "{}: elongation after pretensioning with 95 % intervals: {}",
             p.rope,
-            told.collect::<Vec<_>>().join(", ")
+            values.collect::<Vec<_>>().join(", ")
         ))
         .panel(panel)
 }
 
-/// How far it stretches; strain and what stays are worded by `number`.
-fn readings(p: &Prediction, number: fn(Bounded) -> String) -> Table {
+/// Tabulates the elongation over time.
+///
+/// * `number`: format of total strain and permanent elongation.
+fn elongations(p: &Prediction, number: fn(Bounded) -> String) -> Table {
     let mm = |length: Bounded| bracketed(length.scaled(1e3), 2);
     Columns::of(&p.readings)
         .words("after", |r| spoken(r.time_s))
-        .column("since tensioned\nmm", |r| mm(r.since_tensioned_m))
-        .column("from slack\nmm", |r| mm(r.elongation_m))
-        .column("from slack\n%", |r| number(r.strain_ratio.scaled(100.0)))
-        .column("stays, mm", |r| number(r.irreversible_m.scaled(1e3)))
+        .column("after pretensioning\n(mm)", |r| mm(r.since_tensioned_m))
+        .column("total\n(mm)", |r| mm(r.elongation_m))
+        .column("total\n(%)", |r| number(r.strain_ratio.scaled(100.0)))
+        .column("permanent\n(mm)", |r| number(r.irreversible_m.scaled(1e3)))
         .table()
 }
 
-/// What it is read at.
+/// Formats tension and temperature to which the elongations refer.
 fn read_at(p: &Prediction) -> String {
     let [newtons, celsius] = [p.read_at_n, p.read_at_c].map(|v| rounded(v, 3));
     format!("{newtons} N and {celsius} °C")
 }
 
-/// How many draws the intervals are from.
+/// Formats number and seed of the draws.
 fn draws(p: &Prediction) -> String {
     format!("{} draws (seed {})", p.draws, p.seed)
 }
 
-/// How many of its parameters are guesses.
-fn guesses(p: &Prediction) -> String {
-    let (guesses, all) = (p.starting_guesses, p.parameters);
-    format!("{guesses} of {all} parameters are starting guesses")
+/// States how many parameters are assumed.
+fn assumed(p: &Prediction) -> String {
+    let (assumed, all) = (p.assumed_parameters, p.parameters);
+    format!("{assumed} of {all} parameters assumed")
 }
 
-/// In how many draws the rope breaks, where it does in some.
+/// States the share of draws in which the rope fails; `None` if in none.
 fn broken(p: &Prediction) -> Option<String> {
     let last = p.readings.last()?;
     (last.broken_share > 0.0).then(|| {
         format!(
-            "the rope breaks in {} % of the draws within {}, which are left out of the elongations",
+            "failure in {} % of the draws within {}; these draws are excluded from the elongations",
             rounded(100.0 * last.broken_share, 2),
             spoken(last.time_s)
         )
     })
 }
 
-/// Least, mean and most; one number where they are the same.
+/// Formats minimum, maximum and mean; one number if they are equal.
 fn span([least, mean, most]: [f64; 3], unit: &str) -> String {
     let same = least == most;
     let [least, mean, most] = [least, mean, most].map(|v| rounded(v, 3));
@@ -166,47 +188,50 @@ fn span([least, mean, most]: [f64; 3], unit: &str) -> String {
     }
 }
 
-/// What is to be expected, as text for a terminal.
+/// Renders a prediction for a terminal.
 pub fn prediction_table(p: &Prediction) -> String {
-    let mut out = Told::default();
-    out.say(format!("{}: {}", p.rope, p.duty));
+    let mut out = TerminalText::default();
+    out.paragraph(format!("{}: {}", p.rope, p.duty));
     let s = &p.summary;
     if s.tension_min_n != s.tension_max_n || s.temperature_min_c != s.temperature_max_c {
         let tensions = [s.tension_min_n, s.tension_max_n, s.tension_mean_n];
         let [least, most, mean] = tensions.map(|n| rounded(n, 3));
         let [cold, hot] = [s.temperature_min_c, s.temperature_max_c].map(|c| rounded(c, 3));
         let cycle = spoken(s.duration_s);
-        out.say(format!(
-            "one cycle of {cycle}: {least} to {most} N, mean {mean} N; {cold} to {hot} °C"
+        out.paragraph(format!(
+            "cycle of {cycle}: {least} to {most} N, mean {mean} N; {cold} to {hot} °C"
         ));
     }
     let length = rounded(1e3 * p.length_m, 4);
-    out.say(format!("strand of {length} mm, read at {}", read_at(p)));
+    out.paragraph(format!(
+        "strand of {length} mm, elongation at {}",
+        read_at(p)
+    ));
     out.add("\n");
     if p.readings.is_empty() {
-        out.say("no reading: it breaks before the first");
+        out.paragraph("no elongation: failure before the first time");
     } else {
-        out.table(readings(p, |v| rounded(v.value, 2)));
+        out.table(elongations(p, |v| rounded(v.value, 2)));
     }
-    out.say(format!("it {}", life::lasts(&p.life)));
-    if life::is_told(&p.life) {
-        out.add("\nlife used up along the rope, from the drive\n");
-        out.table(life::spots(&p.life));
+    out.paragraph(life::lifetime(&p.lifetime));
+    if life::is_significant(&p.lifetime) {
+        out.add("\nlife used along the rope, from the drive\n");
+        out.table(life::spots(&p.lifetime));
     }
     if let Some(left) = p.strength_left_share {
         let [left, low, high] = [left.value, left.low, left.high].map(|v| rounded(100.0 * v, 2));
-        out.say(format!(
-            "strength left after bending: {left} % of new ({low} to {high} %)"
+        out.paragraph(format!(
+            "residual strength after bending: {left} % of new ({low} to {high} %)"
         ));
     }
     if let Some(text) = broken(p) {
-        out.say(text);
+        out.paragraph(text);
     }
     out.add("\n");
-    let (draws, guesses) = (draws(p), guesses(p));
-    out.say(format!("95 % intervals from {draws}; {guesses}"));
+    let (draws, assumed) = (draws(p), assumed(p));
+    out.paragraph(format!("95 % intervals from {draws}; {assumed}"));
     for what in &p.cautions {
-        out.say(format!("warning: {}", caution(*what)));
+        out.paragraph(format!("warning{}", caution_message(*what).tag()));
     }
     out.0
 }

@@ -1,24 +1,25 @@
-//! Where a rope wears out, drawn along its route.
+//! Drawing of the wear along the route of a rope.
 
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
 use sinew_figure::rounded;
 use sinew_rope::predict::{Prediction, PulleyPlace};
-use sinew_rope::{Place, Spot};
+use sinew_rope::{DamageSite, Place};
 
-/// Width of the drawing and what axes leave of it, CSS px.
+/// Width of the drawing, CSS px.
 const WIDTH_PX: f64 = 820.0;
+/// Width and height of the axes, CSS px.
 const AXES_PX: [f64; 2] = [80.0, 90.0];
-/// Least and most height, CSS px.
+/// Minimum and maximum height, CSS px.
 const HEIGHT_PX: (f64, f64) = (190.0, 520.0);
-/// Shares of the most worn portion's wear that classes begin at, with their words and looks.
+/// Classes of wear: lower bound as share of the largest wear, label, colour, line width.
 const CLASSES: [(f64, &str, Colour, f64); 4] = [
-    (0.0, "hardly worn", Colour::Grey, 2.5),
-    (0.1, "less than a third of the worst", Colour::Sky, 3.5),
-    (1.0 / 3.0, "a third to four fifths", Colour::Amber, 5.0),
-    (0.8, "the worst", Colour::Orange, 7.0),
+    (0.0, "< 10 % of the maximum wear", Colour::Grey, 2.5),
+    (0.1, "10 to 33 %", Colour::Sky, 3.5),
+    (1.0 / 3.0, "33 to 80 %", Colour::Amber, 5.0),
+    (0.8, "80 to 100 %", Colour::Orange, 7.0),
 ];
 
-/// A point of the path and where it heads, mm and rad.
+/// Point of the path, mm, with its heading, rad.
 #[derive(Clone, Copy)]
 struct Pose {
     x: f64,
@@ -35,7 +36,7 @@ impl Pose {
         }
     }
 
-    /// Along an arc of a circle that lies to the left (`side` 1) or to the right (−1).
+    /// Moves along a circular arc with its centre to the left (`side` 1) or right (−1).
     fn around(self, radius: f64, angle: f64, side: f64) -> Self {
         let centre = self.centre(radius, side);
         let heading = self.heading + side * angle;
@@ -54,8 +55,7 @@ impl Pose {
     }
 }
 
-/// The route as it can be drawn: pulleys turn the rope to the left and to the right by turns, as nobody
-/// says which way they do.
+/// Schematic route: pulleys turn the rope alternately left and right, because the direction is not specified.
 struct Route<'a> {
     pulleys: &'a [PulleyPlace],
 }
@@ -65,7 +65,7 @@ fn side(i: usize) -> f64 {
 }
 
 impl Route<'_> {
-    /// Where the rope is `at_mm` from the drive.
+    /// Returns the pose of the rope at a distance from the drive, mm.
     fn at(&self, at_mm: f64) -> Pose {
         let mut pose = Pose {
             x: 0.0,
@@ -89,14 +89,14 @@ impl Route<'_> {
         pose.along((at_mm - passed).max(0.0))
     }
 
-    /// Points of a stretch, mm.
-    fn stretch(&self, from_mm: f64, to_mm: f64) -> (Vec<f64>, Vec<f64>) {
+    /// Returns points of a section, mm.
+    fn section(&self, from_mm: f64, to_mm: f64) -> (Vec<f64>, Vec<f64>) {
         let parts = (((to_mm - from_mm) / 1.5).ceil() as usize).clamp(2, 400);
         let at = |k: usize| self.at(from_mm + (to_mm - from_mm) * k as f64 / parts as f64);
         (0..=parts).map(at).map(|p| (p.x, p.y)).unzip()
     }
 
-    /// Outline of a pulley, mm.
+    /// Returns the outline of a pulley, mm.
     fn outline(&self, i: usize) -> (Vec<f64>, Vec<f64>) {
         let p = &self.pulleys[i];
         let radius = 1e3 * p.radius_m;
@@ -108,24 +108,24 @@ impl Route<'_> {
     }
 }
 
-/// Whether there is a route to draw.
-pub(super) fn is_told(p: &Prediction) -> bool {
-    !p.pulleys.is_empty() && super::life::is_told(&p.life)
+/// Whether the route is drawn: it has pulleys and significant wear.
+pub(super) fn is_drawn(p: &Prediction) -> bool {
+    !p.pulleys.is_empty() && super::life::is_significant(&p.lifetime)
 }
 
-/// The rope along its pulleys, the wider and warmer in colour the more of its life is used up.
+/// Plots the rope along its pulleys; line width and colour show the share of the life used.
 pub(super) fn figure(p: &Prediction) -> Figure {
     let route = Route {
         pulleys: &p.pulleys,
     };
-    let spots = p.life.spots.iter().filter(|s| s.place == Place::Rope);
-    let spots: Vec<&Spot> = spots.collect();
-    let most = spots.iter().map(|s| s.damage()).fold(0.0, f64::max);
-    let class_of = |s: &Spot| {
-        let share = s.damage() / most;
+    let spots = p.lifetime.spots.iter().filter(|s| s.place == Place::Rope);
+    let spots: Vec<&DamageSite> = spots.collect();
+    let max = spots.iter().map(|s| s.damage()).fold(0.0, f64::max);
+    let class_of = |s: &DamageSite| {
+        let share = s.damage() / max;
         CLASSES.iter().rposition(|c| share >= c.0).unwrap_or(0)
     };
-    // With a gap behind each part.
+    // NaN separates the parts.
     let line = |name: &str, parts: Vec<(Vec<f64>, Vec<f64>)>| {
         let points =
             |(x, y): (Vec<f64>, Vec<f64>)| x.into_iter().zip(y).chain([(f64::NAN, f64::NAN)]);
@@ -137,7 +137,7 @@ pub(super) fn figure(p: &Prediction) -> Figure {
     let mut lines = vec![pulleys.colour(Colour::Black).width(1.0)];
     for (k, (_, name, colour, width)) in CLASSES.iter().enumerate() {
         let own = spots.iter().filter(|s| class_of(s) == k);
-        let own = own.map(|s| route.stretch(1e3 * s.from_m, 1e3 * s.to_m));
+        let own = own.map(|s| route.section(1e3 * s.from_m, 1e3 * s.to_m));
         let line = line(name, own.collect());
         if !line.x.is_empty() {
             lines.push(line.colour(*colour).width(*width));
@@ -145,7 +145,7 @@ pub(super) fn figure(p: &Prediction) -> Figure {
     }
     let x = bounds(lines.iter().flat_map(|l| &l.x));
     let y = bounds(lines.iter().flat_map(|l| &l.y));
-    // The same scale both ways.
+    // Both axes have the same scale.
     let scale = (x.1 - x.0) / (WIDTH_PX - AXES_PX[0]);
     let height = ((y.1 - y.0) / scale + AXES_PX[1]).clamp(HEIGHT_PX.0, HEIGHT_PX.1);
     let scale = f64::max(scale, (y.1 - y.0) / (height - AXES_PX[1]));
@@ -158,26 +158,23 @@ pub(super) fn figure(p: &Prediction) -> Figure {
     let worst = spots
         .iter()
         .max_by(|a, b| a.damage().total_cmp(&b.damage()));
-    let said = worst.map_or_else(String::new, |s| {
+    let description = worst.map_or_else(String::new, |s| {
         format!(
-            "The portion from {} to {} mm wears out first; {} pass over it.",
+            "The section from {} to {} mm wears out first; number of pulleys passing over it: {}.",
             rounded(1e3 * s.from_m, 4),
             rounded(1e3 * s.to_m, 4),
-            match s.guides {
-                1 => "one pulley".to_owned(),
-                n => format!("{n} pulleys"),
-            }
+            s.guides
         )
     });
-    let empty = Panel::new("", "along the machine (mm)", "across (mm)");
+    let empty = Panel::new("", "x (mm)", "y (mm)");
     let panel = lines.into_iter().fold(empty, Panel::line);
     Figure::new("")
         .size(WIDTH_PX, height)
-        .seen(said)
+        .seen(description)
         .panel(panel.x_range(x.0, x.1).y_range(y.0, y.1))
 }
 
-/// Least and most with a margin of a twentieth; gaps are passed over.
+/// Returns minimum and maximum with a margin of 5 %; NaN is ignored.
 fn bounds<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> (f64, f64) {
     let low = values.clone().copied().fold(f64::INFINITY, f64::min);
     let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
@@ -189,9 +186,9 @@ fn bounds<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Straight, a quarter turn to the left, straight, a quarter to the right, straight.
+    // Straight, quarter turn left, straight, quarter turn right, straight.
     #[test]
-    fn the_path_keeps_the_ropes_length_and_turns_by_the_wraps() {
+    fn path_keeps_length_and_turns_by_wraps() {
         let pulley = |at_m| PulleyPlace {
             at_m,
             radius_m: 0.01,
@@ -209,7 +206,7 @@ mod tests {
             end.x
         );
         assert!((end.y - (20.0 + (100.0 - arc))).abs() < 1e-9, "{}", end.y);
-        // Steps along the path are as long as the rope.
+        // Path length equals rope length.
         for at in [50.0, 105.0, 150.0, 207.0, 290.0] {
             let (a, b) = (route.at(at), route.at(at + 0.01));
             assert!(

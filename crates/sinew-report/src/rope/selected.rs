@@ -1,18 +1,19 @@
-//! A choice as a page.
+//! Selection of a rope as text and HTML report.
 
 use super::choice::figure;
-use super::words::guessed;
-use super::{bracketed, caution, page, rejection, spoken};
-use crate::text::{self, Told, or_dash, plain};
+use super::messages::{assumed_note, caution_message};
+use super::{bracketed, page, rejection, spoken};
+use crate::message::Message;
+use crate::text::{self, TerminalText, or_dash, plain};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::Caution;
 use sinew_rope::predict::YEAR_S;
 use sinew_rope::select::{Candidate, Constraints, Rejected, Selection};
 
-const LEGEND: &str = "* no other rope of known diameter is as thin, stretches as little and lasts as long. least: in how many of the draws it stretches least. N/mm: stiffness. load: breaking load over the largest tension. life: until it breaks, – beyond 300 years. Ropes loaded or bent more than makers advise come after the others; those that break within the time in more than 2.5 % of the draws come last.";
+const LEGEND: &str = "* Pareto-optimal in diameter, elongation and lifetime. smallest: share of the draws in which its elongation is the smallest. d: diameter. safety: breaking load over the largest tension. life: predicted lifetime, – above 300 years. Order: ropes within the recommended load and bending ratio, ropes outside, ropes that fail within the time in more than 2.5 % of the draws.";
 
-/// The candidates under their names; a star marks those that nothing beats.
+/// Builds the columns of the candidates; a star marks Pareto-optimal ropes.
 fn candidates(
     s: &Selection,
     name: impl Fn(String) -> String,
@@ -26,44 +27,43 @@ fn candidates(
     Columns::of(&s.candidates)
         .lines("rope", marked)
         .left()
-        .column("elongation\nmm", |c| {
+        .column("elongation\n(mm)", |c| {
             bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–")
         })
-        .column("least", |c| format!("{:.0} %", 100.0 * c.least_share))
-        .column("N/mm", |c| number(c.stiffness_n_per_m.scaled(1e-3)))
-        .column("d\nmm", |c| thousandfold(c.diameter_m))
-        .column("g/m", |c| thousandfold(c.weight_kg_per_m))
-        .column("load", |c| {
+        .column("smallest", |c| format!("{:.0} %", 100.0 * c.min_share))
+        .column("stiffness\n(N/mm)", |c| {
+            number(c.stiffness_n_per_m.scaled(1e-3))
+        })
+        .column("d\n(mm)", |c| thousandfold(c.diameter_m))
+        .column("weight\n(g/m)", |c| thousandfold(c.weight_kg_per_m))
+        .column("safety", |c| {
             or_dash(c.safety_factor_ratio, |v| rounded(v, 2))
         })
 }
 
-fn asked(c: &Constraints) -> Vec<(&'static str, String)> {
+/// Lists the specified constraints.
+fn constraint_rows(c: &Constraints) -> Vec<(&'static str, String)> {
     let all = [
-        ("diameter at most", c.diameter_max_mm, "mm"),
-        ("diameter at least", c.diameter_min_mm, "mm"),
-        ("smallest pulley", c.pulley_diameter_mm, "mm"),
-        ("pulley over rope diameter at least", c.bend_ratio_min, ""),
+        ("maximum diameter", c.diameter_max_mm, "mm"),
+        ("minimum diameter", c.diameter_min_mm, "mm"),
+        ("smallest pulley diameter", c.pulley_diameter_mm, "mm"),
+        ("minimum bending ratio D/d", c.bend_ratio_min, ""),
+        ("minimum safety factor", c.safety_factor_min, ""),
         (
-            "breaking load over largest tension at least",
-            c.safety_factor_min,
-            "",
-        ),
-        (
-            "elongation at most (upper end of the interval)",
+            "maximum elongation (upper 95 % bound)",
             c.elongation_max_mm,
             "mm",
         ),
-        ("stiffness at least", c.stiffness_min_n_per_mm, "N/mm"),
-        ("weight at most", c.weight_max_g_per_m, "g/m"),
+        ("minimum stiffness", c.stiffness_min_n_per_mm, "N/mm"),
+        ("maximum weight", c.weight_max_g_per_m, "g/m"),
     ];
     let all = all.into_iter();
-    let stated =
+    let specified =
         |(what, limit, unit): (_, Option<f64>, _)| Some((what, format!("{} {unit}", limit?)));
-    all.filter_map(stated).collect()
+    all.filter_map(specified).collect()
 }
 
-/// Ropes that fell out, and everything each fails.
+/// Lists the rejected ropes with their reasons.
 fn rejected(s: &Selection) -> Vec<(&str, String)> {
     let reasons = |r: &Rejected| {
         let all: Vec<String> = r.reasons.iter().map(rejection).collect();
@@ -75,38 +75,38 @@ fn rejected(s: &Selection) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Cautions with the candidates they are for, where they aren't for all: the same for several ropes is one caution.
-fn cautions(s: &Selection) -> Vec<String> {
+/// Lists the warnings, each once, with the names of the candidates unless it applies to all.
+fn cautions(s: &Selection) -> Vec<Message> {
     let mut shared: Vec<(Caution, Vec<&str>)> = Vec::new();
     for c in &s.candidates {
         for caution in &c.cautions {
-            match shared.iter_mut().find(|(known, _)| known == caution) {
+            match shared.iter_mut().find(|(listed, _)| listed == caution) {
                 Some((_, ropes)) => ropes.push(&c.rope),
                 None => shared.push((*caution, vec![&c.rope])),
             }
         }
     }
-    let said = |(what, ropes): (Caution, Vec<&str>)| match ropes.len() == s.candidates.len() {
-        true => caution(what),
-        false => format!("{}: {}", ropes.join(", "), caution(what)),
+    let format = |(what, ropes): (Caution, Vec<&str>)| {
+        let mut message = caution_message(what);
+        if ropes.len() != s.candidates.len() {
+            message.text = format!("{}: {}", ropes.join(", "), message.text);
+        }
+        message
     };
-    shared.into_iter().map(said).collect()
+    shared.into_iter().map(format).collect()
 }
 
-/// Which rope to take.
+/// Builds the report of a selection.
 pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let time = spoken(s.time_s);
     let headline = match s.candidates.first() {
-        None => Headline::new(
-            Level::Alarm,
-            "No rope of the catalogue meets every constraint.",
-        ),
+        None => Headline::new(Level::Alarm, "No catalogue rope meets every constraint."),
         Some(best) => Headline::from(format!(
-            "{} stretches least in {:.0} % of the draws: {} mm in {time} (95 % interval in brackets).{}",
+            "{}: smallest elongation in {:.0} % of the draws, {} mm in {time} (95 % interval in brackets).{}",
             best.rope,
-            100.0 * best.least_share,
+            100.0 * best.min_share,
             bracketed(best.elongation_m.scaled(1e3), 2),
-            guessed(best.starting_guesses, best.parameters)
+            assumed_note(best.assumed_parameters, best.parameters)
         )),
     };
     let mut first = vec![Block::Headlines(vec![headline])];
@@ -120,56 +120,56 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
                 format!("{value} ({low} to {high})")
             })
         })
-        .column("guessed parameters", |c| {
-            format!("{} of {}", c.starting_guesses, c.parameters)
+        .column("assumed parameters", |c| {
+            format!("{} of {}", c.assumed_parameters, c.parameters)
         })
         .table();
     let facts_or = |rows: Vec<(&str, String)>, none: &str| match rows.is_empty() {
         true => Block::Paragraph(none.into()),
         false => Table::facts(rows).into(),
     };
-    let limits = facts_or(asked(constraints), "No constraint.");
-    let fell = facts_or(rejected(s), "None.");
-    let cautions = cautions(s).into_iter().map(|c| Block::Notice(c + "."));
-    page("Which rope".into(), format!("{}, for {time}", s.duty))
+    let limits = facts_or(constraint_rows(constraints), "No constraints.");
+    let rejected = facts_or(rejected(s), "None.");
+    let cautions = cautions(s)
+        .into_iter()
+        .map(|c| Block::Notice(format!("{c}.")));
+    page("Rope selection".into(), format!("{}, for {time}", s.duty))
         .section("", first)
         .section(
-            "Ropes that meet every constraint",
+            "Ropes that meet all constraints",
             vec![table.into(), Block::Paragraph(LEGEND.into())],
         )
-        .section("Ropes that fell out, and why", vec![fell])
-        .section("What was asked", vec![limits])
-        .section("Cautions", cautions.collect())
+        .section("Rejected ropes", vec![rejected])
+        .section("Constraints", vec![limits])
+        .section("Warnings", cautions.collect())
 }
 
-/// The choice as text for a terminal.
+/// Renders a selection for a terminal.
 pub fn selection_table(s: &Selection) -> String {
-    let mut out = Told::default();
-    out.say(format!(
-        "{}; elongation from a minute after tensioning to {}",
+    let mut out = TerminalText::default();
+    out.paragraph(format!(
+        "{}; elongation from 1 min after pretensioning to {}",
         s.duty,
         spoken(s.time_s)
     ));
     out.add("\n");
     if s.candidates.is_empty() {
-        out.add("no rope meets every constraint\n");
+        out.add("no rope meets all constraints\n");
     } else {
         let name = |name: String| in_two(&name, text::columns());
-        let table = candidates(s, name, |v| rounded(v.value, 2)).column("life\nyears", |c| {
+        let table = candidates(s, name, |v| rounded(v.value, 2)).column("life\n(years)", |c| {
             or_dash(c.life_s, |l| rounded(l.value / YEAR_S, 2))
         });
         out.table(table.table());
-        out.say(LEGEND);
+        out.paragraph(LEGEND);
     }
-    for c in s.candidates.iter().filter(|c| c.starting_guesses > 0) {
-        let (guesses, all) = (c.starting_guesses, c.parameters);
+    for c in s.candidates.iter().filter(|c| c.assumed_parameters > 0) {
+        let (assumed, all) = (c.assumed_parameters, c.parameters);
         let rope = &c.rope;
-        out.item(format!(
-            "{rope}: {guesses} of {all} parameters are starting guesses"
-        ));
+        out.item(format!("{rope}: {assumed} of {all} parameters assumed"));
     }
     if !s.rejected.is_empty() {
-        out.add("\nfell out\n");
+        out.add("\nrejected ropes\n");
     }
     for (rope, reasons) in rejected(s) {
         out.item(format!("{rope}: {reasons}"));
@@ -179,14 +179,14 @@ pub fn selection_table(s: &Selection) -> String {
         out.add("\n");
     }
     for caution in cautions {
-        out.item(format!("warning: {caution}"));
+        out.item(format!("warning{}", caution.tag()));
     }
     out.0
 }
 
-/// A name that is longer than the numbers leave of so many columns on two lines, cut at a hyphen.
+/// Splits a name that is too long for the table at a hyphen.
 fn in_two(name: &str, columns: usize) -> String {
-    /// What the numbers take.
+    /// Width of the numeric columns.
     const NUMBERS: usize = 61;
     let room = columns.saturating_sub(NUMBERS).max(13);
     let cut = name
@@ -205,7 +205,7 @@ mod tests {
     use super::in_two;
 
     #[test]
-    fn a_name_is_cut_at_a_hyphen_where_there_is_no_room() {
+    fn long_name_is_split_at_hyphen() {
         let name = "teufelberger-fl-32-ng *";
         assert_eq!(in_two(name, 100), name);
         assert_eq!(in_two(name, 80), "teufelberger-fl-32-\nng *");

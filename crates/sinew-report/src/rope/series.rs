@@ -1,16 +1,16 @@
-//! A prediction as a curve.
+//! Predicted elongation over time as a table.
 
 use crate::data::Data;
 use sinew_log::Table;
 use sinew_model::Bounded;
-use sinew_rope::predict::{Prediction, Reading};
+use sinew_rope::predict::{PredictedElongation, Prediction};
 
-/// Points of a curve per tenfold of time.
+/// Number of points of a curve per decade of time.
 const PER_DECADE: f64 = 20.0;
 
-/// Times of a curve that ends at the last of `wanted`, evenly spread over the logarithm from a minute on, s;
-/// `wanted` are among them. Those between lie at the ends of cycles of `cycle_s`, so that the curve shows how a
-/// rope creeps, not where in its cycle it was looked at.
+/// Returns the times of a curve, s: logarithmically spaced from one minute to the last of `wanted`, including `wanted`.
+///
+/// Intermediate times are at ends of cycles of `cycle_s`, so that the curve shows creep and not the phase of the cycle.
 pub fn curve_times(wanted: &[f64], cycle_s: f64) -> Vec<f64> {
     const FROM_S: f64 = 60.0;
     let last_s = wanted.iter().copied().fold(0.0, f64::max);
@@ -27,11 +27,15 @@ pub fn curve_times(wanted: &[f64], cycle_s: f64) -> Vec<f64> {
     times
 }
 
-/// A row per time under the duty: strain and elongation with their 95 % intervals.
+/// Tabulates strain and elongation with 95 % intervals, one row per time under the duty.
 pub fn prediction_series(p: &Prediction) -> Table {
     let names =
         |name: &str, unit: &str| ["", "_low", "_high"].map(|end| format!("{name}{end}_{unit}"));
-    type Quantity = (&'static str, &'static str, fn(&Reading) -> Bounded);
+    type Quantity = (
+        &'static str,
+        &'static str,
+        fn(&PredictedElongation) -> Bounded,
+    );
     let quantities: [Quantity; 4] = [
         ("strain", "ratio", |r| r.strain_ratio),
         ("elongation", "m", |r| r.elongation_m),

@@ -1,19 +1,18 @@
-//! The trend of a tendon as a figure.
+//! Figure of the trend of a tendon.
 
-use super::words::{MONTH_S, event_name, format_verdict, limit_name};
-use crate::words::plus_minus;
+use super::messages::{MONTH_S, event_name, format_verdict, limit_name};
+use crate::format::plus_minus;
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::Z95;
 use sinew_trend::{JointTrend, Limit};
 
-/// Offset of one tendon over days since tensioning: sessions at the reference temperature, what the
-/// trend knew, the forecast, limits and events.
+/// Plots the offset of a tendon over time: sessions at the reference temperature, estimate, forecast, limits and events.
 pub fn figure(joint: &JointTrend) -> Figure {
     let s = &joint.series;
     let start = s.first().map_or(joint.last_utc_s, |p| p.time_utc_s);
-    // Cycles where sessions have no dates.
+    // The axis is in cycles if sessions have no dates.
     let per_s = joint
         .cycles
         .and_then(|c| c.per_s)
@@ -23,52 +22,52 @@ pub fn figure(joint: &JointTrend) -> Figure {
     let days: Vec<f64> = s.iter().map(|p| day(p.time_utc_s)).collect();
     let tracked = |z: f64| -> Vec<f64> {
         (s.iter().map(|p| p.tracked_rad))
-            .map(|t| 1e3 * t.mean + z * (1e3 * Z95 * t.deviation))
+            .map(|t| 1e3 * t.mean + z * (1e3 * Z95 * t.std))
             .collect()
     };
     let at_reference: Vec<f64> = (s.iter())
         .map(|p| p.at_reference_rad.map_or(f64::NAN, |y| 1e3 * y))
         .collect();
-    // As far ahead as it was watched, or until the first limit, at most four times as far.
-    let watched = days.last().copied().unwrap_or(0.0);
-    let watched = if per_s.is_none() && watched > 2.0 {
-        watched.max(14.0)
+    // The forecast is shown for the observed span, or until the limits, at most three times the span.
+    let observed = days.last().copied().unwrap_or(0.0);
+    let observed = if per_s.is_none() && observed > 2.0 {
+        observed.max(14.0)
     } else {
-        watched.max(1e-3)
+        observed.max(1e-3)
     };
     let reach = joint
         .limits
         .iter()
         .filter_map(|l| l.after_high_s.or(l.after_s.map(|t| 1.3 * t)))
         .map(|t| t / unit_s)
-        .fold(watched, f64::max)
-        .min(3.0 * watched);
+        .fold(observed, f64::max)
+        .min(3.0 * observed);
     let end = days.last().copied().unwrap_or(0.0) + reach;
     let shown = || joint.forecast.iter().filter(|f| day(f.time_utc_s) <= end);
     let ahead: Vec<f64> = shown().map(|f| day(f.time_utc_s)).collect();
     let low = shown().map(|f| 1e3 * f.interval_95_rad.low).collect();
     let high: Vec<f64> = shown().map(|f| 1e3 * f.interval_95_rad.high).collect();
     let median = shown().map(|f| 1e3 * f.offset_rad).collect();
-    // A limit far above all that happens would flatten the curve.
+    // A limit far above all values is not drawn, because it would flatten the curve.
     let top = (high.iter().copied()).fold((1e3 * joint.offset_rad.mean).abs(), f64::max);
     let axis = match per_s {
         Some(_) => "cycles since the first session".into(),
         None if !joint.is_dated() => "days since the first session".into(),
-        None => format!("days since the first session, on {}", day_of(start)),
+        None => format!("days since the first session ({})", day_of(start)),
     };
-    let sessions = format!("sessions, at {} °C", rounded(joint.reference_c, 3));
+    let sessions = format!("session at {} °C", rounded(joint.reference_c, 3));
     let sessions = Points::new(sessions, days.clone(), at_reference.clone());
-    let forecast = Line::new("forecast, median", ahead.clone(), median);
+    let forecast = Line::new("forecast", ahead.clone(), median);
     let mut panel = Panel::new("", axis, "offset (mrad)")
-        .band(Band::new("forecast, 95 %", ahead, low, high).colour(Colour::Orange))
+        .band(Band::new("95 % prediction interval", ahead, low, high).colour(Colour::Orange))
         .band(Band::new(
-            "known then, 95 %",
+            "95 % interval at that date",
             days.clone(),
             tracked(-1.0),
             tracked(1.0),
         ))
         .points(sessions.colour(Colour::Grey).size(3.5))
-        .line(Line::new("trend", days, tracked(0.0)))
+        .line(Line::new("estimate", days, tracked(0.0)))
         .line(forecast.colour(Colour::Orange).dash(Dash::Dashed))
         .x_range(0.0, end);
     if joint.is_dated() {
@@ -80,11 +79,13 @@ pub fn figure(joint: &JointTrend) -> Figure {
             panel = panel.reference(limit_mrad, limit_name(limit.limit));
         }
     }
-    // The first session after a jump looks off until the next agrees with it.
-    let jumped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * unit_s);
-    let last_off = s.iter().rposition(|p| p.is_off && !jumped(p.time_utc_s));
-    if let Some(i) = last_off {
-        panel = panel.note(day(s[i].time_utc_s), at_reference[i], "off by itself");
+    // The first session after a step change is marked as outlier until the next session confirms it.
+    let stepped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * unit_s);
+    let last_outlier = s
+        .iter()
+        .rposition(|p| p.is_outlier && !stepped(p.time_utc_s));
+    if let Some(i) = last_outlier {
+        panel = panel.note(day(s[i].time_utc_s), at_reference[i], "outlier");
     }
     for event in &joint.events {
         panel = panel.event(day(event.time_utc_s), event_name(event.kind));
@@ -96,16 +97,16 @@ pub fn figure(joint: &JointTrend) -> Figure {
         .panel(panel)
 }
 
-/// What the figure shows: the verdict, where the offset stands, which way it goes.
+/// Describes the figure for screen readers: verdict, offset and its rate.
 fn seen(joint: &JointTrend) -> String {
     let rate = joint.rate_rad_per_s;
-    let way = match rate.mean {
-        _ if rate.mean.abs() < rate.half_width_95() => "hardly changes",
-        up if up > 0.0 => "still grows",
-        _ => "falls",
+    let change = match rate.mean {
+        _ if rate.mean.abs() < rate.half_width_95() => "is constant within its interval",
+        up if up > 0.0 => "increases",
+        _ => "decreases",
     };
     format!(
-        "{}: {}. The offset is {} mrad and {way}, by {} mrad a month; ± is 95 %",
+        "{}: {}. The offset is {} mrad and {change}, rate {} mrad per month; ± is the half-width of the 95 % interval",
         joint.name,
         format_verdict(joint),
         plus_minus(joint.offset_rad, 1e3),

@@ -1,4 +1,4 @@
-//! Sessions of every tendon as tables: as people read them, and in SI with what lies ahead.
+//! Sessions and forecasts of all tendons as machine-readable tables.
 
 use crate::data::Data;
 use sinew_files::date::{DAY_S, day_of};
@@ -6,10 +6,10 @@ use sinew_log::Table;
 use sinew_model::{Bounded, Gaussian, Interval95, Z95};
 use sinew_trend::{JointTrend, SessionPoint, TrendReport};
 
-/// Sessions as people read them, mrad: what was recorded, what the trend knew then. `days` count since the tensioning.
+/// Tabulates all sessions in mrad: recorded value, and estimate of the trend at that date. `days` counts from the tensioning.
 pub fn trend_table(report: &TrendReport) -> Table {
     let mrad = |rad: Option<f64>| rad.map(|rad| 1e3 * rad);
-    let wide = |of: Gaussian| 1e3 * Z95 * of.deviation;
+    let wide = |of: Gaussian| 1e3 * Z95 * of.std;
     let joints = report.joints.iter();
     Data::of(joints.flat_map(|j| j.series.iter().map(move |s| (j, s))))
         .text("day", |(_, s)| day_of(s.time_utc_s))
@@ -23,13 +23,13 @@ pub fn trend_table(report: &TrendReport) -> Table {
         .number("at_reference_mrad", |(_, s)| mrad(s.at_reference_rad))
         .number("tracked_mrad", |(_, s)| 1e3 * s.tracked_rad.mean)
         .number("tracked_interval_95_mrad", |(_, s)| wide(s.tracked_rad))
-        .number("jump_probability", |(_, s)| s.jump_probability)
-        .flag("off", |(_, s)| s.is_off)
+        .number("step_probability", |(_, s)| s.step_probability)
+        .flag("off", |(_, s)| s.is_outlier)
         .table()
 }
 
-/// What is known of a tendon at a session, or ahead.
-struct Known<'a> {
+/// Estimate of a tendon at a session, or its forecast.
+struct TrendPoint<'a> {
     joint: &'a JointTrend,
     time_utc_s: f64,
     cycle: Option<f64>,
@@ -37,14 +37,14 @@ struct Known<'a> {
     session: Option<&'a SessionPoint>,
 }
 
-/// What is known of a tendon at its sessions, then ahead.
-fn known(joint: &JointTrend) -> impl Iterator<Item = Known<'_>> {
+/// Iterates over the estimates at the sessions of a tendon, then over its forecast.
+fn points(joint: &JointTrend) -> impl Iterator<Item = TrendPoint<'_>> {
     let level = |value, ends: Interval95| Bounded {
         value,
         low: ends.low,
         high: ends.high,
     };
-    let sessions = joint.series.iter().map(move |s| Known {
+    let sessions = joint.series.iter().map(move |s| TrendPoint {
         joint,
         time_utc_s: s.time_utc_s,
         cycle: s.cycle,
@@ -52,7 +52,7 @@ fn known(joint: &JointTrend) -> impl Iterator<Item = Known<'_>> {
         session: Some(s),
     });
     let per_s = joint.cycles.and_then(|c| Some((c.last, c.per_s?)));
-    let ahead = joint.forecast.iter().map(move |f| Known {
+    let ahead = joint.forecast.iter().map(move |f| TrendPoint {
         joint,
         time_utc_s: f.time_utc_s,
         cycle: per_s.map(|(last, per_s)| last + per_s * (f.time_utc_s - joint.last_utc_s)),
@@ -62,18 +62,18 @@ fn known(joint: &JointTrend) -> impl Iterator<Item = Known<'_>> {
     sessions.chain(ahead)
 }
 
-/// Levels and forecast of every tendon: a row per joint and session, then per joint and time to come (`kind`).
+/// Tabulates sessions and forecasts of all tendons in SI units, one row per joint and time; `kind` is `session` or `forecast`.
 ///
-/// `level_rad` with its 95 % interval is what the trend knew at a session, and the median of the forecast.
+/// `level_rad` with its 95 % interval is the estimate at the date of a session, or the median of the forecast.
 pub fn trend_series(report: &TrendReport) -> Table {
-    Data::of(report.joints.iter().flat_map(known))
+    Data::of(report.joints.iter().flat_map(points))
         .text("joint", |k| k.joint.name.as_str())
         .text("kind", |k| match k.session {
             Some(_) => "session",
             None => "forecast",
         })
         .text("day", |k| day_of(k.time_utc_s))
-        // From the joint's first session on.
+        // Time since the first session of the joint.
         .number("time_s", |k| k.time_utc_s - k.joint.first_utc_s)
         .integer("time_utc_ns", |k| (1e9 * k.time_utc_s).round() as i64)
         .number("cycle", |k| k.cycle)
@@ -86,7 +86,7 @@ pub fn trend_series(report: &TrendReport) -> Table {
         })
         .number("at_reference_rad", |k| k.session?.at_reference_rad)
         .number("temperature_c", |k| k.session?.temperature_c)
-        .number("jump_probability", |k| Some(k.session?.jump_probability))
-        .flag("is_off", |k| Some(k.session?.is_off))
+        .number("step_probability", |k| Some(k.session?.step_probability))
+        .flag("is_outlier", |k| Some(k.session?.is_outlier))
         .table()
 }

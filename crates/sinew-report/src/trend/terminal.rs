@@ -1,15 +1,15 @@
-//! The trend as a terminal shows it.
+//! Trend as text for a terminal.
 
-use super::words::{
-    event_line, format_basis, format_life, format_shared, format_verdict, format_when, limit_line,
-    limit_of_verdict, now, sessions,
+use super::messages::{
+    event_line, format_basis, format_life, format_systematic, format_verdict, format_when,
+    limit_line, limit_of_verdict, now, sessions,
 };
-use crate::text::{Told, or_dash};
+use crate::text::{TerminalText, or_dash};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
 
-/// What the last column counts in.
+/// Time unit of the forecast column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Unit {
     Days,
@@ -18,17 +18,17 @@ enum Unit {
 }
 
 impl Unit {
-    /// Cycles where sessions have no dates, hours where all of it happens within a few days.
+    /// Returns cycles if sessions have no dates, hours if all limits lie within a few days, else days.
     fn of(report: &TrendReport) -> Self {
-        /// Below so many days every span is told in hours.
-        const FEW_DAYS: f64 = 3.0;
+        /// Shortest forecast in days.
+        const MIN_DAYS: f64 = 3.0;
         if !report.joints.iter().all(JointTrend::is_dated) {
             return Self::Cycles;
         }
         let limits = report.joints.iter().flat_map(|j| &j.limits);
         let spans = limits.flat_map(|l| [l.after_s, l.after_low_s]).flatten();
         let longest = spans.fold(0.0, f64::max);
-        match longest > 0.0 && longest < FEW_DAYS * DAY_S {
+        match longest > 0.0 && longest < MIN_DAYS * DAY_S {
             true => Self::Hours,
             false => Self::Days,
         }
@@ -36,9 +36,9 @@ impl Unit {
 
     fn head(self) -> &'static str {
         match self {
-            Self::Days => "re-tension in\ndays; on",
-            Self::Hours => "re-tension in\nhours; on",
-            Self::Cycles => "re-tension in\ncycles",
+            Self::Days => "re-tension in\n(days); date",
+            Self::Hours => "re-tension in\n(hours); date",
+            Self::Cycles => "re-tension in\n(cycles)",
         }
     }
 
@@ -51,29 +51,29 @@ impl Unit {
         }
     }
 }
-/// The trend as text of at most 80 columns.
+/// Renders a trend as text of at most 80 columns.
 pub fn render_table(report: &TrendReport) -> String {
     let robot = report.robot.as_deref().unwrap_or("robot");
     let first = report.joints.iter().map(|j| j.first_utc_s).reduce(f64::min);
     let last = report.joints.iter().map(|j| j.last_utc_s).reduce(f64::max);
-    let mut out = Told::default();
+    let mut out = TerminalText::default();
     if let Some((first, last)) = first.zip(last) {
         let heading_joint = report.joints.first().filter(|j| !j.is_dated());
         let when = |utc_s: f64| heading_joint.map_or(day_of(utc_s), |j| format_when(j, utc_s));
         let (first, last) = (when(first), when(last));
-        out.say(format!(
-            "{robot}: {first} to {last}; ± and brackets are 95 %"
+        out.paragraph(format!(
+            "{robot}: {first} to {last}; ± and ranges in brackets: 95 % intervals"
         ));
     }
     let unit = Unit::of(report);
     let retension = |j: &&JointTrend| {
         let limit = (j.limits.iter()).find(|l| matches!(l.limit, Limit::Retension { .. }));
-        or_dash(limit, |limit| passage(j, limit, unit))
+        or_dash(limit, |limit| exceedance(j, limit, unit))
     };
     out.table(now(report).lines(unit.head(), retension).table());
     out.add("\n");
     for joint in &report.joints {
-        out.say(format!("{}: {}", joint.name, format_verdict(joint)));
+        out.paragraph(format!("{}: {}", joint.name, format_verdict(joint)));
         for line in lines(joint) {
             out.item(line);
         }
@@ -81,11 +81,11 @@ pub fn render_table(report: &TrendReport) -> String {
     out.0
 }
 
-/// `85 (18 to 300)` and the date below; the words stand below the table.
-fn passage(joint: &JointTrend, limit: &LimitForecast, unit: Unit) -> String {
+/// Formats the time until a limit is exceeded, `85 (18 to 300)`, with its date on the next line.
+fn exceedance(joint: &JointTrend, limit: &LimitForecast, unit: Unit) -> String {
     let whole = |time_s: Option<f64>| time_s.map_or("…".into(), |t| unit.whole(joint, t));
     match limit.state {
-        LimitState::Passed => "passed".into(),
+        LimitState::Passed => "exceeded".into(),
         LimitState::Forecast => {
             let date = limit
                 .at_utc_s
@@ -98,32 +98,32 @@ fn passage(joint: &JointTrend, limit: &LimitForecast, unit: Unit) -> String {
             )
         }
         LimitState::NotBefore | LimitState::NotWithinHorizon | LimitState::TooFewSessions => {
-            "unknown".into()
+            "not predictable".into()
         }
     }
 }
 
-/// Events, other limits and the basis of one tendon.
+/// Lists events, further limits and the basis of the forecast of a tendon.
 fn lines(joint: &JointTrend) -> Vec<String> {
     let events = joint.events.iter();
     let mut out: Vec<String> = events.map(|event| event_line(event, joint)).collect();
     let headline = limit_of_verdict(joint);
     for limit in &joint.limits {
-        // What the headline says already, or says of another limit with the same words.
-        let is_said = headline.is_some_and(|h| {
+        // Limits with the same forecast as the headline are not repeated.
+        let is_repeated = headline.is_some_and(|h| {
             let of = |l: &LimitForecast| (l.state, l.after_s, l.after_low_s, l.after_high_s);
             of(h) == of(limit)
         });
-        if !is_said {
+        if !is_repeated {
             out.push(limit_line(limit, joint));
         }
     }
     if let Some(life) = joint.life.as_ref().filter(|_| !joint.limits.is_empty()) {
-        out.push(format!("replace {}", format_life(life, joint)));
+        out.push(format!("replacement: {}", format_life(life, joint)));
     }
     out.push(sessions(joint));
-    out.extend(format_shared(joint));
+    out.extend(format_systematic(joint));
     let basis = format_basis(&joint.basis);
-    out.push(format!("the forecast rests on {basis}"));
+    out.push(format!("forecast based on {basis}"));
     out
 }

@@ -1,8 +1,8 @@
-//! The paper's bench as geometry: a motor on a carriage, a drive and a joint pulley, guiding
-//! pulleys in between, a force that pulls the carriage, and a motor that unrolls rope back and
-//! forth.
+//! Geometry of the test bench in the paper: motor on a carriage, drive pulley, joint pulley, guiding pulleys
+//! between them, a force that pulls the carriage, and a motor that unrolls rope back and forth.
 //!
-//! Reading order: [`setup`] (what stands where), [`routings`] (the paper's A to F), [`simulate()`].
+//! Reading order: [`setup`] (geometry and programme), [`routings`] (cases A to F of the paper),
+//! [`simulate()`].
 
 pub mod routings;
 mod run;

@@ -1,10 +1,10 @@
 //! The paper's routings (A) to (D) and its programmes of changing force (E) and (F), as geometry.
 //!
-//! The paper draws them (Fig. 3) without all measures. What it says: a carriage pulled with
+//! The paper draws them (Fig. 3) without all dimensions. Stated there: a carriage pulled with
 //! 200 N; about 100 mm of rope unrolled sinusoidally for 240 min; (A) no guiding pulley; (B) three
 //! with a small wrap each, spaced wider than the stroke; (C) one wrapped more than 180°; (D) three
-//! so close that the same portion passes each; (E) and (F) 200 and 120 N, changed after 80 min.
-//! What is assumed stands in the constants below.
+//! so close that the same section passes each; (E) and (F) 200 and 120 N, changed after 80 min.
+//! The constants below are assumed.
 
 use super::{Bench, Phase, Strand};
 use crate::law::routing::Pulley;
@@ -17,19 +17,19 @@ pub const STROKE_M: f64 = 0.100;
 pub const PERIOD_S: f64 = 10.0;
 /// Radius of the guiding pulleys, m.
 pub const RADIUS_M: f64 = 0.008;
-/// A small wrap, degrees.
+/// Small wrap angle, degrees.
 pub const SMALL_WRAP_DEG: f64 = 20.0;
-/// A wrap of more than 180°, degrees.
+/// Wrap angle of more than 180°, degrees.
 pub const LARGE_WRAP_DEG: f64 = 200.0;
-/// Distance of pulleys that stand wider than the stroke, m.
-pub const WIDE_M: f64 = 0.140;
-/// Distance of pulleys that stand close, m: a pulley's own width.
-pub const CLOSE_M: f64 = 0.020;
+/// Distance of pulleys that are spaced wider than the stroke, m; assumed.
+pub const WIDE_SPACING_M: f64 = 0.140;
+/// Distance of closely spaced pulleys, m: one pulley width; assumed.
+pub const CLOSE_SPACING_M: f64 = 0.020;
 
 /// Names of the paper's cases.
 pub const NAMES: [&str; 6] = ["A", "B", "C", "D", "E", "F"];
 
-/// One of the paper's cases by name, upper or lower case.
+/// One of the cases of the paper by name, in upper or lower case.
 pub fn paper(name: &str) -> Option<Bench> {
     let pulley = |at_m: f64, wrap_deg: f64| Pulley {
         at_m,
@@ -44,9 +44,9 @@ pub fn paper(name: &str) -> Option<Bench> {
     let name = name.to_uppercase();
     let pulleys = match name.as_str() {
         "A" | "E" | "F" => Vec::new(),
-        "B" => three(WIDE_M).to_vec(),
+        "B" => three(WIDE_SPACING_M).to_vec(),
         "C" => vec![pulley(0.5 * STRAND_M, LARGE_WRAP_DEG)],
-        "D" => three(CLOSE_M).to_vec(),
+        "D" => three(CLOSE_SPACING_M).to_vec(),
         _ => return None,
     };
     let phase = |force_n: f64, minutes: f64| Phase {
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::law::routing::portions;
 
-    /// Length of the guided strand that so many pulleys pass over, mm.
+    /// Lengths of the guided strand that 0, 1, 2 and 3 pulleys pass over, mm.
     fn passed_mm(name: &str) -> [f64; 4] {
         let bench = paper(name).expect("a case");
         bench.check(name).expect("it fits");
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn routings_are_what_the_paper_says_of_them() {
+    fn routings_match_paper_description() {
         assert!(paper("G").is_none());
         assert_eq!(passed_mm("A"), [600.0, 0.0, 0.0, 0.0]);
         // B: no portion passes two pulleys. Each touches stroke + contact (20° of 8 mm: 2.79 mm).

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
 
-/// What a rope did on the bench.
+/// Simulated elongation of one rope on the test bench.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchRun {
-    /// Bench.
+    /// Name of the bench.
     pub bench: String,
-    /// Rope.
+    /// Name of the rope in the catalogue.
     pub rope: String,
     /// Length of each strand, m.
     pub strand_m: f64,
@@ -29,7 +29,7 @@ pub struct BenchRun {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchReading {
-    /// Time, s.
+    /// Time since the start of the programme, s.
     pub time_s: f64,
     /// Force on the carriage, N.
     pub force_n: f64,
@@ -37,18 +37,18 @@ pub struct BenchReading {
     pub elongation_m: f64,
     /// Mean strain of the two strands, m/m, with the 95 % interval of the draws.
     pub strain_ratio: Bounded,
-    /// Part of it that unloading would not bring back, m/m.
+    /// Permanent (irreversible) part of the strain, m/m.
     pub irreversible_strain_ratio: f64,
 }
 
 impl JsonDocument for BenchRun {
-    const SCHEMA: &'static str = "sinew/bench/1";
+    const SCHEMA: &'static str = "sinew/bench/2";
 }
 
-/// Runs a rope and draws of its parameters through a bench's programme, read `readings` times.
+/// Simulates a rope and draws of its parameters in a bench's programme, with `readings` results.
 ///
 /// # Errors
-/// [`PredictError`]: no complete law, or a tension that the rope can't bear.
+/// Returns [`PredictError`] if the law is incomplete, or the tension exceeds the strength.
 pub fn run(
     rope: &CatalogueRope,
     bench: &Bench,

@@ -1,23 +1,23 @@
-//! What stands where on the bench, and what is done to it.
+//! Geometry and programme of a test bench.
 
 use crate::law::routing::{self, Pulley, RoutingError};
 use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
 
-/// One of the two strands between drive pulley and joint pulley.
+/// Strand between drive pulley and joint pulley.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Strand {
     /// Guiding pulleys, from the drive on.
     pub pulleys: Vec<Pulley>,
 }
 
-/// A force on the carriage for a while.
+/// Phase of a bench programme: a constant force on the carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// Force on the carriage, N; each strand carries half of it but for friction.
+    /// Force on the carriage, N; without friction each strand carries half of it.
     pub force_n: f64,
-    /// Temperature, °C.
+    /// Temperature during the phase, °C.
     pub temperature_c: f64,
-    /// How long, s.
+    /// Duration of the phase, s.
     pub duration_s: f64,
     /// Whether the motor moves.
     pub moving: bool,
@@ -26,7 +26,7 @@ pub struct Phase {
 /// A bench with its programme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
-    /// What it is called.
+    /// Name of the bench.
     pub name: String,
     /// Length of each strand, m.
     pub strand_m: f64,
@@ -34,27 +34,27 @@ pub struct Bench {
     pub stroke_m: f64,
     /// Time of one sinusoid, s.
     pub period_s: f64,
-    /// Both strands: as one gives, the other takes.
+    /// The two strands: while one is paid out, the other is taken up.
     pub strands: [Strand; 2],
     /// The programme, in order.
     pub phases: Vec<Phase>,
 }
 
-/// Why a bench was refused.
+/// Error of an invalid bench description.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BenchError {
-    /// The file, with the place of what is wrong.
+    /// Invalid file, with the location of the error.
     #[error(transparent)]
     File(#[from] Located),
-    /// The guiding pulleys don't fit.
+    /// Guiding pulleys conflict with the strand.
     #[error("{file}, strand {strand}: {error}")]
     Routing {
         /// File or name.
         file: String,
         /// Strand, 1 or 2.
         strand: usize,
-        /// Why.
+        /// Cause of the conflict.
         error: RoutingError,
     },
 }
@@ -105,10 +105,10 @@ impl Bench {
         };
         if bench.stroke_m >= bench.strand_m {
             let must = "shorter than strand_mm: rope has to stay between the ends";
-            return Err(s.refuse("stroke_mm", must));
+            return Err(s.invalid("stroke_mm", must));
         }
         if bench.phases.is_empty() {
-            return Err(s.missing("[[phase]]", "the bench has nothing to do"));
+            return Err(s.missing("[[phase]]", "at least one load phase is required"));
         }
         Ok(bench)
     }
@@ -144,9 +144,14 @@ const FROM_0: Bound = Bound::Within(0.0, 1e6);
 /// Whether it guides the second strand, and the pulley.
 fn guide(s: &Section<'_>) -> Result<(bool, Pulley), Located> {
     let which = s.need("strand", Bound::Within(1.0, 2.0), "1 or 2")?;
-    let wrap_deg = s.need("wrap_deg", FROM_0, "how far the rope bends")?;
+    let wrap_deg = s.need("wrap_deg", FROM_0, "angle by which the rope is deflected")?;
     let pulley = Pulley {
-        at_m: MM * s.need("at_mm", FROM_0, "where the rope meets it")?,
+        at_m: MM
+            * s.need(
+                "at_mm",
+                FROM_0,
+                "position along the strand at which the rope meets it",
+            )?,
         radius_m: MM * s.need("radius_mm", LENGTH_MM, "of the pulley")?,
         wrap_rad: wrap_deg.to_radians(),
         friction: s.number("friction", FROM_0)?,
@@ -170,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stroke_as_long_as_the_strand_is_refused_in_its_place() {
+    fn stroke_equal_to_strand_error_names_location() {
         let bench = |stroke: f64| {
             let text = format!(
                 "strand_mm = 600.0\nstroke_mm = {stroke}\nperiod_s = 10.0\n\

@@ -1,24 +1,24 @@
-//! A rope on the bench.
+//! Simulation of a rope on the test bench.
 //!
-//! The carriage is pulled with `F = T₁ + T₂`; the joint pulley turns freely, so both strands pull
-//! it alike. While one strand runs towards the drive, friction takes from its tension at every
-//! guiding pulley, and gives to the other's. Each portion of a strand goes through the sinusoid
-//! with its own tension; the carriage moves by the mean elongation of the two strands.
+//! The carriage is pulled with `F = T₁ + T₂`; the joint pulley turns freely, so both strands load it equally.
+//! While one strand runs towards the drive, friction reduces its tension at every guiding pulley and
+//! increases that of the other strand. Each section of a strand goes through the sinusoid with its own
+//! tension; the carriage moves by the mean elongation of the two strands.
 
 use super::{Bench, Strand};
 use crate::duty::{Duty, Stretch};
 use crate::history::History;
-use crate::law::routing::{self, Portion};
+use crate::law::routing::{self, RopeSection};
 use crate::law::{Law, LoadError, RopeLoad, State};
 
 /// Steps a half period is cut into: tension along a portion changes as it crosses a pulley. Eight times
 /// as many move the paper's B, C and D by at most 1.2e-4 % strain, of the 1e-2 % between them.
 const STEPS: usize = 4;
 
-/// What a rope did on the bench.
+/// Simulated time series of a rope on the test bench.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
-    /// Times, s.
+    /// Times since the start of the programme, s.
     pub time_s: Vec<f64>,
     /// Force on the carriage, N.
     pub force_n: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Simulated {
     pub irreversible_percent: Vec<f64>,
 }
 
-/// Runs a rope through a bench's programme, read every `interval_s`.
+/// Simulates a rope in a bench's programme, with results every `interval_s`.
 ///
 /// Readings are made at the mean tension of the strand (force over two), as a carriage that
 /// swings between friction's two directions is read in the middle.
@@ -41,7 +41,7 @@ pub fn simulate(law: &Law, bench: &Bench, interval_s: f64) -> Result<Simulated, 
     simulate_in(law, bench, interval_s, STEPS)
 }
 
-/// The same with a half period cut into so many steps.
+/// Simulates as [`simulate`], with a half period divided into `steps` steps.
 fn simulate_in(
     law: &Law,
     bench: &Bench,
@@ -72,7 +72,7 @@ fn simulate_in(
     for (which, strand) in bench.strands.iter().enumerate() {
         let portions = routing::portions(bench.strand_m, bench.stroke_m, &strand.pulleys)
             .unwrap_or_else(|_| {
-                vec![Portion {
+                vec![RopeSection {
                     length_m: bench.strand_m,
                     middle_m: 0.5 * bench.strand_m,
                     guides: 0,
@@ -107,12 +107,12 @@ fn simulate_in(
     Ok(out)
 }
 
-/// One sinusoid of a portion in a phase.
+/// Computes one sinusoid of a section in a phase.
 fn duty(
     law: &Law,
     bench: &Bench,
     which: usize,
-    portion: &Portion,
+    portion: &RopeSection,
     phase: usize,
     steps: usize,
 ) -> Duty {
@@ -182,7 +182,7 @@ mod tests {
         // Tensions at the drive sum to the force in every step, whatever the friction.
         let bench = paper("C").expect("a case");
         let law = law();
-        let whole = Portion {
+        let whole = RopeSection {
             length_m: 0.6,
             middle_m: 0.0,
             guides: 0,
@@ -205,7 +205,7 @@ mod tests {
         assert!((one.stretches[STEPS].from.tension_n - at_drive(true)).abs() < 1e-9);
     }
 
-    /// How far cutting a half period into few steps is from cutting it finely.
+    /// Error of a half period with few steps relative to many steps.
     #[test]
     fn few_steps_of_a_half_period_are_enough() {
         let law = law();
@@ -222,7 +222,7 @@ mod tests {
                 ends[1],
                 8 * STEPS
             );
-            // C, D and B are told apart by 0.01 % and more: a twentieth of that.
+            // Cases C, D and B differ by 0.01 % and more; the bound is a twentieth of that.
             assert!(apart < 5e-4, "{case}: {ends:?}");
         }
     }

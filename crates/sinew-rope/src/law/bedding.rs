@@ -8,7 +8,7 @@
 //! ```
 //!
 //! `Ein(u) = ∫₀ᵘ (1 − e^(−x))/x dx` is the entire exponential integral. Because the solution is
-//! exact, two steps of half the length give what one gives, and `b` never falls nor passes `b∞`.
+//! exact, two steps of half the length equal one full step, and `b` neither decreases nor exceeds `b∞`.
 
 use super::exponential::exp;
 
@@ -64,7 +64,7 @@ pub fn ein(u: f64) -> f64 {
     h * exp(-u) + libm::log(u) + EULER_GAMMA
 }
 
-/// How much of the gap `b∞ − b` closes: `1 − e^(−z)`.
+/// Share of the gap `b∞ − b` that closes: `1 − e^(−z)`.
 ///
 /// * `u`: `κ (b∞ − b)/B'`, 0 to [`JAMMING_MAX`]. `p`: `c t exp(−κ b/B')`, the rate at the start
 ///   times the duration, at least 0 (`p = s e^u`).
@@ -90,7 +90,7 @@ pub fn closed_fraction(u: f64, p: f64) -> f64 {
     let mut z = p.min(s + ein_u);
     for _ in 0..60 {
         if z > 800.0 {
-            // e^(−z) is 0: what is left of the gap can't be represented.
+            // e^(−z) is 0: the remaining gap is below the floating-point resolution.
             return 1.0;
         }
         let left = u * exp(-z);

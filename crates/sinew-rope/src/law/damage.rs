@@ -1,4 +1,4 @@
-//! What bending over pulleys costs a rope.
+//! Damage of a rope by bending over pulleys.
 
 use super::{Law, LoadError, State};
 
@@ -12,8 +12,8 @@ pub const STRENGTH_LEFT_WHEN_SPENT: f64 = 0.5;
 
 /// Diameter of the circle that a rope is really bent to, m: `1/D' = (1 − exp(−R φ/d))/D`.
 ///
-/// A rope takes a pulley's curvature over a length of about its own diameter; where it touches the
-/// pulley over less, it is bent less. That length is a judgement.
+/// A rope takes a pulley's curvature over a length of about its own diameter; where the contact is shorter,
+/// it is bent less. That length is assumed.
 ///
 /// * Returns at least `2 R`; infinite without a wrap.
 #[must_use]
@@ -21,18 +21,18 @@ pub fn bend_diameter_m(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
     -2.0 * pulley.radius_m / libm::expm1(-pulley.contact_m() / rope_m)
 }
 
-/// What a guiding pulley counts for in the bedding-in, 0 to 1: one that bends the rope to
-/// [`REFERENCE_DIAMETER_RATIO`] or closer counts in full, a gentler one by its curvature.
+/// Weight of a guiding pulley in the bedding-in, 0 to 1: a pulley that bends the rope to
+/// [`REFERENCE_DIAMETER_RATIO`] or closer counts fully, a larger one in proportion to its curvature.
 #[must_use]
 pub fn pass_weight(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
     (REFERENCE_DIAMETER_RATIO * rope_m / bend_diameter_m(pulley, rope_m)).min(1.0)
 }
 
-/// `N`: what the guiding pulleys that pass over a portion count for together. Without the rope's diameter
-/// each counts in full.
+/// `N`: effective number of guiding pulleys that pass over a portion. If the diameter of the rope is unknown, each
+/// pulley counts fully.
 #[must_use]
 pub fn passes(
-    portion: &super::routing::Portion,
+    portion: &super::routing::RopeSection,
     pulleys: &[super::routing::Pulley],
     stroke_m: f64,
     rope_m: Option<f64>,

@@ -1,5 +1,4 @@
-//! What breaks a rope that its breaking load would hold: flow until it parts, static fatigue, heat,
-//! ends.
+//! Failure of a rope below its breaking load: creep rupture, static fatigue, heat and terminations.
 //!
 //! ```text
 //! strength          S(θ) = 1 − s (θ − T_ref)                       share of the breaking load
@@ -9,24 +8,24 @@
 //! broken            D = 1 (Palmgren–Miner), or λ > η S, or λ > η_b S
 //! ```
 //!
-//! `η` is what an end leaves of the rope's strength; 1 along the rope.
+//! `η` is the share of the rope's strength that a termination retains; 1 along the rope.
 
 use super::{Law, LoadError, REFERENCE_K, RopeLoad};
 
-/// What a breaking test takes, s: static fatigue counts its decades from here.
+/// Duration of a breaking test, s: the decades of static fatigue count from here.
 const TEST_S: f64 = 60.0;
-/// Strength is taken to lie within these shares, whatever the temperature.
+/// Bounds of the strength as a share of the breaking load, at any temperature.
 const STRENGTH: (f64, f64) = (0.02, 1.3);
 
 macro_rules! endurance {
     ($($(#[$doc:meta])* $field:ident $variant:ident $low:expr, $high:expr;)*) => {
-        /// What a rope of a class of fibres endures.
+        /// Endurance of a rope or of a class of fibres.
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         pub struct Endurance {
             $($(#[$doc])* pub $field: f64,)*
         }
 
-        /// One value by name.
+        /// Value of a parameter by name.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum EnduranceKey {
@@ -72,46 +71,46 @@ endurance! {
     splice_share Splice 0.01, 1.0;
     /// Share of the strength that a knot leaves.
     knot_share Knot 0.01, 1.0;
-    /// Tension over breaking load that makers advise at most.
+    /// Largest tension over breaking load by the manufacturers' advice.
     load_share_most LoadShare 0.001, 1.0;
-    /// Pulley over rope diameter that makers advise at least.
+    /// Smallest pulley diameter over rope diameter by the manufacturers' advice.
     bend_ratio_least BendRatio 0.1, 1000.0;
-    /// `β`: share of the strength lost where the rope is bent to its own diameter.
+    /// `β`: share of the strength lost by a rope that is bent to its own diameter.
     bend_loss_share BendLoss 0.0, 0.9;
 }
 
 impl Endurance {
-    /// `S(θ)`: strength over that at `T_ref`.
+    /// `S(θ)`: ratio of the strength to the strength at `T_ref`.
     #[must_use]
     pub fn strength_share(&self, temperature_k: f64) -> f64 {
         let share = 1.0 - self.strength_per_k * (temperature_k - REFERENCE_K);
         share.clamp(STRENGTH.0, STRENGTH.1)
     }
 
-    /// `η_b`: share of the strength that is left where a rope is bent to `bend_ratio` times its diameter.
+    /// `η_b`: share of the strength that a rope retains if bent to `bend_ratio` times its diameter.
     #[must_use]
     pub fn bent_share(&self, bend_ratio: f64) -> f64 {
         1.0 - self.bend_loss_share / libm::sqrt(bend_ratio.max(1.0))
     }
 
-    /// Share of its life that a rope loses per second under a load, 1/s; infinite where it breaks at
-    /// once. `end_share` is `η`.
+    /// Share of its life that a rope loses per second under a load, 1/s; infinite if it breaks immediately.
+    /// `termination_share` is `η`.
     ///
     /// # Errors
-    /// [`LoadError`] for a load no rope can have.
+    /// Returns a [`LoadError`] for an invalid load.
     pub fn damage_per_s(
         &self,
         law: &Law,
         load: RopeLoad,
-        end_share: f64,
+        termination_share: f64,
     ) -> Result<f64, LoadError> {
-        let strength = end_share * self.strength_share(load.temperature_k);
+        let strength = termination_share * self.strength_share(load.temperature_k);
         let used = law.load_ratio(load.tension_n) / strength;
-        if used > 1.0 || load.tension_n > end_share * law.parameters().breaking_load_n {
+        if used > 1.0 || load.tension_n > termination_share * law.parameters().breaking_load_n {
             return Ok(f64::INFINITY);
         }
         let local = RopeLoad {
-            tension_n: load.tension_n / end_share,
+            tension_n: load.tension_n / termination_share,
             ..load
         };
         let flow = law.rates(local)?.flow_percent_per_s / self.rupture_percent;

@@ -1,6 +1,6 @@
 //! `exp` at the price a year of one-minute steps can pay.
 
-/// Inputs are clamped to this: `exp(±700)` is 1e±304, further than any rate gets.
+/// Bound to which inputs are clamped: `exp(±700)` is 1e±304, which exceeds every rate.
 const RANGE: f64 = 700.0;
 /// Adding it leaves the nearest integer in the low bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
@@ -35,7 +35,7 @@ pub(super) fn exp(x: f64) -> f64 {
 /// Parts of an octave.
 const PARTS: u64 = 64;
 
-/// `2^(i/64)`.
+/// Table of `2^(i/64)`.
 #[rustfmt::skip]
 const ROOTS: [f64; PARTS as usize] = [
     1.0,

@@ -1,9 +1,9 @@
-//! Factors of one step: Arrhenius, and what first-order lags have closed.
+//! Factors of one step: Arrhenius factors, and responses of first-order lags.
 
 use super::exponential::exp;
 use super::{DELAY_TIMES_S, GAS_CONSTANT, REFERENCE_K};
 
-/// A temperature as it enters Arrhenius factors.
+/// Temperature in the form of the Arrhenius factors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heat {
     /// `(1/T_ref − 1/θ)/R`, mol/J.
@@ -40,13 +40,13 @@ pub(super) fn sinh(x: f64, e: f64) -> f64 {
     }
 }
 
-/// `1 − exp(−x)` for `x ≥ 0`: what a first-order lag has closed.
+/// Response `1 − exp(−x)` of a first-order lag for `x ≥ 0`.
 pub(super) fn closed(x: f64) -> f64 {
     let [closed] = closings([x]);
     closed
 }
 
-/// `1 − exp(−x)` of each input, all `≥ 0`, to a few units in the last place.
+/// Computes `1 − exp(−x)` of each input, all `≥ 0`, to a few units in the last place.
 ///
 /// Below 0.03 a Taylor series (the ninth term is below 1e-17 of the first), because the
 /// difference would cancel; several times faster than a general `expm1`.
@@ -65,8 +65,8 @@ pub(super) fn closings<const N: usize>(x: [f64; N]) -> [f64; N] {
 /// `1 − exp(−a_v t/τ_i)` for the five decades.
 ///
 /// The times are exact decades, so a factor is the tenth power of the next slower one;
-/// `m ↦ (1 + m)² − 1 = m (2 + m)` keeps full relative accuracy near 0. Three exponentials that
-/// don't wait for each other and two such powers are faster than five exponentials or one.
+/// `m ↦ (1 + m)² − 1 = m (2 + m)` keeps full relative accuracy near 0. Three independent exponentials and two such
+/// powers are faster than five exponentials or one.
 pub(super) fn delayed_fractions(speed_times_s: f64) -> [f64; 5] {
     const PER_S: [f64; 3] = [
         1.0 / DELAY_TIMES_S[0],

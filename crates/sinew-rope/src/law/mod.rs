@@ -1,4 +1,4 @@
-//! How far a rope has stretched: one law for bench, fit, prediction and forecast.
+//! Creep law of a rope, common to bench, fit, prediction and forecast.
 //!
 //! Strain in percent of the unloaded, new rope, `λ = T/MBL` tension over breaking load, `θ`
 //! absolute temperature, `T_ref` = 296.15 K, `a_x(θ) = exp[E_x/R (1/T_ref − 1/θ)]`:
@@ -27,10 +27,9 @@
 //! so the length of a step does not matter; over a segment where both are linear
 //! ([`ramp()`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
-//! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
-//! over pulleys, [`endurance`] says what breaks a rope, [`strung`] lets ropes relax at constant length, [`validity`] says where the law was never checked, [`holds`] what data is behind a
-//! rope's values, [`entry`]
-//! reads a catalogue entry.
+//! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends over pulleys,
+//! [`endurance`] models failure, [`strung`] lets ropes relax at constant length, [`validity`] checks the
+//! validity limits, [`tested_range`] describes the tested range of a rope's data, [`entry`] reads a catalogue entry.
 //!
 //! Not modelled: humidity, ultraviolet light, abrasion, shock.
 //!
@@ -47,13 +46,13 @@ pub mod entry;
 mod error;
 mod exponential;
 mod factors;
-pub mod holds;
 mod parameters;
 mod ramp;
 mod rope_law;
 pub mod routing;
 mod state;
 pub mod strung;
+pub mod tested_range;
 pub mod validity;
 
 pub use error::{LoadError, ParameterError};

@@ -2,7 +2,7 @@
 
 use super::ParameterError;
 
-/// What the load-bearing fibres or wires are made of.
+/// Material of the load-bearing fibres or wires.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Polymer {
@@ -17,7 +17,7 @@ pub enum Polymer {
     Steel,
     /// Tungsten wires; as steel.
     Tungsten,
-    /// Anything else.
+    /// Any other material.
     Other,
 }
 
@@ -41,12 +41,12 @@ macro_rules! parameters {
         /// Parameters of the rope law; symbols as in [`crate::law`].
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct Parameters {
-            /// What the fibre is made of; decides which validity limits hold.
+            /// Material of the fibre; selects the validity limits.
             pub polymer: Polymer,
             $($(#[$doc])* pub $field: f64,)*
         }
 
-        /// One parameter by name: what catalogues, draws and fits loop over.
+        /// Parameter of the creep law by name, for catalogues, draws and fits.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum Parameter {
@@ -86,7 +86,7 @@ macro_rules! parameters {
                 match parameter { $(Parameter::$variant => self.$field,)* }
             }
 
-            /// Sets a parameter; [`Parameters::check`] judges it.
+            /// Sets a parameter without a check; [`Parameters::check`] validates it.
             pub fn set(&mut self, parameter: Parameter, value: f64) {
                 match parameter { $(Parameter::$variant => self.$field = value,)* }
             }
@@ -96,7 +96,7 @@ macro_rules! parameters {
 
 /// Above this, an exponential of finite inputs could overflow; far beyond any rope.
 const HUGE: f64 = 1e12;
-/// Smallest of what must be above 0.
+/// Smallest value of a parameter that must be above 0.
 const TINY: f64 = 1e-12;
 
 parameters! {
@@ -120,7 +120,7 @@ parameters! {
     bedding_energy_j_per_mol BeddingEnergy 0.0, 1e6, "0 to 1e6";
     /// `g_N`: how much one guiding pulley adds to the bedding-in.
     pass_gain PassGain 0.0, 1e3, "0 to 1000";
-    /// `q`: how several guiding pulleys over one portion add up.
+    /// `q`: exponent of the effect of several guiding pulleys on one section.
     pass_exponent PassExponent 0.0, 5.0, "0 to 5";
     /// `J`: delayed strain per decade of time, % per unit of `λ`.
     delayed_percent Delayed 0.0, 1e3, "0 to 1000";
@@ -140,7 +140,7 @@ parameters! {
     retraction_percent Retraction 0.0, 100.0, "0 to 100";
     /// `τ_s`: time of the heat retraction, s.
     retraction_time_s RetractionTime 1e-3, HUGE, "at least 1e-3";
-    /// `λ_s`: load ratio that holds the heat retraction back.
+    /// `λ_s`: load ratio at which the heat retraction falls to 1/e.
     retraction_load_ratio RetractionLoadRatio 1e-6, HUGE, "at least 1e-6";
     /// `α_θ`: thermal expansion along the rope, 1/K.
     expansion_per_k Expansion -1e-3, 1e-3, "−1e-3 to 1e-3";

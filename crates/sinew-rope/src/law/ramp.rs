@@ -4,32 +4,32 @@ use super::factors::{Heat, closed, delayed_fractions};
 use super::rope_law::{RETRACTION_FULL_K, RETRACTION_START_K, check_duration};
 use super::{DELAY_TIMES_S, Law, LoadError, RopeLoad, State};
 
-/// Error a ramp is allowed in any part of the strain, %: a thousandth of what the law is held to
-/// against a reference integrator.
+/// Maximum error of a ramp in any part of the strain, %: a thousandth of the tolerance in the comparison with a
+/// reference integrator.
 pub const RAMP_TOLERANCE_PERCENT: f64 = 1e-9;
 
-/// Share of the tolerance that one short step may take, so that a kink doesn't stop everything.
+/// Minimum share of the tolerance for a short step, so that a kink does not stop the integration.
 const SHARE_MIN: f64 = 0.02;
 /// Steps are not made shorter than this share of the ramp.
 const SHORTEST: f64 = 1e-9;
-/// A bound on the work; a ramp of years across every kink takes some thousand.
+/// Maximum number of steps; a ramp over years with every change of regime takes several thousand.
 const STEPS_MAX: usize = 4_000_000;
 
-/// A ramp over its whole duration.
-struct Course<'a> {
+/// Linear ramp of load and temperature over its whole duration.
+struct Ramp<'a> {
     law: &'a Law,
     lambda: (f64, f64),
     temperature_k: (f64, f64),
     duration_s: f64,
 }
 
-/// Tension and temperature go linearly from one load to another.
+/// Advances the state while tension and temperature change linearly from one load to another.
 ///
 /// Delayed elasticity and retraction follow the straight line exactly, bedding-in and flow
 /// take the middle of each step; the whole step is symmetric in time, so two extrapolations
 /// over halved steps raise it to sixth order. Steps are chosen so that the difference between
 /// fourth and sixth order, summed over the ramp, stays within [`RAMP_TOLERANCE_PERCENT`];
-/// ramps are cut where the retraction has its kinks and where bedding-in sets in.
+/// ramps are divided at the kinks of the retraction and at the onset of bedding-in.
 ///
 /// * `duration_s`: 0 to 1e10 s; 0 changes nothing.
 ///
@@ -57,24 +57,24 @@ pub fn ramp(
     if duration_s == 0.0 {
         return Ok(());
     }
-    let course = Course {
+    let whole = Ramp {
         law,
         lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
         temperature_k: (from.temperature_k, to.temperature_k),
         duration_s,
     };
-    let cuts = course.cuts(state);
+    let cuts = whole.cuts(state);
     let mut at = 0.0;
     for cut in cuts {
         if cut > at {
-            course.follow(state, at, cut);
+            whole.follow(state, at, cut);
             at = cut;
         }
     }
     Ok(())
 }
 
-impl Course<'_> {
+impl Ramp<'_> {
     fn lambda(&self, x: f64) -> f64 {
         (self.lambda.0 + (self.lambda.1 - self.lambda.0) * x).max(0.0)
     }
@@ -171,7 +171,7 @@ impl Course<'_> {
         self.law.bedding_per_s(Heat::new(warm))
     }
 
-    /// One symmetric step from share `at` over share `h`.
+    /// Takes one symmetric step from share `at` over share `h`.
     fn step(&self, state: &mut State, at: f64, h: f64) {
         let law = self.law;
         let dt = h * self.duration_s;
@@ -200,8 +200,8 @@ impl Course<'_> {
     }
 }
 
-/// Heat retraction over a step whose target goes linearly: what comes back follows it, what stays only
-/// grows. `(closed, mean)` as of [`lag`].
+/// Heat retraction over a step with a linear target: the recoverable part follows the target, and the permanent part
+/// only increases. `(closed, mean)` as of [`lag`].
 pub(super) fn retract(
     law: &Law,
     state: &mut State,

@@ -1,4 +1,4 @@
-//! One step of the rope law under constant load, solved exactly.
+//! Exact solution of the creep law for one step of constant load.
 
 use super::exponential::exp;
 use super::factors::{Heat, closed, delayed_fractions, sinh};
@@ -15,13 +15,13 @@ const TEMPERATURE_K: core::ops::RangeInclusive<f64> = 173.15..=473.15;
 /// Longest duration of one step, s: 300 years.
 const DURATION_MAX_S: f64 = 1e10;
 
-/// Tension and temperature of one stretch of rope.
+/// Tension and temperature of one section of rope.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RopeLoad {
     /// Tension, N, at least 0.
     pub tension_n: f64,
-    /// Temperature, K.
+    /// Temperature of the rope, K.
     pub temperature_k: f64,
 }
 
@@ -45,36 +45,36 @@ impl RopeLoad {
     }
 }
 
-/// What the elements head for under one load, and how fast.
+/// Targets and rates of the elements under one load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
-    /// `b∞`, %.
+    /// Target of the bedding-in `b∞`, %.
     pub bedding_target_percent: f64,
-    /// `a_b/τ_b`, 1/s.
+    /// Rate of the bedding-in `a_b/τ_b`, 1/s.
     pub bedding_per_s: f64,
     /// `J(θ) λ`, %.
     pub delayed_target_percent: f64,
     /// `a_v`: factor on `1/τ_i`.
     pub delayed_speed: f64,
-    /// `ḟ`, %/s.
+    /// Rate of the flow `ḟ`, %/s.
     pub flow_percent_per_s: f64,
     /// `S g(θ) exp(−λ/λ_s)`, %.
     pub retraction_target_percent: f64,
 }
 
-/// The law of one stretch of rope: parameters and how many guiding pulleys pass over it.
+/// Creep law of one section of rope: parameters and number of guiding pulleys that pass over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     pub(super) p: Parameters,
     guides: f64,
-    /// `B'`, %.
+    /// Full bedding-in `B'`, %.
     bedding_percent: f64,
-    /// `ρ`: share of a heat retraction that comes back.
+    /// `ρ`: share of a heat retraction that is recovered on cooling.
     retraction_return: f64,
     inverse: Inverse,
 }
 
-/// What a step would divide by: a division costs as much as half an exponential.
+/// Reciprocals of the divisors of a step: a division costs as much as half an exponential.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Inverse {
     breaking_load_per_n: f64,
@@ -82,7 +82,7 @@ struct Inverse {
     bedding_per_s: f64,
     retraction_per_s: f64,
     retraction_load_ratio: f64,
-    /// `σ_b/σ₀`.
+    /// Stress ratio `σ_b/σ₀`.
     flow_stress_ratio: f64,
 }
 
@@ -109,7 +109,7 @@ impl Law {
         })
     }
 
-    /// The same rope where `guides` guiding pulleys pass over it: `B' = B (1 + g_N N^q)`.
+    /// Sets the number `guides` of guiding pulleys that pass over the section: `B' = B (1 + g_N N^q)`.
     /// A number that is negative or not finite counts as 0.
     #[must_use]
     pub fn passed_by(mut self, guides: f64) -> Self {
@@ -119,7 +119,7 @@ impl Law {
             0.0
         };
         let gain = if self.guides > 0.0 {
-            // More pulleys than this can't stand along a rope, and the power stays finite.
+            // More pulleys than this do not fit along a rope, and the power stays finite.
             self.p.pass_gain * libm::pow(self.guides.min(1e6), self.p.pass_exponent)
         } else {
             0.0
@@ -128,34 +128,33 @@ impl Law {
         self
     }
 
-    /// The same rope of which a share `ρ` of every heat retraction comes back when it cools or is pulled
-    /// harder; the rest stays. 1 where nothing is said. Nobody has published it: 0 and 1 bound it. What
-    /// lies outside counts as the nearer bound.
+    /// Sets the share `ρ` of every heat retraction that is recovered when the rope cools or the tension
+    /// rises; the rest is permanent. The default is 1. No value is published; `ρ` is limited to 0 … 1.
     #[must_use]
     pub fn giving_back(mut self, share: f64) -> Self {
         self.retraction_return = if share > 0.0 { share.min(1.0) } else { 0.0 };
         self
     }
 
-    /// `ρ`: share of a heat retraction that comes back.
+    /// `ρ`: share of a heat retraction that is recovered on cooling.
     #[must_use]
     pub fn retraction_return(&self) -> f64 {
         self.retraction_return
     }
 
-    /// The parameters.
+    /// Parameters of the law.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.p
     }
 
-    /// `N`: guiding pulleys that pass over this stretch.
+    /// `N`: number of guiding pulleys that pass over this section.
     #[must_use]
     pub fn guides(&self) -> f64 {
         self.guides
     }
 
-    /// `B'`: full bedding-in of this stretch, %.
+    /// `B'`: full bedding-in of this section, %.
     #[must_use]
     pub fn bedding_percent(&self) -> f64 {
         self.bedding_percent
@@ -167,7 +166,7 @@ impl Law {
         tension_n * self.inverse.breaking_load_per_n
     }
 
-    /// Holds a load for a duration: every element is solved exactly.
+    /// Advances the state under a constant load for a duration: every element is solved exactly.
     ///
     /// Bedding-in by [`bedding::closed_fraction`], delayed elasticity and retraction as
     /// exponentials, flow as a straight line. However a duration is cut, the state at its end is
@@ -196,10 +195,10 @@ impl Law {
         Ok(())
     }
 
-    /// What a load drives the elements to. Compute once for many steps of [`Law::advance`].
+    /// Computes the targets and rates of the elements under a load, once for many steps of [`Law::advance`].
     ///
     /// # Errors
-    /// [`LoadError`].
+    /// Returns [`LoadError`] if the tension or the temperature is invalid.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -208,10 +207,10 @@ impl Law {
         Ok(self.rates_at(self.load_ratio(load.tension_n), load.temperature_k))
     }
 
-    /// [`Law::hold`] with rates known already.
+    /// Advances the state as [`Law::hold`], with precomputed rates.
     ///
     /// # Errors
-    /// [`LoadError::Duration`] and [`LoadError::State`]; the state is unchanged.
+    /// Returns [`LoadError::Duration`] or [`LoadError::State`]; the state is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
@@ -229,7 +228,7 @@ impl Law {
         Ok(())
     }
 
-    /// Every element under rates that last for a duration, both checked.
+    /// Advances every element at constant rates; rates and duration are already checked.
     fn go(&self, state: &mut State, rates: &Rates, duration_s: f64) {
         let target = rates.bedding_target_percent;
         self.bed_in(state, target, rates.bedding_per_s, duration_s);
@@ -243,7 +242,7 @@ impl Law {
         self.retract(state, rates.retraction_target_percent, duration_s);
     }
 
-    /// Bedding-in alone after a duration, %: [`Law::advance`] without what it doesn't depend on.
+    /// Bedding-in after a duration, %: [`Law::advance`] without the elements that do not affect it.
     /// Starts from `bedding_percent`; a duration below 0 or not a number counts as 0.
     ///
     /// # Realtime
@@ -259,7 +258,7 @@ impl Law {
         state.bedding_percent
     }
 
-    /// Strain of a stretch of rope in a state under a load.
+    /// Strain of a section of rope in a state under a load.
     ///
     /// # Errors
     /// [`LoadError`].
@@ -279,7 +278,7 @@ impl Law {
         })
     }
 
-    /// Slope of the elastic strain, % per N: what a small quick change of tension sees.
+    /// Slope of the elastic strain, % per N, for a small, fast change of tension.
     ///
     /// # Errors
     /// [`LoadError`].
@@ -295,7 +294,7 @@ impl Law {
             - self.p.toe_percent * libm::expm1(-lambda / self.p.toe_load_ratio)
     }
 
-    /// `dε_el/dλ`, %.
+    /// Elastic slope `dε_el/dλ`, %.
     pub(super) fn elastic_slope_percent(&self, lambda: f64) -> f64 {
         let toe = self.p.toe_percent / self.p.toe_load_ratio * exp(-lambda / self.p.toe_load_ratio);
         100.0 / self.p.elastic_k + toe

@@ -1,30 +1,30 @@
-//! Which stretch of rope runs over which pulley, and what friction does to its tension.
+//! Sections of a rope by the pulleys that pass over them, and its tension with friction.
 //!
-//! Capstan: over a wrap of `φ` the tension changes by `exp(±μ φ)`, against the motion of the
-//! rope. A pulley touches the rope within its wrap; while the drive moves the rope by a stroke,
-//! the touched stretch grows by it. Stretches that several pulleys touch count them all.
+//! Capstan equation: over a wrap of `φ` the tension changes by `exp(±μ φ)`, against the motion of the rope. A
+//! pulley touches the rope within its wrap; while the drive moves the rope by a stroke, the touched section
+//! grows by it. Sections that several pulleys touch count all of them.
 
 /// A guiding pulley along a strand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pulley {
-    /// Where the rope first touches it with the drive at rest, m from the drive along the rope.
+    /// Point of first contact with the drive at rest, m from the drive along the rope.
     pub at_m: f64,
     /// Radius of the rope's path, m.
     pub radius_m: f64,
     /// Wrap angle, rad.
     pub wrap_rad: f64,
-    /// Friction; `None` takes the rope's own.
+    /// Coefficient of friction; `None`: that of the rope.
     pub friction: Option<f64>,
 }
 
 impl Pulley {
-    /// Length of rope that lies on it, m.
+    /// Contact length of the rope on the pulley, m.
     #[must_use]
     pub fn contact_m(&self) -> f64 {
         self.radius_m * self.wrap_rad
     }
 
-    /// Whether the rope point `point_m` from the drive comes to lie on it within a stroke.
+    /// Whether the rope point `point_m` from the drive touches the pulley within a stroke.
     #[must_use]
     pub fn touches(&self, point_m: f64, stroke_m: f64) -> bool {
         let from = (self.at_m - stroke_m).max(0.0);
@@ -32,60 +32,60 @@ impl Pulley {
     }
 }
 
-/// A stretch of a strand that the same pulleys pass over.
+/// Section of a strand that the same pulleys pass over.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Portion {
-    /// Its length, m.
+pub struct RopeSection {
+    /// Length of the section, m.
     pub length_m: f64,
-    /// Its middle, m from the drive with the drive at rest.
+    /// Middle of the section, m from the drive with the drive at rest.
     pub middle_m: f64,
-    /// How many guiding pulleys pass over it.
+    /// Number of guiding pulleys that pass over the section.
     pub guides: usize,
 }
 
-/// Why a routing can't be.
+/// Error of an invalid routing.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RoutingError {
     /// A length, angle or friction that is negative, NaN or infinite, or a strand of no length.
     #[error("guiding pulley {pulley}: lengths, wrap angle and friction must be at least 0")]
     Pulley {
-        /// Which one, from 1.
+        /// Number of the pulley, from 1.
         pulley: usize,
     },
-    /// No strand.
+    /// Strand without length, or negative stroke.
     #[error("a strand needs a length above 0 and a stroke of at least 0")]
     Strand,
-    /// A pulley where there is no rope.
+    /// Pulley outside the strand.
     #[error("guiding pulley {pulley} at {at_m} m does not fit on a strand of {length_m} m")]
     Beyond {
-        /// Which one, from 1.
+        /// Number of the pulley, from 1.
         pulley: usize,
-        /// Where it is, m.
+        /// Position of the pulley, m.
         at_m: f64,
         /// Length of the strand, m.
         length_m: f64,
     },
 }
 
-/// Capstan law: tension behind a wrap on the side the rope runs to, `T exp(μ φ)`.
+/// Capstan equation: tension after a wrap, on the side to which the rope moves, `T exp(μ φ)`.
 #[must_use]
 pub fn capstan(tension_n: f64, friction: f64, wrap_rad: f64) -> f64 {
     tension_n * libm::exp(friction * wrap_rad)
 }
 
-/// Stretches of a strand of `length_m` whose rope moves back and forth by `stroke_m` away from
-/// the drive, in order from the drive. Their lengths sum to `length_m`.
+/// Divides a strand of `length_m`, whose rope moves back and forth by `stroke_m` away from the drive, into
+/// sections, in order from the drive. Their lengths sum to `length_m`.
 ///
 /// A pulley at `p` with contact `c` touches the rope points from `p − stroke` to `p + c`.
 ///
 /// # Errors
-/// [`RoutingError`].
+/// Returns [`RoutingError`] if strand, stroke or a pulley is invalid.
 pub fn portions(
     length_m: f64,
     stroke_m: f64,
     pulleys: &[Pulley],
-) -> Result<Vec<Portion>, RoutingError> {
+) -> Result<Vec<RopeSection>, RoutingError> {
     let good = |v: f64| v >= 0.0 && v.is_finite();
     if !(good(length_m) && length_m > 0.0 && good(stroke_m)) {
         return Err(RoutingError::Strand);
@@ -110,7 +110,7 @@ pub fn portions(
         edges.extend([from, to]);
     }
     edges.sort_unstable_by(f64::total_cmp);
-    let mut out: Vec<Portion> = Vec::with_capacity(edges.len());
+    let mut out: Vec<RopeSection> = Vec::with_capacity(edges.len());
     for pair in edges.windows(2) {
         let (from, to) = (pair[0], pair[1]);
         if to <= from {
@@ -119,7 +119,7 @@ pub fn portions(
         let middle_m = 0.5 * (from + to);
         let touching = pulleys.iter().filter(|p| p.touches(middle_m, stroke_m));
         let guides = touching.count();
-        out.push(Portion {
+        out.push(RopeSection {
             length_m: to - from,
             middle_m,
             guides,
@@ -128,13 +128,13 @@ pub fn portions(
     Ok(out)
 }
 
-/// Share of the drive-side tension that a point of the rope carries.
+/// Ratio of the tension at a point of the rope to the tension at the drive.
 ///
-/// * `point_m`: the rope point, m from the drive with the drive at rest; `paid_out_m`: how far the
-///   drive has moved the rope away from itself, 0 to stroke.
-/// * `towards_drive`: whether the rope runs towards the drive now. It pulls then, and tension
-///   falls behind every pulley; running away, tension rises.
-/// * `friction`: of the rope, for pulleys that state none.
+/// * `point_m`: point of the rope, m from the drive with the drive at rest; `paid_out_m`: displacement of the
+///   rope away from the drive, 0 to stroke.
+/// * `towards_drive`: whether the rope runs towards the drive now. If so, the tension decreases after every pulley;
+///   otherwise it increases.
+/// * `friction`: of the rope, for pulleys without a value of their own.
 #[must_use]
 pub fn tension_share(
     pulleys: &[Pulley],

@@ -1,12 +1,12 @@
-//! What a stretch of rope remembers, and what its strain is made of.
+//! State of a section of rope, and the components of its strain.
 
-/// Retardation times of the delayed elasticity at `T_ref`, s: one per decade, from what a grip
-/// takes to settle to a day. Five equal steps make a straight line over log time.
+/// Retardation times of the delayed elasticity at `T_ref`, s: one per decade, from the settling time of a grip to one
+/// day. Five equal steps make a straight line over log time.
 pub const DELAY_TIMES_S: [f64; 5] = [1e1, 1e2, 1e3, 1e4, 1e5];
 
-/// Memory of one stretch of rope. All zero is a new rope that was never loaded.
+/// Internal state of one section of rope. All zero is a new rope that was never loaded.
 ///
-/// Plain numbers: save them, and go on later from where the rope was.
+/// Plain numbers that can be stored to continue later.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct State {
     /// Bedding-in `b`, %, at least 0; never falls.
@@ -15,9 +15,9 @@ pub struct State {
     pub delayed_percent: [f64; 5],
     /// Fibre flow `f`, %, at least 0; never falls.
     pub flow_percent: f64,
-    /// Heat retraction `s` that comes back, %, positive when the rope is shorter.
+    /// Recoverable heat retraction `s`, %, positive if the rope is shorter.
     pub retraction_percent: f64,
-    /// Heat retraction that stays, %, at least 0; never falls.
+    /// Permanent heat retraction, %; at least 0, never decreasing.
     pub retraction_kept_percent: f64,
     /// Sum of passes over pulleys, each over the number it would survive (Palmgren–Miner); the
     /// rope is spent at 1. Never falls.
@@ -25,8 +25,8 @@ pub struct State {
 }
 
 impl State {
-    /// What stays of the elongation when the rope is unloaded and left at `T_ref` for good, %; what heat
-    /// has shortened for good is not taken off.
+    /// Permanent (irreversible) elongation after unloading at `T_ref`, %; permanent heat retraction is not
+    /// subtracted.
     #[must_use]
     pub fn irreversible_percent(&self) -> f64 {
         self.bedding_percent + self.flow_percent
@@ -53,15 +53,15 @@ impl State {
     }
 }
 
-/// Strain and what it is made of, % of the unloaded, new rope.
+/// Strain and its components, % of the unloaded, new rope.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Strain {
     /// At once under tension: `100 λ/k + e_t (1 − exp(−λ/λ_t))`.
     pub elastic_percent: f64,
-    /// Bedding-in `b`.
+    /// Bedding-in `b`, %.
     pub bedding_percent: f64,
-    /// Delayed elasticity `Σ v_i`.
+    /// Delayed elasticity `Σ v_i`, %.
     pub delayed_percent: f64,
     /// Fibre flow `f`.
     pub flow_percent: f64,
@@ -72,7 +72,7 @@ pub struct Strain {
 }
 
 impl Strain {
-    /// `ε`, %.
+    /// Total strain `ε`, %.
     #[must_use]
     pub fn total_percent(&self) -> f64 {
         self.elastic_percent + self.bedding_percent + self.delayed_percent + self.flow_percent
@@ -80,7 +80,7 @@ impl Strain {
             + self.thermal_percent
     }
 
-    /// What stays when the rope is unloaded: `b + f`, %.
+    /// Permanent strain after unloading: `b + f`, %.
     #[must_use]
     pub fn irreversible_percent(&self) -> f64 {
         self.bedding_percent + self.flow_percent

@@ -1,25 +1,26 @@
 //! The share of ropes that last, without a law.
 
-use super::Life;
+use super::Lifetime;
 use sinew_model::{Interval95, Z95};
 
-/// The curve just after an age at which ropes broke.
+/// Point of the survival function immediately after an age at which ropes broke.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurvivalPoint {
-    /// The age.
+    /// Age of the ropes, in the unit of the data.
     pub age: f64,
-    /// Ropes that had reached it.
+    /// Number of ropes that had reached the age.
     pub at_risk: usize,
     /// Ropes that broke at it.
     pub broke: usize,
     /// Share of ropes that last longer, 0…1.
     pub survival: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the share.
     pub interval_95: Interval95,
 }
 
-/// The share of ropes that last longer than an age, a point for every age at which one broke, in the order of ages:
+/// Computes the share of ropes that last longer than an age, with one point per age at which a rope broke, in
+/// the order of ages:
 ///
 /// ```text
 /// S(t) = Π (1 − dᵢ/nᵢ) over ages tᵢ ≤ t,    d broken of n that had reached it
@@ -29,14 +30,18 @@ pub struct SurvivalPoint {
 /// The interval is Greenwood's on the scale of ln(−ln S): it stays within 0 and 1. Where all that had reached an age
 /// broke at it, S is 0 and the interval that of the age before, down to 0. What is censored at an age had reached it.
 ///
-/// Holds while what ends a life without breaking says nothing of how long it would have lasted.
+/// Valid if censoring is independent of the remaining lifetime.
 ///
 /// # Source
 /// E. L. Kaplan, P. Meier, *Nonparametric estimation from incomplete observations*, 1958; J. D. Kalbfleisch,
 /// R. L. Prentice, *The Statistical Analysis of Failure Time Data*, 2002, section 1.4.
 #[must_use]
-pub fn kaplan_meier(lives: &[Life]) -> Vec<SurvivalPoint> {
-    let mut sorted: Vec<Life> = lives.iter().copied().filter(Life::is_possible).collect();
+pub fn kaplan_meier(lives: &[Lifetime]) -> Vec<SurvivalPoint> {
+    let mut sorted: Vec<Lifetime> = lives
+        .iter()
+        .copied()
+        .filter(Lifetime::is_possible)
+        .collect();
     sorted.sort_unstable_by(|a, b| a.age.total_cmp(&b.age));
     let mut out: Vec<SurvivalPoint> = Vec::new();
     let (mut survival, mut variance) = (1.0, 0.0);
@@ -72,7 +77,8 @@ pub fn kaplan_meier(lives: &[Life]) -> Vec<SurvivalPoint> {
     out
 }
 
-/// Age that a share of the ropes doesn't outlast, and its 95 % interval; `None`: the ropes were not watched so long.
+/// Computes the age that a share of the ropes does not outlast, and its 95 % interval; `None`: beyond the
+/// observed ages.
 ///
 /// The first age at which the curve is at most `1 − share`; the interval ends where the curve's does (Brookmeyer and
 /// Crowley on the scale of ln(−ln S)).

@@ -1,7 +1,7 @@
-//! How long ropes last, from those that broke and those that haven't yet.
+//! Lifetimes of ropes, from ropes that broke and right-censored ones.
 //!
-//! A [`Life`] is the age at which a rope broke, or one it has reached. [`kaplan_meier`] supposes nothing of how ropes
-//! age, [`Weibull`] a power of it. Ages come in any unit, all in the same.
+//! A [`Lifetime`] is the age at which a rope broke, or an age that it has reached. [`kaplan_meier`] is nonparametric, and
+//! [`Weibull`] assumes a hazard that is a power of the age. Ages may have any unit, which all ages share.
 //!
 //! # Realtime
 //! None of this is a step of a control loop: it allocates.
@@ -16,20 +16,20 @@ pub use weibull::{Weibull, WeibullFit};
 /// lasted longer.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Life {
+pub struct Lifetime {
     /// Age, above 0.
     pub age: f64,
     /// Whether it broke then.
     pub broke: bool,
 }
 
-impl Life {
+impl Lifetime {
     /// Whether it is one: a finite age above 0.
     pub fn is_possible(&self) -> bool {
         self.age > 0.0 && self.age.is_finite()
     }
 }
 
-/// Half the quantile of χ² with one degree of freedom at 95 %: by so much a logarithm of a likelihood may fall within
-/// an interval of 95 %.
+/// Half the 95 % quantile of χ² with one degree of freedom: maximum decrease of a log-likelihood within a
+/// 95 % interval.
 pub(crate) const HALF_CHI2_95: f64 = 0.5 * sinew_model::Z95 * sinew_model::Z95;

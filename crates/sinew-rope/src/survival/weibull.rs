@@ -1,18 +1,18 @@
 //! Ropes that age by a power of their age.
 
-use super::{HALF_CHI2_95, Life};
+use super::{HALF_CHI2_95, Lifetime};
 use sinew_model::Interval95;
 
-/// Shapes looked at: below the first almost all break at once, above the last all at one age.
+/// Range of the shape: below it almost all ropes break immediately, above it all break at the same age.
 const SHAPES: [f64; 2] = [0.02, 50.0];
-/// Halvings of an interval: to a part in 1e15 of it.
+/// Number of bisections, which reduce an interval to 1e-15 of its width.
 const HALVINGS: usize = 60;
 
 /// Share of ropes that last longer than an age `t`: `S(t) = exp(−(t/λ)^k)`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Weibull {
-    /// `k`: above 1 ropes wear, below 1 the weak break first, at 1 age says nothing.
+    /// `k`: above 1 ropes wear, below 1 weak ropes break first, at 1 the hazard does not depend on age.
     pub shape: f64,
     /// `λ`: the age that 1/e, 37 %, outlast.
     pub scale: f64,
@@ -25,7 +25,7 @@ impl Weibull {
         libm::exp(-libm::pow(age.max(0.0) / self.scale, self.shape))
     }
 
-    /// Age that a share of the ropes doesn't outlast.
+    /// Age that a share of the ropes does not outlast.
     #[must_use]
     pub fn quantile(&self, share: f64) -> f64 {
         self.quantile_beyond(0.0, share)
@@ -40,29 +40,29 @@ impl Weibull {
     }
 }
 
-/// A law fitted by maximum likelihood, and what the likelihood says of its numbers.
+/// Weibull distribution fitted by maximum likelihood, with likelihood intervals of its parameters.
 ///
 /// ```text
 /// ln L = Σ_broke [ln k − k ln λ + (k − 1) ln t] − Σ_all (t/λ)^k
 /// ```
 ///
-/// An interval holds what, with the other number free, costs at most 1.92 of ln L (Wilks). Of few broken ropes it is
-/// lopsided, as it should be; below ten it is a little narrow.
+/// An interval contains the values whose profile log-likelihood is at most 1.92 below the maximum (Wilks).
+/// With few broken ropes it is asymmetric; with fewer than ten its coverage is slightly too small.
 ///
 /// # Source
 /// W. Q. Meeker, L. A. Escobar, *Statistical Methods for Reliability Data*, 1998, chapter 8.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeibullFit {
-    /// The likeliest law.
+    /// Distribution of maximum likelihood.
     pub law: Weibull,
-    /// Logarithm of its likelihood.
+    /// Maximum of the log-likelihood.
     pub log_likelihood: f64,
     /// 95 % interval of the shape; `None` at an end: open there.
     pub shape_interval_95: [Option<f64>; 2],
     sums: Sums,
 }
 
-/// What a likelihood needs of the lives, ages over their geometric mean.
+/// Sufficient sums of the lifetimes, with ages divided by their geometric mean.
 #[derive(Debug, Clone, PartialEq)]
 struct Sums {
     /// Logarithms of all ages.
@@ -76,9 +76,10 @@ struct Sums {
 }
 
 impl WeibullFit {
-    /// The fit; `None` where fewer than two ropes broke, or all at one age, so that no shape is likeliest.
+    /// Fits the distribution; `None` if fewer than two ropes broke, or all at one age, so that the likelihood
+    /// has no maximum.
     #[must_use]
-    pub fn new(lives: &[Life]) -> Option<Self> {
+    pub fn new(lives: &[Lifetime]) -> Option<Self> {
         let sums = Sums::new(lives)?;
         let shape = root(SHAPES, |k| sums.slope(k))?;
         let scale = sums.scale(shape);
@@ -100,8 +101,8 @@ impl WeibullFit {
         })
     }
 
-    /// 95 % interval of the age that a share of the ropes doesn't outlast; of the scale for `1 − 1/e`. `None` at an end:
-    /// open there.
+    /// 95 % interval of the age that a share of the ropes does not outlast; of the scale for `1 − 1/e`.
+    /// `None`: the interval is unbounded at that end.
     #[must_use]
     pub fn quantile_interval_95(&self, share: f64) -> [Option<f64>; 2] {
         let hazard = -libm::log1p(-share);
@@ -128,7 +129,8 @@ impl WeibullFit {
         Interval95::new(at(best + REACH, 0.0), at(best - REACH, 1.0))
     }
 
-    /// How much of 1.92 is left of ln L where the hazard reaches `hazard` at an age, the shape free.
+    /// Remainder of the decrease of 1.92 in ln L at which the hazard reaches `hazard` at an age, with the
+    /// shape free.
     fn profile(&self, log_age: f64, hazard: f64) -> f64 {
         // λ = age / hazard^(1/k)
         let scale = |k: f64| log_age - libm::log(hazard) / k;
@@ -142,10 +144,10 @@ impl WeibullFit {
     }
 
     /// Logarithm of the posterior density of the shape, the scale free, up to a constant: every order of size of both
-    /// numbers as likely before.
+    /// numbers with equal prior probability.
     ///
     /// `λ^−k` given `k` has a gamma distribution of shape `d` (ropes that broke) and rate `Σ t^k`
-    /// ([`WeibullFit::rate`]); what is left is `k^(d−1) Π_broke t^(k−1) / (Σ t^k)^d`, per logarithm of `k`.
+    /// ([`WeibullFit::rate`]); the remaining factor is `k^(d−1) Π_broke t^(k−1) / (Σ t^k)^d`, per logarithm of `k`.
     #[must_use]
     pub fn log_shape_density(&self, shape: f64) -> f64 {
         let Sums {
@@ -162,11 +164,11 @@ impl WeibullFit {
     }
 }
 
-/// How far from the best an age or a hazard is looked for, e-folds.
+/// Search range around the estimate of an age or a hazard, e-folds.
 const REACH: f64 = 60.0;
 
 impl Sums {
-    fn new(lives: &[Life]) -> Option<Self> {
+    fn new(lives: &[Lifetime]) -> Option<Self> {
         let lives = lives.iter().filter(|l| l.is_possible());
         let mut logs: Vec<f64> = lives.clone().map(|l| libm::log(l.age)).collect();
         let unit = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
@@ -189,7 +191,7 @@ impl Sums {
         k * most + libm::log(sum)
     }
 
-    /// Logarithm of the likeliest scale of a shape: `λ^k = Σ t^k / d`.
+    /// Logarithm of the maximum-likelihood scale of a shape: `λ^k = Σ t^k / d`.
     fn scale(&self, k: f64) -> f64 {
         (self.log_powers(k) - libm::log(self.broke)) / k
     }
@@ -213,7 +215,7 @@ impl Sums {
         self.broke / k + self.log_broke - self.broke * weighted / sum
     }
 
-    /// The same with the hazard held at an age: `d/k + Σ_broke ln(t/t₀) − h Σ (t/t₀)^k ln(t/t₀)`.
+    /// Score function with the hazard fixed at an age: `d/k + Σ_broke ln(t/t₀) − h Σ (t/t₀)^k ln(t/t₀)`.
     fn slope_through(&self, k: f64, log_age: f64, hazard: f64) -> f64 {
         let sum: f64 = (self.logs.iter())
             .map(|x| libm::exp(k * (x - log_age)) * (x - log_age))
@@ -222,13 +224,13 @@ impl Sums {
     }
 }
 
-/// Where a function of a logarithmic scale passes zero between two ends above 0; `None`: it has one sign at both.
+/// Root of a function of a logarithmic scale between two ends above 0; `None`: it has one sign at both.
 fn root(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
     let logs = ends.map(libm::log);
     root_of(logs, |x| f(libm::exp(x))).map(libm::exp)
 }
 
-/// Where a function passes zero between two ends, by halving; `None`: it has one sign at both.
+/// Root of a function between two ends, by bisection; `None`: it has one sign at both.
 fn root_of(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
     let [mut a, mut b] = ends;
     let at_a = f(a);

@@ -1,13 +1,13 @@
-//! Values known beforehand, limits, refusals.
+//! Analytic values of the creep law, its limits and its errors.
 
 use super::law;
 use crate::rope_reference::{aramid, sk99};
 use sinew_rope::law::endurance::Endurance;
-use sinew_rope::law::validity::Outside;
+use sinew_rope::law::validity::LimitViolation;
 use sinew_rope::law::{Law, LoadError, Parameter, RopeLoad, State, bedding, damage, ramp};
 
 #[test]
-fn entire_exponential_integral_has_its_known_values() {
+fn entire_exponential_integral_matches_table() {
     // Ein(x) = E1(x) + ln x + γ; E1 from Abramowitz and Stegun, table 5.1.
     const GAMMA: f64 = 0.577_215_664_901_532_9;
     for (x, e1) in [
@@ -68,7 +68,7 @@ fn thermal_expansion_alone() {
     assert_eq!(strain.total_percent(), 0.0);
 }
 
-/// A rope is softest where it is slackest: the toe is most of what a small pull sees there.
+/// The toe gives the highest compliance at zero tension.
 #[test]
 fn compliance_is_the_slope_of_the_strain_with_its_toe() {
     let law = law(sk99());
@@ -109,10 +109,10 @@ fn heat_retraction_starts_at_35_degrees_and_is_full_at_60() {
     assert!((settled(60.0, 445.0) - held).abs() < 1e-12);
 }
 
-/// Nobody has published how much comes back when a rope cools: between nothing and all, and heating
-/// again adds nothing to what has stayed.
+/// The recovered share of a heat retraction is not published: it lies between 0 and 1, and repeated heating
+/// does not add to the permanent part.
 #[test]
-fn a_rope_that_cools_gives_back_what_it_is_told() {
+fn cooling_recovers_specified_share_of_retraction() {
     for back in [0.0, 0.3, 1.0] {
         let law = law(sk99()).giving_back(back);
         let mut s = State::default();
@@ -174,7 +174,7 @@ fn fibre_flow_is_eyrings() {
     let speed = (145e3 / 8.31446261815324 * (1.0 / 296.15 - 1.0 / 316.15f64)).exp();
     let expected = 100.0 * 1e-13 * speed * (0.3 * 2990.0 / 92.0f64).sinh();
     assert!((rates.flow_percent_per_s / expected - 1.0).abs() < 1e-13);
-    // At the load of a creep test the fibre itself stands still: SCIENCE gives less than 1e-6 %
+    // At the load of a creep test the flow of the fibre is negligible: less than 1e-6 %
     // within 85 min.
     let mut state = State::default();
     law.hold(&mut state, RopeLoad::at_reference(60.0), 5100.0)
@@ -192,7 +192,7 @@ fn guiding_pulleys_widen_the_bedding_in() {
 }
 
 #[test]
-fn nonsense_is_refused_and_the_state_stays() {
+fn invalid_load_is_error_and_state_unchanged() {
     let law = law(sk99());
     let mut state = State::default();
     law.hold(&mut state, RopeLoad::at_reference(200.0), 1e4)
@@ -271,7 +271,7 @@ fn nonsense_is_refused_and_the_state_stays() {
 }
 
 #[test]
-fn every_parameter_out_of_range_is_refused_by_name() {
+fn parameter_out_of_range_error_names_parameter() {
     for &parameter in Parameter::ALL {
         let (low, high) = parameter.range();
         for value in [low - 1.0, 2.0 * high + 1.0, f64::NAN] {
@@ -284,23 +284,23 @@ fn every_parameter_out_of_range_is_refused_by_name() {
 }
 
 #[test]
-fn limits_of_validity_are_said() {
+fn validity_limits_are_reported() {
     let law = law(sk99());
-    assert!(Outside::of(&law, RopeLoad::at_reference(60.0)).is_inside());
-    assert!(Outside::of(&law, RopeLoad::at_reference(0.0)).is_inside());
-    assert!(Outside::of(&law, RopeLoad::at_reference(44.0)).low_load);
-    assert!(Outside::of(&law, RopeLoad::at_reference(1781.0)).high_load);
-    assert!(Outside::of(&law, RopeLoad::celsius(60.0, 66.0)).hot);
+    assert!(LimitViolation::of(&law, RopeLoad::at_reference(60.0)).is_inside());
+    assert!(LimitViolation::of(&law, RopeLoad::at_reference(0.0)).is_inside());
+    assert!(LimitViolation::of(&law, RopeLoad::at_reference(44.0)).low_load);
+    assert!(LimitViolation::of(&law, RopeLoad::at_reference(1781.0)).high_load);
+    assert!(LimitViolation::of(&law, RopeLoad::celsius(60.0, 66.0)).hot);
     let cord = Law::new(aramid()).expect("parameters of a rope");
-    assert!(Outside::of(&cord, RopeLoad::celsius(60.0, 90.0)).is_inside());
-    let both = Outside::of(&law, RopeLoad::celsius(44.0, 70.0));
+    assert!(LimitViolation::of(&cord, RopeLoad::celsius(60.0, 90.0)).is_inside());
+    let both = LimitViolation::of(&law, RopeLoad::celsius(44.0, 70.0));
     assert_eq!(both.sentences().count(), 2);
 }
 
-/// Of a fibre that doesn't flow to its end: at its strength a rope holds as long as a breaking test takes, a minute, and ten
-/// times as long for every tenth of it less.
+/// For a fibre without creep rupture: at its strength a rope lasts one minute, the duration of a breaking
+/// test, and ten times as long per tenth of the strength less.
 #[test]
-fn a_decade_of_time_costs_a_share_of_the_strength_that_an_end_leaves() {
+fn static_fatigue_loses_strength_share_per_decade() {
     let law = law(sk99());
     let endurance = Endurance {
         rupture_percent: f64::INFINITY,
@@ -308,17 +308,19 @@ fn a_decade_of_time_costs_a_share_of_the_strength_that_an_end_leaves() {
         ..Endurance::default()
     };
     let breaks_n = law.parameters().breaking_load_n;
-    let holds_s = |share: f64, end_share: f64| {
+    let holds_s = |share: f64, termination_share: f64| {
         let load = RopeLoad::at_reference(share * breaks_n);
-        1.0 / endurance.damage_per_s(&law, load, end_share).expect("load")
+        1.0 / endurance
+            .damage_per_s(&law, load, termination_share)
+            .expect("load")
     };
-    for end_share in [1.0, 0.8, 0.5] {
+    for termination_share in [1.0, 0.8, 0.5] {
         for (tenths, minutes) in [(1.0, 10.0), (3.0, 1e3), (5.0, 1e5)] {
-            let found_s = holds_s(end_share * (1.0 - 0.1 * tenths), end_share);
+            let found_s = holds_s(termination_share * (1.0 - 0.1 * tenths), termination_share);
             assert!((found_s / (60.0 * minutes) - 1.0).abs() < 1e-9, "{found_s}");
         }
-        // Beyond its strength it doesn't hold at all.
-        assert_eq!(holds_s(1.01 * end_share, end_share), 0.0);
+        // Beyond its strength the rope breaks immediately.
+        assert_eq!(holds_s(1.01 * termination_share, termination_share), 0.0);
     }
 }
 
@@ -343,9 +345,9 @@ fn bends_add_up() {
     assert!((tighter - 2e4 / 8.0).abs() < 1e-6);
 }
 
-/// For small steps against `dc/dx = (1 − c) e^(−u c)`, step by step (Runge and Kutta).
+/// Reference for small steps: `dc/dx = (1 − c) e^(−u c)`, by Runge–Kutta steps.
 #[test]
-fn small_steps_close_what_the_equation_says() {
+fn small_steps_match_differential_equation() {
     for u in [0.3_f64, 3.0, 30.0, 300.0] {
         let p = 1.99e-3 / (1.0 + u);
         let slope = |c: f64| (1.0 - c) * (-u * c).exp();

@@ -1,4 +1,4 @@
-//! External torque and contacts, estimated along a simulation.
+//! External torque and contact detection, computed along with a simulation.
 
 use crate::SimulateError;
 use crate::scenario::ContactDetection;
@@ -16,11 +16,11 @@ struct Alarm {
     factor: f64,
     detector: ContactDetector,
     since_s: Option<f64>,
-    /// From, to, s.
+    /// Start and end of each alarm, s.
     intervals: Vec<(f64, f64)>,
 }
 
-/// An external torque observer with detectors of several sensitivities.
+/// External torque observer with detectors of several sensitivities.
 #[derive(Debug, Clone)]
 pub(super) struct Detection {
     observer: ExternalTorqueObserver,
@@ -29,12 +29,12 @@ pub(super) struct Detection {
     last_s: Option<f64>,
 }
 
-/// What the observer and the first detector made of one sample.
+/// Observer and first detector after one sample.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectionSample<'a> {
     /// External torque, N·m, one per joint.
     pub tau_ext: &'a [f64],
-    /// Its threshold, N·m.
+    /// Detection threshold of each joint, N·m.
     pub threshold: &'a [f64],
     /// Whether the first detector sees a contact.
     pub touching: bool,
@@ -43,7 +43,7 @@ pub struct DetectionSample<'a> {
 impl Detection {
     pub(super) fn new(
         robot: &Robot,
-        known: &[JointCorrection],
+        corrections: &[JointCorrection],
         detection: &ContactDetection,
         noise_nm: &[f64],
         factors: &[f64],
@@ -51,7 +51,7 @@ impl Detection {
         let tolerances = ContactTolerances {
             sigmas: detection.sigmas,
             noise_nm: noise_nm.to_vec(),
-            mass_deviation: detection.mass_deviation,
+            mass_std: detection.mass_std,
             friction_share: detection.friction_share,
         };
         let config = ExternalTorqueConfig {
@@ -80,7 +80,7 @@ impl Detection {
             observer: ExternalTorqueObserver::new(
                 &robot.arm,
                 &robot.transmissions,
-                known,
+                corrections,
                 config,
                 tolerances,
             )?,
@@ -90,13 +90,13 @@ impl Detection {
         })
     }
 
-    /// What is known of joint `i` from now on.
-    pub(super) fn set_known(
+    /// Sets the correction of joint `i` from the present sample on.
+    pub(super) fn set_correction(
         &mut self,
         i: usize,
-        known: &JointCorrection,
+        correction: &JointCorrection,
     ) -> Result<(), SimulateError> {
-        Ok(self.observer.set(i, known)?)
+        Ok(self.observer.set(i, correction)?)
     }
 
     /// Takes a sample at `t`, s.
@@ -126,7 +126,7 @@ impl Detection {
         Ok(())
     }
 
-    /// From when on the detectors look, s after the first sample.
+    /// Start of detection, s after the first sample.
     pub(super) fn settling_time_s(&self) -> f64 {
         self.observer.settling_time_s()
     }
@@ -142,7 +142,7 @@ impl Detection {
         }
     }
 
-    /// Closes what is open at `end_s`: factor and alarms of each detector.
+    /// Ends ongoing alarms at `end_s` and returns factor and alarms of each detector.
     pub(super) fn finish(self, end_s: f64) -> impl Iterator<Item = (f64, Vec<(f64, f64)>)> {
         self.alarms.into_iter().map(move |mut alarm| {
             alarm.intervals.extend(alarm.since_s.map(|s| (s, end_s)));

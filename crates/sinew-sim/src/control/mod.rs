@@ -1,10 +1,8 @@
-//! What a stretched rope does to a controller and to collision detection, and what correcting for
-//! it gives back.
+//! Effect of a stretched rope on a controller and on collision detection, and the effect of correcting for it.
 //!
-//! A scenario is run with the correction it states and without any, the external torque is
-//! estimated from the recording's own positions, and both are scored against the truth: how far
-//! the joints are from where they were asked to be, which contacts were missed, and for how long
-//! there seemed to be one that wasn't.
+//! A scenario is run with its specified correction and without any. The external torque is estimated from the
+//! recorded positions, and both runs are scored against the truth: control error of the joints, missed contacts, and
+//! duration of false alarms.
 //!
 //! Reading order: [`run`], `detection` (observer and detectors on a simulation), `score`.
 

@@ -1,8 +1,8 @@
-//! A scenario run and scored.
+//! Run and score of a scenario.
 
 use super::detection::{Detection, DetectionSample};
 use super::score::{AFTERMATH_S, ContactScore, JointTally, SETTLED_S, Score};
-use crate::scenario::{Correction, FrictionSpec, KnownOffset, PerJoint, Scenario, Truth};
+use crate::scenario::{Correction, FrictionSpec, PerJoint, Scenario, SpecifiedOffset, Truth};
 use crate::{SimulateError, Simulation, TrueState};
 use serde::Serialize;
 use sinew_files::JsonDocument;
@@ -10,11 +10,11 @@ use sinew_files::{Fault, Located};
 use sinew_model::correction::JointCorrection;
 use sinew_model::robot::Robot;
 
-/// A simulated recording's truth, and its control where that was asked for.
+/// Truth of a simulated recording, and its control score if requested.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Simulated {
-    /// As the file beside the recording has it.
+    /// Truth as written to the file of the recording.
     #[serde(flatten)]
     pub truth: crate::Truth,
     /// The scenario without and with its correction.
@@ -23,16 +23,16 @@ pub struct Simulated {
 }
 
 impl JsonDocument for Simulated {
-    const SCHEMA: &'static str = "sinew/simulate/1";
+    const SCHEMA: &'static str = "sinew/simulate/2";
 }
 
-/// A scenario without and with its correction.
+/// Scores of a scenario without and with its correction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// Neither the set-points nor the external torque corrected.
     pub without: Score,
-    /// As the scenario's `[correction]` says.
+    /// Score with the scenario's `[correction]`.
     pub with: Score,
 }
 
@@ -42,17 +42,17 @@ pub struct Comparison {
 pub struct Sensitivity {
     /// Factor on the threshold.
     pub threshold_factor: f64,
-    /// What was detected with it.
+    /// Contact detection with the correction.
     pub contacts: ContactScore,
 }
 
-/// A score with other sensitivities beside it.
+/// Score of one run, with scores at other detector sensitivities.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
-    /// As the scenario has it.
+    /// Score with the thresholds of the scenario.
     pub score: Score,
-    /// With each factor asked for.
+    /// Score for each requested threshold factor.
     pub sensitivities: Vec<Sensitivity>,
 }
 
@@ -61,20 +61,21 @@ type OnSample<'a> = &'a mut dyn FnMut(&TrueState, DetectionSample<'_>);
 
 /// Runs a scenario without and with its correction.
 ///
-/// Without: no offset known, everything else as the scenario says, thresholds included; those of
-/// a robot whose ropes are thought to be as they were.
+/// The run without correction has no known offset; everything else is as in the scenario, including the thresholds,
+/// which are those of a robot with assumed nominal ropes.
 ///
 /// # Errors
-/// [`SimulateError`]; a scenario without a correction is refused.
+/// Returns a [`SimulateError`] if the scenario has no correction or cannot be simulated.
 pub fn compare(robot: &Robot, scenario: &Scenario) -> Result<Comparison, SimulateError> {
-    if scenario.correction.offset == KnownOffset::Nothing {
-        let problem = "offset is missing, so there is nothing to compare; it is \"true\", or \"stated\" with offset_rad or estimate";
+    if scenario.correction.offset == SpecifiedOffset::Nothing {
+        let problem =
+            "offset is missing; set it to \"true\", or to \"stated\" with offset_rad or estimate";
         let located = Located::new(&scenario.file, Fault::MissingKey, problem);
         return Err(located.key("correction").into());
     }
     let noise = noise_nm(robot, scenario)?;
     let mut blind = scenario.clone();
-    blind.correction.offset = KnownOffset::Nothing;
+    blind.correction.offset = SpecifiedOffset::Nothing;
     blind.correction.offset_rad = PerJoint::default();
     blind.correction.offset_error_rad = PerJoint::default();
     Ok(Comparison {
@@ -93,11 +94,11 @@ pub fn run(robot: &Robot, scenario: &Scenario, noise_nm: &[f64]) -> Result<Score
     Ok(run_with_detectors(robot, scenario, noise_nm, &[], &mut |_, _| {})?.score)
 }
 
-/// As [`run`], with further detectors whose thresholds are scaled by `factors`, and `on_sample`
-/// called with every frame.
+/// Runs like [`run`], with further detectors whose thresholds are scaled by `factors`, and calls `on_sample` with
+/// every frame.
 ///
 /// # Errors
-/// [`SimulateError`].
+/// Returns a [`SimulateError`] if the scenario cannot be simulated.
 pub fn run_with_detectors(
     robot: &Robot,
     scenario: &Scenario,
@@ -108,11 +109,18 @@ pub fn run_with_detectors(
     let mut simulation = Simulation::new(robot, scenario)?;
     let names = simulation.joint_names().to_vec();
     let n = names.len();
-    let known: Vec<JointCorrection> = (0..n).map(|i| simulation.correction_at(i, 0.0)).collect();
+    let corrections: Vec<JointCorrection> =
+        (0..n).map(|i| simulation.correction_at(i, 0.0)).collect();
     let all: Vec<f64> = std::iter::once(1.0)
         .chain(factors.iter().copied())
         .collect();
-    let mut detection = Detection::new(robot, &known, &scenario.contact_detection, noise_nm, &all)?;
+    let mut detection = Detection::new(
+        robot,
+        &corrections,
+        &scenario.contact_detection,
+        noise_nm,
+        &all,
+    )?;
     let from_s = detection.settling_time_s();
     let mut tallies = vec![JointTally::default(); n];
     let mut stood_s = 0.0;
@@ -124,7 +132,7 @@ pub fn run_with_detectors(
         let t = truth.time_s;
         if simulation.correction_changes() {
             for i in 0..n {
-                detection.set_known(i, &simulation.correction_at(i, t))?;
+                detection.set_correction(i, &simulation.correction_at(i, t))?;
             }
         }
         detection
@@ -136,8 +144,8 @@ pub fn run_with_detectors(
         if truth.tau_ext.iter().any(|x| *x != 0.0) {
             last_touch_s = t;
         }
-        let stands = truth.dq_d.iter().all(|x| *x == 0.0);
-        stood_s = if stands { stood_s + dt } else { 0.0 };
+        let at_rest = truth.dq_d.iter().all(|x| *x == 0.0);
+        stood_s = if at_rest { stood_s + dt } else { 0.0 };
         let sample = detection.sample();
         if t - last_touch_s >= AFTERMATH_S {
             for (i, tally) in tallies.iter_mut().enumerate() {
@@ -175,11 +183,11 @@ pub fn run_with_detectors(
     })
 }
 
-/// Noise of the external torque: what the sensors alone make, N·m per joint.
+/// Noise of the external torque due to the sensors alone, N·m per joint.
 ///
-/// The scenario's own `noise_nm` where given. Else the scenario is run without contacts, payload,
-/// stretch, friction and model error, and the standard deviation of the estimate is taken: what a
-/// robot shows right after commissioning while nothing touches it.
+/// Uses `noise_nm` of the scenario if specified. Otherwise the scenario is run without contacts, payload,
+/// stretch, friction and model error, and the standard deviation of the estimate is used: the value of a
+/// robot directly after commissioning without contact.
 ///
 /// # Errors
 /// [`SimulateError`].
@@ -196,8 +204,8 @@ pub fn noise_nm(robot: &Robot, scenario: &Scenario) -> Result<Vec<f64>, Simulate
     quiet.motor_friction = FrictionSpec::none();
     quiet.correction = Correction::default();
     // Long enough for a dozen poses of a random motion.
-    const LONG_S: f64 = 30.0;
-    quiet.duration_s = quiet.duration_s.map(|d| d.min(LONG_S));
+    const MAX_NOISE_RUN_S: f64 = 30.0;
+    quiet.duration_s = quiet.duration_s.map(|d| d.min(MAX_NOISE_RUN_S));
     let mut frictionless = robot.clone();
     for t in frictionless.transmissions.iter_mut().flatten() {
         t.joint_friction = Default::default();
@@ -209,7 +217,7 @@ pub fn noise_nm(robot: &Robot, scenario: &Scenario) -> Result<Vec<f64>, Simulate
         let joints = score.joints.iter();
         joints.map(|j| j.torque_error_rms_nm).collect()
     };
-    // A scenario's noise may be drawn; nothing else hangs on this stream.
+    // The noise of a scenario may be drawn; nothing else depends on this stream.
     let mut rng = crate::scenario::rng(scenario.seed, crate::scenario::Stream::Correction);
     Ok(given.sample(robot.joint_names(), &measured, &mut rng))
 }

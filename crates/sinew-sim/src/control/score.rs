@@ -3,14 +3,13 @@
 use serde::Serialize;
 use sinew_model::statistics::quantile;
 
-/// The arm has been asked to stand for so long when its position counts as "at rest", s: about one
-/// swing on its springs.
+/// Time at rest after which a position counts as "at rest", s: about one oscillation period on the springs.
 pub(super) const SETTLED_S: f64 = 0.7;
-/// A contact's trace in position and torque is gone after this, s.
+/// Time after which a contact has no more effect on position and torque, s.
 pub(super) const AFTERMATH_S: f64 = 1.0;
-/// An alarm may outlast its contact by this, s: three time constants of the default filters.
+/// Time by which an alarm may outlast its contact, s: three time constants of the default filters.
 const RELEASE_S: f64 = 0.3;
-/// Contacts closer than this are one, s: an alarm doesn't end between them.
+/// Gap below which contacts are merged, s: an alarm does not end between them.
 const ONE_CONTACT_S: f64 = 0.5;
 
 /// Joint position and contacts of a run.
@@ -23,14 +22,13 @@ pub struct Score {
     pub contacts: ContactScore,
 }
 
-/// How far a joint is from where it was asked to be, contacts left out.
+/// Control error of a joint, contacts excluded.
 ///
-/// A number that needs samples is NaN, and null in JSON, where there were none: `rest_*` when the
-/// arm never stood still untouched.
+/// A value without samples is NaN (null in JSON): `rest_*` if the arm was never at rest without contact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointScore {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
     /// RMS of `q − q_d` at rest, rad.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -41,12 +39,12 @@ pub struct JointScore {
     /// RMS of `q − q_d` over the whole recording, rad.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub rms_rad: f64,
-    /// Largest size of `q − q_d` over the whole recording, rad.
+    /// Largest absolute value of `q − q_d` over the whole recording, rad.
     pub peak_rad: f64,
-    /// Mean of the estimated external torque while nothing touches, N·m.
+    /// Mean of the estimated external torque without contact, N·m.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub false_torque_nm: f64,
-    /// RMS of the external torque's error while nothing touches, N·m.
+    /// RMS error of the external torque without contact, N·m.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub torque_error_rms_nm: f64,
     /// Mean threshold, N·m.
@@ -54,26 +52,26 @@ pub struct JointScore {
     pub threshold_nm: f64,
 }
 
-/// Contacts detected against contacts there were.
+/// Comparison of detected and true contacts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactScore {
-    /// Contacts there were (those less than 0.5 s apart count as one).
+    /// Number of true contacts (those less than 0.5 s apart count as one).
     pub contacts: usize,
-    /// Not detected, or hidden by an alarm that was on before.
+    /// Number of contacts not detected, or hidden by an earlier alarm.
     pub missed: usize,
-    /// From the beginning of a contact to its alarm, s; one per contact detected.
+    /// Delays from the beginning of a contact to its alarm, s; one per detected contact.
     pub delays_s: Vec<f64>,
-    /// Alarms without a contact.
+    /// Number of alarms without a contact.
     pub false_alarms: usize,
-    /// How long there was no contact, s.
+    /// Time without contact, s.
     pub free_s: f64,
-    /// How long of that there seemed to be one, s.
+    /// Time of false alarms, s.
     pub false_s: f64,
 }
 
 impl ContactScore {
-    /// Compares alarms with contacts (both from, to, in order), looked at between `from_s` and
+    /// Compares alarms with contacts (both as start and end, in order) between `from_s` and
     /// `to_s`.
     pub(super) fn of(
         alarms: &[(f64, f64)],
@@ -92,7 +90,7 @@ impl ContactScore {
         };
         for &(from, to) in &contacts {
             score.free_s -= (to + RELEASE_S).min(to_s) - from;
-            // Only an alarm that goes on because of the contact has seen it.
+            // Only an alarm that continues because of the contact counts as a detection.
             let seen = alarms
                 .iter()
                 .find(|a| (from..to + RELEASE_S).contains(&a.0));
@@ -150,7 +148,7 @@ impl ContactScore {
     }
 }
 
-/// Contacts within the time looked at, those close together joined.
+/// Returns the contacts within the evaluated time, with adjacent ones merged.
 fn joined(contacts: &[(f64, f64)], from_s: f64, to_s: f64) -> Vec<(f64, f64)> {
     let mut out: Vec<(f64, f64)> = Vec::new();
     for &(from, to) in contacts {
@@ -236,7 +234,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn contacts_are_seen_missed_hidden_and_made_up() {
+    fn score_counts_detected_missed_hidden_false_contacts() {
         // Two contacts 0.2 s apart are one; one at 5 s is missed; one at 8 s falls into an alarm
         // that was on before; an alarm at 12 s is false.
         let contacts = [(1.0, 2.0), (2.2, 3.0), (5.0, 6.0), (8.0, 9.0)];
@@ -245,7 +243,7 @@ mod tests {
         assert_eq!((score.contacts, score.missed), (3, 2));
         assert_eq!(score.false_alarms, 2);
         assert!((score.delays_s[0] - 0.1).abs() < 1e-12 && score.delays_s.len() == 1);
-        // 20 s less (2 + 1 + 1) s and 0.3 s after each of three.
+        // 20 s minus (2 + 1 + 1) s and 0.3 s after each of three.
         assert!((score.free_s - 15.1).abs() < 1e-12, "{}", score.free_s);
         // One second before the hidden contact, half a second later on.
         assert!((score.false_s - 1.5).abs() < 1e-12, "{}", score.false_s);
@@ -253,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn an_alarm_without_end_sees_nothing() {
+    fn score_endless_alarm_detects_nothing() {
         let score = ContactScore::of(&[(0.0, 10.0)], &[(2.0, 3.0)], 0.0, 10.0);
         assert_eq!(
             (score.contacts, score.missed, score.false_alarms),

@@ -1,11 +1,11 @@
-//! The protocol on another robot: what its scenarios say of the BioRob-like arm's joints and links,
-//! said of that robot's.
+//! The protocol on another robot: its scenarios are transferred from the joints and links of the BioRob-like arm to
+//! those of that robot.
 //!
 //! | | BioRob-like arm | another |
 //! |---|---|---|
 //! | poses | as listed | middle of the URDF's limits ± 40 % of them, at most ± 1.2 rad |
 //! | controller | as listed | the simulator's own |
-//! | friction | half to one and a half of nominal | the same, of a guess where robot.toml has none |
+//! | friction | half to one and a half of nominal | the same; of a default if robot.toml specifies none |
 //! | error of the motor torque | 0.02 N·m | a thousandth of the stiffness, times a rad |
 //! | payload | 0 to 0.5 kg at `tool` | 0 to twice `payload_mean_kg`, at the link furthest out |
 //! | contacts | 2 to 15 N at `tool` | 0.14 to 1 of the moving weight, there |
@@ -17,24 +17,30 @@ use sinew_model::robot::Robot;
 use sinew_model::transmission::{Friction, Transmission};
 use toml::{Table, Value};
 
-/// The scenarios that can be said of any robot: the others are about these joints and poses.
+/// Scenarios that apply to any robot; the others refer to specific joints and poses.
 pub(super) const ADAPTABLE: [&str; 5] = ["S5", "S6", "S7", "S8", "S8b"];
 
 /// Poses reach so far from the middle of a joint's limits, of these …
 const REACH: f64 = 0.4;
 /// … and at most so far, rad or m.
-const MOST_RAD: f64 = 1.2;
-const MOST_M: f64 = 0.3;
-/// Offset, ripple and noise of a motor's torque, N·m over N·m/rad.
+const MAX_RANGE_RAD: f64 = 1.2;
+const MAX_RANGE_M: f64 = 0.3;
+/// Offset, ripple and noise of a motor torque, relative to the stiffness, rad.
 const MOTOR_TORQUE: f64 = 1e-3;
-/// Contacts, over the weight of what moves.
+/// Range of the contact forces, relative to the weight of the moving masses.
 const CONTACT: [f64; 2] = [0.14, 1.0];
 
 /// Puts `robot` in the place of the BioRob-like arm in one of the [`ADAPTABLE`] scenarios.
 ///
 /// # Errors
-/// In a sentence, where the robot has no joint to estimate.
+/// Returns a message if the robot has no joint to estimate, or if a group of tendons has an equation per joint.
 pub(super) fn adapt(table: &mut Table, robot: &Robot) -> Result<(), String> {
+    if robot.has_joint_equations() {
+        return Err(format!(
+            "{} has tendons that share joints, as strands do, which the protocol does not support; write a scenario for sinew simulate",
+            robot.name
+        ));
+    }
     let ranges = ranges(robot);
     let elastic: Vec<(&str, &Transmission)> = (robot.joint_names().iter())
         .zip(&robot.transmissions)
@@ -42,7 +48,7 @@ pub(super) fn adapt(table: &mut Table, robot: &Robot) -> Result<(), String> {
         .collect();
     if elastic.is_empty() {
         return Err(format!(
-            "{} has no elastic joint; give its joints stiffness_nm_per_rad in robot.toml",
+            "{} has no elastic joint; set stiffness_nm_per_rad of its joints in robot.toml",
             robot.name
         ));
     }
@@ -58,11 +64,11 @@ pub(super) fn adapt(table: &mut Table, robot: &Robot) -> Result<(), String> {
     set(table, "motion", "range_rad", Value::Table(poses.collect()));
     let of_joint = |t: &Transmission| {
         t.joint_friction
-            .or_guessed(t.stiffness_nm_per_rad, Friction::GUESSED_OF_JOINT_RAD)
+            .or_default(t.stiffness_nm_per_rad, Friction::DEFAULT_JOINT_RAD)
     };
     let of_drive = |t: &Transmission| {
         t.motor_friction
-            .or_guessed(t.stiffness_nm_per_rad, Friction::GUESSED_OF_DRIVE_RAD)
+            .or_default(t.stiffness_nm_per_rad, Friction::DEFAULT_DRIVE_RAD)
     };
     let joint = "joint_friction";
     let coulomb = |t: &Transmission| around(of_joint(t).coulomb_nm);
@@ -116,7 +122,7 @@ fn offsets(elastic: &[(&str, &Transmission)], main: &[String]) -> Vec<Value> {
     let offset = |joint: &str, at_s: Value, rad: Value| {
         let own = elastic.iter().find(|(name, _)| *name == joint);
         let routing = own.and_then(|(_, t)| t.routing.as_ref());
-        // Variants know the tendons by this key.
+        // Variants refer to the tendons by this key.
         let tendon = routing.map_or(joint, |routing| &routing.tendon);
         Value::Table(Table::from_iter([
             ("joint".into(), Value::String(tendon.into())),
@@ -146,8 +152,8 @@ fn ranges(robot: &Robot) -> Vec<[f64; 2]> {
     limits
         .map(|(i, limit)| {
             let most = match robot.arm.joint_kind(i) {
-                Some(JointKind::Prismatic) => MOST_M,
-                _ => MOST_RAD,
+                Some(JointKind::Prismatic) => MAX_RANGE_M,
+                _ => MAX_RANGE_RAD,
             };
             let width = limit.upper - limit.lower;
             let (middle, half) = if width.is_finite() && width > 0.0 {
@@ -186,13 +192,13 @@ fn main_joints(robot: &Robot, ranges: &[[f64; 2]]) -> Vec<String> {
         .collect();
     elastic.sort_by(|&a, &b| squares[b].total_cmp(&squares[a]));
     elastic.truncate(2);
-    // From the base out, as the protocol's.
+    // From the base outwards, as in the protocol.
     elastic.sort_unstable();
     let names = robot.joint_names();
     elastic.into_iter().map(|i| names[i].clone()).collect()
 }
 
-/// The link furthest out that the last joint carries: where things are held and bumped into.
+/// Returns the outermost link behind the last joint, to which payloads and contacts apply.
 fn tip(robot: &Robot) -> String {
     let last = robot.arm.dof().saturating_sub(1);
     let far = |at: [f64; 3]| at.iter().map(|x| x * x).sum::<f64>();
@@ -204,7 +210,7 @@ fn tip(robot: &Robot) -> String {
     furthest.map_or_else(String::new, |(name, _)| name.into())
 }
 
-/// Weight of everything that moves, N.
+/// Weight of all moving masses, N.
 fn weight_n(robot: &Robot) -> f64 {
     let arm = &robot.arm;
     let first = (0..arm.dof()).filter(|&i| arm.parent(i).is_none());
@@ -220,7 +226,7 @@ fn between(min: f64, max: f64) -> Value {
     ]))
 }
 
-/// To four digits: somebody will read and edit it.
+/// Rounds to four digits, because the files are read and edited by people.
 fn rounded(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }

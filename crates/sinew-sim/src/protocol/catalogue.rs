@@ -6,11 +6,11 @@ use super::{Plan, PlanError, variants};
 use sinew_model::robot::{Robot, RobotFile};
 use toml::Value;
 
-/// What runs when nothing is named.
+/// Scenarios that run by default.
 pub const DEFAULT: [&str; 4] = ["S5", "S6", "S7", "S8"];
 /// The protocol's scenarios.
 pub const STANDARD: [&str; 8] = ["S5", "S6", "S7", "S8", "S8b", "S9", "S9b", "S9c"];
-/// Errors of the model that the estimator doesn't know of.
+/// Scenarios with model errors that the estimator does not model.
 pub const UNMODELLED: [&str; 9] = ["U1", "U2", "U3", "U3b", "U4", "U5", "U6", "U7", "U8"];
 
 /// The scenario or the variant of that name.
@@ -21,11 +21,11 @@ pub fn plan_named(name: &str) -> Result<Plan, PlanError> {
     if let Some(variant) = variants::plan(name) {
         return variant;
     }
-    known(name)?;
+    check_name(name)?;
     let mut table = merged(name)?;
-    let refuse = |why: String| PlanError::Text {
+    let text_error = |reason: String| PlanError::Text {
         name: name.into(),
-        why,
+        reason,
     };
     let about = match table.remove("about") {
         Some(Value::String(about)) => Some(about),
@@ -38,10 +38,10 @@ pub fn plan_named(name: &str) -> Result<Plan, PlanError> {
             let joint = tilt.get("joint").and_then(Value::as_str);
             let angle = tilt.get("angle_deg").and_then(Value::as_float);
             let (Some(joint), Some(angle)) = (joint, angle) else {
-                return Err(refuse("tilted_axis needs joint and angle_deg".into()));
+                return Err(text_error("tilted_axis needs joint and angle_deg".into()));
             };
             let urdf = tilted(URDF, joint, angle.to_radians())
-                .ok_or_else(|| refuse(format!("joint '{joint}' has no <axis>")))?;
+                .ok_or_else(|| text_error(format!("joint '{joint}' has no <axis>")))?;
             RobotFile::parse(ROBOT, ROBOT_FILE)?.build(&urdf)?
         }
     };
@@ -53,42 +53,42 @@ pub fn plan_named(name: &str) -> Result<Plan, PlanError> {
     })
 }
 
-/// The protocol's scenario of that name for another robot: its draws, said of that robot's joints
-/// (docs/src/science/scenarios.md).
+/// Returns the protocol's scenario of that name for another robot, with its draws transferred to that robot's joints
+/// (docs/src/validation.md).
 ///
 /// # Errors
-/// [`PlanError::Unknown`]; [`PlanError::Text`] for a scenario that is about the protocol's own
-/// robot, and for a robot without an elastic joint.
+/// - [`PlanError::Unknown`] if there is no scenario of that name.
+/// - [`PlanError::Text`] if the scenario refers to the protocol's own robot, or the robot has no elastic joint.
 pub fn plan_adapted(name: &str, robot: &Robot) -> Result<Plan, PlanError> {
-    known(name)?;
+    check_name(name)?;
     let mut table = merged(name)?;
-    let refuse = |why: String| PlanError::Text {
+    let text_error = |reason: String| PlanError::Text {
         name: name.into(),
-        why,
+        reason,
     };
     if !ADAPTABLE.contains(&name) {
-        return Err(refuse(format!(
-            "is about the BioRob-like arm's own joints and poses; for other robots there are {}",
+        return Err(text_error(format!(
+            "is specific to the joints and poses of the BioRob-like arm; available for other robots: {}",
             ADAPTABLE.join(", ")
         )));
     }
-    adapt(&mut table, robot).map_err(refuse)?;
+    adapt(&mut table, robot).map_err(text_error)?;
     let plan = Plan::of(&table, name, robot.clone())?;
     Ok(Plan {
-        rests_on: format!("{robot:?}"),
+        based_on: format!("{robot:?}"),
         ..plan
     })
 }
 
 /// Whether there is a scenario of that name; the refusal lists all there are.
-fn known(name: &str) -> Result<(), PlanError> {
+fn check_name(name: &str) -> Result<(), PlanError> {
     let all: Vec<&str> = texts::names().chain(variants::variants()).collect();
     if all.contains(&name) {
         return Ok(());
     }
     Err(PlanError::Unknown {
         name: name.into(),
-        known: all.join(", "),
+        available: all.join(", "),
     })
 }
 
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_scenario_is_one_and_names_itself() {
+    fn catalogue_scenarios_are_valid_and_named() {
         for name in texts::names() {
             let plan = plan_named(name).unwrap_or_else(|e| panic!("{name}: {e}"));
             assert_eq!(plan.scenario.name, name);
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tilted_axis_is_a_degree_from_the_description() {
+    fn tilted_axis_differs_by_one_degree() {
         let urdf = tilted(URDF, "elbow", 1f64.to_radians()).unwrap();
         let at = urdf.find("<joint name=\"elbow\"").unwrap();
         let line = urdf[at..].lines().find(|l| l.contains("<axis")).unwrap();

@@ -1,6 +1,6 @@
 //! The protocol: named scenarios of three sessions, their variants, and the same for another robot.
 //!
-//! Reading order: [`Plan`] (a scenario: arm, motion, what is drawn), [`plan_named`], [`plan_adapted`].
+//! Reading order: [`Plan`] (a scenario: arm, motion, random parameters), [`plan_named`], [`plan_adapted`].
 
 mod adapted;
 mod catalogue;
@@ -16,30 +16,30 @@ pub use variants::variants;
 use crate::SimulateError;
 use sinew_files::Located;
 
-/// Why there is no such plan.
+/// Errors of a plan.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// No scenario has that name.
-    #[error("there is no scenario '{name}'; known are {known}")]
+    /// Unknown name of a scenario.
+    #[error("unknown scenario '{name}'; available: {available}")]
     Unknown {
         /// The name given.
         name: String,
-        /// All names.
-        known: String,
+        /// Available names, separated by commas.
+        available: String,
     },
-    /// A scenario's text doesn't make a scenario.
-    #[error("scenario {name}: {why}")]
+    /// The text of the scenario is invalid.
+    #[error("scenario {name}: {reason}")]
     Text {
-        /// The scenario.
+        /// Name of the scenario.
         name: String,
-        /// What is wrong.
-        why: String,
+        /// Reason of the error.
+        reason: String,
     },
-    /// The simulator refused.
+    /// The simulator returned an error.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// The robot's description was refused.
+    /// The robot description is invalid.
     #[error(transparent)]
     Robot(#[from] Located),
 }

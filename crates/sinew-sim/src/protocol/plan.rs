@@ -1,4 +1,4 @@
-//! A scenario of the protocol: arm, motion, what is drawn.
+//! Scenario of the protocol: arm, motion, draws.
 
 use super::PlanError;
 use super::texts::{ROBOT, ROBOT_FILE, URDF};
@@ -6,35 +6,36 @@ use crate::{Scenario, SimulateError};
 use sinew_model::robot::{Robot, RobotFile};
 use toml::Table;
 
-/// A scenario, ready to be recorded with any seed.
+/// Scenario, ready to be recorded with any seed.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Its name.
+    /// Name of the plan.
     pub name: String,
-    /// What it is about, where that isn't the protocol's.
+    /// Description, if it differs from that of the protocol.
     pub about: Option<String>,
-    /// The whole scenario as `sinew simulate` reads it.
+    /// Complete scenario text, as read by `sinew simulate`.
     pub text: String,
-    /// The same, read.
+    /// Scenario parsed from that text.
     pub scenario: Scenario,
-    /// The robot as the estimator knows it.
+    /// Robot description used by the estimator.
     pub robot: Robot,
-    /// The robot that is simulated, before anything is drawn: the same but for a tilted axis.
+    /// Simulated robot before the random errors; equal to the described robot except for a tilted axis.
     pub simulated: Robot,
-    /// Whether the gripper may hold something, as far as the estimator is told.
+    /// Whether the payload is unspecified for the estimator.
     pub payload_unknown: bool,
-    /// What it depends on beside the program: another robot, a file.
-    pub rests_on: String,
+    /// Inputs that it depends on besides the program: another robot, a file.
+    pub based_on: String,
 }
 
 impl Plan {
-    /// `table` with the protocol's robot, which is as it is described before anything is drawn.
+    /// Creates a plan from `table` with the robot of the protocol, which equals its description before the random
+    /// errors.
     pub(super) fn shipped(table: &Table, name: &str) -> Result<Self, PlanError> {
         let robot = RobotFile::parse(ROBOT, ROBOT_FILE)?.build(URDF)?;
         Self::of(table, name, robot)
     }
 
-    /// A scenario of one's own; `file` is what messages call it.
+    /// Creates a plan from a user's scenario; `file` is its name in messages.
     ///
     /// # Errors
     /// [`PlanError::Simulate`] where it is none, [`PlanError::Text`] without the sessions A, B and C.
@@ -45,14 +46,14 @@ impl Plan {
         robot: Robot,
     ) -> Result<Self, PlanError> {
         let plan = Self::with(scenario, text.into(), file, robot)?;
-        let rests_on = format!("{text}{:?}", plan.robot);
-        Ok(Self { rests_on, ..plan })
+        let based_on = format!("{text}{:?}", plan.robot);
+        Ok(Self { based_on, ..plan })
     }
 
     pub(super) fn of(table: &Table, name: &str, robot: Robot) -> Result<Self, PlanError> {
         let text = toml::to_string(table).map_err(|e| PlanError::Text {
             name: name.into(),
-            why: e.to_string(),
+            reason: e.to_string(),
         })?;
         let scenario =
             Scenario::from_toml(&text, &format!("scenario {name}")).map_err(SimulateError::from)?;
@@ -63,7 +64,7 @@ impl Plan {
         if scenario.sessions.len() != 3 {
             return Err(PlanError::Text {
                 name: name.into(),
-                why: "needs three [[sessions]]: A teaches the baseline, B is judged, in C something may slip".into(),
+                reason: "requires three [[sessions]]: A for the baseline, B to assess, C with possible slips".into(),
             });
         }
         Ok(Self {
@@ -74,7 +75,7 @@ impl Plan {
             scenario,
             simulated: robot.clone(),
             robot,
-            rests_on: String::new(),
+            based_on: String::new(),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! The protocol's scenarios as texts in the program, and what one extends.
+//! Embedded texts of the protocol's scenarios, and the scenarios that they extend.
 
 use super::PlanError;
 use toml::{Table, Value};
@@ -40,7 +40,7 @@ pub fn everything() -> String {
     texts + ROBOT + URDF
 }
 
-/// A scenario with what it extends: tables are merged, lists and the motion are replaced.
+/// Returns a scenario merged with the one that it extends: tables are merged, and lists and the motion are replaced.
 pub(super) fn merged(name: &str) -> Result<Table, PlanError> {
     let text = TEXTS
         .iter()
@@ -48,11 +48,11 @@ pub(super) fn merged(name: &str) -> Result<Table, PlanError> {
         .map(|(_, text)| *text)
         .ok_or_else(|| PlanError::Unknown {
             name: name.into(),
-            known: names().collect::<Vec<_>>().join(", "),
+            available: names().collect::<Vec<_>>().join(", "),
         })?;
     let mut own: Table = text.parse().map_err(|e| PlanError::Text {
         name: name.into(),
-        why: format!("{e}"),
+        reason: format!("{e}"),
     })?;
     let Some(Value::String(base)) = own.remove("extends") else {
         return Ok(own);
@@ -70,7 +70,7 @@ pub(super) fn merged(name: &str) -> Result<Table, PlanError> {
     Ok(table)
 }
 
-/// Sets a key of a section, which comes to be where it is missing.
+/// Sets a key of a section, which is created if it is missing.
 pub(super) fn set(table: &mut Table, section: &str, key: &str, value: Value) {
     let section = table
         .entry(section)

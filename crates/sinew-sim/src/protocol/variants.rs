@@ -1,4 +1,4 @@
-//! What a user meets outside the protocol: each variant is one of its scenarios with a few edits.
+//! Variants of the protocol for conditions of practical use: each is one of its scenarios with a few edits.
 
 use super::Plan;
 use super::PlanError;
@@ -8,45 +8,45 @@ use toml::{Table, Value};
 /// One of the protocol's scenarios, edited.
 struct Variant {
     name: &'static str,
-    /// What it is about, for the table.
+    /// Description for the table.
     about: &'static str,
     /// The scenario it starts from.
     of: &'static str,
     edits: &'static [Edit],
 }
 
-/// What is changed of a scenario. Sessions B and C begin at 60 and 120 s.
+/// Edit of a scenario. Sessions B and C begin at 60 and 120 s.
 #[derive(Debug, Clone, Copy)]
 enum Edit {
-    /// The motor's torque isn't recorded.
+    /// The motor torque is not recorded.
     NoMotorTorque,
     /// The recorded motor torque is too large by this share.
     MotorTorqueScale(f64),
-    /// The temperature isn't recorded.
+    /// The temperature is not recorded.
     NoTemperature,
-    /// Warmer from B on, K.
+    /// Temperature rise from B on, K.
     Warmer(f64),
-    /// A force at the tool, N in the base frame, between these times, s.
+    /// External force at the tool, N in the base frame, between these times, s.
     Force([f64; 3], [f64; 2]),
-    /// Every tendon stretches from B on by so much a minute, rad.
+    /// Every tendon elongates from B on at this rate, rad per minute.
     Creep(f64),
-    /// The elbow's tendon stretches by so much, rad, evenly between these times, s.
+    /// The elbow's tendon elongates by this amount, rad, evenly between these times, s.
     SlowSlip(f64, [f64; 2]),
     /// Offsets of pitch and elbow from B on, rad.
     Offset(f64),
-    /// Every motor encoder reads so much more from the beginning, normal, rad.
-    NotZeroed(f64),
+    /// Offset of every motor encoder from the beginning, normal, rad.
+    EncoderZeroOffset(f64),
     /// The payload's centre of mass lies so far out along the hand, m.
     PayloadOut(f64),
-    /// It weighs so much, kg.
+    /// Mass of the payload, kg.
     PayloadOf(f64),
-    /// The gripper is empty, and the estimator isn't told.
+    /// The gripper is empty, but this is not specified.
     EmptyUnstated,
-    /// Stiffness of pitch and elbow from B on, of what it was.
+    /// Stiffness ratio of shoulder pitch and elbow from session B on.
     StiffnessLeft(f64),
     /// Stiffness is described wrong by up to this share.
     StiffnessWithin(f64),
-    /// Masses likewise.
+    /// Relative error of the masses, uniform within this bound.
     MassWithin(f64),
     /// Coulomb friction of the joints, times the description's largest.
     Friction(f64),
@@ -54,11 +54,11 @@ enum Edit {
     JointBits(i64),
     /// Frames a second.
     SampleRate(i64),
-    /// Every session stands in one pose.
-    Stand,
+    /// Every session is at rest in one pose.
+    AtRest,
     /// Only the elbow moves.
     OnlyElbow,
-    /// Moves and rests last so many times longer.
+    /// Moves and rests are longer by this factor.
     Slower(f64),
 }
 
@@ -90,13 +90,13 @@ const VARIANTS: [Variant; 26] = [
     variant(
         "force-down",
         "S5",
-        "2 N down from B on, no payload stated",
+        "2 N down from B on, no payload specified",
         &[Edit::Force([0.0, 0.0, -2.0], [60.0, END_S])],
     ),
     variant(
         "leaned-on",
         "S6",
-        "10 N for 25 s, over the end of B",
+        "10 N for 25 s, beyond the end of B",
         &[Edit::Force(
             [6.0, 8.0, 0.0],
             [END_OF_B_S - 20.0, END_OF_B_S + 5.0],
@@ -105,13 +105,13 @@ const VARIANTS: [Variant; 26] = [
     variant(
         "creep-1",
         "S6",
-        "every tendon creeps 1 mrad a minute",
+        "every tendon creeps by 1 mrad/min",
         &[Edit::Creep(0.001)],
     ),
     variant(
         "creep-3",
         "S6",
-        "every tendon creeps 3 mrad a minute",
+        "every tendon creeps by 3 mrad/min",
         &[Edit::Creep(0.003)],
     ),
     variant(
@@ -133,10 +133,10 @@ const VARIANTS: [Variant; 26] = [
         &[Edit::Offset(-0.010)],
     ),
     variant(
-        "not-zeroed",
+        "encoder-zero-offset",
         "S6",
-        "encoders off by 10 mrad, zero_mrad = 0",
-        &[Edit::NotZeroed(0.010)],
+        "encoder zero offsets of 10 mrad, zero_mrad = 0",
+        &[Edit::EncoderZeroOffset(0.010)],
     ),
     variant(
         "payload-out",
@@ -153,7 +153,7 @@ const VARIANTS: [Variant; 26] = [
     variant(
         "empty-unstated",
         "S5",
-        "gripper empty, but not said to be",
+        "gripper empty, not specified",
         &[Edit::EmptyUnstated],
     ),
     variant(
@@ -165,19 +165,19 @@ const VARIANTS: [Variant; 26] = [
     variant(
         "stiffness-40",
         "S6",
-        "stiffness described wrong by up to 40 %",
+        "stiffness error of up to 40 %",
         &[Edit::StiffnessWithin(0.4)],
     ),
     variant(
         "mass-25",
         "S6",
-        "masses described wrong by up to 25 %",
+        "mass error of up to 25 %",
         &[Edit::MassWithin(0.25)],
     ),
     variant(
         "friction-3",
         "S6",
-        "three times the joint friction described",
+        "joint friction three times as described",
         &[Edit::Friction(3.0)],
     ),
     variant(
@@ -201,10 +201,10 @@ const VARIANTS: [Variant; 26] = [
     variant(
         "rate-50",
         "S6",
-        "50 frames a second",
+        "50 frames per second",
         &[Edit::SampleRate(50)],
     ),
-    variant("standing", "S6", "standing still", &[Edit::Stand]),
+    variant("standing", "S6", "arm at rest", &[Edit::AtRest]),
     variant(
         "only-elbow",
         "S6",
@@ -258,8 +258,8 @@ impl Variant {
         let unstated = self.edits.iter().any(|e| matches!(e, Edit::EmptyUnstated));
         Ok(Plan {
             about: Some(self.about.into()),
-            // The catalogue's texts don't hold the edits.
-            rests_on: plan.text.clone(),
+            // The texts of the catalogue do not contain the edits.
+            based_on: plan.text.clone(),
             payload_unknown: plan.payload_unknown || unstated,
             ..plan
         })
@@ -306,7 +306,7 @@ impl Edit {
                     offset.insert("rad".into(), rad.into());
                 }
             }
-            Self::NotZeroed(rad) => {
+            Self::EncoderZeroOffset(rad) => {
                 for joint in joints(table) {
                     let entry = Table::from_iter([
                         ("joint".to_string(), joint.as_str().into()),
@@ -328,7 +328,7 @@ impl Edit {
                     payload.insert("mass_kg".into(), kg.into());
                 }
             }
-            // Not of the scenario, but of what its user says.
+            // This edit changes the estimator's input, not the scenario.
             Self::EmptyUnstated => {}
             Self::StiffnessLeft(left) => {
                 let factors = ["shoulder_pitch", "elbow"].map(|j| (j.to_string(), left.into()));
@@ -362,7 +362,7 @@ impl Edit {
             Self::SampleRate(hz) => {
                 table.insert("sample_rate_hz".into(), hz.into());
             }
-            Self::Stand => {
+            Self::AtRest => {
                 let pose = [("shoulder_pitch", 0.9), ("elbow", 0.7)];
                 let pose = pose.map(|(joint, rad)| (joint.to_string(), rad.into()));
                 let motion = Table::from_iter([
@@ -439,8 +439,8 @@ fn between(min: f64, max: f64) -> Value {
     Value::Table(Table::from_iter(ends))
 }
 
-fn normal(deviation: f64) -> Value {
-    Value::Table(Table::from_iter([("std".to_string(), deviation.into())]))
+fn normal(std: f64) -> Value {
+    Value::Table(Table::from_iter([("std".to_string(), std.into())]))
 }
 
 #[cfg(test)]
@@ -453,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn every_variant_differs_from_the_scenario_it_edits_and_keeps_the_sessions() {
+    fn variants_differ_from_base_and_keep_sessions() {
         for variant in &VARIANTS {
             let (plan, base) = (named(variant.name), named(variant.of));
             assert_eq!(plan.scenario.name, variant.name);
@@ -470,7 +470,7 @@ mod tests {
     }
 
     #[test]
-    fn edits_say_what_their_names_say() {
+    fn edits_match_names() {
         assert!(!named("no-torque").scenario.record.tau_m);
         let empty = named("empty-unstated");
         assert!(empty.payload_unknown && empty.scenario.payloads.is_empty());

@@ -1,4 +1,4 @@
-//! What a scenario says about correcting for the stretch: `[correction]`, `[contact_detection]`.
+//! Correction for the stretch in a scenario: `[correction]`, `[contact_detection]`.
 
 use super::draw::{Draw, PerJoint, per};
 use crate::SimulateError;
@@ -6,9 +6,9 @@ use serde_json::Value;
 use sinew_files::{Bound, Fields as _, Located, Section, limits, read_text};
 use std::path::Path;
 
-/// Which offset is known.
+/// Kind of the offset used for correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum KnownOffset {
+pub enum SpecifiedOffset {
     /// None: the robot works as if its ropes were new.
     #[default]
     Nothing,
@@ -18,36 +18,36 @@ pub enum KnownOffset {
     Stated,
 }
 
-/// Which set-point the controller follows.
+/// Set-point that the controller follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SetPointKind {
     /// `q_d + x(g(q_d)) + delta_e`, right at rest.
     #[default]
     Static,
-    /// With `M ddq_d + C dq_d` and joint friction, right in motion too.
+    /// Set-point with `M ddq_d + C dq_d` and joint friction, exact in motion too.
     Dynamic,
 }
 
-/// What controller and contact detector know of the stretch, and how well.
+/// Stretch assumed by controller and contact detector, with its errors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Correction {
-    /// Which offset.
-    pub offset: KnownOffset,
-    /// The offset stated, rad.
+    /// Kind of the offset.
+    pub offset: SpecifiedOffset,
+    /// Specified offset, rad.
     pub offset_rad: PerJoint,
-    /// Error on top of the true or stated offset, rad.
+    /// Error added to the true or specified offset, rad.
     pub offset_error_rad: PerJoint,
-    /// Standard deviation the detector takes the offset to have, rad.
-    pub offset_deviation_rad: PerJoint,
-    /// True stiffness over described as far as known.
+    /// Standard deviation of the offset assumed by the detector, rad.
+    pub offset_std_rad: PerJoint,
+    /// Assumed ratio of true to described stiffness.
     pub stiffness_factor: PerJoint,
-    /// Its standard deviation.
-    pub stiffness_deviation: PerJoint,
-    /// Stiffening as far as known, 1/rad².
+    /// Relative standard deviation of the stiffness.
+    pub stiffness_std: PerJoint,
+    /// Assumed cubic stiffening, 1/rad².
     pub spring_cubic_per_rad2: PerJoint,
-    /// Which set-point.
+    /// Kind of the set-point.
     pub set_point: SetPointKind,
-    /// An answer of `sinew estimate --json`, relative to the scenario; becomes `Stated` when read.
+    /// Path of a result of `sinew estimate --json`, relative to the scenario; becomes `Stated` when read.
     pub estimate: Option<String>,
     /// Line of `estimate` in the file.
     pub estimate_line: u64,
@@ -58,33 +58,37 @@ impl Correction {
         [
             &self.offset_rad,
             &self.offset_error_rad,
-            &self.offset_deviation_rad,
+            &self.offset_std_rad,
             &self.stiffness_factor,
-            &self.stiffness_deviation,
+            &self.stiffness_std,
             &self.spring_cubic_per_rad2,
         ]
     }
 
-    /// Takes what is known from an answer of `sinew estimate --json`; `file` is its name for
-    /// messages.
+    /// Reads the correction from the output of `sinew estimate --json`; `file` is its name for messages.
     ///
-    /// The session's offsets and their standard deviations; of an answer by the paper's method its
-    /// reading, which rests on stiffness and masses; the standard error says nothing of that. Stiffness is left as described: a change seen together with the offset is
-    /// partly the same thing.
+    /// Uses the session's offsets and their standard deviations; of a result of the paper's method its uncorrected
+    /// estimate, which depends on stiffness and masses (the standard error does not include these). The stiffness
+    /// remains that of the description, because its estimate is correlated with that of the offset.
     ///
     /// # Errors
-    /// [`SimulateError::Estimate`] when the text isn't such an answer.
+    /// Returns [`SimulateError::Estimate`] if the text is not such a result.
     pub fn take_estimate(&mut self, text: &str, file: &str) -> Result<(), SimulateError> {
-        let refuse = |why: String| SimulateError::Estimate {
+        let estimate_error = |reason: String| SimulateError::Estimate {
             file: file.into(),
-            why,
+            reason,
         };
-        let said: Value = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
-        let session = said.pointer("/session/joints");
+        let document: Value =
+            serde_json::from_str(text).map_err(|e| estimate_error(e.to_string()))?;
+        let session = document.pointer("/session/joints");
         let (joints, value, spread) = match session {
-            Some(joints) => (joints, "/offset_rad/mean", "/offset_rad/deviation"),
+            // Schema version 1 calls the standard deviation `deviation`.
+            Some(joints) if joints.pointer("/0/offset_rad/std").is_none() => {
+                (joints, "/offset_rad/mean", "/offset_rad/deviation")
+            }
+            Some(joints) => (joints, "/offset_rad/mean", "/offset_rad/std"),
             None => (
-                said.pointer("/reading/joints").unwrap_or(&Value::Null),
+                document.pointer("/reading/joints").unwrap_or(&Value::Null),
                 "/offset_rad",
                 "/standard_error_rad",
             ),
@@ -92,26 +96,28 @@ impl Correction {
         let joints = joints
             .as_array()
             .filter(|j| !j.is_empty())
-            .ok_or_else(|| refuse("there are no joints in it".into()))?;
+            .ok_or_else(|| estimate_error("it contains no joints".into()))?;
         let mut offsets = PerJoint::fixed(0.0);
-        let mut deviations = PerJoint::fixed(0.0);
+        let mut stds = PerJoint::fixed(0.0);
         for joint in joints {
             let name = joint.get("name").and_then(Value::as_str);
-            let name = name.ok_or_else(|| refuse("a joint has no name".into()))?;
+            let name = name.ok_or_else(|| estimate_error("a joint has no name".into()))?;
             let number = |key: &str| {
                 let value = joint.pointer(key).and_then(Value::as_f64);
                 let words = || key.trim_start_matches('/').replace('/', ".");
-                value.ok_or_else(|| refuse(format!("joint '{name}' has no number {}", words())))
+                value.ok_or_else(|| {
+                    estimate_error(format!("joint '{name}' has no number {}", words()))
+                })
             };
             let line = self.estimate_line;
             let offset = Draw::Fixed(number(value)?);
-            let deviation = Draw::Fixed(number(spread)?);
+            let std = Draw::Fixed(number(spread)?);
             offsets.by_joint.push((name.into(), line, offset));
-            deviations.by_joint.push((name.into(), line, deviation));
+            stds.by_joint.push((name.into(), line, std));
         }
-        self.offset = KnownOffset::Stated;
+        self.offset = SpecifiedOffset::Stated;
         self.offset_rad = offsets;
-        self.offset_deviation_rad = deviations;
+        self.offset_std_rad = stds;
         self.estimate = None;
         Ok(())
     }
@@ -128,13 +134,13 @@ impl Correction {
         let file = path.display().to_string();
         let text = read_text(&path, &limits::SESSIONS).map_err(|e| SimulateError::Estimate {
             file: file.clone(),
-            why: e.problem.clone(),
+            reason: e.problem.clone(),
         })?;
         self.take_estimate(&text, &file)
     }
 }
 
-/// How contacts are looked for in the recording's own positions.
+/// Settings of the contact detection from the recorded positions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactDetection {
     /// Observer gain, 1/s.
@@ -143,16 +149,16 @@ pub struct ContactDetection {
     pub cutoff_rad_per_s: f64,
     /// Standard deviations from a false alarm.
     pub sigmas: f64,
-    /// Noise of the estimate while nothing touches, N·m; measured in a run without contacts and
-    /// model errors where left out.
+    /// Noise of the estimate without contact, N·m; measured in a run without contacts and model errors if not
+    /// specified.
     pub noise_nm: PerJoint,
     /// Relative standard deviation of the masses.
-    pub mass_deviation: f64,
+    pub mass_std: f64,
     /// Share of the Coulomb friction that counts as unknown.
     pub friction_share: f64,
     /// A contact ends below this share of the threshold.
     pub release_share: f64,
-    /// It counts when it has lasted so long, s.
+    /// Minimum duration of a detection, s.
     pub confirm_s: f64,
 }
 
@@ -164,7 +170,7 @@ impl Default for ContactDetection {
             cutoff_rad_per_s: 60.0,
             sigmas: 4.0,
             noise_nm: PerJoint::default(),
-            mass_deviation: 0.0,
+            mass_std: 0.0,
             friction_share: 1.0,
             release_share: 0.7,
             confirm_s: 0.01,
@@ -173,44 +179,44 @@ impl Default for ContactDetection {
 }
 
 pub(super) fn correction(s: &Section<'_>) -> Result<Correction, Located> {
-    let known = |given: bool| {
+    let offset_kind = |given: bool| {
         if given {
-            KnownOffset::Stated
+            SpecifiedOffset::Stated
         } else {
-            KnownOffset::Nothing
+            SpecifiedOffset::Nothing
         }
     };
     let (stated, estimate) = (s.has("offset_rad"), s.text("estimate")?);
     let offset = match s.text("offset")?.as_deref() {
-        None => known(stated || estimate.is_some()),
-        Some("none") => KnownOffset::Nothing,
-        Some("true") => KnownOffset::True,
-        Some("stated") => KnownOffset::Stated,
-        Some(_) => return Err(s.refuse("offset", "\"none\", \"true\" or \"stated\"")),
+        None => offset_kind(stated || estimate.is_some()),
+        Some("none") => SpecifiedOffset::Nothing,
+        Some("true") => SpecifiedOffset::True,
+        Some("stated") => SpecifiedOffset::Stated,
+        Some(_) => return Err(s.invalid("offset", "\"none\", \"true\" or \"stated\"")),
     };
-    if stated && offset != KnownOffset::Stated {
-        return Err(s.refuse("offset_rad", "left out unless offset is \"stated\""));
+    if stated && offset != SpecifiedOffset::Stated {
+        return Err(s.invalid("offset_rad", "omitted unless offset is \"stated\""));
     }
-    if estimate.is_some() && (stated || offset != KnownOffset::Stated) {
-        let must = "left out where offset_rad is given or offset isn't \"stated\"";
-        return Err(s.refuse("estimate", must));
+    if estimate.is_some() && (stated || offset != SpecifiedOffset::Stated) {
+        let must = "omitted if offset_rad is given or offset is not \"stated\"";
+        return Err(s.invalid("estimate", must));
     }
-    if offset == KnownOffset::Stated && !stated && estimate.is_none() {
-        return Err(s.missing("offset_rad", "the offset that is known, or estimate"));
+    if offset == SpecifiedOffset::Stated && !stated && estimate.is_none() {
+        return Err(s.missing("offset_rad", "offset to correct, or estimate"));
     }
     let angle = Bound::Within(-1.0, 1.0);
     Ok(Correction {
         offset,
         offset_rad: per(s, "offset_rad", angle)?,
         offset_error_rad: per(s, "offset_error_rad", angle)?,
-        offset_deviation_rad: per(s, "offset_deviation_rad", Bound::Within(0.0, 1.0))?,
+        offset_std_rad: per(s, "offset_std_rad", Bound::Within(0.0, 1.0))?,
         stiffness_factor: per(s, "stiffness_factor", Bound::Within(0.05, 20.0))?,
-        stiffness_deviation: per(s, "stiffness_deviation", Bound::Within(0.0, 1.0))?,
+        stiffness_std: per(s, "stiffness_std", Bound::Within(0.0, 1.0))?,
         spring_cubic_per_rad2: per(s, "spring_cubic_per_rad2", Bound::Within(0.0, 1e4))?,
         set_point: match s.text("set_point")?.as_deref() {
             None | Some("static") => SetPointKind::Static,
             Some("dynamic") => SetPointKind::Dynamic,
-            Some(_) => return Err(s.refuse("set_point", "\"static\" or \"dynamic\"")),
+            Some(_) => return Err(s.invalid("set_point", "\"static\" or \"dynamic\"")),
         },
         estimate,
         estimate_line: s.line(),
@@ -232,7 +238,7 @@ pub(super) fn contact_detection(s: &Section<'_>) -> Result<ContactDetection, Loc
         )?,
         sigmas: number("sigmas", Bound::Within(0.0, 100.0), plain.sigmas)?,
         noise_nm: per(s, "noise_nm", Bound::NotNegative)?,
-        mass_deviation: number("mass_deviation", share, plain.mass_deviation)?,
+        mass_std: number("mass_std", share, plain.mass_std)?,
         friction_share: number(
             "friction_share",
             Bound::Within(0.0, 10.0),

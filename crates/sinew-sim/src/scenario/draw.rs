@@ -6,25 +6,25 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_files::{Bound, Fields as _, Located, Section, Value};
 
-/// A number of a scenario: given, or drawn once per recording.
+/// Number of a scenario: fixed, or drawn once per recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Draw {
-    /// As given.
+    /// Value without random variation.
     Fixed(f64),
     /// Anything between two ends, equally likely.
     Uniform {
-        /// Lower end.
+        /// Lower end of the range.
         min: f64,
-        /// Upper end.
+        /// Upper end of the range.
         max: f64,
     },
-    /// Normal, redrawn while outside of what the quantity allows.
+    /// Normal distribution, truncated to the range of the quantity.
     Normal {
         /// Mean of the distribution.
         mean: f64,
-        /// Standard deviation.
+        /// Standard deviation of the distribution.
         std: f64,
-        /// What the quantity allows.
+        /// Bound of valid values of the quantity.
         bound: Bound,
     },
 }
@@ -38,10 +38,10 @@ impl Draw {
             Self::Fixed(v) => v,
             Self::Uniform { min, max } => min + (max - min) * u,
             Self::Normal { mean, std, bound } => {
-                // A stream of its own: how often it is redrawn must not move the values after it.
+                // A separate stream: the number of redraws must not change the values after it.
                 let mut own = ChaCha8Rng::seed_from_u64(u.to_bits());
-                const TRIES: usize = 1000;
-                for _ in 0..TRIES {
+                const MAX_DRAWS: usize = 1000;
+                for _ in 0..MAX_DRAWS {
                     let z: f64 = StandardNormal.sample(&mut own);
                     let v = mean + std * z;
                     if bound.allows(v) {
@@ -57,14 +57,14 @@ impl Draw {
 /// One draw for all joints, or one by joint name.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PerJoint {
-    /// For every joint that isn't named.
+    /// Value for every joint that is not named.
     pub all: Option<Draw>,
     /// Joint, its line in the file (0 when made in code), and its draw.
     pub by_joint: Vec<(String, u64, Draw)>,
 }
 
 impl PerJoint {
-    /// The same value for every joint.
+    /// Creates the same value for every joint.
     pub fn fixed(value: f64) -> Self {
         Self {
             all: Some(Draw::Fixed(value)),
@@ -72,7 +72,7 @@ impl PerJoint {
         }
     }
 
-    /// A value for one joint, the default for the others.
+    /// Creates a value for one joint, with the default for the others.
     pub fn one(joint: &str, value: f64) -> Self {
         Self {
             all: None,
@@ -80,7 +80,7 @@ impl PerJoint {
         }
     }
 
-    /// One value per joint of `names`; `defaults` where the scenario says nothing.
+    /// Draws one value per joint of `names`; uses `defaults` if the scenario specifies none.
     pub fn sample(&self, names: &[String], defaults: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
         names
             .iter()
@@ -96,31 +96,31 @@ impl PerJoint {
     }
 }
 
-/// What a random stream is for. Each has a stream of its own, so that switching one thing off
-/// leaves all the others as they were.
+/// Purpose of a random stream. Each purpose has a stream of its own, so that disabling one leaves all the others
+/// unchanged.
 #[derive(Debug, Clone, Copy)]
 pub enum Stream {
-    /// What the robot truly is.
+    /// True parameters of the robot.
     Truth = 1,
-    /// How it moves.
+    /// Motion of the robot.
     Motion = 2,
-    /// Who touches it.
+    /// Contacts with the environment.
     Contacts = 3,
     /// Noise of its sensors.
     Sensors = 4,
-    /// What the recording loses.
+    /// Transmission faults of the recording.
     Faults = 5,
-    /// Draws that came to the language later: those before them must not move.
+    /// Draws added in later versions, which must not change earlier ones.
     Later = 6,
-    /// What a correction believes.
+    /// Errors of a correction.
     Correction = 7,
-    /// Where it grips what it picks up.
+    /// Grip position of the payload.
     Grip = 8,
-    /// How heavy that is.
+    /// Masses of the payloads.
     Payloads = 9,
-    /// By how much its tendons stretch.
+    /// Sizes of the offsets.
     OffsetSizes = 10,
-    /// How much later.
+    /// Delays of the offsets.
     OffsetDelays = 11,
 }
 
@@ -131,14 +131,14 @@ pub fn rng(seed: u64, stream: Stream) -> ChaCha8Rng {
     rng
 }
 
-/// A standard normal number.
+/// Draws a standard normal number.
 pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
 /// The scenario's own ways to write a value.
 pub(super) trait Keys {
-    /// A number, `{ min, max }` (uniform) or `{ mean, std }` (normal).
+    /// Reads a number, `{ min, max }` (uniform) or `{ mean, std }` (normal).
     fn draw(&self, key: &'static str, bound: Bound) -> Result<Option<Draw>, Located>;
 
     /// One draw for all joints, or `{ joint = draw, … }`.
@@ -148,7 +148,7 @@ pub(super) trait Keys {
     fn pairs(&self, key: &'static str, bound: Bound) -> Result<Option<Vec<(f64, f64)>>, Located>;
 }
 
-/// One draw for all joints, or one by joint; as described where the key is left out.
+/// Reads one draw for all joints, or one per joint; as described if the key is missing.
 pub(super) fn per(s: &Section<'_>, key: &'static str, bound: Bound) -> Result<PerJoint, Located> {
     Ok(s.per_joint(key, bound)?.unwrap_or_default())
 }
@@ -192,16 +192,16 @@ impl Keys for Section<'_> {
         for entry in value.list(must)? {
             let pair = entry.list(must)?;
             let [time, number] = pair.as_slice() else {
-                return Err(entry.refuse(must));
+                return Err(entry.invalid(must));
             };
             let t = time.number(Bound::NotNegative)?;
             if out.last().is_some_and(|&(before, _)| t <= before) {
-                return Err(entry.refuse("later than the pair before it"));
+                return Err(entry.invalid("later than the pair before it"));
             }
             out.push((t, number.number(bound)?));
         }
         if out.is_empty() {
-            return Err(value.refuse(must));
+            return Err(value.invalid(must));
         }
         Ok(Some(out))
     }
@@ -217,11 +217,11 @@ fn draw_of(value: &Value<'_>, bound: Bound) -> Result<Draw, Located> {
             let std = s.need("std", Bound::NotNegative, "the standard deviation")?;
             return Ok(Draw::Normal { mean, std, bound });
         }
-        let why = "a drawn value is { min = …, max = … } or { mean = …, std = … }";
-        let min = s.need("min", bound, why)?;
-        let max = s.need("max", bound, why)?;
+        let reason = "a drawn value is { min = …, max = … } or { mean = …, std = … }";
+        let min = s.need("min", bound, reason)?;
+        let max = s.need("max", bound, reason)?;
         if max < min {
-            return Err(s.refuse("max", "at least min"));
+            return Err(s.invalid("max", "at least min"));
         }
         Ok(Draw::Uniform { min, max })
     })

@@ -1,8 +1,7 @@
-//! What happens in a simulated recording, as a small TOML file says it.
+//! Content of a scenario file (TOML): the events of a simulated recording.
 //!
-//! Reading order: the types here, `read` (the file's keys), `draw` (given or drawn numbers, how they
-//! are written, and their random streams),
-//! `profile` (a value over time).
+//! Reading order: the types here, `read` (keys of the file), `draw` (fixed or drawn numbers, their notation, and
+//! their random streams), `profile` (a value over time).
 
 mod correction;
 mod draw;
@@ -11,8 +10,9 @@ mod names;
 mod profile;
 mod read;
 
-pub use correction::{ContactDetection, Correction, KnownOffset, SetPointKind};
+pub use correction::{ContactDetection, Correction, SetPointKind, SpecifiedOffset};
 pub use draw::{Draw, PerJoint};
+pub use names::Owner;
 pub use profile::Shape;
 pub use sinew_files::Bound;
 
@@ -23,8 +23,8 @@ pub use profile::interpolate;
 /// A scenario. [`Scenario::from_toml`] reads one; [`Scenario::default`] is a robot without model
 /// error and with perfect sensors that hangs at zero for 10 s.
 ///
-/// Every value drawn comes from the stream of its own purpose under `seed`, so that two runs are
-/// bitwise the same, and changing the sensors doesn't change the motion.
+/// Each kind of random value has a separate random stream of `seed`, so that two runs are bitwise identical, and a
+/// change of the sensors does not change the motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
     /// Name of the file, for messages.
@@ -35,30 +35,32 @@ pub struct Scenario {
     pub robot: Option<String>,
     /// Length of the recording, s; `None`: as long as the motion.
     pub duration_s: Option<f64>,
-    /// Simulated before the recording starts, at the first pose, s.
+    /// Simulated time before the recording starts, at the first pose, s.
     pub settle_s: f64,
     /// Seed of all random streams.
     pub seed: u64,
-    /// Seed of what is drawn for the robot itself; `None`: `seed`. The same robot on another day
+    /// Seed of the random errors of the robot; `None`: `seed`. The same robot on another day
     /// has the same `robot_seed` and another `seed`.
     pub robot_seed: Option<u64>,
-    /// Frames per second.
+    /// Sample rate, frames per second.
     pub sample_rate_hz: f64,
-    /// Steps of the integrator; control and sample periods must be multiples of it.
+    /// Step of the integrator, s; control and sample periods must be multiples of it.
     pub integration_step_s: f64,
-    /// Controller ticks per second.
+    /// Rate of the controller, Hz.
     pub control_rate_hz: f64,
     /// Time stamp of the first frame, ns since 1970.
     pub start_time_ns: i64,
     /// Gains of the controller.
     pub controller: Controller,
-    /// What controller and contact detector know of the stretch.
+    /// Correction used by controller and contact detector.
     pub correction: Correction,
-    /// How contacts are looked for.
+    /// Settings of the contact detection.
     pub contact_detection: ContactDetection,
-    /// What the arm is asked to do.
+    /// Commanded motion of the arm.
     pub motion: Motion,
-    /// How the robot differs from its description.
+    /// Co-contraction of antagonistic strands.
+    pub co_contraction: Option<CoContraction>,
+    /// Deviations of the robot from its description.
     pub truth: Truth,
     /// Friction at the joints; `None`: as described, without pre-sliding guesswork.
     pub joint_friction: FrictionSpec,
@@ -70,9 +72,11 @@ pub struct Scenario {
     pub motor_torque: TorqueChannel,
     /// Recorded elastic torque.
     pub torque_sensor: TorqueChannel,
+    /// Channel of the recorded tension.
+    pub tension_sensor: TensionChannel,
     /// Noise of a recorded joint velocity, rad/s.
     pub velocity_noise_rad_per_s: f64,
-    /// Temperature and what it does.
+    /// Temperature and its effects.
     pub temperature: Temperature,
     /// Bodies held for a time, unknown to the controller.
     pub payloads: Vec<Payload>,
@@ -88,14 +92,13 @@ pub struct Scenario {
     pub stops: Vec<Stop>,
     /// Sessions, for the truth file only.
     pub sessions: Vec<Session>,
-    /// What is written.
+    /// Channels of the recording.
     pub record: Record,
-    /// What goes wrong between robot and file.
+    /// Transmission faults between robot and file.
     pub faults: Faults,
 }
 
-/// Motor PD gains; a joint left out gets `1.25 K` and `2.2 √(K_P I_m)` (damping ratio 1.1 of
-/// the motor against a held joint).
+/// Motor PD gains; by default `1.25 K` and `2.2 √(K_P I_m)` (damping ratio 1.1 of the motor against a held joint).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Controller {
     /// Proportional gains, N·m/rad.
@@ -104,17 +107,40 @@ pub struct Controller {
     pub damping_nm_s_per_rad: PerJoint,
 }
 
-/// What the arm is asked to do. Moves are minimum-jerk.
+/// Tension that strands keep while they pull against each other, for robots with unidirectional tendons.
+///
+/// In every group of strands that can pull against each other without turning a joint, the required tension of the
+/// least loaded strand is `tension + varies (1 − cos(2π t/period))/2`. The variation makes the elongation
+/// identifiable that all strands share and that turns no joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoContraction {
+    /// Least tension of a strand, N.
+    pub tension_n: f64,
+    /// Amplitude of the periodic variation, N.
+    pub varies_n: f64,
+    /// Period of that, s.
+    pub period_s: f64,
+}
+
+impl CoContraction {
+    /// Least tension at `t`, s, N; before the recording that of its start.
+    pub fn at(&self, t: f64) -> f64 {
+        let angle = std::f64::consts::TAU * t.max(0.0) / self.period_s;
+        self.tension_n + self.varies_n * (0.5 - 0.5 * libm::cos(angle))
+    }
+}
+
+/// Commanded motion of the arm, as minimum-jerk moves.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    /// Stands still.
+    /// Holds one pose.
     Hold {
-        /// Joint positions, rad; joints left out are at 0.
+        /// Joint positions, rad; default 0.
         pose_rad: PerJoint,
     },
     /// Pose after pose.
     Waypoints {
-        /// First pose.
+        /// Initial pose, rad.
         start_rad: PerJoint,
         /// Poses in order.
         waypoints: Vec<Waypoint>,
@@ -123,7 +149,7 @@ pub enum Motion {
     },
     /// Poses drawn within limits.
     Random {
-        /// Where each joint may go, rad; joints left out use 80 % of their URDF limits.
+        /// Range of each joint, rad; default 80 % of its URDF limits.
         range_rad: PerJoint,
         /// Length of a move, s, drawn each time.
         move_s: Draw,
@@ -132,7 +158,7 @@ pub enum Motion {
     },
     /// One joint from one angle to another in equal steps, as the paper's shoulder.
     Staircase {
-        /// Which joint.
+        /// Name of the moving joint.
         joint: String,
         /// Line in the file.
         line: u64,
@@ -144,9 +170,9 @@ pub enum Motion {
         steps: usize,
         /// Length of a move, s, drawn each time.
         move_s: Draw,
-        /// Rest after each move, s, drawn each time; before the first, the least of it.
+        /// Rest after each move, s, drawn for each move; the rest before the first move has the minimum duration.
         pause_s: Draw,
-        /// Where the other joints stay, rad.
+        /// Positions of the other joints, rad.
         pose_rad: PerJoint,
         /// Comes back down again.
         there_and_back: bool,
@@ -155,10 +181,10 @@ pub enum Motion {
     },
 }
 
-/// One move.
+/// One move of the motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Waypoint {
-    /// Where to, rad; joints left out stay.
+    /// Target of each joint, rad; default: unchanged.
     pub pose_rad: PerJoint,
     /// Length of the move, s, drawn each time.
     pub move_s: Draw,
@@ -166,43 +192,45 @@ pub struct Waypoint {
     pub pause_s: Draw,
 }
 
-/// How the robot differs from its description. Factors of 1 and shifts of 0 where left out.
+/// Deviations of the robot from its description. Factors default to 1, shifts to 0.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Truth {
-    /// On the stiffness.
+    /// Factor on the stiffness.
     pub stiffness_factor: PerJoint,
-    /// Further factor on the stiffness from a time on, as when strands fail.
+    /// Further factor on the stiffness from a time on, as when strands fail; 0 for a torn tendon.
     pub stiffness_later_factor: PerJoint,
-    /// That time, s.
+    /// Time of the stiffness change, s.
     pub stiffness_later_from_s: f64,
-    /// On mass (and with it first moment and inertia) of the body each joint carries.
+    /// Factor on the mass (and thus first moment and inertia) of the body each joint carries.
     pub mass_factor: PerJoint,
-    /// On the distance of the body's centre of mass from its joint.
+    /// Factor on the distance of the body's centre of mass from its joint.
     pub com_factor: PerJoint,
     /// Shift of the centre of mass across that line, as a fraction of that distance.
     pub com_across_fraction: PerJoint,
-    /// On the inertia about the centre of mass.
+    /// Factor on the inertia about the centre of mass.
     pub inertia_factor: PerJoint,
-    /// On the motor inertia.
+    /// Factor on the motor inertia.
     pub motor_inertia_factor: PerJoint,
+    /// Factor on the pretension of strands.
+    pub pretension_factor: PerJoint,
     /// Stiffening `tau_el = K x (1 + c x²)`, rad⁻².
     pub spring_cubic_per_rad2: PerJoint,
     /// Delayed elasticity: further deflection that follows a load, as a fraction of the first.
     pub viscoelastic_fraction: PerJoint,
-    /// Its time constant, s.
+    /// Time constant of the viscoelastic element, s.
     pub viscoelastic_time_s: PerJoint,
 }
 
 /// Friction of joints or drives: `(F_c + μ |tau_el|) z + F_v dq`, `z` the pre-sliding state.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionSpec {
-    /// `F_c`, N·m; as the robot's description where left out.
+    /// Coulomb friction torque `F_c`, N·m; default: the robot description.
     pub coulomb_nm: PerJoint,
-    /// `μ`, 0 where left out.
+    /// Load-dependent friction coefficient `μ`; default 0.
     pub torque_fraction: PerJoint,
-    /// `F_v`, N·m·s/rad; as the robot's description where left out.
+    /// Viscous friction coefficient `F_v`, N·m·s/rad; default: the robot description.
     pub viscous_nm_s_per_rad: PerJoint,
-    /// Travel over which friction builds up (to 63 %), rad; 1 mrad where left out.
+    /// Travel over which friction builds up (to 63 %), rad; default 1 mrad.
     pub presliding_rad: PerJoint,
 }
 
@@ -213,7 +241,7 @@ pub struct Encoder {
     pub joint_bits: Option<u32>,
     /// Amplitude of its once-per-turn error, rad; its phase is drawn.
     pub once_per_turn_rad: PerJoint,
-    /// Amplitude of its twice-per-turn error, rad; its phase is drawn.
+    /// Amplitude of the second harmonic of the encoder error, rad; the phase is random.
     pub twice_per_turn_rad: PerJoint,
     /// White noise, rad.
     pub joint_noise_rad: f64,
@@ -233,7 +261,7 @@ pub struct Encoder {
 pub struct TorqueChannel {
     /// Error of the scale.
     pub scale_error: PerJoint,
-    /// Offset, N·m.
+    /// Offset of the measured torque, N·m.
     pub offset_nm: PerJoint,
     /// Amplitude of a ripple with the motor angle, N·m.
     pub ripple_nm: PerJoint,
@@ -243,7 +271,18 @@ pub struct TorqueChannel {
     pub noise_nm: f64,
 }
 
-/// Temperature and what it does to the transmission.
+/// A recorded tension: `(1 + scale) f + offset + noise`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TensionChannel {
+    /// Error of the scale.
+    pub scale_error: PerJoint,
+    /// Offset of the measured tension, N.
+    pub offset_n: PerJoint,
+    /// White noise, N.
+    pub noise_n: f64,
+}
+
+/// Temperature and its effects on the transmission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Temperature {
     /// At which stiffness and zero are as they are, °C.
@@ -252,11 +291,11 @@ pub struct Temperature {
     pub profile_c: Option<Vec<(f64, f64)>>,
     /// Drawn change on top, K.
     pub change_k: Draw,
-    /// When that change starts and is complete, s.
+    /// Start and end of that change, s.
     pub change_from_to_s: (f64, f64),
-    /// Error of the reading, K.
+    /// Error of the temperature sensor, K.
     pub reading_error_k: Draw,
-    /// The reading is right before this time, s: what is known of a change, not of the level.
+    /// Time until which the sensor has no error, s: the error affects a change, not the level.
     pub reading_error_from_s: f64,
     /// Stiffness change, 1/K.
     pub stiffness_per_k: PerJoint,
@@ -264,14 +303,14 @@ pub struct Temperature {
     pub zero_drift_rad_per_k: PerJoint,
 }
 
-/// A body held for a time.
+/// Body carried for a time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
-    /// Which link holds it.
+    /// Link that carries the load.
     pub link: String,
     /// Line in the file.
     pub line: u64,
-    /// Mass, kg.
+    /// Mass of the load, kg.
     pub mass_kg: Draw,
     /// Centre of mass in the link's frame, m.
     pub com_m: [f64; 3],
@@ -283,18 +322,18 @@ pub struct Payload {
     pub release_s: f64,
 }
 
-/// A force on a link for a time.
+/// External force on a link for a time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// From, s.
+    /// Start of the contact, s.
     pub start_s: f64,
-    /// For, s.
+    /// Duration of the contact, s.
     pub duration_s: f64,
-    /// On which link.
+    /// Name of the link.
     pub link: String,
     /// Line in the file.
     pub line: u64,
-    /// Where on it, link frame, m.
+    /// Contact point on the link, link frame, m.
     pub point_m: [f64; 3],
     /// Force in the base frame, N.
     pub force_n: [f64; 3],
@@ -307,11 +346,11 @@ pub struct Contact {
 pub struct RandomContacts {
     /// Share of the time.
     pub fraction: f64,
-    /// On which link.
+    /// Name of the link.
     pub link: String,
     /// Line in the file.
     pub line: u64,
-    /// Where on it, link frame, m.
+    /// Contact point on the link, link frame, m.
     pub point_m: [f64; 3],
     /// Size, N, drawn each time; any direction.
     pub force_n: Draw,
@@ -323,11 +362,11 @@ pub struct RandomContacts {
     pub from_to_s: (f64, f64),
 }
 
-/// Where an offset acts.
+/// Place where an offset acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OffsetKind {
-    /// As the paper does it: added to the recorded motor position where that is larger than the
-    /// offset, nothing added elsewhere. The robot doesn't feel it.
+    /// Injection as in the paper: added to the recorded motor position if that is larger than the offset, nothing
+    /// added elsewhere. The offset has no effect on the robot.
     Injected,
     /// The rope is longer: `tau_el = K (theta_measured − delta_e − q)`.
     Physical,
@@ -337,80 +376,82 @@ pub enum OffsetKind {
     JointEncoder,
 }
 
-/// A tendon offset over time.
+/// Tendon offset with its time profile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
     /// Name of the tendon, which is that of its joint unless `robot.toml` names it; of a joint's encoder name of the joint.
     pub joint: String,
     /// Line in the file.
     pub line: u64,
-    /// Where it acts.
+    /// Place where the offset acts.
     pub kind: OffsetKind,
-    /// Its size, rad of the joint that the tendon is paired with; factor of a table's values.
+    /// Size of the offset, rad of the joint that the tendon is paired with; factor of a table's values.
     pub size_rad: Draw,
-    /// Its course.
+    /// Time profile of the offset.
     pub shape: Shape,
-    /// A step comes so much later than its course says, s.
+    /// Delay of a step relative to its profile, s.
     pub later_s: Draw,
 }
 
-/// An end stop.
+/// End stop of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stop {
-    /// Which joint.
+    /// Name of the joint.
     pub joint: String,
     /// Line in the file.
     pub line: u64,
-    /// Where it begins, rad.
+    /// Position at which the stop begins, rad.
     pub at_rad: f64,
-    /// Whether it holds the joint from above.
+    /// Whether the stop limits the joint from above.
     pub is_upper: bool,
-    /// What it gives by, N·m/rad; `None`: a thousand times the joint's spring.
+    /// Contact stiffness of the stop, N·m/rad; `None`: 1000 times the joint's spring.
     pub stiffness_nm_per_rad: Option<f64>,
 }
 
-/// A joint that is held by far more friction than it should have.
+/// Joint seized by excessive friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jam {
-    /// Which joint.
+    /// Name of the joint.
     pub joint: String,
     /// Line in the file.
     pub line: u64,
     /// Coulomb friction on top of the joint's own, N·m.
     pub torque_nm: f64,
-    /// From, s.
+    /// Start of the interval, s.
     pub from_s: f64,
-    /// Until, s.
+    /// End of the interval, s.
     pub to_s: f64,
 }
 
-/// A named part of the recording.
+/// Named session of the recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Session {
-    /// Its name.
+    /// Name of the session.
     pub name: String,
-    /// From, s.
+    /// Start of the session, s.
     pub from_s: f64,
-    /// To, s.
+    /// End of the session, s.
     pub to_s: f64,
 }
 
-/// Channels beside joint and motor position.
+/// Optional channels of a recording besides joint and motor position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Record {
-    /// Joint velocity.
+    /// Whether the joint velocity is recorded.
     pub dq: bool,
     /// Elastic torque of a sensor.
     pub tau_el: bool,
-    /// Motor torque.
+    /// Whether the motor torque is recorded.
     pub tau_m: bool,
-    /// External torque, as if contacts were known (a payload is not).
+    /// External torque of the contacts (without payload), as if they were known.
     pub tau_ext: bool,
+    /// Tension of the tendons.
+    pub tension: bool,
     /// Temperature of the ropes.
     pub temperature: bool,
 }
 
-/// What goes wrong between robot and file.
+/// Transmission faults between robot and file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Faults {
     /// Share of frames lost.
@@ -444,12 +485,14 @@ impl Default for Scenario {
             motion: Motion::Hold {
                 pose_rad: PerJoint::default(),
             },
+            co_contraction: None,
             truth: Truth::default(),
             joint_friction: FrictionSpec::default(),
             motor_friction: FrictionSpec::default(),
             encoder: Encoder::default(),
             motor_torque: TorqueChannel::default(),
             torque_sensor: TorqueChannel::default(),
+            tension_sensor: TensionChannel::default(),
             velocity_noise_rad_per_s: 0.0,
             temperature: Temperature::default(),
             payloads: Vec::new(),
@@ -481,7 +524,7 @@ impl Default for Temperature {
 }
 
 impl FrictionSpec {
-    /// No friction at all.
+    /// Returns zero friction.
     pub fn none() -> Self {
         Self {
             coulomb_nm: PerJoint::fixed(0.0),

@@ -1,31 +1,31 @@
-//! A value over time.
+//! Time profile of a value.
 
-/// Course of a value whose size is given apart.
+/// Time profile of a value whose size is specified separately.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// There from the start.
+    /// Constant from the start.
     Constant,
-    /// There from this time on, s.
+    /// Step from 0 to the full size.
     Step {
-        /// When, s.
+        /// Time of the step, s.
         at_s: f64,
     },
     /// Grows along a straight line.
     Ramp {
-        /// Starts, s.
+        /// Start of the ramp, s.
         from_s: f64,
-        /// Complete, s.
+        /// End of the ramp, s.
         to_s: f64,
     },
     /// Saturating growth `1 − exp(−(t − from)/T)`, as every rope of the paper's Fig. 1 does.
     Exponential {
-        /// Starts, s.
+        /// Start of the rise, s.
         from_s: f64,
-        /// `T`, s.
+        /// Time constant `T`, s.
         time_constant_s: f64,
     },
-    /// Straight lines between these times and values; the ends hold. A rope that is relaxed and
-    /// re-tensioned is a table that goes up and comes back.
+    /// Linear interpolation between these times and values, constant outside. A rope that is relaxed and re-tensioned
+    /// is a table that increases and then decreases.
     Table(Vec<(f64, f64)>),
 }
 
@@ -64,7 +64,7 @@ impl Shape {
         }
     }
 
-    /// The same course, a step of it so much later, s.
+    /// Returns the same profile with a step delayed by `later_s`, s.
     pub fn later(&self, later_s: f64) -> Self {
         match self {
             Self::Step { at_s } => Self::Step {
@@ -74,7 +74,7 @@ impl Shape {
         }
     }
 
-    /// Where the course has a corner or jumps, s.
+    /// Times at which the profile has a corner or a step, s.
     pub fn corners(&self) -> Vec<f64> {
         match self {
             Self::Constant => Vec::new(),
@@ -85,7 +85,7 @@ impl Shape {
         }
     }
 
-    /// When the value jumps, s.
+    /// Times of the steps of the value, s.
     pub fn step_s(&self) -> Option<f64> {
         match self {
             Self::Step { at_s } => Some(*at_s),
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_shape_starts_and_ends_where_it_says() {
+    fn shapes_start_and_end_as_specified() {
         let table = Shape::Table(vec![(1.0, 0.0), (2.0, 4.0), (3.0, 1.0)]);
         assert_eq!(
             [0.0, 1.5, 2.0, 2.5, 9.0].map(|t| table.at(t)),

@@ -11,13 +11,13 @@ use sinew_files::{Bound, Fields as _, Located, Section, TomlFile, limits, read_t
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// No joint of an arm is asked to go further than ten turns: above that a degree was meant.
+/// Bound of a joint angle, rad: ten turns; a larger value is probably in degrees.
 const ANGLE: Bound = Bound::Within(-63.0, 63.0);
 
 impl Scenario {
     /// Reads a scenario; `file` is its name for messages.
     ///
-    /// Unknown keys are refused. Joints and links are checked against the robot later, by
+    /// Unknown keys are rejected. Joints and links are checked against the robot later, by
     /// [`Simulation::new`](crate::Simulation::new).
     ///
     /// # Errors
@@ -29,15 +29,15 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// Reads a file, and the estimate its correction names beside it.
+    /// Reads a scenario file, and the estimate that its correction names in the same folder.
     ///
     /// # Errors
-    /// [`SimulateError`].
+    /// Returns a [`SimulateError`] if a file cannot be read or is invalid.
     pub fn open(path: &Path) -> Result<Self, SimulateError> {
         let text = read_text(path, &limits::SETTINGS)?;
         let mut scenario = Self::from_toml(&text, &path.display().to_string())?;
-        let beside = path.parent().unwrap_or(Path::new(""));
-        scenario.correction.read_estimate(beside)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        scenario.correction.read_estimate(folder)?;
         Ok(scenario)
     }
 
@@ -45,7 +45,7 @@ impl Scenario {
         let plain = Self::default();
         let motion = root
             .read("motion", motion)?
-            .ok_or_else(|| root.missing("[motion]", "what the arm does"))?;
+            .ok_or_else(|| root.missing("[motion]", "commanded motion of the arm"))?;
         Ok(Self {
             file: file.into(),
             name: root.text("name")?.unwrap_or_else(|| {
@@ -71,7 +71,7 @@ impl Scenario {
             start_time_ns: match root.count("start_time_ns")? {
                 None => plain.start_time_ns,
                 Some(ns) => i64::try_from(ns)
-                    .map_err(|_| root.refuse("start_time_ns", "a time before the year 2262"))?,
+                    .map_err(|_| root.invalid("start_time_ns", "a time before the year 2262"))?,
             },
             controller: root.read("controller", controller)?.unwrap_or_default(),
             correction: root.read("correction", correction)?.unwrap_or_default(),
@@ -79,6 +79,7 @@ impl Scenario {
                 .read("contact_detection", contact_detection)?
                 .unwrap_or_default(),
             motion,
+            co_contraction: root.read("co_contraction", co_contraction)?,
             truth: root.read("truth", truth)?.unwrap_or_default(),
             joint_friction: root.read("joint_friction", friction)?.unwrap_or_default(),
             motor_friction: root.read("motor_friction", friction)?.unwrap_or_default(),
@@ -88,6 +89,9 @@ impl Scenario {
                 .unwrap_or_default(),
             torque_sensor: root
                 .read("torque_sensor", torque_channel)?
+                .unwrap_or_default(),
+            tension_sensor: root
+                .read("tension_sensor", tension_channel)?
                 .unwrap_or_default(),
             velocity_noise_rad_per_s: root
                 .number("velocity_noise_rad_per_s", Bound::NotNegative)?
@@ -109,10 +113,10 @@ impl Scenario {
         let whole = |rate: f64| self.steps_per(rate).is_some();
         let must = "a rate whose period is a multiple of integration_step_s";
         if !whole(self.control_rate_hz) {
-            return Err(root.refuse("control_rate_hz", must));
+            return Err(root.invalid("control_rate_hz", must));
         }
         if !whole(self.sample_rate_hz) {
-            return Err(root.refuse("sample_rate_hz", must));
+            return Err(root.invalid("sample_rate_hz", must));
         }
         Ok(())
     }
@@ -120,8 +124,8 @@ impl Scenario {
     /// Integration steps in a period of `rate_hz`, if that is a whole number.
     pub fn steps_per(&self, rate_hz: f64) -> Option<u64> {
         let steps = 1.0 / (rate_hz * self.integration_step_s);
-        // Rates and steps are decimal numbers with a few digits; a millionth tells a multiple
-        // from a near miss and is far above rounding.
+        // Rates and steps are decimal numbers with a few digits; 1e-6 separates a multiple from a near miss and is
+        // far above rounding.
         ((steps - steps.round()).abs() < 1e-6 * steps && steps.round() >= 1.0)
             .then_some(steps.round() as u64)
     }
@@ -131,6 +135,24 @@ fn controller(s: &Section<'_>) -> Result<Controller, Located> {
     Ok(Controller {
         stiffness_nm_per_rad: per(s, "stiffness_nm_per_rad", Bound::NotNegative)?,
         damping_nm_s_per_rad: per(s, "damping_nm_s_per_rad", Bound::NotNegative)?,
+    })
+}
+
+fn co_contraction(s: &Section<'_>) -> Result<CoContraction, Located> {
+    let tension_n = s.need(
+        "tension_n",
+        Bound::NotNegative,
+        "minimum tension of every strand",
+    )?;
+    let varies_n = s.number_or("varies_n", Bound::NotNegative, 0.0)?;
+    let period_s = s.number("period_s", Bound::Positive)?;
+    if varies_n > 0.0 && period_s.is_none() {
+        return Err(s.missing("period_s", "period of the tension"));
+    }
+    Ok(CoContraction {
+        tension_n,
+        varies_n,
+        period_s: period_s.unwrap_or(1.0),
     })
 }
 
@@ -146,14 +168,14 @@ fn motion(s: &Section<'_>) -> Result<Motion, Located> {
                     pose_rad: per(w, "pose_rad", ANGLE)?,
                     move_s: w
                         .draw("move_s", Bound::Positive)?
-                        .ok_or_else(|| w.missing("move_s", "the length of the move"))?,
+                        .ok_or_else(|| w.missing("move_s", "duration of the move"))?,
                     pause_s: w
                         .draw("pause_s", Bound::NotNegative)?
                         .unwrap_or(Draw::Fixed(0.0)),
                 })
             })?;
             if waypoints.is_empty() {
-                return Err(s.missing("[[motion.waypoints]]", "at least one pose to go to"));
+                return Err(s.missing("[[motion.waypoints]]", "at least one target pose"));
             }
             Motion::Waypoints {
                 start_rad: per(s, "start_rad", ANGLE)?,
@@ -173,37 +195,38 @@ fn motion(s: &Section<'_>) -> Result<Motion, Located> {
         Some("staircase") => {
             let steps = s.count("steps")?.unwrap_or(4);
             if !(1..=100_000).contains(&steps) {
-                return Err(s.refuse("steps", "between 1 and 100000"));
+                return Err(s.invalid("steps", "between 1 and 100000"));
             }
             Motion::Staircase {
                 joint: s
                     .text("joint")?
-                    .ok_or_else(|| s.missing("joint", "which joint climbs"))?,
+                    .ok_or_else(|| s.missing("joint", "joint that moves"))?,
                 line: s.line(),
                 from_rad: s.number("from_rad", ANGLE)?.unwrap_or(0.0),
                 to_rad: s.number("to_rad", ANGLE)?.unwrap_or(PI / 2.0),
                 steps: steps as usize,
                 move_s: s
                     .draw("move_s", Bound::Positive)?
-                    .ok_or_else(|| s.missing("move_s", "the length of a move"))?,
+                    .ok_or_else(|| s.missing("move_s", "duration of a move"))?,
                 pause_s: s
                     .draw("pause_s", Bound::NotNegative)?
-                    .ok_or_else(|| s.missing("pause_s", "the rest after a move"))?,
+                    .ok_or_else(|| s.missing("pause_s", "rest after a move"))?,
                 pose_rad: per(s, "pose_rad", ANGLE)?,
                 there_and_back: s.flag("there_and_back")?,
                 repeat: s.flag("repeat")?,
             }
         }
-        _ => return Err(s.refuse("kind", kinds)),
+        _ => return Err(s.invalid("kind", kinds)),
     })
 }
 
 fn truth(s: &Section<'_>) -> Result<Truth, Located> {
-    // A factor outside of this is a unit gone wrong, not a robot.
+    // A factor outside this range indicates a wrong unit.
     let factor = Bound::Within(0.05, 20.0);
     Ok(Truth {
         stiffness_factor: per(s, "stiffness_factor", factor)?,
-        stiffness_later_factor: per(s, "stiffness_later_factor", factor)?,
+        // A factor of 0 is a torn tendon.
+        stiffness_later_factor: per(s, "stiffness_later_factor", Bound::Within(0.0, 20.0))?,
         stiffness_later_from_s: s
             .number("stiffness_later_from_s", Bound::NotNegative)?
             .unwrap_or(0.0),
@@ -212,6 +235,7 @@ fn truth(s: &Section<'_>) -> Result<Truth, Located> {
         com_across_fraction: per(s, "com_across_fraction", Bound::Within(-1.0, 1.0))?,
         inertia_factor: per(s, "inertia_factor", factor)?,
         motor_inertia_factor: per(s, "motor_inertia_factor", factor)?,
+        pretension_factor: per(s, "pretension_factor", factor)?,
         spring_cubic_per_rad2: per(s, "spring_cubic_per_rad2", Bound::NotNegative)?,
         viscoelastic_fraction: per(s, "viscoelastic_fraction", Bound::Within(0.0, 1.0))?,
         viscoelastic_time_s: per(s, "viscoelastic_time_s", Bound::Positive)?,
@@ -233,7 +257,7 @@ fn encoder(s: &Section<'_>) -> Result<Encoder, Located> {
     let joint_bits = match s.count("joint_bits")? {
         None => None,
         Some(bits @ 4..=40) => Some(bits as u32),
-        Some(_) => return Err(s.refuse("joint_bits", "between 4 and 40")),
+        Some(_) => return Err(s.invalid("joint_bits", "between 4 and 40")),
     };
     Ok(Encoder {
         joint_bits,
@@ -242,7 +266,7 @@ fn encoder(s: &Section<'_>) -> Result<Encoder, Located> {
         joint_noise_rad: number("joint_noise_rad")?,
         motor_resolution_rad: number("motor_resolution_rad")?,
         motor_noise_rad: number("motor_noise_rad")?,
-        // Beyond this the drive is another one, not a wrong ratio.
+        // A larger error is not a plausible gear ratio error.
         motor_scale_error: per(s, "motor_scale_error", Bound::Within(-0.5, 0.5))?,
         motor_delay_s: s
             .number("motor_delay_s", Bound::Within(0.0, 10.0))?
@@ -262,6 +286,14 @@ fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, Located> {
     })
 }
 
+fn tension_channel(s: &Section<'_>) -> Result<TensionChannel, Located> {
+    Ok(TensionChannel {
+        scale_error: per(s, "scale_error", Bound::Any)?,
+        offset_n: per(s, "offset_n", Bound::Any)?,
+        noise_n: s.number_or("noise_n", Bound::NotNegative, 0.0)?,
+    })
+}
+
 fn temperature(s: &Section<'_>) -> Result<Temperature, Located> {
     let plain = Temperature::default();
     let celsius = Bound::Within(-60.0, 200.0);
@@ -270,7 +302,7 @@ fn temperature(s: &Section<'_>) -> Result<Temperature, Located> {
         .unwrap_or(0.0);
     let to = s.number("change_to_s", Bound::NotNegative)?.unwrap_or(from);
     if to < from {
-        return Err(s.refuse("change_to_s", "at least change_from_s"));
+        return Err(s.invalid("change_to_s", "at least change_from_s"));
     }
     let zero = Draw::Fixed(0.0);
     Ok(Temperature {
@@ -286,7 +318,7 @@ fn temperature(s: &Section<'_>) -> Result<Temperature, Located> {
         reading_error_from_s: s
             .number("reading_error_from_s", Bound::NotNegative)?
             .unwrap_or(0.0),
-        // Beyond this the stiffness could change sign within the temperatures allowed.
+        // A larger value could change the sign of the stiffness within the allowed temperatures.
         stiffness_per_k: per(s, "stiffness_per_k", Bound::Within(-0.0035, 0.0035))?,
         zero_drift_rad_per_k: per(s, "zero_drift_rad_per_k", Bound::Any)?,
     })

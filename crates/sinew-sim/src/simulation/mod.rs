@@ -1,4 +1,4 @@
-//! A robot and a scenario, frame by frame.
+//! Simulation of a robot and a scenario, frame by frame.
 
 mod measure;
 mod setup;
@@ -8,6 +8,7 @@ use crate::controller::Controller;
 use crate::controller_model::ControllerModel;
 use crate::error::SimulateError;
 use crate::motion::Trajectory;
+use crate::paths::Paths;
 use crate::plant::{Drive, Inputs, Plant, PointForce};
 use crate::sampled::{SampledOffset, SampledPayload, SampledTemperature};
 use crate::scenario::{Jam, OffsetKind, Scenario};
@@ -19,14 +20,14 @@ use sinew_model::correction::JointCorrection;
 use sinew_model::tendons::Routings;
 use std::collections::VecDeque;
 
-/// The true state behind a frame. All of length `n`.
+/// True state of a frame. One entry per axis each; 0 for quantities that an axis does not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueState {
     /// Time since the start of the recording, s.
     pub time_s: f64,
-    /// Joint position asked of the controller, rad.
+    /// Commanded joint positions, rad.
     pub q_d: Vec<f64>,
-    /// Its velocity, rad/s: 0 while the arm is asked to stand.
+    /// Commanded joint velocities, rad/s: 0 at rest.
     pub dq_d: Vec<f64>,
     /// Joint position, rad.
     pub q: Vec<f64>,
@@ -42,23 +43,28 @@ pub struct TrueState {
     pub tau_el: Vec<f64>,
     /// Torque of contacts, N·m.
     pub tau_ext: Vec<f64>,
+    /// Torque of the tendon in its coordinate, N·m; 0 of a slack strand.
+    pub tendon_torque: Vec<f64>,
+    /// Tension of the tendon, N, of a loop the difference of its two sides; NaN where no radius is specified.
+    pub tension_n: Vec<f64>,
 }
 
-/// What the offset of a joint is made of, rad.
+/// Components of the offset of a tendon, rad.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct OffsetParts {
-    /// The rope is longer.
+    /// Elongation of the rope.
     pub physical: f64,
     /// Added to the recorded motor position by the paper's rule.
     pub injected: f64,
-    /// The motor's encoder reads too much.
+    /// Slip of the motor encoder (positive: measured position too large).
     pub motor_encoder: f64,
-    /// The joint's encoder reads too little; of a tendon that crosses several joints the sum over these, each times its moment arm.
+    /// Slip of the joint encoder (positive: measured position too small); for a tendon that crosses several joints
+    /// the sum over these, each times its moment arm.
     pub joint_encoder: f64,
 }
 
 impl OffsetParts {
-    /// What `theta_measured − q` shows of it.
+    /// Returns the offset that `theta_measured − q` contains, rad.
     pub fn sum(self) -> f64 {
         self.physical + self.injected + self.motor_encoder + self.joint_encoder
     }
@@ -79,7 +85,7 @@ impl OffsetParts {
 pub struct Simulation {
     scenario: Scenario,
     names: Vec<String>,
-    /// Names of the tendon that each joint is paired with, and of its motor.
+    /// Names of the tendon on each axis, and of its motor.
     tendons: Vec<String>,
     motors: Vec<String>,
     /// The true arm with an empty gripper.
@@ -94,12 +100,14 @@ pub struct Simulation {
     payloads: Vec<SampledPayload>,
     held: Vec<bool>,
     temperature: SampledTemperature,
-    /// By joint.
+    /// Jammed joints with their intervals.
     jams: Vec<(usize, Jam)>,
     /// Coulomb friction of each joint without a jam, N·m.
     joint_coulomb_nm: Vec<f64>,
-    /// Factor on the stiffness of each joint from the scenario's time on.
+    /// Factor on the stiffness of each tendon from the scenario's time on.
     stiffness_later: Vec<f64>,
+    /// Torque per newton of tension, m, by axis; NaN where no radius is specified.
+    metres_per_rad: Vec<f64>,
     /// Motor positions of the last frames, the newest last, where they are recorded late.
     shown: VecDeque<Vec<f64>>,
     duration_s: f64,
@@ -113,8 +121,11 @@ pub struct Simulation {
     q_d: Vec<f64>,
     dq_d: Vec<f64>,
     ddq_d: Vec<f64>,
+    tau_el: Vec<f64>,
+    tau_ext: Vec<f64>,
+    // One entry per axis each.
     tau_m: Vec<f64>,
-    /// Motor position as the controller reads it.
+    /// Motor position measured by the controller.
     theta_read: Vec<f64>,
     delta_e: Vec<f64>,
     stiffness_scale: Vec<f64>,
@@ -144,7 +155,7 @@ impl Simulation {
         &self.names
     }
 
-    /// Name of the tendon that each joint is paired with: the joint's own where it has no other.
+    /// Name of the tendon on each axis: the joint's own where it has no other.
     pub fn tendon_names(&self) -> &[String] {
         &self.tendons
     }
@@ -154,24 +165,61 @@ impl Simulation {
         &self.motors
     }
 
-    /// Routings of tendons that cross several joints.
-    pub(crate) fn routings(&self) -> Option<&Routings> {
-        self.plant.routings.as_ref()
+    /// Number of axes: entries of the arrays of a frame.
+    pub fn axes(&self) -> usize {
+        self.plant.drives.len()
     }
 
-    /// Position in the coordinate of tendon `i` over that at its motor's shaft; `None` where both are the same.
+    /// Paths of tendons that cross several joints.
+    pub(crate) fn paths(&self) -> Option<&Paths> {
+        self.plant.paths.as_ref()
+    }
+
+    /// Routings of tendons that cross several joints.
+    pub(crate) fn routings(&self) -> Option<&Routings> {
+        self.paths().map(|paths| &paths.routings)
+    }
+
+    /// Whether there is a tendon on an axis, and a motor with it.
+    pub(crate) fn has_tendon(&self, i: usize) -> bool {
+        self.paths().is_none_or(|paths| paths.has_tendon(i))
+    }
+
+    /// First axis with the motor of axis `i`.
+    pub(crate) fn motor_axis(&self, i: usize) -> usize {
+        self.paths().map_or(i, |paths| paths.motor_axis(i).0)
+    }
+
+    /// Ratio of the position in the coordinate of tendon `i` to the position of its motor shaft; `None` if both are
+    /// identical.
     pub(crate) fn drive_ratio(&self, i: usize) -> Option<f64> {
         self.routings().map(|routings| routings.drive_ratio(i))
     }
 
-    /// By how much an offset moves what is shown of tendon `i`.
+    /// Returns the weight of an offset in the measured position of tendon `i`.
     pub(crate) fn weight(&self, offset: &SampledOffset, i: usize) -> f64 {
         match self.routings() {
             Some(routings) if offset.kind == OffsetKind::JointEncoder => {
                 routings.moment_arm(i, offset.joint)
             }
             _ if offset.joint == i => 1.0,
+            Some(_) if matches!(offset.kind, OffsetKind::MotorEncoder | OffsetKind::Injected) => {
+                self.in_coordinate_of(i, offset.joint)
+            }
             _ => 0.0,
+        }
+    }
+
+    /// Ratio of the position of tendon `i` to that of tendon `of` if one motor drives both; 0 otherwise.
+    fn in_coordinate_of(&self, i: usize, of: usize) -> f64 {
+        let Some(paths) = self.paths() else {
+            return 0.0;
+        };
+        let ((motor, ratio), (other, of_ratio)) = (paths.motor_axis(i), paths.motor_axis(of));
+        if motor == other {
+            ratio / of_ratio
+        } else {
+            0.0
         }
     }
 
@@ -185,7 +233,7 @@ impl Simulation {
     /// The next frame, or `None` at the end.
     ///
     /// # Errors
-    /// [`SimulateError::Diverged`] when the state leaves the range of numbers.
+    /// Returns [`SimulateError::Diverged`] if the simulation diverges.
     pub fn next_frame(&mut self) -> Result<Option<&Frame>, SimulateError> {
         if self.frames >= self.frame_count {
             return Ok(None);
@@ -199,12 +247,12 @@ impl Simulation {
         Ok(Some(&self.frame))
     }
 
-    /// What was true at the latest frame.
+    /// Returns the true state at the latest frame.
     pub fn true_state(&self) -> &TrueState {
         &self.truth
     }
 
-    /// Offset of the tendon of joint `i` at `t`, s, as the scenario has it, in rad of that joint.
+    /// Offset of the tendon on axis `i` at `t`, s, as the scenario has it, in rad of its coordinate.
     pub fn offset_at(&self, i: usize, t: f64) -> OffsetParts {
         let mut sum = OffsetParts::default();
         for o in &self.offsets {
@@ -224,14 +272,14 @@ impl Simulation {
         sum
     }
 
-    /// What is known of joint `i` at `t`, s, to whoever corrects a recording: injected offsets
+    /// Returns the correction of the tendon on axis `i` at `t`, s, as used to correct a recording: injected offsets
     /// included.
     pub fn correction_at(&self, i: usize, t: f64) -> JointCorrection {
         self.controller_model
             .of_joint(i, self.offset_at(i, t).sum())
     }
 
-    /// Whether what is known changes with the true offset.
+    /// Whether the correction changes with the true offset.
     pub fn correction_changes(&self) -> bool {
         self.controller_model.follows_truth()
     }
@@ -246,17 +294,17 @@ impl Simulation {
         &self.payloads
     }
 
-    /// Who touches the arm when.
+    /// Returns the contacts with the environment.
     pub fn contacts(&self) -> &Contacts {
         &self.contacts
     }
 
-    /// Every joint's transmission as it truly is.
+    /// Returns the true transmission on every axis.
     pub fn drives(&self) -> &[Drive] {
         &self.plant.drives
     }
 
-    /// The arm as it truly is, the gripper empty.
+    /// Returns the true model of the arm, with an empty gripper.
     pub fn true_empty_arm(&self) -> &Arm {
         &self.empty
     }
@@ -266,7 +314,7 @@ impl Simulation {
         &self.temperature
     }
 
-    /// What is simulated.
+    /// Returns the simulated scenario.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -275,8 +323,8 @@ impl Simulation {
     fn advance(&mut self) -> Result<(), SimulateError> {
         let h = self.scenario.integration_step_s;
         let t = self.time_s();
-        // What changes with time is held at the middle of the step: second order in a smooth
-        // course, and a jump on the grid of steps falls between two of them.
+        // Time-dependent values are held at the middle of the step: second order for a smooth profile, and a step
+        // change on the grid of steps falls between two of them.
         let middle = t + 0.5 * h;
         self.set_inputs(middle);
         let inputs = Inputs {
@@ -298,21 +346,21 @@ impl Simulation {
             self.trajectory
                 .at(t, &mut self.q_d, &mut self.dq_d, &mut self.ddq_d);
             if self.controller_model.follows_truth() {
-                for i in 0..self.names.len() {
-                    // The set-point needs what the spring feels; an injected offset it doesn't.
-                    let known = self
+                for i in 0..self.axes() {
+                    // The set-point needs the offset that acts on the spring; an injected offset does not.
+                    let correction = self
                         .controller_model
                         .of_joint(i, self.offset_at(i, t).physical);
-                    self.controller.know(i, &known)?;
+                    self.controller.set_correction(i, &correction)?;
                 }
             }
-            for i in 0..self.names.len() {
+            for i in 0..self.axes() {
                 self.theta_read[i] = self.plant.state.theta[i] + self.offset_at(i, t).motor_encoder;
             }
             let wanted = [&self.q_d[..], &self.dq_d, &self.ddq_d];
             let dtheta = &self.plant.state.dtheta;
             self.controller
-                .step(wanted, &self.theta_read, dtheta, &mut self.tau_m)
+                .step(t, wanted, &self.theta_read, dtheta, &mut self.tau_m)
                 .map_err(|e| diverged(t, e))?;
         }
         Ok(())
@@ -322,7 +370,7 @@ impl Simulation {
         if self.offsets.is_empty() {
             self.delta_e.fill(0.0);
         } else {
-            for i in 0..self.names.len() {
+            for i in 0..self.axes() {
                 self.delta_e[i] = self.offset_at(i, t).physical;
             }
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::plant::State;
 use crate::sampled::{
-    check_names, draw_temperature, drives, offset_owner, transmissions, true_arm, unknown,
+    Names, check_names, draw_temperature, drives, offset_owner, transmissions, true_arm, unknown,
 };
 use crate::scenario::{Stream, rng};
 use rand::RngExt;
@@ -14,16 +14,20 @@ impl Simulation {
     /// Draws the truth and puts the arm at rest at its first pose.
     ///
     /// # Errors
-    /// [`SimulateError`]: a joint or link the robot doesn't have, a joint without an elastic
-    /// transmission or motor inertia, rates that don't fit the integration step, a motion that
-    /// never ends without a duration.
+    /// Returns a [`SimulateError`] for a joint or link that is not in the robot, a joint without an elastic
+    /// transmission or motor inertia, rates that are not multiples of the integration step, or an endless motion
+    /// without a duration.
     pub fn new(robot: &Robot, scenario: &Scenario) -> Result<Self, SimulateError> {
-        let names = robot.joint_names().to_vec();
+        let names = Names::of(robot);
         check_names(robot, scenario)?;
-        let transmissions = transmissions(robot)?;
+        let paths = Paths::of(robot);
+        if scenario.co_contraction.is_some() {
+            check_co_contraction(robot, scenario, paths.as_ref())?;
+        }
+        let transmissions = transmissions(robot, paths.as_ref())?;
         let nominal_inertia: Vec<f64> = transmissions
             .iter()
-            .map(|t| t.motor_inertia_kg_m2.unwrap_or(0.0))
+            .map(|t| t.and_then(|t| t.motor_inertia_kg_m2).unwrap_or(0.0))
             .collect();
         let steps_per = |what: &str, rate: f64| {
             scenario.steps_per(rate).ok_or_else(|| {
@@ -42,8 +46,14 @@ impl Simulation {
         let robot_seed = scenario.robot_seed.unwrap_or(scenario.seed);
         let mut truth_rng = rng(robot_seed, Stream::Truth);
         let empty = true_arm(robot, scenario, &mut truth_rng)?;
-        let drives = drives(scenario, &names, &transmissions, &mut truth_rng);
-        let temperature = draw_temperature(scenario, &names, &mut truth_rng);
+        let mut drives = drives(
+            scenario,
+            &names,
+            &transmissions,
+            paths.as_ref(),
+            &mut truth_rng,
+        );
+        let temperature = draw_temperature(scenario, &names.tendons, &mut truth_rng);
         let mut grip_rng = rng(robot_seed, Stream::Grip);
         let mut payload_rng = rng(robot_seed, Stream::Payloads);
         let payloads: Vec<SampledPayload> = scenario
@@ -73,30 +83,34 @@ impl Simulation {
                 })
             })
             .collect();
-        // What the language learned later is drawn from a stream of its own.
+        // Features added in later versions are drawn from a separate stream.
         let mut later_rng = rng(robot_seed, Stream::Later);
-        let sensors = Sensors::new(
+        let mut sensors = Sensors::new(
             scenario,
             &names,
             &mut truth_rng,
             &mut later_rng,
             rng(scenario.seed, Stream::Sensors),
         );
-        let stiffness_later = scenario.truth.stiffness_later_factor.sample(
-            &names,
-            &vec![1.0; names.len()],
-            &mut later_rng,
-        );
+        let one = vec![1.0; robot.axes()];
+        let later = &scenario.truth.stiffness_later_factor;
+        let stiffness_later = later.sample(&names.tendons, &one, &mut later_rng);
+        let pretension = &scenario.truth.pretension_factor;
+        let pretension = pretension.sample(&names.tendons, &one, &mut later_rng);
+        for (drive, factor) in drives.iter_mut().zip(pretension) {
+            drive.pretension_nm *= factor;
+        }
+        sensors.add_tension(scenario, &names.tendons, &mut later_rng);
         let jams = scenario
             .jams
             .iter()
             .filter_map(|j| Some((robot.arm.joint_index(&j.joint)?, j.clone())))
             .collect();
         let controller_model = ControllerModel::new(robot, scenario)?;
-        let routings = Routings::of(&robot.transmissions);
         let controller = Controller::new(
             robot,
-            routings.clone(),
+            &names,
+            paths.clone(),
             &nominal_inertia,
             scenario,
             controller_model.at_start(),
@@ -105,7 +119,7 @@ impl Simulation {
         let limits: Vec<(f64, f64)> = robot.limits.iter().map(|l| (l.lower, l.upper)).collect();
         let trajectory = Trajectory::new(
             &scenario.motion,
-            &names,
+            &names.joints,
             &limits,
             rng(scenario.seed, Stream::Motion),
             |line, name| unknown(robot, scenario, line, "joint", name),
@@ -114,11 +128,11 @@ impl Simulation {
             .duration_s
             .or(trajectory.length_s())
             .ok_or_else(|| {
-                let problem = "duration_s is missing: this motion never ends by itself";
+                let problem = "duration_s is missing: this motion has no end";
                 Located::new(&scenario.file, Fault::MissingKey, problem)
             })?;
         let steps = (duration_s + scenario.settle_s) / scenario.integration_step_s;
-        // A length that is no number of steps at all is above any bound.
+        // A length with a non-finite number of steps exceeds any bound.
         if limits::SIMULATED_STEPS.check(steps as u64).is_err() {
             let problem = format!("{steps:.3e} integration steps; {}", limits::SIMULATED_STEPS);
             let located = Located::new(&scenario.file, Fault::TooLarge, problem);
@@ -129,13 +143,13 @@ impl Simulation {
             Err(located.key(key).value(duration_s).unit("s"))?;
         }
 
-        let n = names.len();
+        let (dof, axes) = (names.joints.len(), robot.axes());
         let joint_coulomb_nm = drives.iter().map(|d| d.joint_friction.coulomb_nm).collect();
-        let zero = vec![0.0; n];
+        let (of_joints, zero) = (vec![0.0; dof], vec![0.0; axes]);
         let start = trajectory.start().to_vec();
         let period_s = control_steps as f64 * scenario.integration_step_s;
         let mut simulation = Self {
-            plant: Plant::new(empty.clone(), drives, routings, State::at_rest(start)),
+            plant: Plant::new(empty.clone(), drives, paths, State::at_rest(start, axes)),
             empty,
             controller,
             trajectory,
@@ -161,15 +175,17 @@ impl Simulation {
             tick: 0,
             frames: 0,
             frame_count: (duration_s * scenario.sample_rate_hz).round().max(1.0) as u64,
-            q_d: zero.clone(),
-            dq_d: zero.clone(),
-            ddq_d: zero.clone(),
+            q_d: of_joints.clone(),
+            dq_d: of_joints.clone(),
+            ddq_d: of_joints.clone(),
+            tau_el: of_joints.clone(),
+            tau_ext: of_joints,
             tau_m: zero.clone(),
             theta_read: zero.clone(),
             delta_e: zero.clone(),
-            stiffness_scale: vec![1.0; n],
+            stiffness_scale: one,
             forces: Vec::new(),
-            frame: Frame::new(n),
+            frame: Frame::new(axes),
             truth: TrueState {
                 time_s: 0.0,
                 q_d: zero.clone(),
@@ -179,11 +195,14 @@ impl Simulation {
                 theta: zero.clone(),
                 delta_e: zero.clone(),
                 tau_el: zero.clone(),
-                tau_ext: zero,
+                tau_ext: zero.clone(),
+                tendon_torque: zero.clone(),
+                tension_n: zero,
             },
+            metres_per_rad: metres_per_rad(robot),
             tendons: robot.tendon_names(),
             motors: robot.motor_names(),
-            names,
+            names: names.joints,
             scenario: scenario.clone(),
         };
         simulation.rest_at_start()?;
@@ -191,31 +210,97 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Stretches the springs to what gravity asks for.
+    /// Stretches the tendons to the loads of gravity and passive springs, and strands to their initial tension.
     fn rest_at_start(&mut self) -> Result<(), SimulateError> {
         let t = self.time_s();
         self.change_payload(t)?;
         self.set_inputs(t);
-        let g = self
+        let mut tau_el = self
             .plant
             .gravity_torque()
             .map_err(|e| diverged(t, e))?
             .to_vec();
-        for i in 0..g.len() {
-            let drive = self.plant.drives[i];
+        let least = self.controller.least(t);
+        let mut held = vec![0.0; self.axes()];
+        let plant = &mut self.plant;
+        match &plant.paths {
+            Some(paths) => {
+                for (j, tau) in tau_el.iter_mut().enumerate() {
+                    *tau += paths.spring_torque(j, plant.state.q[j]);
+                }
+                paths.distribute(&plant.state.q, &tau_el, least, &mut held);
+            }
+            None => held.copy_from_slice(&tau_el),
+        }
+        for (i, held) in held.iter().enumerate() {
+            let drive = plant.drives[i];
             let scale = self.stiffness_scale[i];
-            let s = &mut self.plant.state;
-            let (held, position) = match &self.plant.routings {
-                Some(routings) => (
-                    routings.torque_of(i, g.iter().copied()),
-                    routings.path(i, &s.q),
+            let s = &mut plant.state;
+            let (held, position) = match &plant.paths {
+                Some(paths) if !paths.has_tendon(i) => {
+                    s.theta[i] = 0.0;
+                    continue;
+                }
+                Some(paths) => (
+                    held - scale * drive.pretension_nm,
+                    paths.shortening(i, &s.q),
                 ),
-                None => (g[i], s.q[i]),
+                None => (*held, s.q[i]),
             };
-            let creep = drive.viscoelastic_fraction * held / (drive.stiffness_nm_per_rad * scale);
+            // A torn tendon has no deflection.
+            let (creep, deflection) = match scale > 0.0 {
+                true => (
+                    drive.viscoelastic_fraction * held / (drive.stiffness_nm_per_rad * scale),
+                    drive.deflection(held, scale),
+                ),
+                false => (0.0, 0.0),
+            };
             s.creep[i] = creep;
-            s.theta[i] = position + self.delta_e[i] + creep + drive.deflection(held, scale);
+            s.theta[i] = position + self.delta_e[i] + creep + deflection;
+        }
+        if let Some(paths) = &plant.paths {
+            paths.join(&held, &mut plant.state.theta);
         }
         Ok(())
     }
+}
+
+/// Torque of the tendon on each axis per newton of its tension, m; NaN where no radius is specified.
+fn metres_per_rad(robot: &Robot) -> Vec<f64> {
+    let transmissions = robot.transmissions.iter();
+    let metres = transmissions.map(|transmission| {
+        let transmission = transmission.as_ref()?;
+        let pull = (transmission.routing.as_ref()).and_then(|routing| routing.pull.as_ref());
+        let radius_m = transmission
+            .tendon
+            .as_ref()
+            .map(|t| t.joint_pulley_radius_m);
+        pull.and_then(|pull| pull.metres_per_rad).or(radius_m)
+    });
+    metres.map(|metres| metres.unwrap_or(f64::NAN)).collect()
+}
+
+/// Checks that strands required to pull against each other exist and that their tension has the unit newton.
+fn check_co_contraction(
+    robot: &Robot,
+    scenario: &Scenario,
+    paths: Option<&Paths>,
+) -> Result<(), SimulateError> {
+    let scenario_error = |problem: String| {
+        let located = Located::new(&scenario.file, Fault::NotAllowed, problem);
+        SimulateError::from(located.key("co_contraction"))
+    };
+    let Some(paths) = paths.filter(|paths| paths.can_contract()) else {
+        let robot = &robot.name;
+        return Err(scenario_error(format!(
+            "robot '{robot}' has no antagonistic strands; remove co_contraction"
+        )));
+    };
+    if let Some(axis) = paths.strand_without_radius() {
+        let tendon = robot.tendon_name(axis);
+        return Err(scenario_error(format!(
+            "tendon '{tendon}' has no radius to convert its tension to N; set drum_mm"
+        )));
+    }
+    Ok(())
 }

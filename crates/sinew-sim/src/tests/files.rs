@@ -14,7 +14,7 @@ fn shipped(name: &str) -> Scenario {
 }
 
 #[test]
-fn every_shipped_scenario_runs() {
+fn shipped_scenarios_run() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
     let mut seen = 0;
     for entry in std::fs::read_dir(&folder).expect("examples/scenarios") {
@@ -45,7 +45,7 @@ fn every_shipped_scenario_runs() {
 }
 
 #[test]
-fn mcap_csv_and_parquet_read_back_as_written_and_the_same_bytes_come_twice() {
+fn formats_round_trip_and_are_deterministic() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = Scenario {
         duration_s: Some(2.0),
@@ -55,6 +55,7 @@ fn mcap_csv_and_parquet_read_back_as_written_and_the_same_bytes_come_twice() {
             tau_m: true,
             tau_ext: false,
             temperature: true,
+            tension: false,
         },
         ..shipped("work-session.toml")
     };
@@ -116,7 +117,7 @@ fn mcap_csv_and_parquet_read_back_as_written_and_the_same_bytes_come_twice() {
 }
 
 #[test]
-fn a_refused_output_leaves_nothing_behind() {
+fn invalid_output_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("a.bag");
     let scenario = Scenario {
@@ -183,7 +184,7 @@ fn faults_are_counted_and_seeded() {
 }
 
 #[test]
-fn every_key_is_documented() {
+fn scenario_keys_are_documented() {
     let page = "../../docs/src/reference/scenario.md";
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
     let page = std::fs::read_to_string(page).expect("there");

@@ -14,7 +14,7 @@ fn all(text: &str) -> Vec<Frame> {
     frames
 }
 
-/// The elbow swings; the shoulder pitch stands at 90°. No friction, 250 Hz.
+/// The elbow swings; the shoulder pitch rests at 90°. No friction, 250 Hz.
 fn swinging(more: &str) -> String {
     format!(
         "duration_s = 6\nsample_rate_hz = 250\n\
@@ -27,7 +27,7 @@ fn swinging(more: &str) -> String {
 }
 
 #[test]
-fn a_late_motor_encoder_shows_what_was() {
+fn delayed_motor_encoder_records_past_position() {
     let plain = all(&swinging(""));
     let late = all(&swinging("encoder = { motor_delay_s = 0.1 }"));
     // 25 frames of 4 ms.
@@ -43,7 +43,7 @@ fn a_late_motor_encoder_shows_what_was() {
 }
 
 #[test]
-fn a_wrong_gear_ratio_scales_the_motor_position() {
+fn wrong_gear_ratio_scales_motor_position() {
     let plain = all(&swinging(""));
     let scaled = all(&swinging("encoder = { motor_scale_error = 0.02 }"));
     for (s, p) in scaled.iter().zip(&plain) {
@@ -53,7 +53,7 @@ fn a_wrong_gear_ratio_scales_the_motor_position() {
 }
 
 #[test]
-fn a_stiffness_that_falls_lets_the_spring_give_more() {
+fn stiffness_loss_increases_spring_deflection() {
     let hold = |more: &str| {
         format!(
             "duration_s = 12\nsample_rate_hz = 100\n{more}\n\
@@ -72,7 +72,7 @@ fn a_stiffness_that_falls_lets_the_spring_give_more() {
 }
 
 #[test]
-fn a_stuck_joint_stays_while_its_motor_goes() {
+fn seized_joint_rests_while_motor_moves() {
     let jam = "[[jams]]\njoint = \"elbow\"\ntorque_nm = 50\nfrom_s = 0.2\n";
     let frames = all(&(swinging("") + jam));
     let span = |of: &dyn Fn(&Frame) -> f64| {
@@ -87,7 +87,7 @@ fn a_stuck_joint_stays_while_its_motor_goes() {
 }
 
 #[test]
-fn a_drawn_slip_moves_nothing_before_it() {
+fn drawn_slip_leaves_earlier_frames_unchanged() {
     let slip = |at: &str, seed: u64| {
         let text = swinging(&format!(
             "seed = {seed}\nencoder = {{ motor_noise_rad = 0.0002 }}"
@@ -113,7 +113,7 @@ fn a_drawn_slip_moves_nothing_before_it() {
 }
 
 #[test]
-fn what_is_known_of_a_change_may_be_wrong_and_the_level_right() {
+fn temperature_error_starts_at_specified_time() {
     let frames = all(&(swinging("")
         + "[record]\ntemperature = true\n\
            [temperature]\nreference_c = 20.0\nreading_error_k = 0.5\nreading_error_from_s = 3.0\n"));
@@ -122,7 +122,7 @@ fn what_is_known_of_a_change_may_be_wrong_and_the_level_right() {
 }
 
 #[test]
-fn drawn_moves_and_pauses_differ_and_end_when_they_say() {
+fn drawn_moves_and_rests_vary_and_end_on_time() {
     let text = |repeat: bool| {
         format!(
             "seed = 5\nsample_rate_hz = 250\n{}[motion]\nkind = \"waypoints\"\nrepeat = {repeat}\n\
@@ -146,10 +146,10 @@ fn drawn_moves_and_pauses_differ_and_end_when_they_say() {
     );
 }
 
-/// What happens to a robot doesn't make another robot of it: its encoders, sensors and friction are those of the same seed
-/// without it. A recording with a slip and a load is that of before until they come.
+/// Events do not change the drawn robot: its encoders, sensors and friction are those of the same seed without them.
+/// A recording with a slip and a load is identical until they occur.
 #[test]
-fn it_is_the_same_robot_with_and_without_a_stretched_tendon_and_a_load() {
+fn events_leave_drawn_robot_unchanged() {
     let robot = "robot_seed = 3\n\
          encoder = { once_per_turn_rad = { mean = 0, std = 3e-4 }, twice_per_turn_rad = 1e-4, motor_scale_error = { min = -0.01, max = 0.01 } }\n\
          motor_torque = { offset_nm = { min = -0.1, max = 0.1 } }\n\

@@ -1,10 +1,11 @@
 //! The physics against closed forms and balances, and the scenario file against bad input.
 
 mod files;
+mod invalid_scenarios;
 mod later;
 mod physics;
 mod recording;
-mod refusals;
+mod strands;
 mod tendons;
 
 use sinew_model::robot::{Robot, RobotFile};

@@ -22,6 +22,7 @@ fn drives(robot: &Robot, cubic_per_rad2: f64) -> Vec<Drive> {
             let t = t.as_ref().expect("elastic");
             Drive {
                 stiffness_nm_per_rad: t.stiffness_nm_per_rad,
+                pretension_nm: 0.0,
                 cubic_per_rad2,
                 viscoelastic_fraction: 0.0,
                 viscoelastic_time_s: 30.0,
@@ -36,7 +37,7 @@ fn drives(robot: &Robot, cubic_per_rad2: f64) -> Vec<Drive> {
 
 /// A lively state of the BioRob-like arm: about 2 rad/s and springs stretched by 50 mrad.
 fn lively(robot: &Robot, cubic: f64) -> Plant {
-    let mut state = State::at_rest(vec![0.3, 0.9, 0.7, -0.4]);
+    let mut state = State::at_rest(vec![0.3, 0.9, 0.7, -0.4], 4);
     state.dq = vec![1.0, -2.0, 1.5, 3.0];
     state.dtheta = vec![0.9, -1.8, 1.0, 2.0];
     for (theta, stretch) in state.theta.iter_mut().zip([0.05, 0.08, -0.05, 0.04]) {
@@ -98,7 +99,7 @@ fn run(plant: &mut Plant, ticks: u64, steps: u32) -> f64 {
 }
 
 #[test]
-fn energy_changes_by_the_work_of_the_motors() {
+fn energy_change_equals_motor_work() {
     let robot = biorob_like();
     let mut errors = Vec::new();
     let mut exchanged = 0.0;
@@ -114,16 +115,15 @@ fn energy_changes_by_the_work_of_the_motors() {
         errors.push(error);
         exchanged = work.abs() + before.abs();
     }
-    // Classical Runge-Kutta changes the energy of a mode by (ωh)⁶/72 per step. The hand on its
-    // spring is the fastest, ω below 200 rad/s while it spins: at h = 0.5 ms that is 1.4e-8 per
-    // step, 3e-5 in the 2000 steps of a second.
+    // Classical Runge-Kutta changes the energy of a mode by (ωh)⁶/72 per step. The hand, on its spring is the fastest,
+    // ω below 200 rad/s while it spins: at h = 0.5 ms that is 1.4e-8 per step, 3e-5 in the 2000 steps of a second.
     assert!(errors[1] < 3e-5 * exchanged, "{errors:?} of {exchanged} J");
     // Per time the loss falls with h⁵ where it is a mode's, with h⁴ in general.
     assert!(errors[2] < errors[1] / 8.0, "{errors:?}");
 }
 
 #[test]
-fn the_error_falls_with_the_fourth_power_of_the_step() {
+fn integrator_error_is_fourth_order() {
     let robot = biorob_like();
     let end = |steps: u32| {
         let mut plant = lively(&robot, 2.0);
@@ -148,7 +148,7 @@ fn the_error_falls_with_the_fourth_power_of_the_step() {
 }
 
 #[test]
-fn with_dry_friction_the_error_still_falls_at_least_quadratically() {
+fn integrator_with_friction_is_second_order() {
     let robot = biorob_like();
     let end = |steps: u32| {
         let mut plant = lively(&robot, 0.0);
@@ -210,7 +210,7 @@ fn period(plant: &mut Plant, of: impl Fn(&State) -> f64) -> f64 {
 }
 
 #[test]
-fn one_elastic_joint_swings_at_its_natural_frequency() {
+fn elastic_joint_oscillates_at_natural_frequency() {
     let robot = pendulum();
     let inertia = 0.5 * 0.3 * 0.3;
     // No gravity: only the spring.
@@ -225,7 +225,7 @@ fn one_elastic_joint_swings_at_its_natural_frequency() {
     for motor in [0.05, 1e9] {
         let mut drives = drives(&robot, 0.0);
         drives[0].motor_inertia_kg_m2 = motor;
-        let mut state = State::at_rest(vec![0.0]);
+        let mut state = State::at_rest(vec![0.0], 1);
         state.q[0] = 0.01;
         let mut plant = Plant::new(arm.clone(), drives, None, state);
         let found = period(&mut plant, |s| s.theta[0] - s.q[0]);
@@ -264,7 +264,7 @@ fn damped(robot: &Robot) -> Vec<Drive> {
 }
 
 #[test]
-fn at_rest_the_spring_carries_gravity() {
+fn spring_at_rest_carries_gravity() {
     // Pendulum held by a constant torque of half its weight: rests where sin q = 1/2.
     let robot = pendulum();
     let weight = 0.5 * 9.81 * 0.3;
@@ -272,7 +272,7 @@ fn at_rest_the_spring_carries_gravity() {
         robot.arm.clone(),
         damped(&robot),
         None,
-        State::at_rest(vec![0.4]),
+        State::at_rest(vec![0.4], 1),
     );
     settle(&mut plant, &[0.5 * weight], &[0.0], &[], 60.0);
     let s = &plant.state;
@@ -286,7 +286,7 @@ fn at_rest_the_spring_carries_gravity() {
 }
 
 #[test]
-fn a_longer_rope_moves_the_motor_and_not_the_joint_under_the_same_torque() {
+fn longer_rope_moves_motor_not_joint() {
     let robot = pendulum();
     let torque = [0.7];
     let rest = |delta_e: f64| {
@@ -294,7 +294,7 @@ fn a_longer_rope_moves_the_motor_and_not_the_joint_under_the_same_torque() {
             robot.arm.clone(),
             damped(&robot),
             None,
-            State::at_rest(vec![0.4]),
+            State::at_rest(vec![0.4], 1),
         );
         settle(&mut plant, &torque, &[delta_e], &[], 60.0);
         (plant.state.q[0], plant.state.theta[0])
@@ -305,7 +305,7 @@ fn a_longer_rope_moves_the_motor_and_not_the_joint_under_the_same_torque() {
 }
 
 #[test]
-fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
+fn contact_at_rest_matches_transposed_jacobian() {
     let robot = biorob_like();
     let point = [0.0, 0.01, -0.02];
     let force = [1.5, -0.8, 2.0];
@@ -313,7 +313,7 @@ fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
         robot.arm.clone(),
         damped(&robot),
         None,
-        State::at_rest(vec![0.2, 0.6, 0.5, 0.3]),
+        State::at_rest(vec![0.2, 0.6, 0.5, 0.3], 4),
     );
     let forces = [PointForce {
         link: "tool".into(),
@@ -358,7 +358,7 @@ fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
 }
 
 #[test]
-fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
+fn coulomb_friction_holds_joint_up_to_limit() {
     let robot = pendulum();
     let weight = 0.5 * 9.81 * 0.3;
     let coulomb = 0.3;
@@ -372,7 +372,7 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
         ..FREE
     };
     let q0 = std::f64::consts::FRAC_PI_6;
-    let mut state = State::at_rest(vec![q0]);
+    let mut state = State::at_rest(vec![q0], 1);
     state.theta[0] = q0 + 0.5 * weight / 20.0;
     let pushed = |torque: f64| {
         let mut plant = Plant::new(robot.arm.clone(), drives.clone(), None, state.clone());
@@ -398,7 +398,7 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
     };
     let slope = 20.0 + weight * q0.cos();
     let (early, late, z) = pushed(0.5 * coulomb);
-    // What still rings is a ten-thousandth of x_s.
+    // The residual oscillation is a ten-thousandth of x_s.
     assert!(
         (late - early).abs() < 1e-7,
         "creeps: {early} then {late} rad"
@@ -424,7 +424,7 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
         (carried / push - 1.0).abs() < 1e-5,
         "carried {carried} N·m of {push}"
     );
-    // It stops where full friction holds it, or a swing further, where it holds with less.
+    // It stops where full friction holds it, or one swing further, where less friction holds it.
     let (first, last) = (2.0 * coulomb / slope, 2.2 * coulomb / slope);
     assert!(
         z > 0.8 && (first..last).contains(&late),
@@ -433,12 +433,17 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
 }
 
 #[test]
-fn delayed_elasticity_ends_at_its_share_with_its_time_constant() {
+fn delayed_elasticity_matches_share_and_time_constant() {
     let robot = pendulum();
     let mut drives = damped(&robot);
     drives[0].viscoelastic_fraction = 0.04;
     drives[0].viscoelastic_time_s = 30.0;
-    let mut plant = Plant::new(robot.arm.clone(), drives, None, State::at_rest(vec![0.0]));
+    let mut plant = Plant::new(
+        robot.arm.clone(),
+        drives,
+        None,
+        State::at_rest(vec![0.0], 1),
+    );
     // Constant load from the start: the creep of eq. v̇ = (s τ/K − v)/T, τ = 0.7 N·m at rest.
     settle(&mut plant, &[0.7], &[0.0], &[], 30.0);
     let full = 0.04 * 0.7 / 20.0;

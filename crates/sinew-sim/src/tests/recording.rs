@@ -52,6 +52,7 @@ fn busy() -> Scenario {
             tau_m: true,
             tau_ext: true,
             temperature: true,
+            tension: false,
         },
         ..Scenario::default()
     }
@@ -74,7 +75,7 @@ fn bits(frame: &Frame) -> Vec<u64> {
 }
 
 #[test]
-fn two_runs_are_bitwise_the_same_and_another_seed_is_not() {
+fn runs_with_same_seed_are_bitwise_identical() {
     let (a, b) = (all(&busy()), all(&busy()));
     assert_eq!(a.len(), 1500);
     assert!(
@@ -91,8 +92,8 @@ fn two_runs_are_bitwise_the_same_and_another_seed_is_not() {
 }
 
 #[test]
-fn sensors_leave_the_motion_alone() {
-    // The true velocity has no noise: it tells the motion, whatever the encoders do.
+fn sensors_do_not_affect_motion() {
+    // The true velocity has no noise: it shows the motion independent of the encoders.
     let plain = all(&Scenario {
         encoder: Encoder::default(),
         ..busy()
@@ -108,7 +109,7 @@ fn sensors_leave_the_motion_alone() {
 }
 
 #[test]
-fn random_motion_stays_within_four_fifths_of_the_limits() {
+fn random_motion_stays_within_80_percent_of_limits() {
     let frames = all(&Scenario {
         random_contacts: None,
         duration_s: Some(40.0),
@@ -150,7 +151,7 @@ fn holding(kind: OffsetKind) -> Scenario {
 }
 
 #[test]
-fn without_model_error_the_arm_stands_where_it_was_sent() {
+fn arm_without_model_error_reaches_set_point() {
     let frames = all(&holding(OffsetKind::Physical));
     // Before the offset comes: exactly compensated, so only rounding moves it.
     let (first, before) = (&frames[0], &frames[99]);
@@ -161,7 +162,7 @@ fn without_model_error_the_arm_stands_where_it_was_sent() {
 }
 
 #[test]
-fn a_physical_offset_is_felt_and_an_injected_one_is_not() {
+fn offset_physical_acts_injected_does_not() {
     let physical = all(&holding(OffsetKind::Physical));
     let injection = all(&holding(OffsetKind::Injected));
     let (p, i) = (&physical[1199], &injection[1199]);
@@ -183,14 +184,14 @@ fn a_physical_offset_is_felt_and_an_injected_one_is_not() {
 }
 
 #[test]
-fn the_paper_adds_its_offset_only_above_itself() {
+fn injected_offset_needs_larger_motor_position() {
     assert_eq!(injected(0.5, 0.01), 0.51);
     assert_eq!(injected(0.009, 0.01), 0.009);
     assert_eq!(injected(-0.5, 0.01), -0.5);
 }
 
 #[test]
-fn a_contact_shows_in_the_elastic_torque_and_leaves_again() {
+fn contact_changes_elastic_torque_temporarily() {
     let mut scenario = holding(OffsetKind::Injected);
     scenario.offsets.clear();
     scenario.contacts = vec![Contact {
@@ -205,7 +206,7 @@ fn a_contact_shows_in_the_elastic_torque_and_leaves_again() {
     scenario.record.tau_ext = true;
     scenario.record.tau_el = true;
     let frames = all(&scenario);
-    // The tool is 0.72 m out, a little less once the arm has given way.
+    // The tool is at 0.72 m, slightly less when the arm is deflected.
     let lifted = &frames[790];
     assert!(
         lifted.tau_ext[1] > 3.3 && lifted.tau_ext[1] < 3.6,
@@ -228,7 +229,7 @@ fn a_contact_shows_in_the_elastic_torque_and_leaves_again() {
 }
 
 #[test]
-fn an_encoder_of_thirteen_bits_shows_multiples_of_its_step() {
+fn encoder_13_bit_quantises_to_step() {
     let step = std::f64::consts::TAU / 8192.0;
     for frame in all(&Scenario {
         duration_s: Some(0.5),
@@ -241,7 +242,7 @@ fn an_encoder_of_thirteen_bits_shows_multiples_of_its_step() {
 }
 
 #[test]
-fn a_stiff_controller_on_a_coarse_step_is_told_not_to_be() {
+fn stiff_controller_coarse_step_error_suggests_fix() {
     let scenario = Scenario {
         integration_step_s: 1e-3,
         controller: crate::scenario::Controller {

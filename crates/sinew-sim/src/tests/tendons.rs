@@ -2,17 +2,17 @@
 
 use super::shipped_robot;
 use crate::friction::Friction;
+use crate::paths::Paths;
 use crate::plant::{Drive, Inputs, Plant, State};
 use crate::scenario::{
-    Correction, Draw, Encoder, FrictionSpec, KnownOffset, Motion, Offset, OffsetKind, PerJoint,
-    Record, Scenario, SetPointKind, Shape, Waypoint,
+    Correction, Draw, Encoder, FrictionSpec, Motion, Offset, OffsetKind, PerJoint, Record,
+    Scenario, SetPointKind, Shape, SpecifiedOffset, Waypoint,
 };
 use crate::truth::Truth;
 use crate::{FaultCounts, SimulateOptions, Simulation, run};
 use sinew_log::Frame;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
-use sinew_model::tendons::Routings;
 use std::path::Path;
 
 const GRAVITY_M_S2: f64 = 9.81;
@@ -30,7 +30,7 @@ fn draws(of: &[(&str, f64)]) -> PerJoint {
     }
 }
 
-/// Stands at a pose without friction.
+/// Scenario at rest in a pose without friction.
 fn holding(pose: &[(&str, f64)]) -> Scenario {
     Scenario {
         duration_s: Some(2.0),
@@ -70,14 +70,14 @@ fn all(robot: &Robot, scenario: &Scenario) -> (Vec<Frame>, Simulation) {
     (frames, simulation)
 }
 
-fn near(found: f64, by_hand: f64) {
-    assert!((found - by_hand).abs() < 1e-9, "{found} for {by_hand}");
+fn near(found: f64, analytic: f64) {
+    assert!((found - analytic).abs() < 1e-9, "{found} for {analytic}");
 }
 
-/// Gravity torque of the coupled arm, N·m, by hand: links along the x axis of the arm, which is level at 0.
+/// Analytic gravity torque of the coupled arm, N·m: links along the x axis of the arm, which is level at 0.
 fn coupled_gravity(q: [f64; 3]) -> [f64; 3] {
     let level = [q[0].cos(), (q[0] + q[1]).cos(), (q[0] + q[1] + q[2]).cos()];
-    // What is carried at the end of each link, and first moments of its own, kg·m.
+    // Masses carried at the end of each link, and first moments of the link, kg·m.
     let parts = [
         level[0] * (0.85 * 0.13 + (0.5 + 0.25) * 0.31),
         level[1] * (0.5 * 0.14 + 0.25 * 0.31),
@@ -97,7 +97,7 @@ fn coupled_tensions(tau: [f64; 3]) -> [f64; 3] {
 }
 
 #[test]
-fn a_known_torque_gives_a_known_extension_of_every_tendon() {
+fn specified_torque_gives_analytic_extension() {
     let robot = robot("coupled-arm");
     let q = [0.3, 0.8, -0.5];
     let stretched = [0.004, -0.006, 0.009];
@@ -107,9 +107,9 @@ fn a_known_torque_gives_a_known_extension_of_every_tendon() {
         let physical = OffsetKind::Physical;
         (scenario.offsets).push(offset(tendon, physical, size, Shape::Constant));
     }
-    // The controller knows the stretch, so that the arm stands where it was sent.
+    // The controller corrects the stretch, so that the arm reaches its set-point.
     scenario.correction = Correction {
-        offset: KnownOffset::True,
+        offset: SpecifiedOffset::True,
         ..Correction::default()
     };
     let (frames, simulation) = all(&robot, &scenario);
@@ -130,7 +130,7 @@ fn a_known_torque_gives_a_known_extension_of_every_tendon() {
 }
 
 #[test]
-fn an_unknown_stretch_leaves_the_extension_of_its_tendon_alone() {
+fn unknown_offset_does_not_change_extension() {
     let robot = robot("coupled-arm");
     let mut scenario = holding(&[("shoulder", 0.3), ("elbow", 0.8), ("wrist", -0.5)]);
     scenario.duration_s = Some(15.0);
@@ -152,9 +152,9 @@ fn an_unknown_stretch_leaves_the_extension_of_its_tendon_alone() {
     }
 }
 
-/// In mm of rope, which knows nothing of joints that tendons are paired with.
+/// Values in mm of rope, independent of the joints that tendons are paired with.
 #[test]
-fn a_differential_records_its_motors_as_their_encoders_count() {
+fn differential_records_motor_encoder_positions() {
     let robot = robot("differential-wrist");
     let (pitch, roll) = (0.3, -0.4);
     let (frames, _) = all(&robot, &holding(&[("pitch", pitch), ("roll", roll)]));
@@ -184,7 +184,7 @@ fn a_differential_records_its_motors_as_their_encoders_count() {
 }
 
 #[test]
-fn a_motors_resolution_is_that_of_its_shaft() {
+fn motor_resolution_refers_to_shaft() {
     const STEP_RAD: f64 = 0.001;
     let scenario = Scenario {
         encoder: Encoder {
@@ -203,7 +203,7 @@ fn a_motors_resolution_is_that_of_its_shaft() {
 }
 
 #[test]
-fn columns_and_topics_have_the_names_of_the_motors() {
+fn columns_and_topics_use_motor_names() {
     let folder = tempfile::tempdir().expect("a folder");
     let robot = robot("differential-wrist");
     let scenario = Scenario {
@@ -223,18 +223,23 @@ fn columns_and_topics_have_the_names_of_the_motors() {
                 let columns = motors.iter().map(|m| format!("{what}.{m}_{unit}"));
                 columns.collect::<Vec<_>>().join(",")
             };
-            let by_hand = format!(
+            let analytic = format!(
                 "time_s,q.pitch_rad,q.roll_rad,{},tau_el.pitch_nm,tau_el.roll_nm,{}",
                 motor_columns("theta", "rad"),
                 motor_columns("tau_m", "nm")
             );
-            assert_eq!(header, by_hand);
+            assert_eq!(header, analytic);
             assert!(header.contains("theta.right_motor_rad,theta.left_motor_rad"));
         }
         let mut recording = sinew_log::open(&out, &Default::default()).expect("opens");
-        let joints: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
-        let motors = robot.motors_at_shaft();
-        recording.select_driven(&joints, &motors).expect("both");
+        let joints = robot.joint_names().iter();
+        let axes = joints
+            .zip(robot.motors_at_shaft())
+            .map(|(joint, motor)| sinew_log::Axis {
+                motor,
+                ..sinew_log::Axis::of_joint(joint)
+            });
+        recording.select_axes(&Vec::from_iter(axes)).expect("both");
         let mut count = 0;
         while let Some(frame) = recording.next_frame().expect("reads") {
             let want = &expected[count];
@@ -248,16 +253,17 @@ fn columns_and_topics_have_the_names_of_the_motors() {
 
 /// Work of the motors becomes kinetic energy, height and energy of the springs, to the fourth order of the step.
 #[test]
-fn energy_changes_by_the_work_of_the_motors() {
+fn energy_change_equals_motor_work() {
     for name in ["coupled-arm", "differential-wrist"] {
         let robot = robot(name);
         let transmissions: Vec<_> = robot.transmissions.iter().flatten().collect();
-        let routings = Routings::of(&robot.transmissions).expect("tendons of several joints");
+        let paths = Paths::of(&robot).expect("tendons of several joints");
         const CUBIC_PER_RAD2: f64 = 2.0;
         let drives: Vec<Drive> = transmissions
             .iter()
             .map(|t| Drive {
                 stiffness_nm_per_rad: t.stiffness_nm_per_rad,
+                pretension_nm: 0.0,
                 cubic_per_rad2: CUBIC_PER_RAD2,
                 viscoelastic_fraction: 0.0,
                 viscoelastic_time_s: 30.0,
@@ -290,14 +296,14 @@ fn energy_changes_by_the_work_of_the_motors() {
         };
         let mut errors = Vec::new();
         for steps in [1_u32, 2, 4] {
-            let mut state = State::at_rest((0..n).map(|i| 0.3 + 0.2 * i as f64).collect());
+            let mut state = State::at_rest((0..n).map(|i| 0.3 + 0.2 * i as f64).collect(), n);
             state.dq = (0..n).map(|i| 1.0 - 0.7 * i as f64).collect();
             for i in 0..n {
                 // At an extension of 50 mrad.
                 state.theta[i] += 0.05 - extension(&state, i);
             }
             let arm = robot.arm.clone();
-            let mut plant = Plant::new(arm, drives.clone(), Some(routings.clone()), state);
+            let mut plant = Plant::new(arm, drives.clone(), Some(paths.clone()), state);
             let before = energy(&plant);
             let mut work = 0.0;
             let (zero, one) = (vec![0.0; n], vec![1.0; n]);
@@ -333,7 +339,7 @@ fn energy_changes_by_the_work_of_the_motors() {
 
 /// Elastic torque of the joints against the coupling of the description, which has units of its own and no pairs.
 #[test]
-fn the_torque_of_the_joints_is_that_of_the_coupling() {
+fn joint_torque_matches_coupling() {
     for name in ["coupled-arm", "differential-wrist"] {
         let robot = robot(name);
         let (_, simulation) = all(
@@ -397,7 +403,7 @@ fn follows(kind: SetPointKind) -> f64 {
 }
 
 #[test]
-fn coupled_joints_follow_what_is_asked_of_them() {
+fn coupled_joints_track_commanded_motion() {
     let (at_rest, in_motion) = (
         follows(SetPointKind::Static),
         follows(SetPointKind::Dynamic),
@@ -407,9 +413,10 @@ fn coupled_joints_follow_what_is_asked_of_them() {
     assert!(in_motion < 1.5 && in_motion < 0.1 * at_rest);
 }
 
-/// Uncorrected, the stretch of the elbow's rope seems to be a torque at both joints that it runs over, by their moment arms.
+/// Uncorrected, the offset of the elbow's rope appears as a torque at both joints that it crosses, by their moment
+/// arms.
 #[test]
-fn a_stretch_that_is_not_known_seems_to_be_a_torque_at_all_joints_of_its_tendon() {
+fn unknown_offset_appears_as_torque_at_all_joints() {
     let mut robot = robot("coupled-arm");
     for transmission in robot.transmissions.iter_mut().flatten() {
         transmission.joint_friction = Default::default();
@@ -419,34 +426,34 @@ fn a_stretch_that_is_not_known_seems_to_be_a_torque_at_all_joints_of_its_tendon(
     scenario.settle_s = 10.0;
     let physical = OffsetKind::Physical;
     scenario.offsets = vec![offset("elbow", physical, 0.01, Shape::Constant)];
-    scenario.correction.offset = KnownOffset::True;
+    scenario.correction.offset = SpecifiedOffset::True;
     scenario.contact_detection.noise_nm = PerJoint::fixed(0.01);
     let compared = crate::control::compare(&robot, &scenario).unwrap_or_else(|e| panic!("{e}"));
-    let by_hand = [-0.5 * 20.0 * 0.01, -20.0 * 0.01, 0.0];
+    let analytic = [-0.5 * 20.0 * 0.01, -20.0 * 0.01, 0.0];
     let joints = compared.without.joints.iter().zip(&compared.with.joints);
-    for ((without, with), by_hand) in joints.zip(by_hand) {
+    for ((without, with), analytic) in joints.zip(analytic) {
         println!("{without:?}\n{with:?}");
-        assert!((without.false_torque_nm - by_hand).abs() < 1e-5);
+        assert!((without.false_torque_nm - analytic).abs() < 1e-5);
         assert!(with.false_torque_nm.abs() < 1e-9 && with.rms_rad < 1e-9);
     }
     assert!(compared.without.joints[1].rest_mean_rad < -0.008);
 }
 
 #[test]
-fn an_encoder_that_slipped_shows_in_every_tendon_over_its_joint() {
+fn encoder_slip_appears_in_all_tendons_of_joint() {
     let mut scenario = holding(&[("shoulder", 0.3)]);
     let step = Shape::Step { at_s: 1.0 };
     scenario.offsets = vec![offset("shoulder", OffsetKind::JointEncoder, 0.01, step)];
     let (frames, simulation) = all(&robot("coupled-arm"), &scenario);
     near(frames[50].q[0] - frames[150].q[0], 0.01);
-    let by_hand = [0.01, 0.5 * 0.01, 0.4 * 0.01];
-    for (delta_e, by_hand) in simulation.true_state().delta_e.iter().zip(by_hand) {
-        near(*delta_e, by_hand);
+    let analytic = [0.01, 0.5 * 0.01, 0.4 * 0.01];
+    for (delta_e, analytic) in simulation.true_state().delta_e.iter().zip(analytic) {
+        near(*delta_e, analytic);
     }
 }
 
 #[test]
-fn the_truth_names_tendons_and_motors() {
+fn truth_contains_tendon_and_motor_names() {
     let mut scenario = holding(&[]);
     let step = |tendon: &str, rad| {
         let physical = OffsetKind::Physical;
@@ -464,7 +471,9 @@ fn the_truth_names_tendons_and_motors() {
     near(truth.offset_rad["right"], 0.004);
     near(truth.motor_inertia_kg_m2["left_motor"], 0.003);
     near(truth.motor_coulomb_nm["right_motor"], 0.03);
-    assert!(truth.mass_kg.contains_key("pitch") && truth.offset_course_s_rad.contains_key("left"));
+    assert!(
+        truth.mass_kg.contains_key("pitch") && truth.offset_trajectory_s_rad.contains_key("left")
+    );
     let left = truth.tendons.iter().find(|t| t.name == "left");
     let left = left.expect("the left tendon");
     assert_eq!(left.motor, "left_motor");
@@ -473,16 +482,16 @@ fn the_truth_names_tendons_and_motors() {
     near(left.moment_arms["pitch"], 16.0 / radius_mm);
     near(left.moment_arms["roll"], 12.0 / radius_mm);
     near(left.drive_ratio, 8.0 / radius_mm);
-    // A robot without tendons of their own has no such list.
+    // A robot without named tendons has no such list.
     let (_, diagonal) = all(&super::pendulum(), &holding(&[]));
     let text = serde_json::to_string(&Truth::of(&diagonal, FaultCounts::default()));
     assert!(!text.expect("JSON").contains("tendons"));
 }
 
-const STANDS: &str = "duration_s = 1.0\n[motion]\nkind = \"hold\"\n[[offsets]]\nrad = 0.01\n";
+const AT_REST: &str = "duration_s = 1.0\n[motion]\nkind = \"hold\"\n[[offsets]]\nrad = 0.01\n";
 
 fn refused(robot: &Robot, offset: &str) -> String {
-    let text = format!("{STANDS}{offset}");
+    let text = format!("{AT_REST}{offset}");
     let scenario = match Scenario::from_toml(&text, "bad.toml") {
         Ok(scenario) => scenario,
         Err(error) => return error.to_string(),
@@ -494,7 +503,7 @@ fn refused(robot: &Robot, offset: &str) -> String {
 }
 
 #[test]
-fn an_offset_of_an_unknown_tendon_is_told_which_tendons_there_are() {
+fn unknown_tendon_error_lists_tendons() {
     let robot = robot("differential-wrist");
     let cases: [(&str, &[&str]); 5] = [
         (
@@ -518,11 +527,11 @@ fn an_offset_of_an_unknown_tendon_is_told_which_tendons_there_are() {
         ),
         (
             "tendon = \"left\"\nkind = \"joint-encoder\"",
-            &["line 6", "tendon", "joint, whose encoder has slipped"],
+            &["line 6", "tendon", "joint of the slipped encoder"],
         ),
         (
             "tendon = \"left\"\njoint = \"pitch\"\nkind = \"physical\"",
-            &["line 6", "tendon", "left out where joint is given"],
+            &["line 6", "tendon", "omitted if joint is given"],
         ),
     ];
     for (text, words) in cases {
@@ -534,11 +543,11 @@ fn an_offset_of_an_unknown_tendon_is_told_which_tendons_there_are() {
     }
 }
 
-/// A tendon of the name of its joint is the joint's on every robot.
+/// A tendon with the name of its joint is accepted on every robot.
 #[test]
-fn a_tendon_may_be_named_where_it_has_the_name_of_its_joint() {
+fn tendon_with_joint_name_is_accepted() {
     for key in ["tendon", "joint"] {
-        let text = format!("{STANDS}{key} = \"swing\"\nkind = \"physical\"");
+        let text = format!("{AT_REST}{key} = \"swing\"\nkind = \"physical\"");
         let scenario = Scenario::from_toml(&text, "good.toml").unwrap_or_else(|e| panic!("{e}"));
         let (_, simulation) = all(&super::pendulum(), &scenario);
         near(simulation.true_state().delta_e[0], 0.01);
@@ -546,7 +555,7 @@ fn a_tendon_may_be_named_where_it_has_the_name_of_its_joint() {
 }
 
 #[test]
-fn a_motor_without_inertia_is_named_with_its_joint() {
+fn motor_without_inertia_error_names_joint() {
     let mut robot = robot("differential-wrist");
     let first = robot.transmissions[0].as_mut().expect("elastic");
     first.motor_inertia_kg_m2 = None;
@@ -558,7 +567,7 @@ fn a_motor_without_inertia_is_named_with_its_joint() {
 }
 
 #[test]
-fn the_protocol_is_adapted_to_tendons_with_names_of_their_own() {
+fn protocol_adapts_to_named_tendons() {
     for (name, tendons) in [
         ("coupled-arm", &["shoulder", "elbow", "wrist"][..]),
         ("differential-wrist", &["right", "left"]),
@@ -572,7 +581,7 @@ fn the_protocol_is_adapted_to_tendons_with_names_of_their_own() {
         }
         for (i, tendon) in tendons.iter().enumerate() {
             assert_eq!(simulation.tendon_names()[i], *tendon);
-            // Opened between the sessions, at 60 s.
+            // A free offset between the sessions, at 60 s.
             assert!(simulation.offset_at(i, 61.0).physical > 0.0, "{tendon}");
         }
     }

@@ -1,5 +1,5 @@
-//! A tendon's year and what its daily sessions read, both made up: [`truth`] lets the rope creep by its law under work
-//! drawn anew, [`surrogate`] adds the estimator's errors as they were measured on simulated recordings.
+//! Simulated year of a tendon and of its daily sessions: [`truth`] lets the rope creep by its creep law under
+//! randomly drawn work, [`surrogate`] adds the estimator's errors as measured on simulated recordings.
 
 pub mod surrogate;
 pub mod truth;

@@ -12,7 +12,7 @@ use sinew_trend::filter::Record;
 const MRAD: f64 = 1e-3;
 const PERCENT: f64 = 0.01;
 
-/// Errors are summed in the units they were measured in: years stay those of earlier programs.
+/// Errors are summed in the units of their measurement, so that simulated years equal those of earlier versions.
 pub fn mrad(rad: f64) -> f64 {
     1e3 * rad
 }
@@ -21,7 +21,7 @@ fn percent(ratio: f64) -> f64 {
     100.0 * ratio
 }
 
-/// Errors of a daily session, as measured on the full chain (see `docs/src/science/years.md`).
+/// Errors of a daily session, as measured on the full chain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionErrors {
@@ -29,44 +29,44 @@ pub struct SessionErrors {
     pub white_rad: f64,
     /// Degrees of freedom of its t distribution: how heavy its tails are.
     pub white_freedom: f64,
-    /// Standard deviation of the part that sessions share, rad.
+    /// Standard deviation of the slowly varying part common to neighbouring sessions, rad.
     pub slow_rad: f64,
-    /// How long they share it, s.
+    /// Correlation time of that part, s.
     pub slow_time_s: f64,
-    /// Standard deviation of the part that stays, rad.
+    /// Standard deviation of the constant part, rad.
     pub bias_rad: f64,
-    /// Standard deviation after a year of a part that walks away from zero, rad.
+    /// Standard deviation of a random-walk part after a year, rad.
     pub wander_rad: f64,
-    /// Standard deviation of a part that comes and goes with the season and not with the temperature read, rad.
+    /// Standard deviation of a seasonal part that is independent of the measured temperature, rad.
     pub season_rad: f64,
     /// Standard deviation of the drift with temperature, rad/K.
     pub drift_rad_per_k: f64,
-    /// Standard deviation of the temperature's reading, K.
+    /// Standard deviation of the measured temperature, K.
     pub thermometer_k: f64,
-    /// What the estimator states as the standard deviation of what all sessions since the baseline share, rad.
-    pub stated_shared_rad: f64,
-    /// The same of the drift with temperature, rad/K.
-    pub stated_drift_rad_per_k: f64,
-    /// The same of the session's own error, rad.
-    pub stated_own_rad: f64,
-    /// The same of what a lost stiffness adds to the shared part, rad per whole stiffness.
-    pub stated_softened_rad: f64,
-    /// Whether sessions say which part is which; else the whole alone.
-    pub parts_stated: bool,
-    /// Share of sessions that couldn't tell.
-    pub refused_share: f64,
-    /// Offset that a lost stiffness reads as, rad per whole stiffness: mean over robots.
+    /// Reported standard deviation of the systematic error that all sessions since the baseline share, rad.
+    pub reported_systematic_rad: f64,
+    /// Reported standard deviation of the drift with temperature, rad/K.
+    pub reported_drift_rad_per_k: f64,
+    /// Reported standard deviation of the independent error of a session, rad.
+    pub reported_independent_rad: f64,
+    /// Reported standard deviation that a stiffness loss adds to the systematic error, rad per whole stiffness.
+    pub reported_stiffness_loss_rad: f64,
+    /// Whether sessions report the systematic and the independent part; otherwise only the total.
+    pub parts_specified: bool,
+    /// Share of inconclusive sessions.
+    pub inconclusive_share: f64,
+    /// Offset error caused by a stiffness loss, rad per whole stiffness: mean over robots.
     pub stiffness_offset_rad: f64,
     /// Standard deviation of that between robots.
     pub stiffness_offset_spread_rad: f64,
-    /// Share of a lost stiffness that the stiffness reported shows.
-    pub stiffness_seen_share: f64,
+    /// Share of a stiffness loss that the reported stiffness contains.
+    pub stiffness_reported_share: f64,
     /// Standard deviation of the reported stiffness from session to session, as a fraction of nominal.
     pub stiffness_white_ratio: f64,
     /// Standard deviation of its drift with temperature, 1/K.
     pub stiffness_drift_ratio_per_k: f64,
-    /// What the estimator states as one standard deviation of it.
-    pub stiffness_stated_ratio: f64,
+    /// Reported standard deviation of the stiffness ratio.
+    pub reported_stiffness_std_ratio: f64,
 }
 
 impl SessionErrors {
@@ -82,18 +82,18 @@ impl SessionErrors {
             season_rad: 0.0,
             drift_rad_per_k: 0.1 * MRAD,
             thermometer_k: 0.5,
-            stated_shared_rad: 0.15 * MRAD,
-            stated_drift_rad_per_k: 0.1 * MRAD,
-            stated_own_rad: 0.1 * MRAD,
-            stated_softened_rad: 6e-3,
-            parts_stated: true,
-            refused_share: 0.0,
+            reported_systematic_rad: 0.15 * MRAD,
+            reported_drift_rad_per_k: 0.1 * MRAD,
+            reported_independent_rad: 0.1 * MRAD,
+            reported_stiffness_loss_rad: 6e-3,
+            parts_specified: true,
+            inconclusive_share: 0.0,
             stiffness_offset_rad: 0.0,
             stiffness_offset_spread_rad: 8e-3,
-            stiffness_seen_share: 1.0,
+            stiffness_reported_share: 1.0,
             stiffness_white_ratio: 0.14 * PERCENT,
             stiffness_drift_ratio_per_k: 0.02 * PERCENT,
-            stiffness_stated_ratio: 2.0 * PERCENT,
+            reported_stiffness_std_ratio: 2.0 * PERCENT,
         }
     }
 
@@ -102,18 +102,18 @@ impl SessionErrors {
         Self {
             white_rad: 0.22 * MRAD,
             bias_rad: 0.3 * MRAD,
-            stated_shared_rad: 0.3 * MRAD,
-            stated_own_rad: 0.22 * MRAD,
-            stated_softened_rad: 12e-3,
+            reported_systematic_rad: 0.3 * MRAD,
+            reported_independent_rad: 0.22 * MRAD,
+            reported_stiffness_loss_rad: 12e-3,
             stiffness_offset_rad: 4e-3,
             stiffness_offset_spread_rad: 12e-3,
-            stiffness_seen_share: 0.9,
+            stiffness_reported_share: 0.9,
             stiffness_white_ratio: 0.65 * PERCENT,
             ..Self::check()
         }
     }
 
-    /// Errors larger than any measured: what a robot may do that the simulator doesn't.
+    /// Errors larger than any measured, for effects that the simulator does not model.
     pub fn hard() -> Self {
         Self {
             white_rad: 0.35 * MRAD,
@@ -125,48 +125,48 @@ impl SessionErrors {
             season_rad: 0.0,
             drift_rad_per_k: 0.1 * MRAD,
             thermometer_k: 0.5,
-            stated_shared_rad: 0.3 * MRAD,
-            stated_drift_rad_per_k: 0.1 * MRAD,
-            stated_own_rad: 0.4 * MRAD,
-            stated_softened_rad: 0.0,
-            parts_stated: true,
-            refused_share: 0.03,
+            reported_systematic_rad: 0.3 * MRAD,
+            reported_drift_rad_per_k: 0.1 * MRAD,
+            reported_independent_rad: 0.4 * MRAD,
+            reported_stiffness_loss_rad: 0.0,
+            parts_specified: true,
+            inconclusive_share: 0.03,
             stiffness_offset_rad: 0.0,
             stiffness_offset_spread_rad: 0.01,
-            stiffness_seen_share: 0.0,
+            stiffness_reported_share: 0.0,
             stiffness_white_ratio: 1.0 * PERCENT,
             stiffness_drift_ratio_per_k: 0.2 * PERCENT,
-            stiffness_stated_ratio: 2.0 * PERCENT,
+            reported_stiffness_std_ratio: 2.0 * PERCENT,
         }
     }
 
-    /// What a session states that much warmer or colder than the baseline, and softer than nominal: the whole deviation,
-    /// and its parts.
-    fn stated(&self, warm_k: f64, softer_ratio: f64) -> (f64, Option<SharedError>) {
-        let drift_rad = (self.stated_drift_rad_per_k * warm_k).abs();
-        let softened_rad = self.stated_softened_rad * softer_ratio;
+    /// Reported standard deviation of a session at a temperature difference and a stiffness loss: total, and its
+    /// parts.
+    fn reported(&self, warm_k: f64, stiffness_loss_ratio: f64) -> (f64, Option<SharedError>) {
+        let drift_rad = (self.reported_drift_rad_per_k * warm_k).abs();
+        let stiffness_loss_rad = self.reported_stiffness_loss_rad * stiffness_loss_ratio;
         let shared = SharedError {
-            baseline_rad: self.stated_shared_rad.hypot(softened_rad),
+            baseline_rad: self.reported_systematic_rad.hypot(stiffness_loss_rad),
             drift_rad,
         };
-        let whole = (self.stated_own_rad.hypot(drift_rad)).hypot(shared.baseline_rad);
-        (whole, self.parts_stated.then_some(shared))
+        let whole = (self.reported_independent_rad.hypot(drift_rad)).hypot(shared.baseline_rad);
+        (whole, self.parts_specified.then_some(shared))
     }
 
-    /// What a trend multiplies its factor of the own error with, rad.
+    /// Returns the unit of the independent error that a trend scales with its factor, rad.
     pub fn own_unit_rad(&self) -> f64 {
-        let (whole, shared) = self.stated(0.0, 0.0);
+        let (whole, shared) = self.reported(0.0, 0.0);
         let record = Record {
             offset_rad: Some(Gaussian::new(0.0, whole)),
             shared,
             temperature_c: Some(21.0),
             ..Record::default()
         };
-        record.own_deviation_rad(0.0)
+        record.own_std_rad(0.0)
     }
 
     /// Standard deviation of the part that differs from session to session, mrad.
-    pub fn white_deviation_mrad(&self) -> f64 {
+    pub fn white_std_mrad(&self) -> f64 {
         mrad(self.white_rad) * (self.white_freedom / (self.white_freedom - 2.0)).sqrt()
     }
 }
@@ -177,7 +177,7 @@ impl Default for SessionErrors {
     }
 }
 
-/// A strand that fails.
+/// Failure of a strand in a simulated year.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failure {
@@ -202,12 +202,12 @@ pub fn records(
     let bias = mrad(errors.bias_rad) * normal(rng);
     let per_percent = mrad(0.01 * errors.stiffness_offset_rad)
         + mrad(0.01 * errors.stiffness_offset_spread_rad) * normal(rng);
-    let softening = percent(errors.stiffness_drift_ratio_per_k) * normal(rng);
+    let stiffness_drift_percent_per_k = percent(errors.stiffness_drift_ratio_per_k) * normal(rng);
     let phi = (-DAY_S / errors.slow_time_s).exp();
     let slow_mrad = mrad(errors.slow_rad);
     let mut slow = slow_mrad * normal(rng);
     let zero = slow;
-    // Drawn apart: a year without them is that of a program that knew nothing of them.
+    // Drawn from a separate stream: a year without them is identical to that of earlier versions.
     let mut apart = ChaCha8Rng::seed_from_u64((1e9 * slow).to_bits());
     let season_mrad = mrad(errors.season_rad) * normal(&mut apart) * std::f64::consts::SQRT_2;
     let phase = std::f64::consts::TAU * apart.random::<f64>();
@@ -233,19 +233,21 @@ pub fn records(
         // The baseline's own share of the slow error is in every offset since.
         let shared = bias + drift * warm + slow - zero + wander + season(day);
         let offset_mrad = mrad(creep_rad[day]) + jump + shared + white;
-        let (stated_rad, shared) = errors.stated(read - temperature_c[0], PERCENT * lost);
-        let stiffness_percent = softening * warm - errors.stiffness_seen_share * lost
+        let (reported_std_rad, shared) = errors.reported(read - temperature_c[0], PERCENT * lost);
+        let stiffness_percent = stiffness_drift_percent_per_k * warm
+            - errors.stiffness_reported_share * lost
             + percent(errors.stiffness_white_ratio) * normal(rng);
-        let refused = rng.random::<f64>() < errors.refused_share;
+        let inconclusive = rng.random::<f64>() < errors.inconclusive_share;
         out.push(Record {
             time_s: day as f64 * DAY_S,
-            offset_rad: (!refused).then_some(Gaussian::new(MRAD * offset_mrad, stated_rad)),
-            shared: shared.filter(|_| !refused),
+            offset_rad: (!inconclusive)
+                .then_some(Gaussian::new(MRAD * offset_mrad, reported_std_rad)),
+            shared: shared.filter(|_| !inconclusive),
             temperature_c: Some(read),
             reference_c: Some(temperature_c[0]),
-            stiffness: (!refused).then_some(Gaussian::new(
+            stiffness: (!inconclusive).then_some(Gaussian::new(
                 PERCENT * stiffness_percent,
-                errors.stiffness_stated_ratio,
+                errors.reported_stiffness_std_ratio,
             )),
         });
     }

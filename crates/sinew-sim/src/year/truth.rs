@@ -1,4 +1,4 @@
-//! What really happens to a tendon in a simulated year.
+//! True creep of a tendon in a simulated year.
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -8,7 +8,7 @@ use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::work::{Work, strand};
 use sinew_rope::{CatalogueError, CatalogueRope, Draws};
 
-/// A tendon that grows by less than this from day 60 to day 180 has no day on which it passes a limit
+/// A tendon that elongates by less than this from day 60 to day 180 has no day of limit exceedance
 /// worth forecasting, rad.
 const LEAST_GROWTH_RAD: f64 = 3e-3;
 /// Days a year is simulated for: limits are passed by day 300 at the latest.
@@ -37,8 +37,8 @@ pub fn temperatures_c(rng: &mut ChaCha8Rng) -> Vec<f64> {
         .collect()
 }
 
-/// Draws a tendon's year: law from the rope's uncertainty, work from what robots do. `creeping`: drawn
-/// again until it grows enough for a forecast to mean something.
+/// Draws a simulated year of a tendon: a creep law from the uncertainty of the rope, and a typical duty. With
+/// `creeping` the draw is repeated until the tendon creeps enough for a meaningful forecast.
 ///
 /// # Errors
 /// [`CatalogueError::NoLaw`].

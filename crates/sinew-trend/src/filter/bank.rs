@@ -1,4 +1,4 @@
-//! Filters side by side: one per pair of curve and noise.
+//! Bank of parallel Kalman filters, one per pair of curve and noise.
 
 use super::baseline_error::{BaselineError, SharedPart, Shares};
 use super::component::{
@@ -9,43 +9,45 @@ use super::curve::Place;
 use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
 use super::record::{Record, TrendConfig, TrendEntry};
-use super::softened::Softened;
+use super::stiffness_loss::StiffnessLossStats;
 use sinew_model::Gaussian;
 
-/// Standard deviation of a session's error in the offset per error of its stiffness, rad: half a
-/// millirad per percent. A starting guess.
+/// Standard deviation of a session's offset error per unit of its stiffness error, rad: 0.5 mrad
+/// per percent. Assumed value.
 const STIFFNESS_RAD: f64 = 0.05;
-/// Time in which the part of the error that comes with the baseline becomes another, s: ten years. What a baseline taught
-/// of friction and stiffness ages; in a year the sessions' error moves by half of it at most. A starting guess.
-const AGES_S: f64 = 3.2e8;
-/// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
-const NEGLIGIBLE: f64 = 18.0;
+/// Correlation time of the error that comes with the baseline, s: ten years. The friction and
+/// stiffness of a baseline become outdated; within a year the error of the sessions changes by at
+/// most half of it. Assumed value.
+const BASELINE_CORRELATION_S: f64 = 3.2e8;
+/// Maximum log-weight difference to the most probable filter, e^-18 = 1.5e-8; filters below are
+/// dropped.
+const MAX_LOG_WEIGHT_DIFFERENCE: f64 = 18.0;
 
-/// All filters at one time.
+/// State of all filters at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bank {
     /// Time since tensioning, s.
     pub time_s: f64,
     pub components: Vec<Component>,
-    /// The stiffness since the last jump.
-    pub softened: Option<Softened>,
-    /// What sessions since the baseline get wrong together.
+    /// Statistics of the stiffness since the last step change.
+    pub stiffness_loss: Option<StiffnessLossStats>,
+    /// Common error of all sessions since the baseline.
     pub baseline: BaselineError,
 }
 
-/// What a time takes from the errors of one noise.
+/// Decay of the errors of one noise over a time step.
 struct Forgets {
-    /// Of the slow error.
+    /// Factor on the slow error.
     slow: f64,
-    /// Variance that both states of the baseline's error get anew, rad².
+    /// Variance added to both states of the baseline error, rad².
     baseline: [f64; 2],
 }
 
-/// What a time does to what a filter's states have answered to a jump.
+/// Transition of a filter's response to a step change over a time step.
 pub(super) struct Passing {
-    /// Per curve, rad.
+    /// Creep per curve for an amplitude of 1, rad.
     creep: Vec<f64>,
-    /// Per noise.
+    /// Factor on the slow error, per noise.
     slow: Vec<f64>,
     ages: f64,
 }
@@ -60,7 +62,7 @@ impl Passing {
     }
 }
 
-/// An update chosen: evidence of the record and whether it was taken as off.
+/// Result of an update: evidence of the record and whether it was treated as an outlier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Updated {
     pub log_evidence: f64,
@@ -76,17 +78,18 @@ impl Bank {
                 mean[AMPLITUDE] = curve.amplitude;
                 let mut covariance = [0.0; TRIANGLE];
                 let square = |v: f64| v * v;
-                covariance[entry(LEVEL, LEVEL)] = square(prior.level_deviation_rad);
-                covariance[entry(AMPLITUDE, AMPLITUDE)] = square(curve.amplitude_deviation);
-                covariance[entry(DRIFT, DRIFT)] = square(prior.temperature_deviation_rad_per_k);
-                covariance[entry(SLOW, SLOW)] = square(noise.slow_deviation_rad);
+                covariance[entry(LEVEL, LEVEL)] = square(prior.level_std_rad);
+                covariance[entry(AMPLITUDE, AMPLITUDE)] = square(curve.amplitude_std);
+                covariance[entry(DRIFT, DRIFT)] = square(prior.temperature_std_rad_per_k);
+                covariance[entry(SLOW, SLOW)] = square(noise.slow_std_rad);
                 covariance[entry(STIFFNESS, STIFFNESS)] = square(STIFFNESS_RAD);
                 components.push(Component {
                     curve: i as u32,
                     noise: k as u32,
-                    // The amplitude's prior is cut at 0: what is left of it counts as all.
+                    // The prior of the amplitude is truncated at 0: the remaining probability is
+                    // normalised.
                     log_weight: curve.log_weight + noise.log_weight
-                        - libm::log(above_zero(curve.amplitude, curve.amplitude_deviation)),
+                        - libm::log(above_zero(curve.amplitude, curve.amplitude_std)),
                     mean,
                     covariance,
                 });
@@ -95,7 +98,7 @@ impl Bank {
         Self {
             time_s: prior.baseline_s,
             components,
-            softened: None,
+            stiffness_loss: None,
             baseline: BaselineError::default(),
         }
     }
@@ -111,8 +114,8 @@ impl Bank {
             .sum()
     }
 
-    /// Time passes: the level creeps on, its pace may leave its curve, the slow error forgets, what the baseline taught
-    /// ages.
+    /// Advances the filters in time: the level creeps, the creep rate may deviate from its curve,
+    /// the slow error decays, the baseline error ages.
     pub(super) fn advance(&mut self, prior: &Prior, time_s: f64) {
         let dt = time_s - self.time_s;
         if !(dt > 0.0) {
@@ -120,7 +123,7 @@ impl Bank {
         }
         let creep = creep(prior, self.time_s, time_s);
         let folds = folds(prior, self.time_s, time_s);
-        let ages = libm::exp(-dt / AGES_S);
+        let ages = libm::exp(-dt / BASELINE_CORRELATION_S);
         let renewed = 1.0 - ages * ages;
         let noises: Vec<Forgets> = (prior.noises.iter())
             .map(|noise| Forgets {
@@ -145,17 +148,17 @@ impl Bank {
             for k in TAKEN_OUT..STATES {
                 p[entry(LEVEL, k)] += step * p[entry(AMPLITUDE, k)];
             }
-            // The amplitude walks, by shares of itself; one near 0 can still rise.
-            let size = c.mean[AMPLITUDE].max(0.1 * (curve.amplitude + curve.amplitude_deviation));
-            let walk = noise.pace_error * size;
+            // The amplitude walks relative to its own size; one near 0 can still rise.
+            let size = c.mean[AMPLITUDE].max(0.1 * (curve.amplitude + curve.amplitude_std));
+            let walk = noise.creep_rate_rel_error * size;
             let walk = walk * walk * folds;
             p[entry(AMPLITUDE, AMPLITUDE)] += walk;
             p[entry(AMPLITUDE, LEVEL)] += 0.5 * walk * step;
             p[entry(LEVEL, LEVEL)] += walk * step * step / 3.0;
-            // Creep comes in steps: a day of hard work does what ten others don't.
+            // Creep comes in steps: a day of hard work contributes more than ten others.
             p[entry(LEVEL, LEVEL)] += prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0);
             c.scale(SLOW, forgets.slow);
-            let stationary = noise.slow_deviation_rad * noise.slow_deviation_rad;
+            let stationary = noise.slow_std_rad * noise.slow_std_rad;
             c.open(SLOW, (1.0 - forgets.slow * forgets.slow) * stationary);
             for (state, variance) in [BASELINE, EXCESS].into_iter().zip(forgets.baseline) {
                 if variance > 0.0 {
@@ -167,7 +170,7 @@ impl Bank {
         self.time_s = time_s;
     }
 
-    /// What time up to `time_s` does to the filters' answers to a jump.
+    /// Transition of the filters' responses to a step change up to `time_s`.
     pub(super) fn passing(&self, prior: &Prior, time_s: f64) -> Passing {
         let dt = (time_s - self.time_s).max(0.0);
         Passing {
@@ -175,13 +178,13 @@ impl Bank {
             slow: (prior.noises.iter())
                 .map(|noise| libm::exp(-dt / noise.slow_time_s))
                 .collect(),
-            ages: libm::exp(-dt / AGES_S),
+            ages: libm::exp(-dt / BASELINE_CORRELATION_S),
         }
     }
 
-    /// Takes a record in without letting filters go, and adds what it says on a jump that the states
-    /// answer to by `answers`: to the precision and to the precision times the mean. A record that
-    /// is off even so says little.
+    /// Updates all filters with a record without dropping any, and adds its information about a
+    /// step change, to which the states respond by `answers`, to `sums`: to the precision and to
+    /// the precision times the mean. A record that remains an outlier contributes little.
     pub(super) fn answer(
         &mut self,
         prior: &Prior,
@@ -200,10 +203,10 @@ impl Bank {
             let expected = c.expect(&h);
             let variance = expected.variance;
             let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
-            // Where a jump as known so far leaves the record.
+            // Residual of the record after the present estimate of the step change.
             let left = offset - expected.mean - d * sum[1] / sum[0];
             let mut own = own_variance(prior, record, &shares, c);
-            let off = config.off_deviation_rad * config.off_deviation_rad;
+            let off = config.off_std_rad * config.off_std_rad;
             let wide = own + off;
             let free = variance + d * d / sum[0];
             let odds = log_normal(left, off) - log_normal(left, free + own);
@@ -222,18 +225,18 @@ impl Bank {
         self.take_stiffness(record);
     }
 
-    /// What a record with an offset sees of each state, and of the error that others share.
+    /// Observation vector of a record with an offset, and its share of the common error.
     fn sees(&mut self, prior: &Prior, record: &Record) -> Option<([f64; STATES], Shares)> {
         let part = SharedPart::of(prior, record)?;
         let shares = self.baseline.meet(part, prior, &mut self.components);
         let reference_c = record.reference_c.unwrap_or(prior.temperature_ref_c);
         let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
-        let off = self.softened.map_or(0.0, |s| s.off(record));
+        let off = self.stiffness_loss.map_or(0.0, |s| s.off(record));
         let [better, poorer] = shares.h;
         Some(([1.0, 1.0, 0.0, warm, 1.0, off, better, poorer], shares))
     }
 
-    /// What every filter expects of a record with an offset, and what a record sees of each state.
+    /// Predictions of all filters for a record with an offset, and the record's observation vector.
     pub(super) fn predict(
         &mut self,
         prior: &Prior,
@@ -254,37 +257,38 @@ impl Bank {
     }
 
     pub(super) fn take_stiffness(&mut self, record: &Record) {
-        if let Some(softened) = &mut self.softened {
-            softened.take(record);
+        if let Some(stiffness_loss) = &mut self.stiffness_loss {
+            stiffness_loss.take(record);
         }
     }
 
-    /// It may have jumped again: what is known of the stiffness ends.
+    /// Resets the stiffness statistics after a possible further step change.
     pub(super) fn forget_stiffness(&mut self) {
-        if self.softened.is_some() {
+        if self.stiffness_loss.is_some() {
             self.jumped();
         }
     }
 
-    /// The tendon has jumped: a strand may have failed, whose stiffness every session finds anew.
+    /// Registers a step change: a strand may have failed, whose stiffness loss every session
+    /// estimates again.
     pub(super) fn jumped(&mut self) {
-        self.softened = Some(Softened::new());
+        self.stiffness_loss = Some(StiffnessLossStats::new());
         self.baseline.jumped();
     }
 
-    /// Opens the level (or what was taken out) to a change of `deviation_rad`.
-    pub(super) fn open(&mut self, state: usize, deviation_rad: f64) {
+    /// Inflates the variance of the level (or of the removed offset) by `std_rad` squared.
+    pub(super) fn open(&mut self, state: usize, std_rad: f64) {
         for c in &mut self.components {
-            c.open(state, deviation_rad * deviation_rad);
+            c.open(state, std_rad * std_rad);
         }
     }
 
-    /// A new baseline: the offset since then is 0, up to `deviation_rad`, and what its sessions will get wrong together
-    /// is another.
-    pub(super) fn rebase(&mut self, deviation_rad: f64) {
+    /// Registers a new baseline: the offset since then is 0, up to `std_rad`, and the common error
+    /// of its sessions is independent of the earlier one.
+    pub(super) fn rebase(&mut self, std_rad: f64) {
         for c in &mut self.components {
             c.make(TAKEN_OUT, -1.0, LEVEL);
-            c.open(TAKEN_OUT, deviation_rad * deviation_rad);
+            c.open(TAKEN_OUT, std_rad * std_rad);
             for state in [BASELINE, EXCESS] {
                 c.scale(state, 0.0);
             }
@@ -292,18 +296,19 @@ impl Bank {
         self.baseline = BaselineError::default();
     }
 
-    /// After a failed strand sessions may scatter as they didn't before: each filter also with the
-    /// other levels of the records' own errors.
+    /// Adds copies of each filter with the other levels of the independent error, because the
+    /// scatter of the sessions may change after a strand failure.
     ///
-    /// Filters of one curve and one noise that come together are merged, as interacting multiple models are: so there are
-    /// never more than curves times noises, however often a tendon jumps. Those that were there keep their places.
+    /// Filters with the same curve and noise are merged, as in interacting multiple models. So
+    /// there are never more filters than curves times noises, however often a tendon slips.
+    /// Existing filters keep their index.
     pub(super) fn reconsider_errors(&mut self, prior: &Prior) {
-        /// Probability of each other level.
-        const OTHER: f64 = 0.1;
-        let alike = |a: &Noise, b: &Noise| {
-            a.slow_deviation_rad == b.slow_deviation_rad
+        /// Prior probability of each other level.
+        const OTHER_LEVEL_PROBABILITY: f64 = 0.1;
+        let same_slow_error = |a: &Noise, b: &Noise| {
+            a.slow_std_rad == b.slow_std_rad
                 && a.slow_time_s == b.slow_time_s
-                && a.pace_error == b.pace_error
+                && a.creep_rate_rel_error == b.creep_rate_rel_error
         };
         let mut more = Vec::new();
         for c in &self.components {
@@ -311,10 +316,10 @@ impl Bank {
                 continue;
             };
             for (other, noise) in (0u32..).zip(&prior.noises) {
-                if other != c.noise && alike(own, noise) {
+                if other != c.noise && same_slow_error(own, noise) {
                     more.push(Component {
                         noise: other,
-                        log_weight: c.log_weight + libm::log(OTHER),
+                        log_weight: c.log_weight + libm::log(OTHER_LEVEL_PROBABILITY),
                         ..*c
                     });
                 }
@@ -342,7 +347,7 @@ impl Bank {
         }
     }
 
-    /// Takes a record in; one without an offset changes nothing.
+    /// Updates the filters with a record; one without an offset changes nothing.
     pub(super) fn update(
         &mut self,
         prior: &Prior,
@@ -365,9 +370,9 @@ impl Bank {
         }
         let all = all.value();
         let plain_e = plain.value() - all + libm::log(1.0 - config.off_share);
-        // A record that is off by itself says nothing of the tendon: what it is off by counts from the mean of all filters,
-        // whatever else may have happened. So it is at most this likely.
-        let off = config.off_deviation_rad;
+        // An outlier carries no information about the tendon: its error is measured from the mean
+        // of all filters. Its evidence is therefore bounded by this value.
+        let off = config.off_std_rad;
         let share = libm::log(config.off_share);
         let mut wide_e = f64::NEG_INFINITY;
         if !(plain_e > log_normal(0.0, off * off) + share) {
@@ -376,13 +381,17 @@ impl Bank {
                 .sum();
             wide_e = log_normal(offset - mean, off * off) + share;
         }
-        let is_off = wide_e > plain_e;
+        let is_outlier = wide_e > plain_e;
         for (c, p) in self.components.iter_mut().zip(&expected) {
             let error = offset - p.expected.mean;
-            if is_off {
-                // How far off it is must not choose filters.
-                const FAR: f64 = 3.0;
-                let (error, s) = (error.clamp(-FAR * off, FAR * off), p.s + off * off);
+            if is_outlier {
+                // The size of an outlier must not select filters: bound in multiples of the outlier
+                // standard deviation.
+                const MAX_OUTLIER_STDS: f64 = 3.0;
+                let (error, s) = (
+                    error.clamp(-MAX_OUTLIER_STDS * off, MAX_OUTLIER_STDS * off),
+                    p.s + off * off,
+                );
                 c.log_weight += log_normal(error, s);
                 c.correct(&p.expected, error, s);
             } else {
@@ -394,11 +403,12 @@ impl Bank {
         self.take_stiffness(record);
         Updated {
             log_evidence: plain_e.max(wide_e),
-            off: is_off,
+            off: is_outlier,
         }
     }
 
-    /// Runs filters through entries; logarithm of the evidence, and which records were taken as off.
+    /// Runs the filters through entries; returns the log-evidence, and per entry whether it was
+    /// treated as an outlier.
     pub(super) fn run(
         &mut self,
         prior: &Prior,
@@ -409,35 +419,35 @@ impl Bank {
         let mut off = Vec::with_capacity(entries.len());
         for entry in entries {
             self.advance(prior, entry.time_s());
-            let mut is_off = false;
+            let mut is_outlier = false;
             match entry {
                 TrendEntry::Record(record) => {
                     let updated = self.update(prior, record, config);
                     log_evidence += updated.log_evidence;
-                    is_off = updated.off;
+                    is_outlier = updated.off;
                 }
                 other => self.undergo(prior, config, other),
             }
-            off.push(is_off);
+            off.push(is_outlier);
         }
         (log_evidence, off)
     }
 
-    /// What happened between sessions, at the filters' time.
+    /// Applies an entry other than a record, at the time of the filters.
     pub(super) fn undergo(&mut self, prior: &Prior, config: &TrendConfig, entry: &TrendEntry) {
         match entry {
             TrendEntry::Record(_) => {}
-            TrendEntry::Jump { deviation_rad, .. } => {
-                self.open(LEVEL, *deviation_rad);
+            TrendEntry::StepChange { std_rad, .. } => {
+                self.open(LEVEL, *std_rad);
                 self.reconsider_errors(prior);
                 self.jumped();
             }
-            TrendEntry::Tensioned { .. } => self.open(TAKEN_OUT, config.fall_deviation_rad),
-            TrendEntry::Baseline { deviation_rad, .. } => self.rebase(*deviation_rad),
+            TrendEntry::Tensioned { .. } => self.open(TAKEN_OUT, config.fall_std_rad),
+            TrendEntry::Baseline { std_rad, .. } => self.rebase(*std_rad),
         }
     }
 
-    /// Drops filters that don't count any more and brings the likeliest to weight 0.
+    /// Drops negligible filters and normalises the most probable one to weight 0.
     fn let_go(&mut self) {
         let most = self
             .components
@@ -445,14 +455,15 @@ impl Bank {
             .map(|c| c.log_weight)
             .fold(f64::NEG_INFINITY, f64::max);
         if most.is_finite() {
-            self.components.retain(|c| c.log_weight > most - NEGLIGIBLE);
+            self.components
+                .retain(|c| c.log_weight > most - MAX_LOG_WEIGHT_DIFFERENCE);
             self.components
                 .iter_mut()
                 .for_each(|c| c.log_weight -= most);
         }
     }
 
-    /// At most `count` filters that stand for all: systematic draws by weight, equal ones merged.
+    /// Reduces the bank to at most `count` filters: systematic draws by weight, equal ones merged.
     pub(super) fn thinned(&self, count: usize) -> Self {
         let mut sum = LogSum::new();
         self.components.iter().for_each(|c| sum.add(c.log_weight));
@@ -476,7 +487,7 @@ impl Bank {
         Self {
             time_s: self.time_s,
             components,
-            softened: self.softened,
+            stiffness_loss: self.stiffness_loss,
             baseline: self.baseline,
         }
     }
@@ -490,27 +501,27 @@ pub(super) fn creep(prior: &Prior, from_s: f64, to_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// E-folds of time since tensioning between two times.
+/// Number of e-folds of the time since tensioning between two times.
 pub(super) fn folds(prior: &Prior, from_s: f64, to_s: f64) -> f64 {
-    // The clock begins with the baseline, which a logarithm needs to be above 0.
+    // The clock starts with the baseline; the logarithm needs a value above 0.
     let start = prior.baseline_s.max(60.0);
     libm::log(to_s.max(start) / from_s.max(start)).max(0.0)
 }
 
-/// What a filter expects of a record, and how likely it found it.
+/// Prediction of a filter for a record, and the density of the recorded value.
 pub(super) struct Prediction {
     pub(super) expected: Expected,
-    /// Variance of the record in all, rad².
+    /// Total variance of the record, rad².
     pub(super) s: f64,
-    /// Logarithm of the density of what was recorded.
+    /// Logarithm of the density of the recorded value.
     pub(super) log_density: f64,
 }
 
-/// Variance of a record's own error as a filter sees it, rad².
+/// Variance of a record's independent error under the noise of a filter, rad².
 fn own_variance(prior: &Prior, record: &Record, shares: &Shares, c: &Component) -> f64 {
     let Some(noise) = prior.noises.get(c.noise as usize) else {
         return 0.0;
     };
-    let own = noise.white_scale * record.own_deviation_rad(prior.temperature_deviation_rad_per_k);
+    let own = noise.white_scale * record.own_std_rad(prior.temperature_std_rad_per_k);
     own * own + shares.beyond(noise)
 }

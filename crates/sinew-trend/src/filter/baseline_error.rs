@@ -1,83 +1,86 @@
-//! What all sessions since one baseline get wrong together.
+//! Common error of all sessions since one baseline.
 
 use super::component::{BASELINE, Component, EXCESS, entry};
 use super::prior::{Noise, Prior};
 use super::record::Record;
 
-/// A session whose shared part is by less than this factor another than that of a level is of that level.
-const ALIKE: f64 = 1.6;
-/// No session is known to share less than this, rad.
-const LEAST_RAD: f64 = 1e-12;
-/// A temperature nobody wrote down is known to some 5 K.
-const UNKNOWN_K: f64 = 5.0;
+/// Maximum ratio of standard deviations for a session to belong to an existing level.
+const MAX_LEVEL_STD_RATIO: f64 = 1.6;
+/// Minimum standard deviation of a common error, rad.
+const MIN_COMMON_STD_RAD: f64 = 1e-12;
+/// Standard deviation of a temperature that was not recorded, K.
+const UNKNOWN_TEMPERATURE_STD_K: f64 = 5.0;
 
-/// The shared part of a session's error, as far as it says.
+/// Common part of a session's error, as far as the session reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SharedPart {
-    /// Its variance, rad².
+    /// Variance of the common part, rad².
     pub variance: f64,
-    /// Whether the session stated it; else it is all of what it stated, of which what shows as scatter is its own.
+    /// Whether the session reported it; otherwise the whole reported error, of which the observed
+    /// scatter is independent.
     pub stated: bool,
 }
 
-/// The part of the sessions' errors that comes with their baseline, at up to two levels:
+/// Part of the sessions' errors that comes with their baseline, at up to two levels:
 ///
 /// ```text
 /// e_s = W(v_s) + own error,    Cov[e_s, e_t] = min(v_s, v_t)
 /// ```
 ///
-/// A session that knows less has the error of the one that knows more, and another one beside it: so do errors of a chain
-/// of estimates of which each rests on the one before. Two states hold it: `W` of the better level and what the
-/// poorer one adds. No number of sessions averages them away.
+/// A less accurate session has the error of the more accurate one plus an additional one, as in a
+/// chain of estimates of which each is based on the previous one. Two states represent it: `W` of
+/// the more accurate level, and the addition of the less accurate one. No number of sessions
+/// averages them out.
 ///
-/// After a jump a strand may have failed. How its lost stiffness is misread is another error of all sessions since: what they
-/// state more than before. The second state takes it up, and every session since sees it.
+/// After a step change a strand may have failed. The error of the estimated stiffness loss is
+/// common to all sessions since then: the increase of their reported error. The second state
+/// contains it, and every session since then observes it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaselineError {
-    /// The better level, and the poorer one.
+    /// More accurate level and less accurate level.
     pub levels: [Option<SharedPart>; 2],
-    /// That of the last session.
+    /// Common part of the last session.
     pub last: Option<SharedPart>,
-    /// What a jump has made of it.
-    pub misread: Misread,
+    /// State of the additional error after a step change.
+    pub misread: BaselineShift,
 }
 
-/// Whether sessions since a jump have an error that those before it hadn't.
+/// Presence of an additional common error in the sessions after a step change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Misread {
-    /// They haven't, as far as they say.
+pub enum BaselineShift {
+    /// No additional error reported.
     #[default]
     No,
-    /// It jumped after the last session; the next one will say.
+    /// Step change after the last session; the next session decides.
     Awaited,
-    /// They have.
+    /// Additional error present.
     Yes,
-    /// They have, and it jumped again after the last session.
+    /// Additional error present, and a further step change after the last session.
     AwaitedAgain,
 }
 
-/// What a record sees of the shared error.
+/// Observation of the common error by a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shares {
-    /// How much of each of the two states.
+    /// Coefficient of each of the two states.
     pub(super) h: [f64; 2],
-    /// The record's own part.
+    /// Common part of the record itself.
     pub(super) part: SharedPart,
-    /// That of its level.
+    /// Common part of its level.
     level: SharedPart,
 }
 
 impl SharedPart {
-    /// Of a record with an offset.
+    /// Common part of a record with an offset.
     pub(super) fn of(prior: &Prior, record: &Record) -> Option<Self> {
         let offset = record.offset_rad?;
-        let least = LEAST_RAD * LEAST_RAD;
+        let least = MIN_COMMON_STD_RAD * MIN_COMMON_STD_RAD;
         let Some(shared) = record.shared else {
-            let all = offset.deviation * offset.deviation;
+            let all = offset.std * offset.std;
             let blur = match record.temperature_c {
                 Some(_) => 0.0,
-                None => UNKNOWN_K * prior.temperature_deviation_rad_per_k,
+                None => UNKNOWN_TEMPERATURE_STD_K * prior.temperature_std_rad_per_k,
             };
             return Some(Self {
                 variance: (all + blur * blur).max(least),
@@ -90,7 +93,8 @@ impl SharedPart {
         })
     }
 
-    /// Its variance as a filter takes it. Where only the whole error is stated, what doesn't scatter is shared.
+    /// Variance under the noise of a filter. If only the whole error is reported, the part that
+    /// does not scatter is common.
     fn variance_of(self, noise: &Noise) -> f64 {
         if self.stated {
             return self.variance;
@@ -101,14 +105,14 @@ impl SharedPart {
 }
 
 impl Shares {
-    /// What the record has beyond its level, and so counts as its own, rad².
+    /// Variance of the record beyond its level, counted as independent, rad².
     pub(super) fn beyond(&self, noise: &Noise) -> f64 {
         (self.part.variance_of(noise) - self.level.variance_of(noise)).max(0.0)
     }
 }
 
 impl BaselineError {
-    /// Whether it can be one.
+    /// Whether all values are valid.
     pub(super) fn is_possible(&self) -> bool {
         let parts = self.levels.iter().chain([&self.last]).flatten();
         let finite = parts
@@ -117,26 +121,27 @@ impl BaselineError {
         finite && (self.levels[1].is_none() || self.levels[0].is_some())
     }
 
-    /// It jumped.
+    /// Registers a step change.
     pub(super) fn jumped(&mut self) {
         self.misread = match self.misread {
-            Misread::No | Misread::Awaited => Misread::Awaited,
-            Misread::Yes | Misread::AwaitedAgain => Misread::AwaitedAgain,
+            BaselineShift::No | BaselineShift::Awaited => BaselineShift::Awaited,
+            BaselineShift::Yes | BaselineShift::AwaitedAgain => BaselineShift::AwaitedAgain,
         };
     }
 
-    /// The first session after a jump: what it states more than the last one is new, and stays.
-    fn softened(&mut self, part: SharedPart, prior: &Prior, components: &mut [Component]) {
+    /// Handles the first session after a step change: the increase of its reported error is new and
+    /// permanent.
+    fn after_step(&mut self, part: SharedPart, prior: &Prior, components: &mut [Component]) {
         let again = match self.misread {
-            Misread::Awaited => false,
-            Misread::AwaitedAgain => true,
-            Misread::No | Misread::Yes => return,
+            BaselineShift::Awaited => false,
+            BaselineShift::AwaitedAgain => true,
+            BaselineShift::No | BaselineShift::Yes => return,
         };
         let before = self.last.unwrap_or(part);
         let more = part.variance - before.variance;
         self.misread = match again || more > 0.0 {
-            true => Misread::Yes,
-            false => Misread::No,
+            true => BaselineShift::Yes,
+            false => BaselineShift::No,
         };
         let [Some(better), poorer] = self.levels else {
             return;
@@ -157,18 +162,18 @@ impl BaselineError {
         });
     }
 
-    /// A record of this shared part comes: a level is found or made for it.
+    /// Finds or creates the level of a record with this common part.
     pub(super) fn meet(
         &mut self,
         part: SharedPart,
         prior: &Prior,
         components: &mut [Component],
     ) -> Shares {
-        self.softened(part, prior, components);
+        self.after_step(part, prior, components);
         self.last = Some(part);
         let apart = |level: &SharedPart| libm::fabs(libm::log(part.variance / level.variance));
         let shares = |h: [f64; 2], level: SharedPart| Shares { h, part, level };
-        let near = 2.0 * libm::log(ALIKE);
+        let near = 2.0 * libm::log(MAX_LEVEL_STD_RATIO);
         match self.levels {
             [None, _] => {
                 for c in components {
@@ -200,7 +205,9 @@ impl BaselineError {
                 self.levels = [Some(part), Some(only)];
                 shares([1.0, 0.0], part)
             }
-            [Some(_), Some(poorer)] if self.misread == Misread::Yes => shares([1.0, 1.0], poorer),
+            [Some(_), Some(poorer)] if self.misread == BaselineShift::Yes => {
+                shares([1.0, 1.0], poorer)
+            }
             [Some(better), Some(poorer)] => match apart(&better) <= apart(&poorer) {
                 true => shares([1.0, 0.0], better),
                 false => shares([1.0, 1.0], poorer),
@@ -208,7 +215,7 @@ impl BaselineError {
         }
     }
 
-    /// Variance of both states before any record, as a filter takes it, rad².
+    /// Prior variance of both states under the noise of a filter, rad².
     pub(super) fn variances(&self, noise: &Noise) -> [f64; 2] {
         let of = |k: usize| self.levels[k].map(|l| l.variance_of(noise));
         let better = of(0).unwrap_or(0.0);
@@ -223,8 +230,8 @@ fn noise_of<'a>(prior: &'a Prior, component: &Component) -> Option<&'a Noise> {
     prior.noises.get(component.noise as usize)
 }
 
-/// A better level of variance `v` comes below the only one, of `v₀`: `W(v)` given `W(v₀)` is that of a Brownian bridge,
-/// `(v/v₀) W(v₀)` with variance `v (v₀ − v)/v₀`.
+/// Inserts a level of variance `v` below the only one of `v₀`: `W(v)` given `W(v₀)` is that of a
+/// Brownian bridge, `(v/v₀) W(v₀)` with variance `v (v₀ − v)/v₀`.
 fn split(c: &mut Component, v: f64, v0: f64) {
     if !(v0 > 0.0 && v < v0) {
         return;
@@ -243,10 +250,10 @@ mod tests {
     use super::*;
     use crate::filter::generic_curves;
 
-    /// Sessions that state nearly as much are wrong by the same error; one that states much more has another one beside
-    /// it, and of one that states much less theirs has another one beside it.
+    // Sessions with nearly the same reported error share one error; a larger or smaller one adds a
+    // second error.
     #[test]
-    fn sessions_that_state_nearly_the_same_share_one_error() {
+    fn sessions_with_similar_std_share_one_error() {
         let prior = Prior::new(generic_curves(0.03));
         let noise = prior.noises[0];
         let stated = |mrad: f64| SharedPart {
@@ -269,7 +276,7 @@ mod tests {
         for (mrad, beyond) in [(0.2, 0.0), (0.29, 0.0), (0.3, 0.0), (0.34, 0.16)] {
             let (h, own, [better, poorer]) = met(mrad);
             assert_eq!(h, [1.0, 0.0], "{mrad}");
-            // What it states more counts as its own: 0.34² = 0.3² + 0.16².
+            // The excess of the reported error counts as independent: 0.34² = 0.3² + 0.16².
             assert!(near(own, beyond), "{mrad}: {own}");
             assert!(
                 near(better, 0.3) && poorer == 0.0,

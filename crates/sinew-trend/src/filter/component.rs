@@ -1,11 +1,11 @@
-//! One Kalman filter: a curve and a noise.
+//! Kalman filter for one curve and one noise.
 
 use super::gauss::{LogSum, above_zero};
 
-/// Level, taken out, amplitude, temperature drift, slow error, error per error of the stiffness, the baseline's error,
-/// what poorer sessions have beyond it.
+/// Number of states: level, removed offset, amplitude, temperature drift, slow error, offset error
+/// per stiffness error, baseline error, additional baseline error of less accurate sessions.
 pub const STATES: usize = 8;
-/// Entries of the lower triangle of a covariance.
+/// Number of entries of the lower triangle of a covariance.
 pub(super) const TRIANGLE: usize = STATES * (STATES + 1) / 2;
 pub(super) const LEVEL: usize = 0;
 pub(super) const TAKEN_OUT: usize = 1;
@@ -23,26 +23,26 @@ pub struct Component {
     pub curve: u32,
     /// Index of the noise.
     pub noise: u32,
-    /// Logarithm of its probability, up to a constant of the bank.
+    /// Logarithm of the filter's probability, up to a constant of the bank.
     pub log_weight: f64,
-    /// Means: rad, rad, 1, rad/K, rad, rad, rad, rad.
+    /// Means of the states: rad, rad, 1, rad/K, rad, rad, rad, rad.
     pub mean: [f64; STATES],
     /// Lower triangle of the covariance, row by row.
     pub covariance: [f64; TRIANGLE],
 }
 
-/// What a filter expects of a record.
+/// Prediction of a filter for a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Expected {
-    /// Mean of what is recorded, rad.
+    /// Mean of the recorded value, rad.
     pub(super) mean: f64,
-    /// Its variance without the record's own error, rad².
+    /// Variance without the record's independent error, rad².
     pub(super) variance: f64,
-    /// Its covariance with every state.
+    /// Covariance with every state.
     pub(super) with_states: [f64; STATES],
 }
 
-/// Where `(i, k)` stands in the triangle.
+/// Index of the entry `(i, k)` in the triangle.
 pub(super) const fn entry(i: usize, k: usize) -> usize {
     if i >= k {
         i * (i + 1) / 2 + k
@@ -52,7 +52,7 @@ pub(super) const fn entry(i: usize, k: usize) -> usize {
 }
 
 impl Component {
-    /// What it expects of a record that sees `h` of each state.
+    /// Predicts a record with observation vector `h`.
     pub(super) fn expect(&self, h: &[f64; STATES]) -> Expected {
         let mut with_states = [0.0; STATES];
         let mut at = 0;
@@ -78,8 +78,8 @@ impl Component {
         }
     }
 
-    /// Kalman update by a record that is `error` off what was expected, with variance `s` in all. The weight is left
-    /// to the caller, who knows the evidence already.
+    /// Kalman update with innovation `error` and its variance `s`. The weight is left unchanged,
+    /// because the caller has the evidence already.
     pub(super) fn correct(&mut self, expected: &Expected, error: f64, s: f64) {
         let ph = &expected.with_states;
         let mut at = 0;
@@ -96,7 +96,7 @@ impl Component {
         }
     }
 
-    /// Adds to the variance of a state.
+    /// Inflates the variance of a state.
     pub(super) fn open(&mut self, state: usize, variance: f64) {
         self.covariance[entry(state, state)] += variance;
     }
@@ -110,7 +110,8 @@ impl Component {
         }
     }
 
-    /// Makes of a state `scale` times another one, which it may be itself, with no memory of what it was.
+    /// Sets a state to `scale` times another one, which may be the same, and discards its former
+    /// value.
     pub(super) fn make(&mut self, state: usize, scale: f64, of: usize) {
         let variance = scale * scale * self.covariance[entry(of, of)];
         let with: [f64; STATES] = core::array::from_fn(|k| scale * self.covariance[entry(of, k)]);
@@ -121,7 +122,7 @@ impl Component {
         self.covariance[entry(state, state)] = variance;
     }
 
-    /// Becomes the normal distribution with the mean and covariance of both, each by its weight:
+    /// Merges both into the normal distribution with their common mean and covariance:
     ///
     /// ```text
     /// m = Σ w m_i    P = Σ w (P_i + (m_i − m)(m_i − m)ᵀ)
@@ -150,10 +151,10 @@ impl Component {
         self.log_weight = log_weight;
     }
 
-    /// Logarithm of the weight with `a > 0` reckoned in.
+    /// Logarithm of the weight including the probability of `a > 0`.
     pub(super) fn weight_above_zero(&self) -> f64 {
-        let deviation = libm::sqrt(self.covariance[entry(AMPLITUDE, AMPLITUDE)]).max(1e-300);
-        self.log_weight + libm::log(above_zero(self.mean[AMPLITUDE], deviation))
+        let std = libm::sqrt(self.covariance[entry(AMPLITUDE, AMPLITUDE)]).max(1e-300);
+        self.log_weight + libm::log(above_zero(self.mean[AMPLITUDE], std))
     }
 }
 
@@ -162,7 +163,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_filters_become_one_with_the_moments_of_both() {
+    fn merge_preserves_moments() {
         let of = |share: f64, level: f64, drift: f64, variance: f64| {
             let mut covariance = [0.0; TRIANGLE];
             covariance[entry(LEVEL, LEVEL)] = variance;

@@ -1,31 +1,31 @@
 //! Creep curves on a common logarithmic clock.
 
-/// First node, s.
+/// Time of the first node, s.
 const FIRST_S: f64 = 100.0;
-/// Nodes per decade of time: a straight line over time is off by 0.5 % between two of them, a
-/// straight line over its logarithm not at all.
+/// Nodes per decade of time: a straight line over time has an error of 0.5 % between two nodes, a
+/// straight line over its logarithm none.
 const PER_DECADE: usize = 12;
-/// Decades from the first node: to 100 years.
+/// Number of decades from the first node: to 100 years.
 const DECADES: usize = 8;
-/// Nodes of every curve.
+/// Number of nodes of every curve.
 pub const NODES: usize = PER_DECADE * DECADES + 1;
-/// 365.25 days, s.
+/// Duration of a year of 365.25 days, s.
 const YEAR_S: f64 = 31_557_600.0;
 
-/// One way a rope may creep after tensioning, and how likely it is.
+/// Creep curve of a rope after tensioning, and its prior probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Offset at [`node_times_s`] for an amplitude of 1, rad; rising.
     pub values: Vec<f64>,
-    /// Mean of the amplitude's prior (a normal distribution cut at 0).
+    /// Mean of the amplitude's prior (a normal distribution truncated at 0).
     pub amplitude: f64,
-    /// Its standard deviation before it is cut.
-    pub amplitude_deviation: f64,
+    /// Standard deviation of the amplitude's prior before truncation.
+    pub amplitude_std: f64,
     /// Logarithm of the prior probability, up to a constant.
     pub log_weight: f64,
 }
 
-/// Times the curves are tabulated at, s after tensioning.
+/// Node times of the curves, s after tensioning.
 #[must_use]
 pub fn node_times_s() -> Vec<f64> {
     (0..NODES)
@@ -33,14 +33,14 @@ pub fn node_times_s() -> Vec<f64> {
         .collect()
 }
 
-/// A time among the nodes, which all curves share: its logarithm is taken once.
+/// Position of a time among the nodes, common to all curves: its logarithm is computed once.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Place {
     /// At or before tensioning.
     NotYet,
     /// Before the first node.
     BeforeFirst { time_s: f64 },
-    /// After node `below`, by this share of the way to the next.
+    /// After node `below`, by this share of the interval to the next.
     After { below: usize, share: f64 },
 }
 
@@ -69,7 +69,7 @@ impl Curve {
         self.between(Place::of(time_s))
     }
 
-    /// Value at a place among the nodes.
+    /// Value at a position among the nodes.
     pub(super) fn between(&self, place: Place) -> f64 {
         let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else {
             return 0.0;
@@ -86,32 +86,32 @@ impl Curve {
         }
     }
 
-    /// Whether it is a curve at all: as many finite, rising values as nodes, a prior that is one.
+    /// Whether the curve is valid: as many finite, rising values as nodes, and a valid prior.
     #[must_use]
     pub fn is_possible(&self) -> bool {
         let finite = self.values.iter().all(|v| v.is_finite());
-        // A rope that retracts while warming up falls a little; by more it isn't a creep curve.
+        // A rope that retracts while warming up falls a little; a larger fall is not a creep curve.
         let range = self.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let rising = self.values.windows(2).all(|w| w[1] >= w[0] - 0.05 * range);
         self.values.len() == NODES
             && finite
             && rising
             && self.amplitude.is_finite()
-            && self.amplitude_deviation > 0.0
-            && self.amplitude_deviation.is_finite()
+            && self.amplitude_std > 0.0
+            && self.amplitude_std.is_finite()
             && self.log_weight.is_finite()
     }
 }
 
-/// Curves for a rope nobody knows: retardation times from a minute to a cut-off,
-/// `c(t) ∝ ∫ τ^n (1 − exp(−t/τ)) d ln τ`, for `n` of −0.3, 0 (a straight line over the logarithm of
-/// time) and 0.3 and cut-offs from three days to twenty years, and a straight line over time. Each is 1
-/// after a year.
+/// Creep curves for an unspecified rope: retardation times from a minute to a cut-off, `c(t) ∝ ∫
+/// τ^n (1 − exp(−t/τ)) d ln τ`, for `n` of −0.3, 0 (a straight line over the logarithm of time) and
+/// 0.3 and cut-offs from three days to twenty years, and a straight line over time. Each is 1 after
+/// a year.
 ///
-/// * `amplitude_deviation_rad`: standard deviation of the half-normal prior of the creep of the first
+/// * `amplitude_std_rad`: standard deviation of the half-normal prior of the creep of the first
 ///   year, rad.
 #[must_use]
-pub fn generic_curves(amplitude_deviation_rad: f64) -> Vec<Curve> {
+pub fn generic_curves(amplitude_std_rad: f64) -> Vec<Curve> {
     const DAY_S: f64 = 86_400.0;
     const POWERS: [f64; 3] = [-0.3, 0.0, 0.3];
     const CUT_OFFS_D: [f64; 7] = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 7000.0];
@@ -121,7 +121,7 @@ pub fn generic_curves(amplitude_deviation_rad: f64) -> Vec<Curve> {
         let mut curve = Curve {
             values,
             amplitude: 0.0,
-            amplitude_deviation: amplitude_deviation_rad,
+            amplitude_std: amplitude_std_rad,
             log_weight: 0.0,
         };
         let year = curve.at(YEAR_S);
@@ -166,9 +166,8 @@ fn spread(t: f64, n: f64, cut_off_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A rope may retract by a twentieth of what it creeps in all, whatever the unit.
     #[test]
-    fn a_curve_may_fall_a_little_and_no_more() {
+    fn curve_may_fall_by_five_percent_of_range() {
         for whole in [1e-3, 1.0, 1e3] {
             let falls_by = |share: f64| {
                 let mut values: Vec<f64> = (0..NODES)
@@ -178,7 +177,7 @@ mod tests {
                 Curve {
                     values,
                     amplitude: 1.0,
-                    amplitude_deviation: 0.5,
+                    amplitude_std: 0.5,
                     log_weight: 0.0,
                 }
             };

@@ -1,4 +1,4 @@
-//! Jumps: each of the last records as the first after one, held against none.
+//! Step-change detector: each of the last records is tested as the first one after a step change.
 
 use super::bank::Bank;
 use super::component::LEVEL;
@@ -9,59 +9,59 @@ use super::record::{Event, TrendConfig, TrendEntry};
 use super::screen::Screen;
 use super::stiffness::Stiffness;
 
-/// Seconds of a day.
+/// Number of seconds of a day.
 const DAY_S: f64 = 86_400.0;
-/// Filters that jumps are judged with.
-pub(super) const JUDGES: usize = 160;
+/// Maximum number of filters used to test for step changes.
+pub(super) const MAX_TEST_FILTERS: usize = 160;
 
-/// A jump less likely than this isn't weighed exactly.
-const UNLIKELY: f64 = 0.005;
+/// Minimum screened probability of a step change for an exact test.
+const MIN_SCREENED_PROBABILITY: f64 = 0.005;
 
-/// A jump that may have happened.
+/// Hypothesis of a step change.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hypothesis {
     odds: f64,
-    /// TrendEntry it comes before.
+    /// Index of the entry it precedes.
     at: usize,
-    deviation_rad: f64,
-    /// Whether two records speak for it.
+    std_rad: f64,
+    /// Whether two records support it.
     agreed: bool,
 }
 
 impl Hypothesis {
-    /// Whether two records speak for it.
+    /// Whether two records support it.
     pub(super) fn is_agreed(&self) -> bool {
         self.agreed
     }
 }
 
-/// A jump that is sure, and the entry to insert for it.
+/// Confirmed step change, and the entry to insert for it.
 pub(super) struct Confirmed {
     pub(super) at: usize,
     pub(super) entry: TrendEntry,
     pub(super) event: Event,
 }
 
-/// The last records, and what was known before them.
+/// Window of the last records, and the state before them.
 pub(super) struct Window<'a> {
     pub(super) prior: &'a Prior,
     pub(super) config: &'a TrendConfig,
     pub(super) anchor: &'a Bank,
     pub(super) stiffness: Stiffness,
     pub(super) entries: &'a [TrendEntry],
-    /// Records with an offset, those in the window included.
+    /// Number of records with an offset, including those in the window.
     pub(super) records: u64,
 }
 
 impl Window<'_> {
-    /// Probability that there was a jump within the window, and the likeliest.
-    pub(super) fn judge(&self) -> (f64, Option<Hypothesis>) {
-        let start = self.anchor.thinned(JUDGES);
+    /// Probability of a step change within the window, and the most probable hypothesis.
+    pub(super) fn test_for_steps(&self) -> (f64, Option<Hypothesis>) {
+        let start = self.anchor.thinned(MAX_TEST_FILTERS);
         let (none, off) = start.clone().run(self.prior, self.config, self.entries);
-        let jumped = |e: &TrendEntry| matches!(e, TrendEntry::Jump { .. });
+        let jumped = |e: &TrendEntry| matches!(e, TrendEntry::StepChange { .. });
         if !off.contains(&true) && !self.entries.iter().any(jumped) {
             let screened = self.screened(&start);
-            if screened < UNLIKELY {
+            if screened < MIN_SCREENED_PROBABILITY {
                 return (screened, None);
             }
         }
@@ -69,7 +69,7 @@ impl Window<'_> {
         all.add(0.0);
         let mut jumps = LogSum::new();
         let mut best: Option<Hypothesis> = None;
-        // Filters before each entry, so that a hypothesis begins where it differs.
+        // Filters before each entry, so that a hypothesis starts where it differs.
         let mut before = start;
         let mut stiffness = self.stiffness;
         let reference_c = self.prior.temperature_ref_c;
@@ -82,7 +82,7 @@ impl Window<'_> {
             if entry.is_informative() {
                 let time_s = entry.time_s();
                 let follows_event = i > 0 && !matches!(self.entries[i - 1], TrendEntry::Record(_));
-                // Two records before say what the level was.
+                // Two earlier records determine the level.
                 if earlier >= 2 && !follows_event {
                     let days = ((time_s - last_s) / DAY_S).clamp(0.1, 30.0);
                     let support = stiffness.support(&self.entries[i..], reference_c);
@@ -110,27 +110,27 @@ impl Window<'_> {
         (probability, best)
     }
 
-    /// Probability that there was a jump within the window, in one pass: exact as long as no record is off and the
-    /// stiffness since an earlier jump says nothing.
+    /// Probability of a step change within the window from one pass: exact if no record is an
+    /// outlier and the stiffness since an earlier step change carries no information.
     fn screened(&self, start: &Bank) -> f64 {
         let config = self.config;
         let rates = [
-            (config.jumps_per_day, config.jump_deviation_rad),
-            (config.falls_per_day, config.fall_deviation_rad),
+            (config.jumps_per_day, config.jump_std_rad),
+            (config.falls_per_day, config.fall_std_rad),
         ];
         let with = self.odds(start, rates);
-        let odds = match start.softened {
+        let odds = match start.stiffness_loss {
             None => with,
             Some(_) => {
                 let mut forgetful = start.clone();
-                forgetful.softened = None;
+                forgetful.stiffness_loss = None;
                 with.max(self.odds(&forgetful, rates))
             }
         };
         odds / (1.0 + odds)
     }
 
-    /// Odds of any jump against none.
+    /// Odds of any step change against none.
     fn odds(&self, start: &Bank, rates: [(f64, f64); 2]) -> f64 {
         let mut bank = start.clone();
         let mut stiffness = self.stiffness;
@@ -156,13 +156,13 @@ impl Window<'_> {
         screen.odds(&bank, rates)
     }
 
-    /// Time of the first record after a jump, s.
+    /// Time of the first record after a step change, s.
     pub(super) fn time_s(&self, jump: &Hypothesis) -> f64 {
         self.entries[jump.at].time_s()
     }
 
-    /// A jump and a large one before entry `at`; `log_prior` is added to the logarithms of their odds,
-    /// to the jump's also the stiffness' `support`.
+    /// Hypotheses of a step change and of a large one before entry `at`; `log_prior` is added to
+    /// their log-odds, and `support` of the stiffness to that of the first.
     fn hypotheses(
         &self,
         before: &Bank,
@@ -173,13 +173,13 @@ impl Window<'_> {
         let tail = &self.entries[at..];
         let config = self.config;
         [
-            (config.jumps_per_day, config.jump_deviation_rad, support),
-            (config.falls_per_day, config.fall_deviation_rad, 0.0),
+            (config.jumps_per_day, config.jump_std_rad, support),
+            (config.falls_per_day, config.fall_std_rad, 0.0),
         ]
-        .map(|(rate, deviation_rad, support)| {
+        .map(|(rate, std_rad, support)| {
             let mut bank = before.clone();
             bank.advance(self.prior, tail[0].time_s());
-            bank.open(LEVEL, deviation_rad);
+            bank.open(LEVEL, std_rad);
             bank.forget_stiffness();
             let (evidence, off) = bank.run(self.prior, self.config, tail);
             let agree = tail
@@ -189,17 +189,16 @@ impl Window<'_> {
             Hypothesis {
                 odds: evidence + log_prior + libm::log(rate) + support,
                 at,
-                deviation_rad,
+                std_rad,
                 agreed: agree.count() >= 2,
             }
         })
     }
 
-    /// How large a jump was, and the entry that opens the level there.
+    /// Estimates the size of a step change, and creates the entry that inflates the variance of the
+    /// level there.
     pub(super) fn confirm(&self, jump: &Hypothesis, now_s: f64, probability: f64) -> Confirmed {
-        let &Hypothesis {
-            at, deviation_rad, ..
-        } = jump;
+        let &Hypothesis { at, std_rad, .. } = jump;
         let (head, tail) = self.entries.split_at(at);
         let time_s = tail.first().map_or(now_s, TrendEntry::time_s);
         let mut bank = self.anchor.clone();
@@ -211,25 +210,22 @@ impl Window<'_> {
             .map_or(self.anchor.time_s, TrendEntry::time_s);
         let offset_before = bank.offset();
         let size_rad = jump_size(
-            &bank.thinned(JUDGES),
+            &bank.thinned(MAX_TEST_FILTERS),
             self.prior,
             tail,
-            deviation_rad,
+            std_rad,
             self.config,
         );
-        // A fall by much of what there was is somebody with a wrench, not a rope. By much more than there was, it is no
-        // tensioning either.
-        const LEAST_RAD: f64 = 2e-3;
+        // A decrease by a large part of the offset is a re-tensioning, not a rope. A decrease far
+        // beyond the offset is no re-tensioning either.
+        const MIN_TENSIONING_FALL_RAD: f64 = 2e-3;
         const TIGHTER_RAD: f64 = 10e-3;
-        let fell = size_rad.mean < -LEAST_RAD.max(0.4 * offset_before);
+        let fell = size_rad.mean < -MIN_TENSIONING_FALL_RAD.max(0.4 * offset_before);
         let tensioned = fell && offset_before + size_rad.mean > -TIGHTER_RAD.max(offset_before);
         let entry = if tensioned {
             TrendEntry::Tensioned { time_s }
         } else {
-            TrendEntry::Jump {
-                time_s,
-                deviation_rad,
-            }
+            TrendEntry::StepChange { time_s, std_rad }
         };
         Confirmed {
             at,
@@ -255,21 +251,21 @@ mod tests {
     use crate::filter::record::Record;
     use sinew_model::Gaussian;
 
-    /// A creep and errors that no filter is bent by, so that what a jump explains is known in closed form.
+    /// Linear creep and errors, so that the evidence of a step change has a closed form.
     fn linear() -> Prior {
         let curve = |amplitude: f64| Curve {
             values: (node_times_s().iter())
                 .map(|t| libm::log(t / 100.0))
                 .collect(),
             amplitude,
-            amplitude_deviation: 0.3 * amplitude,
+            amplitude_std: 0.3 * amplitude,
             log_weight: 0.0,
         };
         let noise = |white_scale: f64| Noise {
-            slow_deviation_rad: 0.2e-3,
+            slow_std_rad: 0.2e-3,
             slow_time_s: 10.0 * DAY_S,
             white_scale,
-            pace_error: 0.0,
+            creep_rate_rel_error: 0.0,
             log_weight: 0.0,
         };
         let mut prior = Prior::new(vec![curve(1e-3), curve(0.5e-3)]);
@@ -278,9 +274,9 @@ mod tests {
         prior
     }
 
-    /// One pass through the window against a pass for every jump there may be.
+    // Compares one pass through the window with one pass per possible step change.
     #[test]
-    fn one_pass_says_of_all_jumps_what_a_pass_for_each_does() {
+    fn screen_matches_exact_hypotheses() {
         let (prior, config) = (linear(), TrendConfig::default());
         let session = |days: f64, jumped_rad: f64| {
             let scatter = 0.1e-3 * libm::sin(37.0 * days);
@@ -292,7 +288,7 @@ mod tests {
                 ..Record::default()
             })
         };
-        // Sessions at odd times, once twice a day, once after three weeks.
+        // Irregular session times, once twice a day, once after three weeks.
         const BEFORE: [f64; 6] = [1.0, 2.0, 3.5, 5.0, 6.0, 9.0];
         const INSIDE: [f64; 6] = [10.0, 11.5, 12.0, 33.0, 34.0, 36.5];
         const JUMPS_AT: usize = 3;
@@ -317,15 +313,15 @@ mod tests {
             let mut odds = 0.0;
             let mut before_days = BEFORE[BEFORE.len() - 1];
             for (at, days) in INSIDE.into_iter().enumerate() {
-                for (per_day, deviation_rad) in [
-                    (config.jumps_per_day, config.jump_deviation_rad),
-                    (config.falls_per_day, config.fall_deviation_rad),
+                for (per_day, std_rad) in [
+                    (config.jumps_per_day, config.jump_std_rad),
+                    (config.falls_per_day, config.fall_std_rad),
                 ] {
                     let mut jumped = anchor.clone();
                     let (head, tail) = entries.split_at(at);
                     let mut evidence = jumped.run(&prior, &config, head).0;
                     jumped.advance(&prior, days * DAY_S);
-                    jumped.open(LEVEL, deviation_rad);
+                    jumped.open(LEVEL, std_rad);
                     evidence += jumped.run(&prior, &config, tail).0;
                     odds += libm::exp(evidence - none) * per_day * (days - before_days);
                 }
@@ -337,7 +333,7 @@ mod tests {
                 (screened / expected - 1.0).abs() < 1e-6,
                 "{jump_rad}: {screened} {expected}"
             );
-            // It does tell jumps.
+            // The screen responds to step changes.
             match jump_rad {
                 0.0 => quiet = screened,
                 _ => assert!(screened > 2.0 * quiet, "{jump_rad}: {screened} {quiet}"),

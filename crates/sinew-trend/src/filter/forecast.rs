@@ -1,4 +1,4 @@
-//! Paths drawn from the posterior, and when they pass a limit.
+//! Paths drawn from the posterior, and their first passage of a limit.
 
 use super::bank::{creep, folds};
 use super::component::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, entry};
@@ -7,25 +7,27 @@ use super::prior::Prior;
 use super::tracker::Trend;
 use sinew_model::cholesky;
 
-/// Ways the tendon may go, all equally likely.
+/// Forecast paths of a tendon, all of equal probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paths {
-    /// Times, s since tensioning, rising.
+    /// Times of the paths, s since tensioning, rising.
     pub times_s: Vec<f64>,
     /// True offset at the reference temperature since the last tensioning, rad: one row per path,
     /// one column per time.
     pub offset_rad: Vec<Vec<f64>>,
-    /// The same with what re-tensionings have taken out added again: since the first tensioning, rad.
+    /// True offset including the amount removed by re-tensioning, since the first tensioning, rad;
+    /// same shape.
     pub whole_rad: Vec<Vec<f64>>,
 }
 
 impl Paths {
-    /// Draws `count` paths of a trend over `times_s`, which rise from the time of the last entry on.
+    /// Draws `count` paths of a trend over `times_s`, which rise from the time of the last entry
+    /// on.
     ///
-    /// Filters are drawn by their probability, systematically; within each the state is drawn from its
-    /// normal distribution with `a > 0`; the amplitude walks on by factors, so that it stays above 0.
+    /// Filters are drawn systematically by probability; within each, the state is drawn from its
+    /// normal distribution with `a > 0`. The amplitude walks by factors, so that it stays above 0.
     ///
-    /// * `normal`: standard normal numbers, one per call.
+    /// * `normal`: generator of standard normal numbers.
     #[must_use]
     pub fn draw(
         trend: &Trend,
@@ -47,7 +49,7 @@ impl Paths {
             let last = times.last().copied().unwrap_or(trend.time_s());
             times.push(if t > last { t } else { last });
         }
-        // Creep of every curve from time to time, and the e-folds between.
+        // Creep of every curve between successive times, and the e-folds.
         let mut steps: Vec<(f64, Vec<f64>)> = Vec::with_capacity(times.len());
         let mut from = trend.time_s();
         for &t in &times {
@@ -74,7 +76,7 @@ impl Paths {
     }
 }
 
-/// One path of one filter.
+/// Draws one path of one filter.
 fn path(
     prior: &Prior,
     component: &Component,
@@ -84,15 +86,15 @@ fn path(
     let state = draw(component, normal);
     let mut offset = vec![0.0; steps.len()];
     let mut whole = vec![0.0; steps.len()];
-    let pace_error = prior
+    let creep_rate_rel_error = prior
         .noises
         .get(component.noise as usize)
-        .map_or(0.0, |n| n.pace_error);
+        .map_or(0.0, |n| n.creep_rate_rel_error);
     let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
     for (i, (folds, creep)) in steps.iter().enumerate() {
         let step = creep.get(component.curve as usize).copied().unwrap_or(0.0);
-        // A factor of mean 1; the level takes the mean of both ends.
-        let variance = pace_error * pace_error * folds;
+        // Factor of mean 1; the level uses the mean of both ends.
+        let variance = creep_rate_rel_error * creep_rate_rel_error * folds;
         let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
         let crept = 0.5 * (1.0 + factor) * amplitude * step;
         let jerk = libm::sqrt(prior.step_rad * crept.max(0.0));
@@ -104,22 +106,22 @@ fn path(
     (offset, whole)
 }
 
-/// States that a path is made of: not what only sessions see.
+/// Number of states that determine a path; the others affect sessions only.
 const DRAWN: usize = 5;
 
-/// A state of a filter with an amplitude above 0.
+/// Draws a state of a filter with an amplitude above 0.
 fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] {
     let covariance: [f64; DRAWN * DRAWN] =
         core::array::from_fn(|at| component.covariance[entry(at / DRAWN, at % DRAWN)]);
     let mut l = [0.0; DRAWN * DRAWN];
-    // A state that is known exactly has a column of zeros: nothing is refused.
+    // A state that is exactly determined has a column of zeros: the factorisation accepts it.
     let pivot = |left: f64| Some(libm::sqrt(left.max(0.0)));
     let _ = cholesky::factorise_singular(&covariance, &mut l, DRAWN, pivot);
-    // Of a filter whose amplitude is hardly ever above 0 few paths are drawn, if any.
-    const TRIES: usize = 64;
+    // Maximum number of attempts: filters with an amplitude rarely above 0 contribute few paths.
+    const MAX_ATTEMPTS: usize = 64;
     let mean: [f64; DRAWN] = core::array::from_fn(|i| component.mean[i]);
     let mut x = mean;
-    for _ in 0..TRIES {
+    for _ in 0..MAX_ATTEMPTS {
         let z: [f64; DRAWN] = core::array::from_fn(|_| normal());
         x = mean;
         for i in 0..DRAWN {
@@ -133,8 +135,8 @@ fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] 
     x
 }
 
-/// Times at which paths first reach `limit_rad`, s, one per path; infinite where one doesn't within
-/// its times, the first time where it is there from the start. Linear between times.
+/// Times at which paths first reach `limit_rad`, s, one per path; infinite if not reached, the
+/// first time if exceeded from the start. Linear interpolation between times.
 #[must_use]
 pub fn first_passage(times_s: &[f64], paths_rad: &[Vec<f64>], limit_rad: f64) -> Vec<f64> {
     paths_rad

@@ -8,8 +8,8 @@ pub(super) fn log_normal(error: f64, variance: f64) -> f64 {
 }
 
 /// Probability that a normal number is above 0; at least 1e-300.
-pub(super) fn above_zero(mean: f64, deviation: f64) -> f64 {
-    (0.5 * libm::erfc(-mean / (deviation * core::f64::consts::SQRT_2))).max(1e-300)
+pub(super) fn above_zero(mean: f64, std: f64) -> f64 {
+    (0.5 * libm::erfc(-mean / (std * core::f64::consts::SQRT_2))).max(1e-300)
 }
 
 /// `ln Σ exp`, without overflow.

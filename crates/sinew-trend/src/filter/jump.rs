@@ -1,4 +1,4 @@
-//! How large a jump was.
+//! Size estimate of a step change.
 
 use super::bank::Bank;
 use super::component::STATES;
@@ -7,16 +7,16 @@ use super::prior::Prior;
 use super::record::{Record, TrendConfig, TrendEntry};
 use sinew_model::Gaussian;
 
-/// Size of a jump just before the first of `entries`, rad, given
-/// that there was one of prior deviation `deviation_rad`.
+/// Estimates the size of a step change just before the first of `entries`, rad, with prior standard
+/// deviation `std_rad`.
 ///
-/// Per filter the innovations answer a jump of 1 by `d_k`, found by letting a unit of level run
+/// Per filter the innovations respond to a unit step by `d_k`, found by passing a unit of level
 /// through the same gains: precision `1/V + Σ d_k²/S_k`, mean `Σ d_k ν_k/S_k` over that.
 pub(super) fn jump_size(
     bank: &Bank,
     prior: &Prior,
     entries: &[TrendEntry],
-    deviation_rad: f64,
+    std_rad: f64,
     config: &TrendConfig,
 ) -> Gaussian {
     let records: Vec<&Record> = entries
@@ -26,7 +26,7 @@ pub(super) fn jump_size(
             _ => None,
         })
         .collect();
-    let inverse = 1.0 / (deviation_rad * deviation_rad);
+    let inverse = 1.0 / (std_rad * std_rad);
     let mut bank = bank.clone();
     bank.forget_stiffness();
     let mut answers: Vec<[f64; STATES]> = bank.components.iter().map(|_| UNIT).collect();
@@ -45,7 +45,7 @@ pub(super) fn jump_size(
         .iter()
         .zip(&sums)
         .map(|(c, [precision, dv])| {
-            // Evidence of the jump of this filter: its Gaussian integral over the size.
+            // Evidence of the step change under this filter: its Gaussian integral over the size.
             c.log_weight + 0.5 * (dv * dv / precision - libm::log(*precision))
         })
         .collect();
@@ -60,5 +60,5 @@ pub(super) fn jump_size(
     Gaussian::new(mean, libm::sqrt((square - mean * mean).max(0.0)))
 }
 
-/// A unit of level and nothing else.
+/// State vector with a unit of level.
 const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

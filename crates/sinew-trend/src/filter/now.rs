@@ -1,4 +1,4 @@
-//! Where a tendon stands after the last record.
+//! Present state of a tendon after the last record.
 
 use super::component::{AMPLITUDE, BASELINE, Component, DRIFT, LEVEL, TAKEN_OUT, entry};
 use super::curve::Place;
@@ -6,29 +6,29 @@ use super::gauss::LogSum;
 use super::tracker::Trend;
 use sinew_model::Gaussian;
 
-/// Where the tendon stands after the last entry, over all filters.
+/// Present state of the tendon after the last entry, over all filters.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendNow {
     /// True offset at the reference temperature since the last tensioning, rad.
     pub offset_rad: Gaussian,
-    /// The same since the first tensioning, rad.
+    /// True offset at the reference temperature since the first tensioning, rad.
     pub whole_rad: Gaussian,
-    /// How fast the creep goes on, rad/s.
+    /// Present creep rate, rad/s.
     pub rate_rad_per_s: Gaussian,
     /// Drift of the records with temperature, rad/K.
     pub drift_rad_per_k: Gaussian,
-    /// Error that all sessions since the baseline share, rad: what is left unknown of it is in the offset's deviation,
-    /// however many sessions there are.
+    /// Common error of all sessions since the baseline, rad; its uncertainty is included in the
+    /// standard deviation of the offset and does not decrease with the number of sessions.
     pub baseline_error_rad: Gaussian,
-    /// Deviation of the error that neighbouring sessions share, rad: mean over what is still likely.
-    pub slow_deviation_rad: f64,
-    /// True over stated deviation of a record's own error: mean.
+    /// Standard deviation of the slow error of neighbouring sessions, rad: posterior mean.
+    pub slow_std_rad: f64,
+    /// Ratio of actual to reported standard deviation of the independent error: posterior mean.
     pub white_scale: f64,
 }
 
 impl TrendNow {
-    /// Of a trend.
+    /// Computes the present state of a trend.
     #[must_use]
     pub fn of(trend: &Trend) -> Self {
         const DAY_S: f64 = 86_400.0;
@@ -45,7 +45,7 @@ impl TrendNow {
             .map(|k| (k.between(tomorrow) - k.between(today)) / DAY_S)
             .collect();
         let mut moments = [[0.0; 2]; 5];
-        let (mut slow_deviation_rad, mut white_scale) = (0.0, 0.0);
+        let (mut slow_std_rad, mut white_scale) = (0.0, 0.0);
         for (c, weight) in trend.components().iter().zip(&weights) {
             let share = libm::exp(weight - total);
             let rate = rates.get(c.curve as usize).copied().unwrap_or(0.0);
@@ -68,7 +68,7 @@ impl TrendNow {
                 sums[1] += share * (mean * mean + variance);
             }
             if let Some(noise) = prior.noises.get(c.noise as usize) {
-                slow_deviation_rad += share * noise.slow_deviation_rad;
+                slow_std_rad += share * noise.slow_std_rad;
                 white_scale += share * noise.white_scale;
             }
         }
@@ -81,7 +81,7 @@ impl TrendNow {
             rate_rad_per_s: of(moments[2]),
             drift_rad_per_k: of(moments[3]),
             baseline_error_rad: of(moments[4]),
-            slow_deviation_rad,
+            slow_std_rad,
             white_scale,
         }
     }
@@ -92,16 +92,16 @@ mod tests {
     use super::*;
     use crate::filter::{Curve, Prior, TrendConfig, node_times_s};
 
-    /// A level that creeps by `a ln t` moves by `a ln(1 + d/t)` in the day `d` that begins.
+    // A level that creeps by `a ln t` moves by `a ln(1 + d/t)` in the following day `d`.
     #[test]
-    fn the_rate_is_that_of_the_day_that_begins() {
+    fn creep_rate_refers_to_following_day() {
         const DAY_S: f64 = 86_400.0;
         const AMPLITUDE: f64 = 1e-3;
         for days in [0.5, 10.0, 100.0] {
             let mut prior = Prior::new(vec![Curve {
                 values: node_times_s().iter().map(|t| libm::log(*t)).collect(),
                 amplitude: AMPLITUDE,
-                amplitude_deviation: 1e-9,
+                amplitude_std: 1e-9,
                 log_weight: 0.0,
             }]);
             prior.baseline_s = days * DAY_S;
@@ -112,7 +112,7 @@ mod tests {
                 (rate.mean / expected - 1.0).abs() < 1e-3,
                 "{rate:?} {expected}"
             );
-            assert!(rate.deviation < 1e-3 * expected, "{rate:?}");
+            assert!(rate.std < 1e-3 * expected, "{rate:?}");
         }
     }
 }

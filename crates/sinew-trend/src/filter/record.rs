@@ -1,4 +1,4 @@
-//! What goes into a trend and what comes out.
+//! Input and output of a trend.
 
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
@@ -7,108 +7,110 @@ use sinew_model::offset::SharedError;
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Record {
-    /// When, s since tensioning.
+    /// Time of the session, s since tensioning.
     pub time_s: f64,
-    /// Offset since the baseline, rad; `None`: it couldn't tell.
+    /// Offset since the baseline, rad; `None` if the session was inconclusive.
     pub offset_rad: Option<Gaussian>,
-    /// What of its error other sessions have too; `None`: not known.
+    /// Part of the error that is common to other sessions; `None` if not reported.
     #[serde(default)]
     pub shared: Option<SharedError>,
-    /// Temperature, °C; `None`: not known.
+    /// Temperature, °C; `None` if not recorded.
     pub temperature_c: Option<f64>,
-    /// Temperature of its baseline, °C; `None`: that of the prior.
+    /// Temperature of the baseline, °C; `None` for that of the prior.
     #[serde(default)]
     pub reference_c: Option<f64>,
-    /// Stiffness over nominal less 1 with its own error; `None`: not known.
+    /// Stiffness over nominal less 1 with its independent error; `None` if not reported.
     pub stiffness: Option<Gaussian>,
 }
 
-/// What happened, in the order of time.
+/// Entry of a trend, in order of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum TrendEntry {
-    /// A session.
+    /// Result of one session.
     Record(Record),
-    /// The level jumped; it is open by `deviation_rad`.
-    Jump {
-        /// When at the latest, s.
+    /// Step change of the level, whose variance is inflated by `std_rad` squared.
+    StepChange {
+        /// Latest possible time, s.
         time_s: f64,
-        /// Standard deviation the level is opened by, rad.
-        deviation_rad: f64,
+        /// Standard deviation of the step change, rad.
+        std_rad: f64,
     },
-    /// The tendon was tensioned again.
+    /// Re-tensioning of the tendon.
     Tensioned {
-        /// When, s.
+        /// Time of the re-tensioning, s.
         time_s: f64,
     },
-    /// Sessions count from a new baseline from here on.
+    /// New baseline, to which the following sessions refer.
     Baseline {
-        /// When it was learned, s: the offset was zero then.
+        /// Time of the baseline, s: the offset was zero then.
         time_s: f64,
-        /// As a standard deviation, rad: large where that time isn't known.
-        deviation_rad: f64,
+        /// Standard deviation of the offset at that time, rad: large if the time is unknown.
+        std_rad: f64,
     },
 }
 
-/// A sudden change that was confirmed, or a re-tensioning that was stated.
+/// Confirmed step change, or specified re-tensioning.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Event {
-    /// Time of the first record after it (or the stated time), s.
+    /// Time of the first record after the event (or the specified time), s.
     pub time_s: f64,
-    /// Time of the last record before it, s.
+    /// Time of the last record before the event, s.
     pub after_s: f64,
-    /// By how much the offset changed, rad; NaN for a stated re-tensioning.
+    /// Change of the offset, rad; NaN for a specified re-tensioning.
     pub size_rad: Gaussian,
-    /// Time of the record that confirmed it, s.
+    /// Time of the record that confirmed the event, s.
     pub confirmed_s: f64,
-    /// Posterior probability when it was confirmed; 1 for a stated one.
+    /// Posterior probability at confirmation; 1 for a specified event.
     pub probability: f64,
-    /// Sessions that speak for it: one where it is beyond every error, until the next agrees; 0 for a stated one.
+    /// Number of supporting sessions: 1 if beyond every modelled error, until the next one agrees;
+    /// 0 for a specified event.
     pub sessions: u32,
-    /// Whether it is a re-tensioning.
+    /// Whether the event is a re-tensioning.
     pub tensioned: bool,
 }
 
-/// What adding a record showed.
+/// Outcome of adding a record.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Added {
-    /// Probability that the level jumped within the last records and isn't confirmed yet.
-    pub jump_probability: f64,
-    /// Where that is above one half: time of the first record after the suspected jump, s.
+    /// Probability of an unconfirmed step change within the last records.
+    pub step_probability: f64,
+    /// Time of the first record after the suspected step change, s, if its probability is above one
+    /// half.
     pub suspected_s: Option<f64>,
-    /// Whether this record, for now, is taken as an outlier.
+    /// Whether this record is provisionally treated as an outlier.
     pub off: bool,
-    /// A change that this record confirmed.
+    /// Step change confirmed by this record.
     pub confirmed: Option<Event>,
-    /// A change that only the record before spoke for, and that this one takes back.
+    /// Step change supported by the previous record only, withdrawn by this one.
     pub withdrawn: Option<Event>,
 }
 
-/// Rates and sizes the detector reckons with.
+/// Rates, sizes and thresholds of the step-change detector.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendConfig {
-    /// Sessions within which jumps are looked for.
+    /// Number of sessions within which step changes are searched.
     pub window: usize,
-    /// Jumps per day.
+    /// Prior rate of step changes, per day.
     pub jumps_per_day: f64,
-    /// Large falls and rises (re-tensioning, slipping) per day.
+    /// Prior rate of large changes in both directions (re-tensioning, slip), per day.
     pub falls_per_day: f64,
-    /// Standard deviation of a jump, rad.
-    pub jump_deviation_rad: f64,
-    /// Standard deviation of a large one, rad.
-    pub fall_deviation_rad: f64,
-    /// Share of records that are off by themselves.
+    /// Standard deviation of a step change, rad.
+    pub jump_std_rad: f64,
+    /// Standard deviation of a large change, rad.
+    pub fall_std_rad: f64,
+    /// Prior probability that a record is an outlier.
     pub off_share: f64,
-    /// By how much they are, rad.
-    pub off_deviation_rad: f64,
-    /// Probability from which a jump is confirmed, if two sessions agree on it.
+    /// Standard deviation of an outlier's error, rad.
+    pub off_std_rad: f64,
+    /// Minimum probability for confirmation by two sessions.
     pub confirm: f64,
-    /// Probability from which it is without a second session: no error explains it.
+    /// Minimum probability for confirmation by one session, beyond every modelled error.
     pub confirm_at_once: f64,
-    /// A jump below this is taken into account and not reported: nobody's failed strand, rad.
+    /// Minimum size of a reported step change, rad; smaller ones are tracked only.
     pub least_jump_rad: f64,
 }
 
@@ -118,10 +120,10 @@ impl Default for TrendConfig {
             window: 7,
             jumps_per_day: 4e-3,
             falls_per_day: 5e-4,
-            jump_deviation_rad: 4e-3,
-            fall_deviation_rad: 30e-3,
+            jump_std_rad: 4e-3,
+            fall_std_rad: 30e-3,
             off_share: 2e-3,
-            off_deviation_rad: 6e-3,
+            off_std_rad: 6e-3,
             confirm: 0.95,
             confirm_at_once: 1.0 - 1e-6,
             least_jump_rad: 1e-3,
@@ -129,68 +131,67 @@ impl Default for TrendConfig {
     }
 }
 
-/// Why a record or a state was refused.
+/// Error of an invalid record or state.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrendError {
-    /// NaN, infinite, or a deviation that isn't above 0.
+    /// Non-finite value, or a standard deviation that is not above 0.
     #[error(
-        "a record's time, offset, stiffness, deviations and temperature must be finite numbers, deviations above 0"
+        "a record's time, offset, stiffness, standard deviations and temperature must be finite numbers, standard deviations above 0"
     )]
     NotFinite,
-    /// Earlier than the last.
-    #[error(
-        "a record at {time_s} s comes after one at {last_s} s; records come in the order of time"
-    )]
+    /// Record earlier than the last one.
+    #[error("a record at {time_s} s follows one at {last_s} s; records must be in order of time")]
     OutOfOrder {
         /// Time of the record, s.
         time_s: f64,
-        /// Time of the last, s.
+        /// Time of the last record, s.
         last_s: f64,
     },
-    /// The prior is none.
+    /// Prior with invalid curves or noises.
     #[error("the prior of a trend needs curves and noises of finite, positive numbers")]
     Prior,
-    /// The state belongs to another prior or is damaged.
+    /// State of another prior, or damaged state.
     #[error("the stored trend belongs to another rope, routing or program, or is damaged")]
     State,
 }
 
 impl Record {
-    /// Its stiffness, if it can be one.
+    /// Stiffness of the record, if plausible.
     pub(super) fn credible_stiffness(&self) -> Option<Gaussian> {
-        /// No transmission is ten times as stiff as stated, or known to less than that.
+        /// Maximum plausible relative stiffness change and standard deviation; values beyond it are
+        /// ignored.
         const ABSURD: f64 = 10.0;
-        let credible =
-            |s: &Gaussian| s.mean.abs() < ABSURD && s.deviation < ABSURD && s.deviation > 1e-6;
+        let credible = |s: &Gaussian| s.mean.abs() < ABSURD && s.std < ABSURD && s.std > 1e-6;
         self.stiffness.filter(credible)
     }
 
-    /// What its own error is stated as, rad: a factor of noise is on it.
+    /// Reported standard deviation of the independent error, rad, before the factor of the noise.
     ///
-    /// Where the shared parts are stated it is what they leave of the whole; estimates scatter by 0.4 to 1.7 times that
-    /// (240 simulated sessions), and by a fifth to 1.1 times the whole.
-    pub fn own_deviation_rad(&self, drift_deviation_rad_per_k: f64) -> f64 {
-        /// Days differ by so much in temperature where nobody wrote it down, K.
+    /// If the common parts are reported it is the remainder of the whole; estimates scatter by 0.4
+    /// to 1.7 times that (240 simulated sessions), and by 0.2 to 1.1 times the whole.
+    pub fn own_std_rad(&self, drift_std_rad_per_k: f64) -> f64 {
+        /// Standard deviation of the temperature between days if not recorded, K.
         const UNKNOWN_DAY_K: f64 = 1.5;
-        /// Middle factor on the whole over that on what shared parts leave.
+        /// Ratio of the middle factor on the whole error to that on the remainder.
         const OF_WHOLE: f64 = 0.6;
-        /// What is left of the whole at least.
-        const LEAST: f64 = 0.3;
-        let whole = self.offset_rad.map_or(0.0, |offset| offset.deviation);
+        /// Minimum remainder as a share of the whole.
+        const MIN_REMAINING_SHARE: f64 = 0.3;
+        let whole = self.offset_rad.map_or(0.0, |offset| offset.std);
         let Some(shared) = self.shared else {
             let blur = match self.temperature_c {
                 Some(_) => 0.0,
-                None => UNKNOWN_DAY_K * drift_deviation_rad_per_k,
+                None => UNKNOWN_DAY_K * drift_std_rad_per_k,
             };
             return libm::hypot(whole, blur);
         };
         let steady = (whole * whole - shared.drift_rad * shared.drift_rad).max(0.0);
         let left = steady - shared.baseline_rad * shared.baseline_rad;
-        libm::sqrt(left.max(LEAST * LEAST * steady)).max(1e-3 * whole) / OF_WHOLE
+        libm::sqrt(left.max(MIN_REMAINING_SHARE * MIN_REMAINING_SHARE * steady)).max(1e-3 * whole)
+            / OF_WHOLE
     }
 
-    /// Whether all of it is finite, and deviations are above 0.
+    /// Whether all values are finite and standard deviations above 0.
     pub(super) fn is_possible(&self) -> bool {
         let part = |x: f64| x.is_finite() && x >= 0.0;
         self.time_s.is_finite()
@@ -199,12 +200,12 @@ impl Record {
             && (self.shared).is_none_or(|s| part(s.baseline_rad) && part(s.drift_rad))
             && [self.offset_rad, self.stiffness]
                 .iter()
-                .all(|p| p.is_none_or(|p| p.is_finite() && p.deviation > 0.0))
+                .all(|p| p.is_none_or(|p| p.is_finite() && p.std > 0.0))
     }
 }
 
 impl TrendEntry {
-    /// Whether it is a session that says something of the offset.
+    /// Whether the entry is a session with an offset.
     pub(super) fn is_informative(&self) -> bool {
         matches!(
             self,
@@ -215,11 +216,11 @@ impl TrendEntry {
         )
     }
 
-    /// When, s.
+    /// Time of the entry, s.
     pub(super) fn time_s(&self) -> f64 {
         match self {
             Self::Record(r) => r.time_s,
-            Self::Jump { time_s, .. }
+            Self::StepChange { time_s, .. }
             | Self::Tensioned { time_s }
             | Self::Baseline { time_s, .. } => *time_s,
         }

@@ -1,4 +1,4 @@
-//! All jumps of a window at once: what one pass through it says of each.
+//! Screening of all step changes of a window in one pass.
 
 use super::bank::{Bank, Prediction};
 use super::component::{BASELINE, Component, EXCESS, LEVEL, STATES, TAKEN_OUT};
@@ -6,29 +6,29 @@ use super::gauss::LogSum;
 use super::prior::Prior;
 use super::record::{TrendConfig, TrendEntry};
 
-/// Jumps that are looked for: before each of some records.
+/// Candidate step changes: before each of some records.
 ///
-/// Given a filter, its innovations `ν` with variances `S` answer a jump of 1 by `d`. A jump of prior variance `V` explains
-/// them better than none by `½ (V q²/(1 + V p) − ln(1 + V p))` with `p = Σ d²/S`, `q = Σ d ν/S`: its Gaussian integral
-/// over the size.
+/// Given a filter, its innovations `ν` with variances `S` respond to a unit step by `d`. A step
+/// change of prior variance `V` explains them better than none by `½ (V q²/(1 + V p) − ln(1 + V
+/// p))` with `p = Σ d²/S`, `q = Σ d ν/S`: its Gaussian integral over the size.
 #[derive(Debug, Default)]
 pub(super) struct Screen {
     candidates: Vec<Candidate>,
 }
 
-/// A jump before one record.
+/// Candidate step change before one record.
 #[derive(Debug)]
 struct Candidate {
-    /// Days in which it may have happened.
+    /// Time interval in which it may have occurred, days.
     days: f64,
-    /// How much likelier the stiffness makes it.
+    /// Factor on its odds by the stiffness.
     support: f64,
-    /// Per filter: how its states answer a jump of 1, and `p` and `q`.
+    /// Per filter: response of its states to a unit step, and `p` and `q`.
     answers: Vec<([f64; STATES], f64, f64)>,
 }
 
 impl Screen {
-    /// A jump may have happened before the next record.
+    /// Adds a candidate step change before the next record.
     pub(super) fn candidate(&mut self, filters: usize, days: f64, support: f64) {
         let mut unit = [0.0; STATES];
         unit[LEVEL] = 1.0;
@@ -39,21 +39,21 @@ impl Screen {
         });
     }
 
-    /// Odds of any of them against none; `rates`: per day, and standard deviations, rad.
+    /// Odds of any candidate against none; `rates`: per day, and standard deviations, rad.
     pub(super) fn odds(&self, bank: &Bank, rates: [(f64, f64); 2]) -> f64 {
         let mut none = LogSum::new();
         bank.components.iter().for_each(|c| none.add(c.log_weight));
         let none = none.value();
         let mut odds = 0.0;
         for candidate in &self.candidates {
-            for (k, (rate, deviation_rad)) in rates.into_iter().enumerate() {
-                let v = deviation_rad * deviation_rad;
+            for (k, (rate, std_rad)) in rates.into_iter().enumerate() {
+                let v = std_rad * std_rad;
                 let mut sum = LogSum::new();
                 for (c, (_, p, q)) in bank.components.iter().zip(&candidate.answers) {
                     let free = 1.0 + v * p;
                     sum.add(c.log_weight + 0.5 * (v * q * q / free - libm::log(free)));
                 }
-                // Large ones are no failed strands.
+                // Large changes are not strand failures.
                 let support = if k == 0 { candidate.support } else { 1.0 };
                 odds += libm::exp(sum.value() - none) * rate * candidate.days * support;
             }
@@ -61,7 +61,7 @@ impl Screen {
         odds
     }
 
-    /// Every filter with its answer to every jump.
+    /// Applies a function to every filter with its response to every candidate.
     fn each(&mut self, filters: &[Component], mut f: impl FnMut(&Component, &mut [f64; STATES])) {
         for candidate in &mut self.candidates {
             for (c, (answer, _, _)) in filters.iter().zip(&mut candidate.answers) {
@@ -72,7 +72,7 @@ impl Screen {
 }
 
 impl Bank {
-    /// Takes an entry in without letting filters go, and notes what it says of every jump.
+    /// Processes an entry without dropping filters, and updates every candidate.
     pub(super) fn screen(
         &mut self,
         prior: &Prior,

@@ -1,30 +1,30 @@
-//! What a trend remembers from one session to the next.
+//! State of a trend between sessions.
 
 use super::baseline_error::BaselineError;
 use super::component::Component;
 use super::record::{Event, TrendEntry};
-use super::softened::Softened;
 use super::stiffness::Stiffness;
+use super::stiffness_loss::StiffnessLossStats;
 
-/// What a trend remembers: the filters before the last records, and those.
+/// State of a trend: the filters before the last records, and those records.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrendState {
-    /// [`super::Prior::fingerprint`].
+    /// Hash of the prior ([`super::Prior::fingerprint`]).
     pub fingerprint: u64,
     /// Time of the filters, s.
     pub time_s: f64,
-    /// The filters.
+    /// Filters before the last entries.
     pub components: Vec<Component>,
-    /// The stiffness since the last jump before the last entries, if there was one.
-    pub softened: Option<Softened>,
-    /// What sessions since the baseline get wrong together, before the last entries.
+    /// Statistics of the stiffness since the last step change before the last entries, if any.
+    pub stiffness_loss: Option<StiffnessLossStats>,
+    /// Common error of the sessions since the baseline, before the last entries.
     pub baseline: BaselineError,
-    /// The stiffness before the last entries.
+    /// Stiffness before the last entries.
     pub stiffness: Stiffness,
-    /// Last entries.
+    /// Entries of the window.
     pub entries: Vec<TrendEntry>,
-    /// Events so far.
+    /// Confirmed and specified events so far.
     pub events: Vec<Event>,
-    /// Records with an offset so far.
+    /// Number of records with an offset so far.
     pub records: u64,
 }

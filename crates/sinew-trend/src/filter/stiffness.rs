@@ -1,50 +1,52 @@
-//! The stiffness that sessions report beside the offset: a failed strand takes some along.
+//! Stiffness reported by sessions in addition to the offset: a strand failure reduces it.
 
 use super::record::{Record, TrendEntry};
 use sinew_model::Gaussian;
 
-/// Prior of `k²`: shape and rate of the inverse gamma distribution; `k` is some 0.5.
+/// Prior of `k²`: shape and rate of the inverse gamma distribution; `k` is about 0.5.
 const SHAPE: f64 = 1.0;
 const RATE: f64 = 0.25;
-/// Sessions over which `k` is forgotten.
+/// Number of sessions over which `k` is forgotten.
 const MEMORY: f64 = 50.0;
-/// How far the level walks from session to session, in stated standard deviations times `k`.
+/// Random walk of the level between sessions, in reported standard deviations times `k`.
 const WALK: f64 = 0.1;
-/// What a failed strand takes along.
+/// Relative stiffness loss of a strand failure.
 const LOSS: Gaussian = Gaussian::new(0.04, 0.03);
-/// Sessions before which stiffness is no evidence.
-const FEWEST: u64 = 6;
-/// Share of jumps that are failed strands; the others are slips, which leave the stiffness.
+/// Minimum number of sessions before the stiffness is evidence.
+const MIN_SESSIONS: u64 = 6;
+/// Share of step changes that are strand failures; the others are slips, which do not change the
+/// stiffness.
 const STRANDS: f64 = 0.5;
-/// Stiffness alone must not make a jump: at most so much counts, as a logarithm.
-const MOST: f64 = 5.0;
+/// Maximum log-evidence of the stiffness, so that stiffness alone never creates a step change.
+const MAX_LOG_EVIDENCE: f64 = 5.0;
 
-/// What is known of the stiffness:
+/// State estimate of the stiffness:
 ///
 /// ```text
 /// s = s₀ + β (T − T_ref) + k σ e,   e ~ N(0, 1)
 /// ```
 ///
-/// with the stated standard deviation `σ` and an unknown factor `k` on it (sessions since one baseline
-/// share most of their error, so that they scatter by much less than they state). Level and drift are normal
-/// given `k`, `k²` is inverse gamma: the predictive distribution of the next session is Student's.
+/// with the reported standard deviation `σ` and an unknown factor `k` on it (sessions since one
+/// baseline share most of their error, so that they scatter by much less than they report). Level
+/// and drift are normal given `k`, `k²` is inverse gamma: the predictive distribution of the next
+/// session is Student's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stiffness {
     /// Means of `s₀` (over nominal) and `β`, 1/K.
     pub mean: [f64; 2],
     /// Lower triangle of their covariance over `k²`.
     pub covariance: [f64; 3],
-    /// Shape of `k²`.
+    /// Shape parameter of `k²`.
     pub shape: f64,
-    /// Rate of `k²`.
+    /// Rate parameter of `k²`.
     pub rate: f64,
-    /// Sessions so far.
+    /// Number of sessions so far.
     pub sessions: u64,
 }
 
 impl Stiffness {
     pub(super) fn new() -> Self {
-        /// Wide beside any stiffness and drift there is.
+        /// Wide prior relative to any stiffness and drift.
         const LEVEL: f64 = 1.0;
         const DRIFT_PER_K: f64 = 0.05;
         Self {
@@ -56,7 +58,7 @@ impl Stiffness {
         }
     }
 
-    /// Whether it can be one.
+    /// Whether all values are valid.
     pub(super) fn is_possible(&self) -> bool {
         let finite = |v: &f64| v.is_finite();
         self.mean.iter().all(finite)
@@ -67,30 +69,30 @@ impl Stiffness {
             && self.rate.is_finite()
     }
 
-    /// Takes an entry in; logarithm of the predictive density of a session's stiffness.
+    /// Processes an entry; returns the log predictive density of a session's stiffness.
     pub(super) fn take(&mut self, entry: &TrendEntry, reference_c: f64) -> f64 {
         match entry {
             TrendEntry::Record(record) => self.update(record, reference_c),
-            TrendEntry::Jump { .. } => {
-                // Known to have jumped, not whether a strand failed.
-                self.open(0.0, LOSS.mean + LOSS.deviation);
+            TrendEntry::StepChange { .. } => {
+                // A step change occurred; whether a strand failed is unknown.
+                self.open(0.0, LOSS.mean + LOSS.std);
                 0.0
             }
             TrendEntry::Tensioned { .. } | TrendEntry::Baseline { .. } => {
-                self.open(0.0, LOSS.deviation);
+                self.open(0.0, LOSS.std);
                 0.0
             }
         }
     }
 
-    /// How much likelier the stiffness of `entries` is if the level jumped just before them than if it
-    /// didn't, as a logarithm: half of all jumps are failed strands, which take stiffness along.
+    /// Log-likelihood ratio of the stiffness of `entries` with a step change just before them
+    /// against none: half of all step changes are strand failures, which reduce the stiffness.
     pub(super) fn support(&self, entries: &[TrendEntry], reference_c: f64) -> f64 {
-        if self.sessions < FEWEST {
+        if self.sessions < MIN_SESSIONS {
             return 0.0;
         }
         let (mut kept, mut lost) = (*self, *self);
-        lost.open(-LOSS.mean, LOSS.deviation);
+        lost.open(-LOSS.mean, LOSS.std);
         let mut ratio = 0.0;
         for entry in entries {
             ratio += lost.take(entry, reference_c) - kept.take(entry, reference_c);
@@ -98,38 +100,35 @@ impl Stiffness {
         if ratio.is_nan() {
             return 0.0;
         }
-        // A strand takes stiffness along: what became stiffer speaks against one, however far it moved.
+        // A strand failure reduces the stiffness: an increase contradicts it, whatever the step.
         if lost.mean[0] >= self.mean[0] {
             ratio = f64::NEG_INFINITY;
         }
-        libm::log(1.0 - STRANDS + STRANDS * libm::exp(ratio.min(MOST)))
+        libm::log(1.0 - STRANDS + STRANDS * libm::exp(ratio.min(MAX_LOG_EVIDENCE)))
     }
 
-    /// Moves the level and opens it by an absolute standard deviation.
-    fn open(&mut self, by: f64, deviation: f64) {
+    /// Shifts the level and inflates its variance by an absolute standard deviation.
+    fn open(&mut self, by: f64, std: f64) {
         self.mean[0] += by;
-        self.covariance[0] += deviation * deviation * self.shape / self.rate;
+        self.covariance[0] += std * std * self.shape / self.rate;
     }
 
     fn update(&mut self, record: &Record, reference_c: f64) -> f64 {
-        let Some(Gaussian {
-            mean: value,
-            deviation,
-        }) = record.credible_stiffness()
-        else {
+        let Some(Gaussian { mean: value, std }) = record.credible_stiffness() else {
             return 0.0;
         };
         let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
         let [c00, c10, c11] = self.covariance;
-        let c00 = c00 + WALK * WALK * deviation * deviation;
+        let c00 = c00 + WALK * WALK * std * std;
         let (p0, p1) = (c00 + c10 * warm, c10 + c11 * warm);
-        let variance = p0 + p1 * warm + deviation * deviation;
+        let variance = p0 + p1 * warm + std * std;
         let error = value - self.mean[0] - self.mean[1] * warm;
         let k2 = self.rate / self.shape;
         let log_density = log_student(error, 2.0 * self.shape, k2 * variance);
-        // One session that is far off must not make all the others look sure.
-        const FAR: f64 = 9.0;
-        let square = (error * error / variance).min(FAR * k2);
+        // An outlying session must not narrow the estimate of `k`: bound of its squared error in
+        // `k²`.
+        const MAX_SQUARED_ERROR: f64 = 9.0;
+        let square = (error * error / variance).min(MAX_SQUARED_ERROR * k2);
         let gain = [p0 / variance, p1 / variance];
         self.mean[0] += gain[0] * error;
         self.mean[1] += gain[1] * error;
@@ -146,7 +145,7 @@ impl Stiffness {
     }
 }
 
-/// Logarithm of Student's density with `freedom` degrees and a squared scale.
+/// Log density of Student's distribution with `freedom` degrees and a squared scale.
 fn log_student(error: f64, freedom: f64, scale2: f64) -> f64 {
     let half = 0.5 * (freedom + 1.0);
     libm::lgamma(half)
@@ -177,30 +176,30 @@ mod tests {
         let sum: f64 = (-40_000..40_000)
             .map(|i| h * libm::exp(log_student(h * f64::from(i), 3.0, 0.25)))
             .sum();
-        // Tails beyond 400 hold about 2 · 0.5³ · 1.1 / 400³ = 4e-9.
+        // Tails beyond 400 contain about 2 · 0.5³ · 1.1 / 400³ = 4e-9.
         assert!((sum - 1.0).abs() < 1e-6, "{sum}");
     }
 
     #[test]
-    fn a_loss_speaks_for_a_jump_a_drift_with_temperature_does_not() {
-        let mut known = Stiffness::new();
+    fn stiffness_loss_supports_step_thermal_drift_does_not() {
+        let mut estimate = Stiffness::new();
         let wave = |i: i32| libm::sin(f64::from(i) * 2.4);
         for i in 0..40 {
             let warm = 6.0 * wave(i);
             let s = 0.05 - 0.002 * warm + 0.002 * wave(3 * i + 1);
-            known.take(&session(i, s, 23.0 + warm), 23.0);
+            estimate.take(&session(i, s, 23.0 + warm), 23.0);
         }
         let next = |lost: f64, warm: f64| {
             let s = 0.05 - 0.002 * warm - lost;
             let two = [session(40, s, 23.0 + warm), session(41, s, 23.0 + warm)];
-            known.support(&two, 23.0)
+            estimate.support(&two, 23.0)
         };
         assert!(next(0.04, 0.0) > 4.0, "{}", next(0.04, 0.0));
-        // A slip's: half of the jumps leave the stiffness.
+        // Slip: half of the step changes leave the stiffness unchanged.
         let slip = next(0.0, 0.0);
         assert!((slip + core::f64::consts::LN_2).abs() < 0.05, "{slip}");
         assert!(next(0.0, 8.0) < 0.0, "{}", next(0.0, 8.0));
-        // Stiffer isn't a failed strand.
+        // An increase is not a strand failure.
         assert!(next(-0.04, 0.0) < 0.0, "{}", next(-0.04, 0.0));
     }
 }

@@ -1,35 +1,35 @@
-//! One tendon's trend: records in, posterior and events out.
+//! Trend of one tendon: records in, posterior and events out.
 
 use super::bank::Bank;
 use super::component::Component;
-use super::detector::{Confirmed, JUDGES, Window};
+use super::detector::{Confirmed, MAX_TEST_FILTERS, Window};
 use super::prior::Prior;
 use super::record::{Added, Event, Record, TrendConfig, TrendEntry, TrendError};
 use super::state::TrendState;
 use super::stiffness::Stiffness;
 use sinew_model::Gaussian;
 
-/// The trend of one tendon.
+/// Trend estimator of one tendon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
     prior: Prior,
     config: TrendConfig,
-    /// Before the window.
+    /// Filters before the window.
     anchor: Bank,
-    /// The same of the stiffness.
+    /// Stiffness before the window.
     stiffness: Stiffness,
     entries: Vec<TrendEntry>,
-    /// After the last entry.
+    /// Filters after the last entry.
     current: Bank,
     events: Vec<Event>,
     records: u64,
 }
 
 impl Trend {
-    /// A trend before its first record.
+    /// Creates a trend before its first record.
     ///
     /// # Errors
-    /// [`TrendError::Prior`].
+    /// Returns [`TrendError::Prior`] if the prior is invalid.
     pub fn new(prior: Prior, config: TrendConfig) -> Result<Self, TrendError> {
         if !prior.is_possible() {
             return Err(TrendError::Prior);
@@ -47,10 +47,10 @@ impl Trend {
         })
     }
 
-    /// Goes on from a state, bit for bit.
+    /// Resumes from a state, bitwise identically.
     ///
     /// # Errors
-    /// [`TrendError::State`] when it belongs to another prior or can't be.
+    /// Returns [`TrendError::State`] if the state belongs to another prior or is invalid.
     pub fn resume(
         prior: Prior,
         config: TrendConfig,
@@ -69,14 +69,14 @@ impl Trend {
             || !state.components.iter().all(possible)
             || !state.stiffness.is_possible()
             || !state.baseline.is_possible()
-            || state.softened.is_some_and(|s| !s.is_possible())
+            || state.stiffness_loss.is_some_and(|s| !s.is_possible())
         {
             return Err(TrendError::State);
         }
         out.anchor = Bank {
             time_s: state.time_s,
             components: state.components,
-            softened: state.softened,
+            stiffness_loss: state.stiffness_loss,
             baseline: state.baseline,
         };
         out.stiffness = state.stiffness;
@@ -87,14 +87,14 @@ impl Trend {
         Ok(out)
     }
 
-    /// What to store to go on later.
+    /// State to be stored for resumption.
     #[must_use]
     pub fn state(&self) -> TrendState {
         TrendState {
             fingerprint: self.prior.fingerprint(),
             time_s: self.anchor.time_s,
             components: self.anchor.components.clone(),
-            softened: self.anchor.softened,
+            stiffness_loss: self.anchor.stiffness_loss,
             baseline: self.anchor.baseline,
             stiffness: self.stiffness,
             entries: self.entries.clone(),
@@ -103,47 +103,47 @@ impl Trend {
         }
     }
 
-    /// What was known before the first record.
+    /// Prior before the first record.
     #[must_use]
     pub fn prior(&self) -> &Prior {
         &self.prior
     }
 
-    /// Changes confirmed and stated so far.
+    /// Confirmed and specified events so far.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// Records with an offset so far.
+    /// Number of records with an offset so far.
     #[must_use]
     pub fn records(&self) -> u64 {
         self.records
     }
 
-    /// Time of the last entry, s since tensioning; of the baseline before the first.
+    /// Time of the last entry, s since tensioning; that of the baseline before the first entry.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.current.time_s
     }
 
-    /// The filters after the last entry, for who wants to look inside.
+    /// Filters after the last entry, for inspection.
     #[must_use]
     pub fn components(&self) -> &[Component] {
         &self.current.components
     }
 
-    /// Takes a session in.
+    /// Adds the result of a session.
     ///
     /// # Errors
-    /// [`TrendError::NotFinite`], [`TrendError::OutOfOrder`]; the trend is unchanged.
+    /// Returns [`TrendError::NotFinite`] or [`TrendError::OutOfOrder`]; the trend is unchanged.
     pub fn add(&mut self, record: Record) -> Result<Added, TrendError> {
         if !record.is_possible() {
             return Err(TrendError::NotFinite);
         }
         self.in_order(record.time_s)?;
         let mut added = Added {
-            jump_probability: 0.0,
+            step_probability: 0.0,
             suspected_s: None,
             off: false,
             confirmed: None,
@@ -155,17 +155,17 @@ impl Trend {
         if record.offset_rad.is_some() {
             self.records += 1;
             added.withdrawn = self.second();
-            self.judge(record.time_s, &mut added);
+            self.test_for_steps(record.time_s, &mut added);
         }
         self.roll();
         Ok(added)
     }
 
-    /// States that the tendon was tensioned again. What the rope remembers stays: the creep goes on
-    /// along its curve, what was taken out is open.
+    /// Registers a specified re-tensioning. The rope keeps its memory: the creep continues along
+    /// its curve, and the variance of the removed offset is inflated.
     ///
     /// # Errors
-    /// [`TrendError::OutOfOrder`], [`TrendError::NotFinite`]; the trend is unchanged.
+    /// Returns [`TrendError::OutOfOrder`] or [`TrendError::NotFinite`]; the trend is unchanged.
     pub fn tensioned(&mut self, time_s: f64) -> Result<(), TrendError> {
         if !time_s.is_finite() {
             return Err(TrendError::NotFinite);
@@ -175,23 +175,20 @@ impl Trend {
         Ok(())
     }
 
-    /// States that sessions count from a new baseline from `time_s` on: the offset was zero then, as a standard
-    /// deviation up to `deviation_rad` (large where that time isn't known). What the rope remembers stays; what sessions
-    /// get wrong together is another from here on. An event, unless the tendon was stated as tensioned since the last
-    /// session.
+    /// Registers a new baseline from `time_s` on: the offset was zero then, with standard deviation
+    /// `std_rad` (large if that time is unknown). The rope keeps its memory; the common error of
+    /// the sessions is independent from here on. It is an event unless a re-tensioning was
+    /// specified since the last session.
     ///
     /// # Errors
-    /// [`TrendError::OutOfOrder`], [`TrendError::NotFinite`]; the trend is unchanged.
-    pub fn rebased(&mut self, time_s: f64, deviation_rad: f64) -> Result<(), TrendError> {
-        if !(time_s.is_finite() && deviation_rad.is_finite() && deviation_rad >= 0.0) {
+    /// Returns [`TrendError::OutOfOrder`] or [`TrendError::NotFinite`]; the trend is unchanged.
+    pub fn rebased(&mut self, time_s: f64, std_rad: f64) -> Result<(), TrendError> {
+        if !(time_s.is_finite() && std_rad.is_finite() && std_rad >= 0.0) {
             return Err(TrendError::NotFinite);
         }
         self.in_order(time_s)?;
         let just_tensioned = matches!(self.entries.last(), Some(TrendEntry::Tensioned { .. }));
-        let entry = TrendEntry::Baseline {
-            time_s,
-            deviation_rad,
-        };
+        let entry = TrendEntry::Baseline { time_s, std_rad };
         match just_tensioned {
             true => self.enter(entry),
             false => self.stated(entry),
@@ -204,7 +201,7 @@ impl Trend {
         self.current.run(&self.prior, &self.config, &[entry]);
     }
 
-    /// Enters what somebody said, and writes it down.
+    /// Registers a specified entry as an event.
     fn stated(&mut self, entry: TrendEntry) {
         let (time_s, after_s) = (entry.time_s(), self.current.time_s);
         self.enter(entry);
@@ -229,14 +226,14 @@ impl Trend {
         Ok(())
     }
 
-    /// Filters after the last entry, from those before the window.
+    /// Recomputes the filters after the last entry from those before the window.
     fn replay(&mut self) {
         self.current = self.anchor.clone();
         self.current.run(&self.prior, &self.config, &self.entries);
     }
 
-    /// Holds jumps within the window against none, and writes one that is sure down.
-    fn judge(&mut self, now_s: f64, added: &mut Added) {
+    /// Tests for step changes within the window, and registers a confirmed one.
+    fn test_for_steps(&mut self, now_s: f64, added: &mut Added) {
         let window = Window {
             prior: &self.prior,
             config: &self.config,
@@ -245,18 +242,18 @@ impl Trend {
             entries: &self.entries,
             records: self.records,
         };
-        let (jump_probability, best) = window.judge();
-        added.jump_probability = jump_probability;
-        let (Some(best), true) = (best, jump_probability > 0.5) else {
+        let (step_probability, best) = window.test_for_steps();
+        added.step_probability = step_probability;
+        let (Some(best), true) = (best, step_probability > 0.5) else {
             return;
         };
-        let agreed = best.is_agreed() && jump_probability > self.config.confirm;
-        if !(agreed || jump_probability >= self.config.confirm_at_once) {
+        let agreed = best.is_agreed() && step_probability > self.config.confirm;
+        if !(agreed || step_probability >= self.config.confirm_at_once) {
             added.suspected_s = Some(window.time_s(&best));
             return;
         }
-        let Confirmed { at, entry, event } = window.confirm(&best, now_s, jump_probability);
-        added.jump_probability = 0.0;
+        let Confirmed { at, entry, event } = window.confirm(&best, now_s, step_probability);
+        added.step_probability = 0.0;
         self.entries.insert(at, entry);
         self.replay();
         if event.size_rad.mean.abs() >= self.config.least_jump_rad {
@@ -265,23 +262,23 @@ impl Trend {
         }
     }
 
-    /// A change for which one session spoke meets the next one: it stays, or it is taken back, whichever explains both
-    /// sessions better. Returns what was taken back.
+    /// Re-evaluates a step change that one session supports with the next one: it is confirmed or
+    /// withdrawn, depending on which explains both sessions better. Returns the withdrawn event.
     fn second(&mut self) -> Option<Event> {
         let event = self.events.iter().rposition(|e| e.sessions == 1)?;
         let time_s = self.events[event].time_s;
         let is_its = |e: &TrendEntry| match e {
-            TrendEntry::Jump { .. } | TrendEntry::Tensioned { .. } => e.time_s() == time_s,
+            TrendEntry::StepChange { .. } | TrendEntry::Tensioned { .. } => e.time_s() == time_s,
             _ => false,
         };
         let Some(at) = self.entries.iter().position(is_its) else {
-            // It has left the window, so a session agreed long ago.
+            // It has left the window, so that a session agreed earlier.
             self.events[event].sessions = 2;
             return None;
         };
         let mut without = self.entries.clone();
         without.remove(at);
-        let start = self.anchor.thinned(JUDGES);
+        let start = self.anchor.thinned(MAX_TEST_FILTERS);
         let evidence =
             |entries: &[TrendEntry]| start.clone().run(&self.prior, &self.config, entries).0;
         let (kept, taken_back) = (evidence(&self.entries), evidence(&without));
@@ -294,7 +291,7 @@ impl Trend {
         Some(self.events.remove(event))
     }
 
-    /// Lets the oldest entries go into the filters.
+    /// Moves the oldest entries from the window into the filters.
     fn roll(&mut self) {
         let window = self.config.window.max(1);
         let sessions = |e: &&TrendEntry| matches!(e, TrendEntry::Record(_));

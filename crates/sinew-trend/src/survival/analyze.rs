@@ -1,21 +1,21 @@
-//! From lives to curves, laws and what they mean.
+//! Survival analysis: from lifetimes to curves, laws and their meaning.
 
-use super::lives::{LifeEnd, Lives, RopeLife};
+use super::lives::{LifeEnd, Lifetimes, RopeLife};
 use super::result::{
     FittedPoint, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalReport, Wear,
 };
-use sinew_rope::survival::{Life, WeibullFit, kaplan_meier, survival_quantile};
+use sinew_rope::survival::{Lifetime, WeibullFit, kaplan_meier, survival_quantile};
 use std::collections::BTreeSet;
 
-/// Shares that have broken, whose ages are told.
+/// Shares of broken ropes whose ages are reported.
 const BROKEN: [f64; 3] = [0.05, 0.1, 0.5];
-/// Points of a law's curve.
+/// Number of points of a law's curve.
 const POINTS: usize = 60;
 
-/// Analyses lives: all together, and each group where there are several.
+/// Analyses lifetimes: all together, and each group if there are several.
 ///
 /// * `source`: name of the table.
-pub fn analyze_lives(lives: &Lives, source: &str) -> SurvivalReport {
+pub fn analyze_lives(lives: &Lifetimes, source: &str) -> SurvivalReport {
     let names: BTreeSet<&str> = (lives.lives.iter())
         .filter_map(|l| l.group.as_deref())
         .collect();
@@ -38,9 +38,9 @@ pub fn analyze_lives(lives: &Lives, source: &str) -> SurvivalReport {
     }
 }
 
-/// Ages and ends, for a fit.
-pub(super) fn ages(ropes: &[RopeLife]) -> Vec<Life> {
-    let life = |rope: &RopeLife| Life {
+/// Ages and ends of lifetimes for a fit.
+pub(super) fn ages(ropes: &[RopeLife]) -> Vec<Lifetime> {
+    let life = |rope: &RopeLife| Lifetime {
         age: rope.age,
         broke: rope.end == LifeEnd::Broke,
     };
@@ -71,7 +71,7 @@ fn group(name: Option<&str>, ropes: &[RopeLife]) -> SurvivalGroup {
         name: name.map(str::to_string),
         ropes: ropes.len(),
         broke: lives.iter().filter(|l| l.broke).count(),
-        watched_age: lives.iter().map(|l| l.age).sum(),
+        exposure_age: lives.iter().map(|l| l.age).sum(),
         curve,
         median: LifeQuantile {
             broken_ratio: 0.5,
@@ -104,11 +104,11 @@ fn fitted(fit: &WeibullFit, age: f64) -> FittedPoint {
 
 pub(super) fn wear(fit: Option<&WeibullFit>) -> Wear {
     let Some(fit) = fit else {
-        return Wear::CannotTell;
+        return Wear::Inconclusive;
     };
     match fit.shape_interval_95 {
         [Some(low), _] if low > 1.0 => Wear::WearsOut,
         [_, Some(high)] if high < 1.0 => Wear::BreaksEarly,
-        _ => Wear::AgeSaysNothing,
+        _ => Wear::AgeIndependent,
     }
 }

@@ -1,6 +1,6 @@
-//! Lifetimes from dated events at places of robots.
+//! Lifetimes from dated events at locations of robots.
 
-use super::lives::{LifeEnd, Lives, RopeLife, end_of, no_column};
+use super::lives::{LifeEnd, Lifetimes, RopeLife, end_of, no_column};
 use super::result::{AgeUnit, SurvivalNote};
 use crate::RecordError;
 use sinew_files::csv::{Row, Table};
@@ -8,29 +8,31 @@ use sinew_files::date::{DAY_S, day_of, parse_utc_s};
 use sinew_files::{Fault, names};
 use std::collections::BTreeMap;
 
-/// Dates say the day: a rope that broke on the day it was put in lasted about half of one, s.
+/// Lifetime of a rope that broke on the day of its installation, s: half a day, because dates have
+/// a resolution of a day.
 const SAME_DAY_S: f64 = 0.5 * DAY_S;
 
-/// Words of a table that a note repeats.
-const WORDS_TOLD: usize = 5;
+/// Maximum number of event texts that a note repeats.
+const MAX_REPORTED_TEXTS: usize = 5;
 
-/// Which columns of a table say what.
+/// Column mapping of a table of events.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventColumns {
-    /// Day of an event.
+    /// Column with the day of an event.
     pub date: String,
-    /// What happened, in words.
+    /// Column with the description of the event.
     pub event: String,
-    /// The place: one column or several together.
+    /// Columns that together identify the location.
     pub unit: Vec<String>,
-    /// What ropes are counted with, beside all together.
+    /// Column of the group, for an additional curve per group.
     pub group: Option<String>,
-    /// Places with the same word here were watched together: until the last event of any of them. `None`: all of the
-    /// table were.
-    pub watched: Option<String>,
-    /// Until when places were watched, s since 1970; `None`: until the last event of those watched together.
+    /// Column of locations observed together, until the last event of any of them. `None` if all
+    /// locations of the table were observed together.
+    pub monitored: Option<String>,
+    /// End of observation, s since 1970; `None` for the last event of the locations observed
+    /// together.
     pub until_utc_s: Option<f64>,
-    /// Whether a rope that broke was replaced the same day, though no row says so.
+    /// Whether a broken rope was replaced on the same day even if no row records it.
     pub repaired: bool,
 }
 
@@ -41,7 +43,7 @@ impl Default for EventColumns {
             event: "event".into(),
             unit: vec!["unit".into()],
             group: None,
-            watched: None,
+            monitored: None,
             until_utc_s: None,
             repaired: false,
         }
@@ -49,46 +51,46 @@ impl Default for EventColumns {
 }
 
 impl EventColumns {
-    /// The place of a row: its columns' words together; `None` where all are empty.
+    /// Location of a row: the texts of its columns; `None` if all are empty.
     pub(super) fn unit_of(&self, row: &Row<'_>) -> Option<String> {
         let words: Vec<&str> = self.unit.iter().filter_map(|c| row.text(c)).collect();
         (!words.is_empty()).then(|| words.join(", "))
     }
 
-    /// The group of a row.
+    /// Group of a row.
     pub(super) fn group_of(&self, row: &Row<'_>) -> Option<String> {
         let column = self.group.as_deref()?;
         row.text(column).map(str::to_string)
     }
 }
 
-/// What an event means for the rope of its place.
+/// Meaning of an event for the rope of its location.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Meaning {
-    /// It was seen, and stays.
+    /// Rope observed, and still in use.
     Seen,
-    /// A new rope was put in.
+    /// New rope installed.
     Installed,
-    /// The rope was replaced before it broke.
+    /// Rope replaced before it broke.
     Replaced,
-    /// The rope broke. That another was put in shows by what comes after.
+    /// Rope broken. A new installation shows by later events.
     Broke,
-    /// The rope was taken out, and none put in.
+    /// Rope removed without replacement.
     Retired,
 }
 
 impl Meaning {
-    /// From words, as they stand in a ticket: "broken (crimp let go)", "loose; retensioned".
+    /// Meaning from the text of a ticket: "broken (crimp let go)", "loose; retensioned".
     fn of(words: &str) -> Self {
         let words = words.to_lowercase();
-        let says = |any: &[&str]| any.iter().any(|word| is_said(&words, word));
-        if says(&["broke", "torn", "tore", "snapped", "ruptured"]) {
+        let mentions_any = |any: &[&str]| any.iter().any(|word| mentions(&words, word));
+        if mentions_any(&["broke", "torn", "tore", "snapped", "ruptured"]) {
             Self::Broke
-        } else if says(&["replaced", "rebuilt", "renewed"]) {
+        } else if mentions_any(&["replaced", "rebuilt", "renewed"]) {
             Self::Replaced
-        } else if says(&["installed", "new rope", "commissioned"]) {
+        } else if mentions_any(&["installed", "new rope", "commissioned"]) {
             Self::Installed
-        } else if says(&["retired", "removed", "decommissioned"]) {
+        } else if mentions_any(&["retired", "removed", "decommissioned"]) {
             Self::Retired
         } else {
             Self::Seen
@@ -96,9 +98,9 @@ impl Meaning {
     }
 }
 
-/// Whether a word begins with `beginning` and isn't denied: "broken" and "it broke", not "unbroken", "not broken" or
-/// "almost broken"; "tore" is not in "restored".
-fn is_said(words: &str, beginning: &str) -> bool {
+/// Whether a word starts with `beginning` and is not negated: "broken" and "it broke", not
+/// "unbroken", "not broken" or "almost broken"; "tore" is not in "restored".
+fn mentions(words: &str, beginning: &str) -> bool {
     const DENIES: [&str; 8] = [
         "not", "no", "nothing", "never", "almost", "nearly", "isn't", "yet",
     ];
@@ -118,29 +120,33 @@ struct Event {
     meaning: Meaning,
 }
 
-/// A place and what happened there.
+/// Location and its events.
 #[derive(Debug, Default)]
 struct Place {
     group: Option<String>,
-    watched: Option<String>,
+    monitored: Option<String>,
     events: Vec<Event>,
 }
 
-/// The lives of a table of events.
-pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<Lives, RecordError> {
+/// Lifetimes of a table of events.
+pub(super) fn lives_of_events(
+    table: &Table,
+    columns: &EventColumns,
+) -> Result<Lifetimes, RecordError> {
     let (mut places, mut notes) = (BTreeMap::<String, Place>::new(), Vec::new());
     let mut words = BTreeMap::<String, usize>::new();
     let mut broke = BTreeMap::<String, usize>::new();
     let mut unplaced = 0;
     for row in table.rows() {
-        let text = |name: &str, why: &str| row.text(name).ok_or_else(|| no_column(&row, name, why));
+        let text =
+            |name: &str, reason: &str| row.text(name).ok_or_else(|| no_column(&row, name, reason));
         let date = text(
             &columns.date,
-            "every event has a day; name its column with --date. A table with a row a rope has age_days, age_hours or age_cycles",
+            "every event needs a date; name its column with --date. A table with one row per rope needs age_days, age_hours or age_cycles",
         )?;
         let utc_s = parse_utc_s(date).ok_or_else(|| {
             let problem = format!(
-                "'{}' in '{}' is no date; write such as 2026-03-01",
+                "'{}' in '{}' is not a date; write, for example, 2026-03-01",
                 names::shorten(date, 40),
                 columns.date
             );
@@ -148,7 +154,7 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
         })?;
         if let Some(until) = columns.until_utc_s.filter(|until| utc_s > *until) {
             let problem = format!(
-                "an event on {}, after the end of the watch on {}",
+                "an event on {}, after the end of observation on {}",
                 day_of(utc_s),
                 day_of(until)
             );
@@ -156,7 +162,7 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
         }
         let what = text(
             &columns.event,
-            "it says what happened; name its column with --event",
+            "describes the event; name its column with --event",
         )?;
         let Some(unit) = columns.unit_of(&row) else {
             if columns.unit.iter().all(|c| table.column(c).is_none()) {
@@ -164,7 +170,7 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
                 return Err(no_column(
                     &row,
                     &names,
-                    "name the columns of the place with --unit",
+                    "name the columns of the location with --unit",
                 ));
             }
             unplaced += 1;
@@ -180,8 +186,8 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
         }
         let place = places.entry(unit).or_default();
         place.group = place.group.take().or(columns.group_of(&row));
-        let watched = columns.watched.as_deref().and_then(|c| row.text(c));
-        place.watched = place.watched.take().or(watched.map(str::to_string));
+        let monitored = columns.monitored.as_deref().and_then(|c| row.text(c));
+        place.monitored = place.monitored.take().or(monitored.map(str::to_string));
         place.events.push(Event { utc_s, meaning });
     }
     if unplaced > 0 {
@@ -191,15 +197,17 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
         let times = of.flat_map(|p| p.events.iter().map(|e| e.utc_s));
         times.fold(f64::NEG_INFINITY, f64::max)
     };
-    let watch_ends = |place: &Place| {
-        columns.until_utc_s.unwrap_or_else(|| match &place.watched {
-            None => last(&mut places.values()),
-            some => last(&mut places.values().filter(|p| p.watched == *some)),
-        })
+    let observation_end = |place: &Place| {
+        columns
+            .until_utc_s
+            .unwrap_or_else(|| match &place.monitored {
+                None => last(&mut places.values()),
+                some => last(&mut places.values().filter(|p| p.monitored == *some)),
+            })
     };
     let (mut lives, mut first_breaks, mut same_day, mut without_rope) = (Vec::new(), 0, 0, 0);
     for (unit, place) in &places {
-        let mut of_place = PlaceLives {
+        let mut of_place = PlaceLifetimes {
             place,
             unit,
             from_utc_s: None,
@@ -213,13 +221,14 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
         let mut events = place.events.clone();
         events.sort_by(|a, b| a.utc_s.total_cmp(&b.utc_s));
         for day in events.chunk_by_mut(|a, b| a.utc_s == b.utc_s) {
-            // The rope that runs broke before the next was put in; where none runs, the order of the rows says which came first.
+            // A rope in use broke before the next was installed; without one in use, the order of
+            // the rows decides.
             if of_place.from_utc_s.is_some() {
                 day.sort_by_key(|e| (e.meaning != Meaning::Broke, e.meaning));
             }
             day.iter().for_each(|event| of_place.take(event));
         }
-        of_place.watch_ends(watch_ends(place), columns.repaired);
+        of_place.end_observation(observation_end(place), columns.repaired);
     }
     if first_breaks > 0 {
         notes.push(SurvivalNote::AgeUnknown {
@@ -237,41 +246,41 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
     if !broke.is_empty() {
         notes.push(SurvivalNote::TakenForBroken {
             events: broke.values().sum(),
-            words: broke.into_keys().take(WORDS_TOLD).collect(),
+            words: broke.into_keys().take(MAX_REPORTED_TEXTS).collect(),
         });
     }
     if !words.is_empty() {
         let events = words.values().sum();
         notes.push(SurvivalNote::NoEnd {
             events,
-            words: words.into_keys().take(WORDS_TOLD).collect(),
+            words: words.into_keys().take(MAX_REPORTED_TEXTS).collect(),
         });
     }
-    notes.push(SurvivalNote::WatchEnds {
+    notes.push(SurvivalNote::ObservationEnd {
         utc_s: columns
             .until_utc_s
             .unwrap_or_else(|| last(&mut places.values())),
         by: columns
-            .watched
+            .monitored
             .clone()
             .filter(|_| columns.until_utc_s.is_none()),
     });
-    Ok(Lives {
+    Ok(Lifetimes {
         age_unit: AgeUnit::Seconds,
         lives,
         notes,
     })
 }
 
-/// The ropes of one place, one after another.
-struct PlaceLives<'a> {
+/// Consecutive ropes of one location.
+struct PlaceLifetimes<'a> {
     place: &'a Place,
     unit: &'a str,
-    /// When the rope that runs was put in; `None`: before the table begins, or none runs.
+    /// Installation time of the rope in use; `None` before the table starts, or without a rope.
     from_utc_s: Option<f64>,
-    /// Whether that is only supposed, because the one before broke then.
+    /// Whether the installation is only inferred from the break of the previous rope.
     supposed: bool,
-    /// When it was last seen to run, of a rope that is supposed.
+    /// Last observation of an inferred rope.
     seen_utc_s: Option<f64>,
     lives: &'a mut Vec<RopeLife>,
     first_breaks: &'a mut usize,
@@ -279,12 +288,12 @@ struct PlaceLives<'a> {
     without_rope: &'a mut usize,
 }
 
-impl PlaceLives<'_> {
+impl PlaceLifetimes<'_> {
     fn take(&mut self, event: &Event) {
         let at = event.utc_s;
         match event.meaning {
             Meaning::Seen => self.seen_utc_s = Some(at),
-            // It stood without one since the break.
+            // The location had no rope since the break.
             Meaning::Installed if self.supposed => {
                 (self.from_utc_s, self.supposed) = (Some(at), false);
             }
@@ -306,9 +315,10 @@ impl PlaceLives<'_> {
         }
     }
 
-    /// Nobody watches any more. A place whose rope broke and of which nothing was heard since has no rope that anybody
-    /// knows of: one that was seen since is whole as long as it was seen. Where every place was `repaired` it has one.
-    fn watch_ends(&mut self, at_utc_s: f64, repaired: bool) {
+    /// Ends the observation. A location without any event after a break has no known rope; a rope
+    /// observed since then is intact until that observation. If every location was `repaired` it
+    /// has one.
+    fn end_observation(&mut self, at_utc_s: f64, repaired: bool) {
         match (self.supposed && !repaired, self.seen_utc_s) {
             (false, _) => self.ends(at_utc_s, LifeEnd::Whole),
             (true, Some(seen)) => self.ends(seen, LifeEnd::Whole),
@@ -316,12 +326,12 @@ impl PlaceLives<'_> {
         }
     }
 
-    /// The rope that runs ends here, if one runs.
+    /// Ends the lifetime of the rope in use, if there is one.
     fn ends(&mut self, at_utc_s: f64, end: LifeEnd) {
         let Some(from) = self.from_utc_s else { return };
         let mut age = at_utc_s - from;
         if age <= 0.0 {
-            // Put in on the last day of the watch: nothing is known of it.
+            // Installed on the last day of observation: no information.
             if end != LifeEnd::Broke {
                 return;
             }

@@ -1,7 +1,7 @@
-//! When a rope should be replaced before it breaks, where nothing is known of it but its age.
+//! Age-based replacement of a rope before it breaks.
 
 use super::analyze::{ages, wear};
-use super::lives::Lives;
+use super::lives::Lifetimes;
 use super::result::{AgeUnit, LifeForecast, Wear};
 use crate::AnalyzeError;
 use rand::SeedableRng as _;
@@ -10,17 +10,17 @@ use rand_distr::{Distribution as _, Gamma};
 use sinew_model::statistics::quantile;
 use sinew_rope::survival::{Weibull, WeibullFit};
 
-/// Laws drawn from what the lives say.
+/// Number of draws of the fitted law.
 const DRAWS: usize = 2000;
-/// Shapes looked at.
+/// Number of shapes on the grid.
 const SHAPES: usize = 400;
-/// The first and the last of them.
+/// First and last shape of the grid.
 const SHAPE_RANGE: [f64; 2] = [0.05, 20.0];
 
-/// What lives of other ropes say of one, before anything is known of itself.
+/// Lifetime prior of a rope from the lifetimes of other ropes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LifePrior {
-    /// Laws, equally likely.
+    /// Drawn laws, of equal probability.
     laws: Vec<Weibull>,
     /// Share of broken ropes at which to replace.
     broken_ratio: f64,
@@ -30,34 +30,38 @@ pub struct LifePrior {
 }
 
 impl LifePrior {
-    /// From the lives of other ropes.
+    /// Fits the lifetimes of other ropes.
     ///
-    /// Laws are drawn from the posterior of shape and scale, every order of size as likely before.
+    /// Laws are drawn from the posterior of shape and scale, with a prior uniform in their
+    /// logarithms.
     ///
     /// # Errors
-    /// [`AnalyzeError::Lives`] where fewer than two broke, ages are cycles, or ropes break early.
+    /// Returns [`AnalyzeError::Lifetimes`] if fewer than two broke, ages are cycles, or ropes break
+    /// early.
     pub fn new(
-        lives: &Lives,
+        lives: &Lifetimes,
         source: &str,
         broken_ratio: f64,
         seed: u64,
     ) -> Result<Self, AnalyzeError> {
-        let refuse = |why: &'static str| AnalyzeError::Lives {
+        let invalid = |reason: &'static str| AnalyzeError::Lifetimes {
             source_name: source.into(),
-            why,
+            reason,
         };
         if lives.age_unit == AgeUnit::Cycles {
-            return Err(refuse("its ages are cycles, and a trend's clock is time"));
+            return Err(invalid(
+                "ages are in cycles, but a trend needs ages in days or hours",
+            ));
         }
         let own = ages(&lives.lives);
         let fit = WeibullFit::new(&own).ok_or_else(|| {
-            refuse(
-                "fewer than two ropes broke in it, or all at nearly one age; no law is fitted to that",
+            invalid(
+                "fewer than two ropes broke, or all at nearly one age; no lifetime distribution can be fitted",
             )
         })?;
         if wear(Some(&fit)) == Wear::BreaksEarly {
-            return Err(refuse(
-                "those that break do so early, and one that has lasted is better than a new one: its age is no reason to replace it",
+            return Err(invalid(
+                "ropes break early, so that a rope that has lasted is better than a new one: age is no reason for replacement",
             ));
         }
         Ok(Self {
@@ -69,7 +73,7 @@ impl LifePrior {
         })
     }
 
-    /// The forecast for a rope of an age, s.
+    /// Forecasts the replacement of a rope with an age, s.
     pub fn forecast(&self, age_s: f64) -> LifeForecast {
         let mut after: Vec<f64> = (self.laws.iter())
             .map(|law| law.quantile(self.broken_ratio) - age_s)
@@ -94,7 +98,8 @@ impl LifePrior {
     }
 }
 
-/// Laws drawn by their posterior probability: shapes systematically, the scale of each from its gamma distribution.
+/// Draws laws by their posterior probability: shapes systematically, the scale of each from its
+/// gamma distribution.
 fn draw(fit: &WeibullFit, seed: u64) -> Vec<Weibull> {
     let [first, last] = SHAPE_RANGE.map(f64::ln);
     let shapes: Vec<f64> = (0..SHAPES)

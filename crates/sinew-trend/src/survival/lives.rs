@@ -1,46 +1,46 @@
-//! Lifetimes: how old a rope became, and how that ended.
+//! Lifetimes of ropes: age and end.
 
 use super::result::{AgeUnit, SurvivalNote};
 use crate::RecordError;
 use sinew_files::Fault;
 use sinew_files::csv::Row;
 
-/// How a rope's life ended, as far as is known.
+/// End of a rope's lifetime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LifeEnd {
-    /// It broke.
+    /// Break of the rope.
     Broke,
-    /// It was replaced before it broke, or taken out of service.
+    /// Replacement before it broke, or removal from service.
     Replaced,
-    /// It was last seen whole.
+    /// Intact at the end of observation (censored).
     Whole,
 }
 
-/// One rope: from when it was put in to when it broke, or was last known whole.
+/// Lifetime of one rope: from installation to break, or to its last observation intact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RopeLife {
-    /// The place it ran at.
+    /// Location of the rope.
     pub unit: String,
-    /// What it is counted with; `None`: only with all.
+    /// Group it is counted with; `None` for all ropes only.
     pub group: Option<String>,
-    /// Age at its end, in the unit of the table.
+    /// Age at the end, in the unit of the table.
     pub age: f64,
-    /// How it ended.
+    /// End of the lifetime.
     pub end: LifeEnd,
 }
 
-/// The lives of a table.
+/// Lifetimes of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lives {
-    /// Unit of their ages.
+pub struct Lifetimes {
+    /// Unit of the ages.
     pub age_unit: AgeUnit,
-    /// One per rope.
+    /// Lifetime of each rope.
     pub lives: Vec<RopeLife>,
-    /// What was left out or supposed.
+    /// Notes on excluded rows and assumptions.
     pub notes: Vec<SurvivalNote>,
 }
 
-/// How a life ended, from a word.
+/// End of a lifetime from a word.
 pub(super) fn end_of(word: &str) -> Option<LifeEnd> {
     Some(match word.to_lowercase().as_str() {
         "broken" | "broke" | "torn" | "failed" | "1" | "true" | "yes" => LifeEnd::Broke,
@@ -50,8 +50,8 @@ pub(super) fn end_of(word: &str) -> Option<LifeEnd> {
     })
 }
 
-/// A column that is not there, with those that are.
-pub(super) fn no_column(row: &Row<'_>, name: &str, why: &str) -> RecordError {
-    let problem = format!("'{name}' is empty or no column: {why}");
+/// Error of a missing or empty column.
+pub(super) fn no_column(row: &Row<'_>, name: &str, reason: &str) -> RecordError {
+    let problem = format!("'{name}' is empty or missing: {reason}");
     row.here(Fault::MissingKey, problem).into()
 }

@@ -1,7 +1,8 @@
-//! How long ropes last, from tables of what broke and what was replaced.
+//! Lifetimes of ropes, from tables of breaks and replacements.
 //!
-//! [`read_lives`] makes lifetimes of a table, [`analyze_lives`] a curve with its band, a law with its intervals and
-//! what they mean for replacing in time. [`LifePrior`] is the same as the prior of a trend that knows nothing better.
+//! [`read_lives`] reads lifetimes from a table, [`analyze_lives`] returns a survival curve with its
+//! band, a fitted law with its intervals and their meaning for age-based replacement. [`LifePrior`]
+//! is the corresponding prior of a trend without a strain limit.
 
 mod analyze;
 mod events;
@@ -13,7 +14,7 @@ mod result;
 pub use analyze::analyze_lives;
 pub use events::EventColumns;
 pub use forecast::LifePrior;
-pub use lives::{LifeEnd, Lives, RopeLife};
+pub use lives::{LifeEnd, Lifetimes, RopeLife};
 pub use read::read_lives;
 pub use result::{
     AgeUnit, FittedPoint, FittedWeibull, LifeForecast, LifeQuantile, SurvivalGroup, SurvivalNote,

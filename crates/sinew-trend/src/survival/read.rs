@@ -1,7 +1,7 @@
-//! Lifetimes, from a table of ages or of events.
+//! Lifetimes from a table of ages or of events.
 
 use super::events::{EventColumns, lives_of_events};
-use super::lives::{Lives, RopeLife, end_of, no_column};
+use super::lives::{Lifetimes, RopeLife, end_of, no_column};
 use super::result::AgeUnit;
 use crate::RecordError;
 use sinew_files::csv::{Row, Table};
@@ -9,12 +9,12 @@ use sinew_files::date::DAY_S;
 use sinew_files::{Bound, Fault, Fields as _, limits};
 use std::path::Path;
 
-/// Reads the lives of a CSV: a row a rope with its age (`age_days`, `age_hours` or `age_cycles`) and how it ended, or a
-/// row an event with its date.
+/// Reads the lifetimes of a CSV file: one row per rope with its age (`age_days`, `age_hours` or
+/// `age_cycles`) and its end, or one row per event with its date.
 ///
 /// # Errors
-/// [`RecordError`] with file, line and what to do.
-pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lives, RecordError> {
+/// Returns a [`RecordError`] with file, line and remedy.
+pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lifetimes, RecordError> {
     let table = Table::read(path, &limits::SESSIONS)?;
     let ages = [
         ("age_days", AgeUnit::Seconds, DAY_S),
@@ -22,29 +22,32 @@ pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lives, RecordEr
         ("age_cycles", AgeUnit::Cycles, 1.0),
     ];
     let named = [
-        (&columns.group, "--group names a column that is there"),
-        (&columns.watched, "--watched names a column that is there"),
+        (&columns.group, "--group must name an existing column"),
+        (
+            &columns.monitored,
+            "--monitored must name an existing column",
+        ),
     ];
-    for (column, why) in named {
+    for (column, reason) in named {
         if let (Some(name), Some(row)) = (column, table.rows().next())
             && table.column(name).is_none()
         {
-            return Err(no_column(&row, name, why));
+            return Err(no_column(&row, name, reason));
         }
     }
     let aged = ages
         .into_iter()
         .find(|(name, ..)| table.column(name).is_some());
     if let (Some((name, ..)), Some(row)) = (aged, table.rows().next())
-        && (columns.until_utc_s.is_some() || columns.watched.is_some())
+        && (columns.until_utc_s.is_some() || columns.monitored.is_some())
     {
         let problem = format!(
-            "a table with '{name}' says how old every rope became; --until and --watched are for events"
+            "a table with '{name}' contains the age of every rope; --until and --monitored apply to events only"
         );
         return Err(row.here(Fault::Contradiction, problem).into());
     }
     let lives = match aged {
-        Some((column, age_unit, factor)) => Lives {
+        Some((column, age_unit, factor)) => Lifetimes {
             age_unit,
             lives: (table.rows())
                 .map(|row| aged_rope(&row, columns, column, factor))
@@ -61,7 +64,7 @@ pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lives, RecordEr
     Ok(lives)
 }
 
-/// A row of a table of ages.
+/// Lifetime from a row of a table of ages.
 fn aged_rope(
     row: &Row<'_>,
     columns: &EventColumns,
@@ -71,7 +74,7 @@ fn aged_rope(
     let age = row.need(
         column,
         Bound::Positive,
-        "every rope has an age; leave the row out",
+        "every rope needs an age; remove the row",
     )?;
     let end = row.need_text("end")?;
     Ok(RopeLife {
@@ -79,6 +82,6 @@ fn aged_rope(
         group: columns.group_of(row),
         age: factor * age,
         end: end_of(end)
-            .ok_or_else(|| row.refuse("end", "broken, replaced, retired or running"))?,
+            .ok_or_else(|| row.invalid("end", "broken, replaced, retired or running"))?,
     })
 }

@@ -1,82 +1,82 @@
-//! How long ropes last, as data: tables and pages are made from this alone.
+//! Result of a survival analysis of ropes as data, the source of tables and pages.
 
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Interval95;
 use sinew_rope::survival::SurvivalPoint;
 
-/// How long ropes last.
+/// Survival analysis of ropes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurvivalReport {
-    /// Version of the program that made it.
+    /// Version of the program that wrote the report.
     pub sinew_version: String,
-    /// Table it was made from.
+    /// Table it was computed from.
     pub source: String,
     /// Unit of every age.
     pub age_unit: AgeUnit,
-    /// All ropes together, then each group where the table has several.
+    /// All ropes together, then each group if the table has several.
     pub groups: Vec<SurvivalGroup>,
-    /// What was left out or supposed.
+    /// Notes on excluded rows and assumptions.
     pub notes: Vec<SurvivalNote>,
 }
 
 impl JsonDocument for SurvivalReport {
-    const SCHEMA: &'static str = "sinew/trend-survival/1";
+    const SCHEMA: &'static str = "sinew/trend-survival/2";
 }
 
-/// Unit of ages.
+/// Unit of an age.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum AgeUnit {
-    /// s.
+    /// Age in seconds.
     Seconds,
-    /// Cycles of a machine.
+    /// Age in cycles of a machine.
     Cycles,
 }
 
-/// Ropes counted together.
+/// Group of ropes counted together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurvivalGroup {
-    /// Name of the group; `None`: all.
+    /// Name of the group; `None` for all ropes.
     pub name: Option<String>,
-    /// Ropes.
+    /// Number of ropes.
     pub ropes: usize,
-    /// Ropes that broke; the others were replaced in time, or run still.
+    /// Number of broken ropes; the others are censored.
     pub broke: usize,
-    /// Sum of their ages.
-    pub watched_age: f64,
-    /// Kaplan and Meier's curve, a point for every age at which a rope broke.
+    /// Exposure: sum of the ages.
+    pub exposure_age: f64,
+    /// Kaplan-Meier curve, one point for every age at which a rope broke.
     pub curve: Vec<SurvivalPoint>,
-    /// Age that half of them outlast, from the curve; its 95 % interval. `None`: open.
+    /// Median lifetime from the curve with its 95 % interval; `None` if not reached.
     pub median: LifeQuantile,
-    /// The law fitted; `None`: fewer than two broke, or all at one age.
+    /// Fitted law; `None` if fewer than two broke, or all at one age.
     pub weibull: Option<FittedWeibull>,
-    /// What age says of breaking.
+    /// Dependence of breaks on age.
     pub wear: Wear,
 }
 
-/// A Weibull law, `S(t) = exp(−(t/scale)^shape)`, with what the likelihood says of it.
+/// Weibull law, `S(t) = exp(−(t/scale)^shape)`, with intervals from the likelihood.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedWeibull {
-    /// `k`.
+    /// Shape parameter `k`.
     pub shape: f64,
-    /// Its 95 % interval by profile likelihood; `None` at an end: open.
+    /// 95 % interval of the shape by profile likelihood; `None` for an open end.
     pub shape_interval_95: [Option<f64>; 2],
-    /// `λ`, an age.
+    /// Scale parameter `λ`, an age.
     pub scale: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the scale; `None` for an open end.
     pub scale_interval_95: [Option<f64>; 2],
-    /// Logarithm of the likelihood.
+    /// Logarithm of the maximum likelihood.
     pub log_likelihood: f64,
     /// Ages by which 5, 10 and 50 % have broken.
     pub broken_by: Vec<LifeQuantile>,
-    /// The law over age, with its band.
+    /// Survival function of the law over age, with its band.
     pub curve: Vec<FittedPoint>,
-    /// Points of Kaplan and Meier's curve whose band the law leaves.
+    /// Number of points of the Kaplan-Meier curve whose band does not contain the law.
     pub outside_band: usize,
 }
 
@@ -84,119 +84,120 @@ pub struct FittedWeibull {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LifeQuantile {
-    /// The share.
+    /// Share of broken ropes.
     pub broken_ratio: f64,
-    /// The age; `None`: not reached while they were watched.
+    /// Age at that share; `None` if not reached during observation.
     pub age: Option<f64>,
-    /// Lower end of its 95 % interval; `None`: open.
+    /// Lower end of the 95 % interval; `None` for an open end.
     pub age_low: Option<f64>,
-    /// Upper end; `None`: open.
+    /// Upper end of the 95 % interval; `None` for an open end.
     pub age_high: Option<f64>,
 }
 
-/// A law at an age.
+/// Survival function of a law at an age.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedPoint {
-    /// The age.
+    /// Age in the unit of the report.
     pub age: f64,
-    /// Share that lasts longer.
+    /// Share of ropes that last longer.
     pub survival: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of that share.
     pub interval_95: Interval95,
 }
 
-/// What the age of a rope says of its breaking.
+/// Dependence of breaks on the age of a rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Wear {
-    /// The shape's interval lies above 1: old ropes break sooner. Replacing in time helps.
+    /// Interval of the shape above 1: old ropes break sooner, and age-based replacement helps.
     WearsOut,
-    /// It lies below 1: those that break do so early. A rope that has lasted is better than a new one.
+    /// Interval of the shape below 1: ropes break early, and a rope that has lasted is better than
+    /// a new one.
     BreaksEarly,
-    /// 1 is inside: an old rope may be as good as a new one.
-    AgeSaysNothing,
-    /// Too few broke to say.
-    CannotTell,
+    /// Interval of the shape contains 1: an old rope may be equivalent to a new one.
+    AgeIndependent,
+    /// Too few breaks for a conclusion.
+    Inconclusive,
 }
 
-/// What was left out or supposed.
+/// Note on excluded rows or an assumption.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum SurvivalNote {
-    /// The first break at a place: when that rope was put in isn't known.
+    /// First break at a location: the installation date of that rope is unknown.
     AgeUnknown {
-        /// How many.
+        /// Number of such breaks.
         breaks: usize,
     },
-    /// Places whose rope broke, and of which nothing is said since: out of observation from then on.
+    /// Locations without any event after a break: out of observation from then on.
     NoNewRope {
-        /// How many.
+        /// Number of such locations.
         places: usize,
     },
-    /// Events without a place.
+    /// Events without a location.
     WithoutPlace {
-        /// How many.
+        /// Number of such events.
         events: usize,
     },
-    /// Events whose words, beside others, say that something broke: taken for the rope.
+    /// Events whose text mentions a break among other words: interpreted as a break of the rope.
     TakenForBroken {
-        /// How many.
+        /// Number of such events.
         events: usize,
-        /// Some of their words.
+        /// Examples of their texts.
         words: Vec<String>,
     },
-    /// Events that end no rope's life.
+    /// Events that are not the end of a rope's lifetime.
     NoEnd {
-        /// How many.
+        /// Number of such events.
         events: usize,
-        /// Some of their words.
+        /// Examples of their texts.
         words: Vec<String>,
     },
-    /// Ropes that broke on the day they were put in: half a day.
+    /// Ropes that broke on the day of their installation: half a day.
     SameDay {
-        /// How many.
+        /// Number of such ropes.
         ropes: usize,
     },
-    /// Until when ropes that didn't break were watched.
-    WatchEnds {
-        /// s since 1970; of the whole table.
+    /// End of observation of intact ropes.
+    ObservationEnd {
+        /// End of observation of the whole table, s since 1970.
         utc_s: f64,
-        /// Column whose places were watched together, each until its last event.
+        /// Column of locations observed together, each until its last event.
         by: Option<String>,
     },
 }
 
-/// When a rope should be replaced, from its age.
+/// Age-based replacement of a rope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LifeForecast {
-    /// Share of such ropes that have broken by the age at which to replace.
+    /// Share of such ropes that have broken by the age of replacement.
     pub broken_ratio: f64,
-    /// Age of this one at its last session, s.
+    /// Age of this rope at its last session, s.
     pub age_s: f64,
-    /// Share of such ropes that have broken by that age: mean over what the lives leave open.
+    /// Share of such ropes that have broken by that age: posterior mean.
     pub broken_by_now_ratio: f64,
-    /// Probability that the age at which to replace is passed.
+    /// Probability that the age of replacement is exceeded.
     pub passed_probability: f64,
-    /// Median of the time from the last session until it is, s; below 0: it was passed before.
+    /// Median time from the last session to replacement, s; negative if it was earlier.
     pub after_s: f64,
-    /// 2.5 % quantile of it, s.
+    /// 2.5 % quantile of that time, s.
     pub after_low_s: f64,
-    /// 97.5 % quantile of it, s.
+    /// 97.5 % quantile of that time, s.
     pub after_high_s: f64,
-    /// Ropes it rests on.
+    /// Number of ropes the forecast is based on.
     pub ropes: usize,
-    /// Those of them that broke.
+    /// Number of those ropes that broke.
     pub broke: usize,
-    /// Table they stand in.
+    /// Table with their lifetimes.
     pub source: String,
 }
 
 impl LifeForecast {
-    /// Whether the rope is likelier older than the age at which to replace than not.
+    /// Whether the rope exceeds the age of replacement with a probability above one half.
     pub fn is_passed(&self) -> bool {
         self.passed_probability > 0.5
     }

@@ -1,4 +1,4 @@
-//! What several tests of this crate start from.
+//! Shared fixtures of the tests of this crate.
 
 use sinew_estimate::robot_dir;
 use sinew_files::date::parse_utc_s;
@@ -25,7 +25,7 @@ pub(crate) fn utc(text: &str) -> f64 {
     parse_utc_s(text).unwrap()
 }
 
-/// A session of the elbow, so many days after 2026-03-01.
+/// Session of the elbow, a number of days after 2026-03-01.
 pub(crate) fn session_record(day: f64, offset_mrad: f64) -> SessionRecord {
     SessionRecord {
         source: format!("day {day}"),

@@ -1,28 +1,28 @@
-//! The alarms of one robot.
+//! Alarms of one robot and their transitions.
 
-use super::{Alarm, AlarmCause, AlarmKey, AlarmState, Condition, Transition, TransitionWhy};
-use crate::command::{Command, CommandError, LONGEST_SHELF_S, What};
+use super::{Alarm, AlarmCause, AlarmKey, AlarmState, Condition, Transition, TransitionReason};
+use crate::command::{Command, CommandError, CommandKind, MAX_SHELF_S};
 use crate::instant::Instant;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How long a condition has to hold, or not to, before its alarm follows; by the clock that never steps.
+/// Time for which a condition must be present or absent before its alarm follows, by the monotonic clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delays {
-    /// Before it is raised, s.
+    /// Delay before the alarm is raised, s.
     pub raise_after_s: f64,
-    /// Before it is cleared, s.
+    /// Delay before the alarm is cleared, s.
     pub clear_after_s: f64,
 }
 
 impl Delays {
-    /// Without a delay.
+    /// No delay in either direction.
     pub const NONE: Self = Self {
         raise_after_s: 0.0,
         clear_after_s: 0.0,
     };
 
-    /// As usual for a condition.
+    /// Returns the default delays of a condition.
     pub fn of(condition: Condition) -> Self {
         let (raise_after_s, clear_after_s) = match condition {
             Condition::ReplaceLimit | Condition::RetensionLimit | Condition::LimitNear => {
@@ -30,10 +30,11 @@ impl Delays {
             }
             Condition::Data => (15.0, 60.0),
             Condition::Store => (5.0, 60.0),
-            Condition::Door => (5.0, 1.0),
-            Condition::StrandFailed
-            | Condition::Jump
-            | Condition::Suspicion
+            Condition::Transport => (5.0, 1.0),
+            Condition::TransmissionLost
+            | Condition::StrandFailure
+            | Condition::StepChange
+            | Condition::SuspectedStep
             | Condition::NoData => (0.0, 0.0),
         };
         Self {
@@ -43,27 +44,27 @@ impl Delays {
     }
 }
 
-/// The alarms of a robot, and how each got where it is.
+/// Alarms of a robot and their pending transitions.
 #[derive(Debug, Clone, Default)]
 pub struct Alarms {
     list: BTreeMap<AlarmKey, Entry>,
-    /// Since the last [`Alarms::take_transitions`].
+    /// Transitions since the last [`Alarms::take_transitions`].
     transitions: Vec<Transition>,
 }
 
-/// The alarms that aren't normal, as they are stored.
+/// Alarms that are not in the normal state, in their stored form.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct AlarmsStored {
-    /// The alarms.
+    /// Alarms that are not normal.
     pub alarms: Vec<Alarm>,
 }
 
 #[derive(Debug, Clone, Default)]
 struct Entry {
     alarm: Option<Alarm>,
-    /// Whether the condition held last time.
+    /// Whether the condition was present at the last update.
     holds: bool,
-    /// Since when it does, or doesn't.
+    /// Start of the present value of `holds`.
     since: Option<Instant>,
     shelved_at: Option<Instant>,
 }
@@ -75,7 +76,8 @@ impl Entry {
 }
 
 impl Alarms {
-    /// Goes on from what was stored. A shelf longer than it was made ends: the civil clock has stepped.
+    /// Restores stored alarms. A remaining shelving time longer than the original one is ended: the civil clock has
+    /// stepped.
     pub fn restore(stored: AlarmsStored, now: Instant) -> Self {
         let mut alarms = Self::default();
         for mut alarm in stored.alarms {
@@ -98,19 +100,19 @@ impl Alarms {
         alarms
     }
 
-    /// As they are stored.
+    /// Returns the alarms in their stored form.
     pub fn stored(&self) -> AlarmsStored {
         AlarmsStored {
             alarms: self.iter().cloned().collect(),
         }
     }
 
-    /// Those that aren't normal.
+    /// Iterates over the alarms that are not normal.
     pub fn iter(&self) -> impl Iterator<Item = &Alarm> {
         self.list.values().filter_map(|entry| entry.alarm.as_ref())
     }
 
-    /// An alarm that isn't normal.
+    /// Returns an alarm that is not normal.
     pub fn get(&self, key: &AlarmKey) -> Option<&Alarm> {
         self.list.get(key)?.alarm.as_ref()
     }
@@ -121,13 +123,13 @@ impl Alarms {
         alarm.ok_or(CommandError::NoAlarm)
     }
 
-    /// What happened since the last call.
+    /// Returns the transitions since the last call.
     pub fn take_transitions(&mut self) -> Vec<Transition> {
         std::mem::take(&mut self.transitions)
     }
 
-    /// Says that a condition holds, `Some(true)`; is over, `Some(false)`; or is neither: between raising and
-    /// clearing nothing changes.
+    /// Updates a condition: present, `Some(true)`; absent, `Some(false)`; or between the thresholds of raising and
+    /// clearing, `None`, where nothing changes.
     pub fn condition(
         &mut self,
         key: &AlarmKey,
@@ -137,7 +139,7 @@ impl Alarms {
         now: Instant,
     ) {
         let Some(holds) = holds else {
-            // What was about to be raised or cleared begins to wait anew.
+            // A pending delay restarts.
             if let Some(entry) = self.list.get_mut(key) {
                 entry.since = None;
             }
@@ -164,7 +166,9 @@ impl Alarms {
             {
                 match from {
                     _ if key.condition.latches() => AlarmState::Latched,
-                    AlarmState::Active if key.condition.needs_look() => AlarmState::Cleared,
+                    AlarmState::Active if key.condition.needs_acknowledgement() => {
+                        AlarmState::Cleared
+                    }
                     _ => AlarmState::Normal,
                 }
             }
@@ -182,18 +186,18 @@ impl Alarms {
             });
         }
         if let (AlarmState::Active, Some(alarm)) = (to, &mut entry.alarm) {
-            // What comes again has to be seen again.
+            // A recurring condition has to be acknowledged again.
             alarm.acknowledged = false;
             alarm.raised_utc_s = now.utc_s();
             alarm.cause = cause.clone();
         }
-        let why = TransitionWhy::Condition {
+        let reason = TransitionReason::Condition {
             cause: cause.clone(),
         };
-        self.step(key, to, why, now);
+        self.step(key, to, reason, now);
     }
 
-    /// Ends the shelves whose time is over.
+    /// Ends the shelving of alarms whose time has expired.
     pub fn tick(&mut self, now: Instant) {
         let ended: Vec<AlarmKey> = (self.list.iter())
             .filter_map(|(key, entry)| {
@@ -204,22 +208,23 @@ impl Alarms {
             })
             .collect();
         for key in ended {
-            self.unshelve(&key, TransitionWhy::ShelfEnded, now);
+            self.unshelve(&key, TransitionReason::ShelfEnded, now);
         }
     }
 
-    /// Does what somebody asks of an alarm; `tensioned` and `replaced` clear those of their joints.
+    /// Executes an operator command on the alarms; `tensioned` and `replaced` clear those of their joints.
     ///
     /// # Errors
-    /// [`CommandError`]; nothing has changed then.
+    /// Returns a [`CommandError`] if the alarm does not exist, the duration is out of range, the note is missing or the
+    /// condition is still active; nothing has changed then.
     pub fn command(&mut self, command: &Command, now: Instant) -> Result<(), CommandError> {
-        let why = || TransitionWhy::Command {
+        let reason = || TransitionReason::Command {
             who: command.who.clone(),
             what: command.what.clone(),
             note: command.note.clone(),
         };
         match &command.what {
-            What::Acknowledge { alarm: key } => {
+            CommandKind::Acknowledge { alarm: key } => {
                 let alarm = self.alarm_mut(key)?;
                 alarm.acknowledged = true;
                 let to = match alarm.state {
@@ -227,11 +232,11 @@ impl Alarms {
                     AlarmState::Cleared => AlarmState::Normal,
                     same => same,
                 };
-                self.step(key, to, why(), now);
+                self.step(key, to, reason(), now);
             }
-            What::Shelve { alarm: key, for_s } => {
+            CommandKind::Shelve { alarm: key, for_s } => {
                 let for_s = *for_s;
-                if !(for_s > 0.0 && for_s <= LONGEST_SHELF_S) {
+                if !(for_s > 0.0 && for_s <= MAX_SHELF_S) {
                     return Err(CommandError::Shelf { for_s });
                 }
                 let alarm = self.alarm_mut(key)?;
@@ -241,15 +246,15 @@ impl Alarms {
                 if let Some(entry) = self.list.get_mut(key) {
                     entry.shelved_at = Some(now);
                 }
-                self.step(key, to, why(), now);
+                self.step(key, to, reason(), now);
             }
-            What::Unshelve { alarm: key } => {
+            CommandKind::Unshelve { alarm: key } => {
                 let alarm = self.get(key).ok_or(CommandError::NoAlarm)?;
                 if alarm.shelved_until_utc_s.is_some() {
-                    self.unshelve(key, why(), now);
+                    self.unshelve(key, reason(), now);
                 }
             }
-            What::Reset { alarm: key } => {
+            CommandKind::Reset { alarm: key } => {
                 if command.note.trim().is_empty() {
                     return Err(CommandError::NoNote);
                 }
@@ -257,12 +262,12 @@ impl Alarms {
                     AlarmState::Active | AlarmState::Acknowledged => {
                         return Err(CommandError::StillActive);
                     }
-                    _ => self.step(key, AlarmState::Normal, why(), now),
+                    _ => self.step(key, AlarmState::Normal, reason(), now),
                 }
             }
-            What::Tensioned { joints } | What::Replaced { joints } => {
+            CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } => {
                 let of_rope = |key: &AlarmKey| match key.condition {
-                    Condition::ReplaceLimit => matches!(command.what, What::Replaced { .. }),
+                    Condition::ReplaceLimit => matches!(command.what, CommandKind::Replaced { .. }),
                     Condition::Data | Condition::Store | Condition::NoData => false,
                     _ => true,
                 };
@@ -277,15 +282,15 @@ impl Alarms {
                         entry.holds = false;
                         entry.since = Some(now);
                     }
-                    self.step(&key, AlarmState::Normal, why(), now);
+                    self.step(&key, AlarmState::Normal, reason(), now);
                 }
             }
-            What::Note => {}
+            CommandKind::Note => {}
         }
         Ok(())
     }
 
-    fn unshelve(&mut self, key: &AlarmKey, why: TransitionWhy, now: Instant) {
+    fn unshelve(&mut self, key: &AlarmKey, reason: TransitionReason, now: Instant) {
         let Some(entry) = self.list.get_mut(key) else {
             return;
         };
@@ -294,10 +299,10 @@ impl Alarms {
         }
         entry.shelved_at = None;
         let to = entry.state();
-        self.step(key, to, why, now);
+        self.step(key, to, reason, now);
     }
 
-    fn step(&mut self, key: &AlarmKey, to: AlarmState, why: TransitionWhy, now: Instant) {
+    fn step(&mut self, key: &AlarmKey, to: AlarmState, reason: TransitionReason, now: Instant) {
         let Some(entry) = self.list.get_mut(key) else {
             return;
         };
@@ -313,7 +318,7 @@ impl Alarms {
             from,
             to,
             time_utc_s: now.utc_s(),
-            why,
+            reason,
         });
     }
 }

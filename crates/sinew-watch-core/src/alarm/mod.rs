@@ -1,64 +1,66 @@
-//! Alarms: raised and cleared by conditions, acknowledged, shelved and reset by people.
+//! Alarms: raised and cleared by conditions; acknowledged, shelved and reset by operators.
 //!
 //! ```text
-//!             raised                acknowledged             condition over
+//!             raised                acknowledged             cleared
 //!   normal ───────────▶ active ────────────────▶ acknowledged ─────────────▶ normal
-//!     ▲                   │ condition over              │ condition over, if it latches
+//!     ▲                   │ cleared                     │ cleared, if it latches
 //!     │ acknowledged      ▼                             ▼
 //!     └──────────── cleared                         latched ── tensioned, replaced, reset ─▶ normal
 //!                   latched, if it latches
 //! ```
 //!
-//! Which conditions latch: [`Condition::latches`]. What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
+//! [`Condition::latches`] defines which conditions latch. A condition that needs no acknowledgement
+//! ([`Condition::needs_acknowledgement`]) goes from active to normal.
 
 mod list;
 
 pub use crate::condition::{AlarmKey, Condition, Level};
 pub use list::{Alarms, AlarmsStored, Delays};
 
-use crate::command::What;
+use crate::command::CommandKind;
 use serde::{Deserialize, Serialize};
 use sinew_estimate::Cause;
 
-/// Where an alarm stands.
+/// State of an alarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum AlarmState {
-    /// It holds, and nobody has seen it.
+    /// The condition is present and not acknowledged.
     Active,
-    /// It holds, and somebody has seen it.
+    /// The condition is present and acknowledged.
     Acknowledged,
-    /// It is over, and nobody has seen it.
+    /// The condition has cleared and was not acknowledged.
     Cleared,
-    /// It is over, and stays until somebody tensions, replaces or resets.
+    /// The condition has cleared; the alarm remains until the tendon is re-tensioned or replaced, or the alarm is
+    /// reset.
     Latched,
-    /// It is over, or was never.
+    /// The condition is absent and needs no acknowledgement.
     Normal,
 }
 
-/// An alarm that isn't normal.
+/// Alarm that is not in the normal state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Alarm {
-    /// The alarm's joint and condition.
+    /// Joint and condition of the alarm.
     pub key: AlarmKey,
-    /// Where it stands.
+    /// State of the alarm.
     pub state: AlarmState,
-    /// Whether somebody has seen it.
+    /// Whether an operator has acknowledged the alarm.
     pub acknowledged: bool,
-    /// When it was raised, s since 1970 UTC.
+    /// Time at which the alarm was raised, s since 1970 UTC.
     pub raised_utc_s: f64,
-    /// What raised it.
+    /// Cause of the alarm.
     pub cause: AlarmCause,
-    /// Shelved until then, s since 1970 UTC.
+    /// End of the shelving, s since 1970 UTC; `None`: not shelved.
     pub shelved_until_utc_s: Option<f64>,
-    /// How long a shelf it was, s: a civil clock that steps back doesn't lengthen it.
+    /// Duration of the shelving, s; a backward step of the civil clock does not extend it.
     pub shelved_for_s: Option<f64>,
 }
 
 impl Alarm {
-    /// What it shows: a shelf hides all but an error.
+    /// Returns the displayed level; shelving hides everything except errors.
     pub fn level(&self) -> Level {
         let level = self.key.condition.level();
         match self.shelved_until_utc_s {
@@ -69,226 +71,241 @@ impl Alarm {
     }
 }
 
-/// What raised an alarm, as data: words are made where it is shown.
+/// Cause of an alarm in machine-readable form; messages are formatted where they are displayed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AlarmCause {
-    /// A limit is passed.
+    /// A limit is exceeded.
     Limit {
-        /// What was measured: elongation (m) or strain (a fraction).
+        /// Estimated elongation, m, or strain, ratio.
         mean: f64,
-        /// Its standard deviation.
-        deviation: f64,
-        /// The limit, in the same unit.
+        /// Standard deviation of the estimate, in the same unit.
+        #[serde(alias = "deviation")]
+        std: f64,
+        /// Configured limit, in the same unit.
         limit: f64,
-        /// Probability that it is passed.
+        /// Probability that the limit is exceeded, 0…1.
         probability: f64,
-        /// Where the limit comes from.
+        /// Origin of the limit.
         origin: LimitOrigin,
     },
-    /// A limit may be passed soon.
+    /// A limit may be exceeded soon.
     Soon {
-        /// 2.5 % quantile of the time until then, s.
+        /// 2.5 % quantile of the time until the limit is exceeded, s.
         after_low_s: f64,
-        /// Median, s; `None`: beyond the forecast.
+        /// Median of that time, s; `None`: beyond the forecast horizon.
         after_s: Option<f64>,
     },
-    /// A tendon changed suddenly.
-    Jump {
-        /// When, s since 1970 UTC.
+    /// A tendon has a step change.
+    #[serde(alias = "jump")]
+    StepChange {
+        /// Time of the step change, s since 1970 UTC.
         time_utc_s: f64,
-        /// By how much, rad.
+        /// Size of the step change, rad; positive: tendon longer.
         size_rad: f64,
-        /// Its standard deviation, rad.
-        deviation_rad: f64,
-        /// What may have happened.
-        what: JumpKind,
-        /// What slipped, where the readings tell.
+        /// Standard deviation of the size, rad.
+        #[serde(alias = "deviation_rad")]
+        std_rad: f64,
+        /// Probable kind of the step change.
+        what: StepKind,
+        /// Part that slipped, if the data identify it.
         cause: Option<Cause>,
-        /// Change of the stiffness with it, as a fraction; `None`: none was seen.
+        /// Simultaneous relative change of stiffness; `None`: none detected.
         stiffness_ratio: Option<f64>,
     },
-    /// An offset has been provisional for so long.
-    InDoubt {
-        /// For so long, s.
+    /// An offset has been provisional for too long.
+    #[serde(alias = "in-doubt")]
+    Provisional {
+        /// Duration of motion for which the offset has been provisional, s.
         for_s: f64,
     },
-    /// The data are wrong.
+    /// The data are invalid.
     Data {
-        /// What is wrong with them.
-        trouble: Trouble,
+        /// Fault of the data.
+        trouble: DataFault,
     },
-    /// What is learned could not be stored.
+    /// Results could not be stored.
     Store {
-        /// What kind of failure.
+        /// Kind of storage failure.
         #[serde(default)]
         fault: StoreFault,
-        /// What the system said.
-        why: String,
+        /// Error message of the operating system or database.
+        #[serde(alias = "why")]
+        reason: String,
     },
-    /// A door is shut, and is tried again.
-    Door {
-        /// Which, such as `dds:0` or `mcap:run.mcap`.
-        door: String,
-        /// What the system said.
-        why: String,
+    /// A transport is disconnected; the monitor reconnects.
+    #[serde(alias = "door")]
+    Transport {
+        /// Name of the transport, such as `dds:0` or `mcap:run.mcap`.
+        #[serde(alias = "door")]
+        transport: String,
+        /// Error message of the transport.
+        #[serde(alias = "why")]
+        reason: String,
     },
-    /// Nothing was received.
+    /// No data were received.
     Silence {
-        /// Since then, s since 1970 UTC; `None`: since the start.
+        /// Time of the last data, s since 1970 UTC; `None`: none since the start.
         since_utc_s: Option<f64>,
     },
 }
 
-/// Why nothing can be stored.
+/// Reason for a storage failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum StoreFault {
-    /// The disk has no room.
+    /// The disk is full.
     Full,
-    /// The folder or its disk can't be written.
+    /// The folder or its disk is read-only.
     ReadOnly,
-    /// The disk fails.
+    /// The disk reports an error.
     Disk,
-    /// The database is damaged.
+    /// The database is corrupt.
     Damaged,
-    /// Something else, which the log names.
+    /// Other failure, described in the log.
     #[default]
     Other,
 }
 
-/// What a sudden change may be.
+/// Probable kind of a step change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum JumpKind {
-    /// Offset without stiffness: rope, clamp or encoder slipped.
+pub enum StepKind {
+    /// Change of offset without stiffness loss: rope, clamp or encoder slipped.
     Slip,
-    /// Stiffness went with it: a strand failed.
+    /// No torque is transmitted: the tendon is torn or off its pulley, or its motor side is detached.
+    TransmissionLost,
+    /// Stiffness loss: a strand failed.
     StrandFailure,
-    /// Neither alone is sure.
+    /// Slip and strand failure are not distinguishable.
     SlipOrStrandFailure,
-    /// It changed while nobody watched: rope, clamp or an encoder homed anew.
+    /// Change between two sessions: rope, clamp, or a re-homed encoder.
     WhileOff,
-    /// The offset went: somebody tensioned the tendon, and didn't say so.
+    /// Decrease of the offset: probable unrecorded re-tensioning.
     Retensioned,
 }
 
-/// Where a limit comes from.
+/// Origin of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LimitOrigin {
-    /// The robot's robot.toml.
+    /// The limit is specified in robot.toml.
     RobotToml,
-    /// The rope's entry in the catalogue.
+    /// The limit comes from the rope catalogue.
     Catalogue,
 }
 
-/// What is wrong with the data.
+/// Fault of the received data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "trouble", rename_all = "kebab-case")]
-pub enum Trouble {
-    /// Positions that aren't numbers.
+pub enum DataFault {
+    /// Positions are NaN or infinite.
     NotFinite {
-        /// Share of the frames.
+        /// Share of affected frames, 0…1.
         share: f64,
     },
     /// Many frames were lost.
     Lost {
-        /// Share of the frames.
+        /// Share of affected frames, 0…1.
         share: f64,
     },
-    /// A position never changes while others do.
+    /// A position is constant while the other side moves.
     Dead {
-        /// Whether it is the motor's; else the joint's.
+        /// Whether the motor position is affected; otherwise the joint position.
         motor: bool,
     },
-    /// Motor and joint position are one signal: the spring never gives while the joint moves.
+    /// Motor and joint position are identical: the spring never deflects while the joint moves.
     OneSignal,
-    /// Joint and motor positions are so far apart as degrees or a missing gear ratio make them.
+    /// The difference of joint and motor position is implausible: unit is degrees, or the gear ratio is missing.
     FarApart {
-        /// Mean distance, rad.
+        /// Mean absolute difference, rad.
         apart_rad: f64,
     },
     /// The motor position follows another joint: two channels are swapped.
     Swapped {
-        /// The joint it follows.
+        /// Name of the joint that the motor position follows.
         with: String,
     },
-    /// Stamps that don't rise: nothing can be estimated.
-    StampsStand {
-        /// Share of the frames.
+    /// Time stamps are not increasing; nothing can be estimated.
+    #[serde(alias = "stamps-stand")]
+    NonMonotonicTime {
+        /// Share of affected frames, 0…1.
         share: f64,
     },
-    /// A publisher's quality of service can't be received.
+    /// The quality of service of a publisher is incompatible.
     Qos {
-        /// The topic's name.
+        /// Name of the topic.
         topic: String,
-        /// What it offers.
+        /// Quality of service offered by the publisher.
         offered: String,
-        /// What is asked for.
+        /// Quality of service requested by the monitor.
         requested: String,
     },
-    /// A topic's data can't be decoded.
+    /// The messages of a topic cannot be decoded.
     Decode {
-        /// The topic's name.
+        /// Name of the topic.
         topic: String,
-        /// What is wrong.
-        why: String,
+        /// Error message of the decoder.
+        #[serde(alias = "why")]
+        reason: String,
     },
-    /// What is received doesn't fit robot.toml: joints or channels are missing.
+    /// Joints or channels of robot.toml are missing in the received data.
     Missing {
         /// Name of the joint.
         joint: String,
-        /// Whether it is the motor's side; else the joint's.
+        /// Whether the motor side is missing; otherwise the joint side.
         motor: bool,
     },
-    /// The estimator refused a stretch.
-    Refused {
-        /// What it said.
-        why: String,
+    /// The estimator rejected a segment.
+    #[serde(alias = "refused")]
+    Rejected {
+        /// Error message of the estimator.
+        #[serde(alias = "why")]
+        reason: String,
     },
 }
 
-/// One step of an alarm, for the journal.
+/// State transition of an alarm, for the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Transition {
-    /// The alarm's joint and condition.
+    /// Joint and condition of the alarm.
     pub key: AlarmKey,
-    /// The state before.
+    /// State before the transition.
     pub from: AlarmState,
-    /// The state after.
+    /// State after the transition.
     pub to: AlarmState,
-    /// When, s since 1970 UTC.
+    /// Time of the transition, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// The reason.
-    pub why: TransitionWhy,
+    /// Reason for the transition.
+    #[serde(alias = "why")]
+    pub reason: TransitionReason,
 }
 
-/// Why an alarm took a step.
+/// Reason for the transition of an alarm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "by", rename_all = "kebab-case")]
-pub enum TransitionWhy {
-    /// Its condition came to hold, or was over.
+pub enum TransitionReason {
+    /// The condition became present or cleared.
     Condition {
-        /// What of it.
+        /// Cause of the alarm at the transition.
         cause: AlarmCause,
     },
-    /// Somebody asked for it.
+    /// An operator commanded it.
     Command {
-        /// Name of who says it.
+        /// Name of the operator.
         who: String,
-        /// What they did.
-        what: What,
-        /// What they add, in their words.
+        /// Command of the operator.
+        what: CommandKind,
+        /// Free text of the operator.
         note: String,
     },
-    /// The end of its shelf.
+    /// The shelving expired.
     ShelfEnded,
 }

@@ -1,102 +1,107 @@
-//! From what is known to alarms.
+//! Alarm conditions derived from state, trends and data.
 
-use super::belief::BeliefChain;
 use super::config::AlarmOptions;
 use super::health::Health;
+use super::posterior::PosteriorChain;
 use super::setup::Setup;
 use super::trend::Trends;
 use crate::alarm::{
-    AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, Delays, JumpKind, LimitOrigin, Trouble,
+    AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, DataFault, Delays, LimitOrigin, StepKind,
 };
 use crate::instant::Instant;
-use crate::transaction::Suspected;
+use crate::transaction::PendingEvent;
 use sinew_model::Gaussian;
 use sinew_trend::{JointTrend, Limit, LimitState};
 use std::collections::BTreeMap;
 
-/// A limit that was near is no longer where it may be passed later than this share of the time.
-const NEAR_NO_MORE: f64 = 1.5;
-/// A limit's alarm is raised from this probability on, and may be cleared below that one.
-const RAISED: f64 = 0.95;
-const CLEARED: f64 = 0.5;
+/// Hysteresis of [`Condition::LimitNear`]: the condition clears above this multiple of the warning time.
+const NEAR_HYSTERESIS_RATIO: f64 = 1.5;
+/// Minimum probability of a limit exceedance at which the alarm is raised; below the second value it may be cleared.
+const RAISE_PROBABILITY: f64 = 0.95;
+const CLEAR_PROBABILITY: f64 = 0.5;
 
-/// Whether a condition holds, `None`: it is between raising and clearing; and what that rests on.
-type Holds = (Option<bool>, AlarmCause);
+/// Whether a condition is present (`None`: between the thresholds of raising and clearing), and its cause.
+type ConditionState = (Option<bool>, AlarmCause);
 
-/// The conditions of a robot, and the alarms that follow them.
+/// Conditions of a robot and the alarms derived from them.
 #[derive(Debug)]
-pub(super) struct AlarmJudge {
+pub(super) struct AlarmEvaluator {
     pub(super) alarms: Alarms,
-    /// What is known of every condition.
-    known: BTreeMap<AlarmKey, Holds>,
-    /// What the doors can't receive as they should.
-    doors: Vec<Trouble>,
+    /// Present value of every condition.
+    conditions: BTreeMap<AlarmKey, ConditionState>,
+    /// Reception faults of the transports.
+    transports: Vec<DataFault>,
 }
 
-impl AlarmJudge {
+impl AlarmEvaluator {
     pub(super) fn new(stored: AlarmsStored, now: Instant) -> Self {
         Self {
             alarms: Alarms::restore(stored, now),
-            known: BTreeMap::new(),
-            doors: Vec::new(),
+            conditions: BTreeMap::new(),
+            transports: Vec::new(),
         }
     }
 
-    /// Takes what is known of a condition; `None`: it is over, if it was there.
-    fn set(&mut self, joint: Option<&str>, condition: Condition, holds: Option<Holds>) {
+    /// Sets the value of a condition; `None`: absent, if it was present.
+    fn set(&mut self, joint: Option<&str>, condition: Condition, holds: Option<ConditionState>) {
         let key = AlarmKey {
             joint: joint.map(str::to_string),
             condition,
         };
         match holds {
             Some(holds) => {
-                self.known.insert(key, holds);
+                self.conditions.insert(key, holds);
             }
             None => {
-                if let Some((holds, _)) = self.known.get_mut(&key) {
+                if let Some((holds, _)) = self.conditions.get_mut(&key) {
                     *holds = Some(false);
                 } else if let Some(alarm) = self.alarms.get(&key) {
                     let cause = alarm.cause.clone();
-                    self.known.insert(key, (Some(false), cause));
+                    self.conditions.insert(key, (Some(false), cause));
                 }
             }
         }
     }
 
-    /// Takes a condition of the whole robot: what it rests on where it holds; `None`: it is over, if it was there.
+    /// Sets a condition of the whole robot with its cause; `None`: absent, if it was present.
     pub(super) fn set_robot(&mut self, condition: Condition, cause: Option<AlarmCause>) {
         self.set(None, condition, cause.map(|cause| (Some(true), cause)));
     }
 
-    /// Forgets the conditions of a joint whose rope was tensioned.
-    pub(super) fn forget_joint(&mut self, joint: &str) {
-        self.known
+    /// Discards the conditions of a joint whose rope was re-tensioned.
+    pub(super) fn discard_joint(&mut self, joint: &str) {
+        self.conditions
             .retain(|key, _| key.joint.as_deref() != Some(joint));
     }
 
-    /// Judges what the tendons' beliefs and trends say: after an estimate, a command, a start.
-    pub(super) fn judge_tendons(&mut self, setup: &Setup, chain: &BeliefChain, trends: &Trends) {
+    /// Evaluates states and trends of the tendons after an estimate, a command or the start.
+    pub(super) fn evaluate_tendons(
+        &mut self,
+        setup: &Setup,
+        chain: &PosteriorChain,
+        trends: &Trends,
+    ) {
         for i in 0..setup.names.len() {
-            self.judge_limits(i, setup, chain);
+            self.evaluate_limits(i, setup, chain);
             let joint = Some(setup.names[i].as_str());
-            let suspected = &chain.belief().tendons[i].suspected;
-            let suspected = suspected.as_ref().map(|s| (Some(true), jump_cause(s)));
-            self.set(joint, Condition::Suspicion, suspected);
+            let suspected = &chain.state().tendons[i].suspected;
+            let suspected = suspected.as_ref().map(|s| (Some(true), step_cause(s)));
+            self.set(joint, Condition::SuspectedStep, suspected);
             if let Some(made) = trends.get(i) {
-                // Where no limit is ahead, none is stated, or it is passed.
+                // `None` if no limit is specified or all are exceeded.
                 let near = near(&made.trend, setup.config.alarms.near_s);
                 self.set(joint, Condition::LimitNear, near);
             }
         }
     }
 
-    fn judge_limits(&mut self, i: usize, setup: &Setup, chain: &BeliefChain) {
-        let belief = chain.belief();
-        let tendon = &belief.tendons[i];
-        // Against the encoders' zero nobody can say how long a rope has become.
-        let known = tendon.since.is_some() && belief.learns.is_none();
-        let offset = tendon.last_rad.filter(|_| known);
-        let Some((since, whole)) = setup.stretch(i, tendon.before_m, offset) else {
+    fn evaluate_limits(&mut self, i: usize, setup: &Setup, chain: &PosteriorChain) {
+        let state = chain.state();
+        let tendon = &state.tendons[i];
+        // Without a baseline the elongation is not available.
+        let has_baseline = tendon.since.is_some() && state.learns.is_none();
+        let offset = tendon.last_rad.filter(|_| has_baseline);
+        let Some((since, whole)) = setup.elongation(i, tendon.before_m, offset) else {
             return;
         };
         let limits = setup.limits[i];
@@ -104,70 +109,78 @@ impl AlarmJudge {
             (Condition::RetensionLimit, limits.retension_m, since),
             (Condition::ReplaceLimit, limits.replace_ratio, whole),
         ] {
-            // One that was taken out of the configuration can't be passed.
-            let holds = limit.map(|limit| passed(value, limit, &setup.config.alarms));
+            // A limit that was removed from the configuration cannot be exceeded.
+            let holds = limit.map(|limit| exceeded(value, limit, &setup.config.alarms));
             self.set(Some(&setup.names[i]), condition, holds);
         }
     }
 
-    /// Raises the alarm of a sudden change that a second session confirmed.
-    pub(super) fn jumped(&mut self, joint: &str, suspected: &Suspected, now: Instant) {
+    /// Raises the alarm of a lost transmission, or of a step change confirmed by a second session.
+    pub(super) fn confirm_step(&mut self, joint: &str, suspected: &PendingEvent, now: Instant) {
         let condition = match suspected.what {
-            JumpKind::StrandFailure => Condition::StrandFailed,
-            _ => Condition::Jump,
+            StepKind::TransmissionLost => Condition::TransmissionLost,
+            StepKind::StrandFailure => Condition::StrandFailure,
+            _ => Condition::StepChange,
         };
-        let cause = jump_cause(suspected);
+        let cause = step_cause(suspected);
         let key = AlarmKey {
             joint: Some(joint.into()),
             condition,
         };
-        // It waited for a second session: no delay more, which would pass it over.
+        // Confirmation took a session already; a further delay would suppress the alarm.
         self.alarms
             .condition(&key, Some(true), &cause, Delays::NONE, now);
-        // It happened once: what remains is that nobody has looked.
-        self.known.insert(key, (Some(false), cause));
+        // The event is over; the alarm stays latched until it is handled.
+        self.conditions.insert(key, (Some(false), cause));
     }
 
-    /// Judges what is wrong with the data: what doors say comes first, then what frames show, then a refused estimate.
-    pub(super) fn judge_data(&mut self, setup: &Setup, health: &Health, refusal: Option<&str>) {
+    /// Evaluates the faults of the data; priority: transports, then frames, then errors of the estimator.
+    pub(super) fn evaluate_data(
+        &mut self,
+        setup: &Setup,
+        health: &Health,
+        estimator_error: Option<&str>,
+    ) {
         let verdict = health.last();
-        let own = verdict.and_then(|verdict| verdict.robot.clone());
-        let refused = refusal.map(|why| Trouble::Refused { why: why.into() });
-        let trouble = self.doors.first().cloned().or(own).or(refused);
-        if trouble.is_some() || verdict.is_some() {
-            let cause = trouble.map(|trouble| AlarmCause::Data { trouble });
+        let robot = verdict.and_then(|verdict| verdict.robot.clone());
+        let rejected = estimator_error.map(|reason| DataFault::Rejected {
+            reason: reason.into(),
+        });
+        let fault = self.transports.first().cloned().or(robot).or(rejected);
+        if fault.is_some() || verdict.is_some() {
+            let cause = fault.map(|trouble| AlarmCause::Data { trouble });
             self.set_robot(Condition::Data, cause);
         }
         let tendons = verdict.map_or(&[][..], |verdict| &verdict.tendons);
-        for (joint, trouble) in setup.names.iter().zip(tendons) {
-            let trouble = trouble.clone();
-            let holds = trouble.map(|trouble| (Some(true), AlarmCause::Data { trouble }));
+        for (joint, fault) in setup.names.iter().zip(tendons) {
+            let fault = fault.clone();
+            let holds = fault.map(|trouble| (Some(true), AlarmCause::Data { trouble }));
             self.set(Some(joint), Condition::Data, holds);
         }
     }
 
-    /// Takes what the doors can't receive as they should now; whether that changed.
-    pub(super) fn set_troubles(
+    /// Sets the present reception faults of the transports; returns whether they changed.
+    pub(super) fn set_transport_faults(
         &mut self,
-        troubles: &[Trouble],
+        faults: &[DataFault],
         setup: &Setup,
         health: &Health,
-        refusal: Option<&str>,
+        estimator_error: Option<&str>,
     ) -> bool {
-        if self.doors == troubles {
+        if self.transports == faults {
             return false;
         }
-        self.doors = troubles.to_vec();
-        self.judge_data(setup, health, refusal);
-        if self.doors.is_empty() && health.last().is_none() {
+        self.transports = faults.to_vec();
+        self.evaluate_data(setup, health, estimator_error);
+        if self.transports.is_empty() && health.last().is_none() {
             self.set_robot(Condition::Data, None);
         }
         true
     }
 
-    /// Lets alarms follow conditions, after their delays.
+    /// Updates the alarms from the conditions, after their delays.
     pub(super) fn tick(&mut self, options: &AlarmOptions, now: Instant) {
-        for (key, (holds, cause)) in &self.known {
+        for (key, (holds, cause)) in &self.conditions {
             let delays = options.delays(key.condition);
             self.alarms.condition(key, *holds, cause, delays, now);
         }
@@ -175,19 +188,23 @@ impl AlarmJudge {
     }
 }
 
-/// Whether a limit is passed, and what that rests on.
-fn passed(value: Gaussian, (limit, origin): (f64, LimitOrigin), options: &AlarmOptions) -> Holds {
+/// Evaluates a limit; returns whether it is exceeded, and the cause.
+fn exceeded(
+    value: Gaussian,
+    (limit, origin): (f64, LimitOrigin),
+    options: &AlarmOptions,
+) -> ConditionState {
     let probability = value.probability_above(limit);
-    let holds = if probability >= RAISED {
+    let holds = if probability >= RAISE_PROBABILITY {
         Some(true)
-    } else if probability < CLEARED && value.mean < options.clear_below * limit {
+    } else if probability < CLEAR_PROBABILITY && value.mean < options.clear_below * limit {
         Some(false)
     } else {
         None
     };
     let cause = AlarmCause::Limit {
         mean: value.mean,
-        deviation: value.deviation,
+        std: value.std,
         limit,
         probability,
         origin,
@@ -195,24 +212,26 @@ fn passed(value: Gaussian, (limit, origin): (f64, LimitOrigin), options: &AlarmO
     (holds, cause)
 }
 
-fn jump_cause(suspected: &Suspected) -> AlarmCause {
-    let Gaussian { mean, deviation } = suspected.size_rad;
-    AlarmCause::Jump {
+fn step_cause(suspected: &PendingEvent) -> AlarmCause {
+    let Gaussian { mean, std } = suspected.size_rad;
+    AlarmCause::StepChange {
         time_utc_s: suspected.time_utc_s,
         size_rad: mean,
-        deviation_rad: deviation,
+        std_rad: std,
         what: suspected.what,
         cause: suspected.cause,
         stiffness_ratio: suspected.stiffness_ratio,
     }
 }
 
-/// Whether a limit may be passed soon, by the trend; of several, the one that comes first.
-fn near(trend: &JointTrend, near_s: f64) -> Option<Holds> {
+/// Evaluates whether a limit may be exceeded soon according to the trend; of several limits, the first one.
+fn near(trend: &JointTrend, near_s: f64) -> Option<ConditionState> {
     let open = trend.limits.iter().filter(|l| {
-        let passed = l.state == LimitState::Passed;
-        let known = l.state != LimitState::TooFewSessions;
-        known && !passed && matches!(l.limit, Limit::Retension { .. } | Limit::Replace { .. })
+        let is_exceeded = l.state == LimitState::Passed;
+        let is_predicted = l.state != LimitState::TooFewSessions;
+        is_predicted
+            && !is_exceeded
+            && matches!(l.limit, Limit::Retension { .. } | Limit::Replace { .. })
     });
     let first = open.min_by(|a, b| {
         let low = |l: Option<f64>| l.unwrap_or(f64::INFINITY);
@@ -221,7 +240,7 @@ fn near(trend: &JointTrend, near_s: f64) -> Option<Holds> {
     let after_low_s = first.after_low_s.unwrap_or(f64::INFINITY);
     let holds = if after_low_s <= near_s {
         Some(true)
-    } else if after_low_s > NEAR_NO_MORE * near_s {
+    } else if after_low_s > NEAR_HYSTERESIS_RATIO * near_s {
         Some(false)
     } else {
         None

@@ -1,30 +1,31 @@
-//! A baseline on its way, after a rope was tensioned.
+//! Baseline acquisition after a re-tensioning.
 
-use super::session::Stretch;
+use super::session::Segment;
 use crate::snapshot::Learning;
-use crate::transaction::{Belief, LearnsBaseline};
+use crate::transaction::{BaselineAcquisition, MonitorState};
 use sinew_estimate::session::Poses;
 use sinew_model::offset::Block;
 
-/// Distinct poses a baseline needs: with four it spoils what is compared with it, and motion at work passes many.
-const POSES_NEEDED: usize = 12;
-/// Motion it needs, s.
-const MOTION_NEEDED_S: f64 = 60.0;
+/// Minimum number of distinct poses of a baseline; four would degrade every estimate relative to it, and motion at work
+/// passes many.
+const MIN_POSES: usize = 12;
+/// Minimum duration of motion of a baseline, s.
+const MIN_MOTION_S: f64 = 60.0;
 
-/// A baseline on its way, block by block.
+/// Progress of a baseline acquisition, updated with each block.
 #[derive(Debug, Clone)]
 pub(super) struct BaselineProgress {
     joints: Vec<String>,
     poses: Poses,
     motion_s: f64,
-    /// Whether all it needs was handed over to be estimated.
-    handed_over: bool,
+    /// Whether the complete motion was already taken for the estimate.
+    is_taken: bool,
 }
 
 impl BaselineProgress {
-    /// The one that is to be learned, if one is.
-    pub(super) fn of(belief: &Belief, joints: usize) -> Option<Self> {
-        let so_far = belief.learns.as_ref()?;
+    /// Returns the acquisition in progress; `None` if there is none.
+    pub(super) fn of(state: &MonitorState, joints: usize) -> Option<Self> {
+        let so_far = state.learns.as_ref()?;
         let mut poses = Poses::new(joints);
         for pose in so_far.poses_rad.chunks_exact(joints.max(1)) {
             poses.push(pose);
@@ -33,16 +34,16 @@ impl BaselineProgress {
             joints: so_far.joints.clone(),
             poses,
             motion_s: so_far.duration_s,
-            handed_over: false,
+            is_taken: false,
         })
     }
 
-    /// Adds a stretch.
-    pub(super) fn with(mut self, stretch: &Stretch) -> Self {
-        for block in &stretch.recorded.blocks {
+    /// Adds a segment.
+    pub(super) fn with(mut self, segment: &Segment) -> Self {
+        for block in &segment.recorded.blocks {
             self.poses.push(&block.q);
         }
-        self.motion_s += stretch.motion_s;
+        self.motion_s += segment.motion_s;
         self
     }
 
@@ -54,38 +55,38 @@ impl BaselineProgress {
         }
     }
 
-    /// Distinct poses so far.
+    /// Returns the number of distinct poses so far.
     pub(super) fn poses(&self) -> u64 {
         self.poses.count() as u64
     }
 
-    /// Whether that is enough, said once.
-    pub(super) fn hand_over(&mut self) -> bool {
-        let now = self.is_ready() && !self.handed_over;
-        self.handed_over |= now;
+    /// Returns true once, when poses and motion are sufficient.
+    pub(super) fn take_ready(&mut self) -> bool {
+        let now = self.is_ready() && !self.is_taken;
+        self.is_taken |= now;
         now
     }
 
-    /// Whether that is enough.
+    /// Whether the numbers of poses and the duration of motion are sufficient.
     pub(super) fn is_ready(&self) -> bool {
-        self.poses.count() >= POSES_NEEDED && self.motion_s >= MOTION_NEEDED_S
+        self.poses.count() >= MIN_POSES && self.motion_s >= MIN_MOTION_S
     }
 
-    /// As it is stored.
-    pub(super) fn so_far(&self) -> LearnsBaseline {
-        LearnsBaseline {
+    /// Returns the progress in its stored form.
+    pub(super) fn so_far(&self) -> BaselineAcquisition {
+        BaselineAcquisition {
             joints: self.joints.clone(),
             duration_s: self.motion_s,
             poses_rad: self.poses.as_slice().to_vec(),
         }
     }
 
-    /// As a snapshot has it.
-    pub(super) fn shown(&self) -> Learning {
+    /// Returns the progress as snapshot in a snapshot.
+    pub(super) fn snapshot(&self) -> Learning {
         Learning::Baseline {
             duration_s: self.motion_s,
             poses: self.poses(),
-            poses_needed: POSES_NEEDED as u64,
+            poses_needed: MIN_POSES as u64,
         }
     }
 }

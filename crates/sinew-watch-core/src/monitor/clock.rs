@@ -1,39 +1,39 @@
-//! Which clock can be believed.
+//! Checks of the clocks of monitor and robot.
 
 use super::config::ClockChoice;
 use crate::instant::Instant;
 use crate::record::Clock;
 use sinew_files::date::PLAUSIBLE_S;
 
-/// The civil clock against the one that never steps: more is a step, s.
-const STEP_S: f64 = 5.0;
-/// Stamps are held against time over so long, s: what a network holds back for a second is a twentieth.
-const RATE_OVER_S: f64 = 20.0;
-/// A robot's clock may run wrong by this share; beyond, its stamps aren't time.
-const RATE_WITHIN: f64 = 0.1;
+/// Minimum deviation of the civil clock rate_start the monotonic clock that counts as a step, s.
+const MIN_CLOCK_STEP_S: f64 = 5.0;
+/// Period over which the rate of the time stamps is measured, s; a network delay of 1 s is 5 % of it.
+const RATE_PERIOD_S: f64 = 20.0;
+/// Maximum rate error of the robot's clock; beyond it, time stamps are not real time.
+const MAX_RATE_ERROR: f64 = 0.1;
 
-/// 2024-01-01 to 2200-01-01, s since 1970: a civil clock that says otherwise was never set. No monitor is older.
-const CIVIL_S: std::ops::Range<f64> = 1_704_067_200.0..PLAUSIBLE_S.end;
+/// Plausible civil time, 2024-01-01 to 2200-01-01, s since 1970 UTC; a clock outside this range was never set.
+const PLAUSIBLE_CIVIL_S: std::ops::Range<f64> = 1_704_067_200.0..PLAUSIBLE_S.end;
 
-/// What the clocks did.
+/// Event of a clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ClockEvent {
-    /// The civil clock stepped by so much, s.
+    /// Step of the civil clock, s.
     Step(f64),
-    /// Stamps run at this rate, s in a second.
+    /// Rate of the time stamps relative to real time, s/s.
     NotTime(f64),
 }
 
-/// Watches the three clocks.
+/// Monitor of the three clocks.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Clocks {
     choice: ClockChoice,
-    /// Civil time at zero of the clock that never steps, and that clock, ns.
+    /// Civil time at zero of the monotonic clock, and the monotonic time of the last comparison, ns.
     zero_ns: Option<(i64, i64)>,
-    /// Stamp and time where the present count of the rate began.
-    from: Option<(i64, Instant)>,
+    /// Time stamp, ns, and arrival at the start of the present rate measurement.
+    rate_start: Option<(i64, Instant)>,
     stamps_are_not_time: bool,
-    /// Since the last session began.
+    /// Whether the civil clock stepped since the start of the session.
     stepped: bool,
 }
 
@@ -49,57 +49,58 @@ impl Clocks {
         self.choice = choice;
     }
 
-    /// Compares the two clocks of the computer.
+    /// Compares the two clocks of the host.
     pub(super) fn now(&mut self, now: Instant) -> Option<ClockEvent> {
         let zero_ns = now.utc_ns.saturating_sub(now.monotonic_ns);
-        // A clock that is slewed is followed.
+        // A slewed clock is tracked.
         let (before, last_ns) = self.zero_ns.replace((zero_ns, now.monotonic_ns))?;
         let mut by_s = zero_ns.saturating_sub(before) as f64 * 1e-9;
         if let ClockChoice::Fast { civil_rate } = self.choice {
             let passed_s = now.monotonic_ns.saturating_sub(last_ns) as f64 * 1e-9;
             by_s -= (civil_rate - 1.0) * passed_s;
         }
-        (by_s.abs() > STEP_S).then(|| {
+        (by_s.abs() > MIN_CLOCK_STEP_S).then(|| {
             self.stepped = true;
             ClockEvent::Step(by_s)
         })
     }
 
-    /// Holds a frame's stamp against the time it came.
+    /// Compares the time stamp of a frame with its arrival.
     pub(super) fn stamp(&mut self, stamp_ns: i64, now: Instant) -> Option<ClockEvent> {
-        let (first_ns, first) = *self.from.get_or_insert((stamp_ns, now));
+        let (first_ns, first) = *self.rate_start.get_or_insert((stamp_ns, now));
         let waited_s = now.since_s(first);
-        if waited_s < RATE_OVER_S {
+        if waited_s < RATE_PERIOD_S {
             return None;
         }
-        self.from = Some((stamp_ns, now));
+        self.rate_start = Some((stamp_ns, now));
         let rate = stamp_ns.saturating_sub(first_ns) as f64 * 1e-9 / waited_s;
         let was = self.stamps_are_not_time;
-        self.stamps_are_not_time = (rate - 1.0).abs() > RATE_WITHIN;
+        self.stamps_are_not_time = (rate - 1.0).abs() > MAX_RATE_ERROR;
         (self.stamps_are_not_time && !was).then_some(ClockEvent::NotTime(rate))
     }
 
-    /// Whether a session of so much motion came in `passed_s`: a recording that is caught up with, too short for its rate to
-    /// be seen. Its date is not that of now. Pauses and stamps that jump are no motion.
+    /// Whether a session with `motion_s` seconds of motion arrived within `passed_s`: a replayed recording too short
+    /// for a rate measurement. Its date is not the present. Pauses and jumps of time stamps do not count as motion.
     pub(super) fn is_caught_up(motion_s: f64, passed_s: f64) -> bool {
-        motion_s - passed_s > RATE_WITHIN * RATE_OVER_S && motion_s > (1.0 + RATE_WITHIN) * passed_s
+        motion_s - passed_s > MAX_RATE_ERROR * RATE_PERIOD_S
+            && motion_s > (1.0 + MAX_RATE_ERROR) * passed_s
     }
 
-    /// Stamps begin anew: a gap, another start of the robot.
+    /// Restarts the rate measurement after a gap or a restart of the robot.
     pub(super) fn restart(&mut self) {
-        self.from = None;
+        self.rate_start = None;
     }
 
-    /// A session begins.
+    /// Notes the start of a session.
     pub(super) fn begin(&mut self) {
         self.stepped = false;
     }
 
-    /// Which clock the session's date is of.
+    /// Returns the clock of the session's date.
     pub(super) fn clock(&self, now: Instant) -> Clock {
         if self.choice == ClockChoice::Stamp || self.stamps_are_not_time {
             Clock::Stamp
-        } else if self.stepped || !CIVIL_S.contains(&now.utc_s()) {
+        } else if self.stepped || !PLAUSIBLE_CIVIL_S.contains(&now.utc_s()) {
             Clock::Stepped
         } else {
             Clock::Utc
@@ -112,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_civil_clock_that_is_meant_to_run_fast_steps_only_when_it_does() {
+    fn clock_fast_civil_rate_reports_only_true_steps() {
         let mut clocks = Clocks::new(ClockChoice::Fast { civil_rate: 3600.0 });
         let start = Instant {
             monotonic_ns: 0,
@@ -122,8 +123,8 @@ mod tests {
             monotonic_ns: (1e9 * s) as i64,
             utc_ns: start.utc_ns + (1e9 * (3600.0 * s + step_s)) as i64,
         };
-        let told = (0..200).filter_map(|i| clocks.now(at(f64::from(i), 0.0)));
-        assert_eq!(told.count(), 0);
+        let steps = (0..200).filter_map(|i| clocks.now(at(f64::from(i), 0.0)));
+        assert_eq!(steps.count(), 0);
         assert_eq!(clocks.clock(at(200.0, 0.0)), Clock::Utc);
         let step = clocks.now(at(200.0, 3600.0));
         assert!(matches!(step, Some(ClockEvent::Step(by_s)) if (by_s - 3600.0).abs() < 1e-3));

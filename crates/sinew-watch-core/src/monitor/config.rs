@@ -1,8 +1,8 @@
-//! What a monitor is told once, and what the store kept for it.
+//! Configuration of a monitor and its stored state.
 
 use super::history::History;
 use crate::alarm::{AlarmsStored, Condition, Delays};
-use crate::transaction::Belief;
+use crate::transaction::MonitorState;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{SessionError, SessionOptions};
 use sinew_model::robot::Robot;
@@ -10,31 +10,31 @@ use sinew_rope::{Catalogue, CatalogueError};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a monitor is told once; [`Monitor::reload`](crate::Monitor::reload) takes another one while it runs.
+/// Configuration of a monitor; [`Monitor::reload`](crate::Monitor::reload) replaces it at run time.
 #[derive(Debug, Clone)]
 pub struct MonitorConfig {
-    /// Name in the configuration: which one of its type.
+    /// Name of the robot in the configuration, unique among robots of one type.
     pub name: String,
-    /// Where its frames come from: `dds:0/arm7`, `mcap:run.mcap`.
+    /// Source of the frames: `dds:0/arm7`, `mcap:run.mcap`.
     pub source: String,
-    /// The robot. Frames have its joints, in its order.
+    /// Robot model; frames contain its joints in its order.
     pub robot: Arc<Robot>,
-    /// Ropes: limits their makers state, and what the trend expects of them.
+    /// Rope catalogue: limits of the manufacturers and creep laws for the trend.
     pub catalogue: Arc<Catalogue>,
-    /// How sessions are estimated.
+    /// Options of the session estimates.
     pub estimate: SessionOptions,
-    /// A baseline learned before, where nothing is stored: what `sinew baseline` wrote.
+    /// Baseline used if no state is stored: the output of `sinew baseline`.
     pub baseline: Option<Baseline>,
-    /// Whose time the stamps are.
+    /// Clock of the robot's time stamps.
     pub clock: ClockChoice,
-    /// When things begin and end.
+    /// Time limits of sessions and segments.
     pub times: Times,
-    /// When alarms are raised and cleared.
+    /// Thresholds and delays of the alarms.
     pub alarms: AlarmOptions,
 }
 
 impl MonitorConfig {
-    /// Everything as usual.
+    /// Creates a configuration with default options.
     pub fn new(name: &str, source: &str, robot: Arc<Robot>, catalogue: Arc<Catalogue>) -> Self {
         Self {
             name: name.into(),
@@ -51,7 +51,7 @@ impl MonitorConfig {
 }
 
 impl MonitorConfig {
-    /// Refuses times that can't be.
+    /// Rejects invalid time limits.
     pub(super) fn check(&self) -> Result<(), MonitorError> {
         let times = self.times;
         let all = [
@@ -61,51 +61,51 @@ impl MonitorConfig {
             ("stretch_s", times.stretch_s),
             ("gap_s", times.gap_s),
         ];
-        let refuse = |key, value_s, must| MonitorError::Time { key, value_s, must };
+        let error = |key, value_s, must| MonitorError::Time { key, value_s, must };
         for (key, value_s) in all {
             if !(value_s > 0.0 && value_s.is_finite()) {
-                return Err(refuse(key, value_s, "above 0 s"));
+                return Err(error(key, value_s, "above 0 s"));
             }
         }
-        if !(LEAST_STRETCH_S..=MOST_STRETCH_S).contains(&times.stretch_s) {
-            return Err(refuse("stretch_s", times.stretch_s, "20 to 120 s"));
+        if !(MIN_SEGMENT_S..=MAX_SEGMENT_S).contains(&times.stretch_s) {
+            return Err(error("stretch_s", times.stretch_s, "20 to 120 s"));
         }
         Ok(())
     }
 }
 
-/// A stretch of fewer poses teaches little, one of more is lost at a crash, s.
-const LEAST_STRETCH_S: f64 = 20.0;
-const MOST_STRETCH_S: f64 = 120.0;
+/// Range of the segment length, s: shorter segments have too few poses, longer ones lose more data in a crash.
+const MIN_SEGMENT_S: f64 = 20.0;
+const MAX_SEGMENT_S: f64 = 120.0;
 
-/// Whose time the stamps are.
+/// Clock of the robot's time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ClockChoice {
-    /// A robot's, in real time; found out if they run otherwise.
+    /// Robot in real time; other rates are detected.
     #[default]
     Real,
-    /// A simulation's, or a recording's: no part of a trend.
+    /// Simulation or recording; records are excluded from the trend.
     Stamp,
-    /// A robot's, in real time, while the civil clock runs faster: a demonstration of months in minutes.
+    /// Robot in real time with an accelerated civil clock: a demonstration of months in minutes.
     Fast {
-        /// Civil seconds in one.
+        /// Rate of the civil clock relative to real time, s/s.
         civil_rate: f64,
     },
 }
 
-/// When things begin and end.
+/// Time limits of sessions and segments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times {
-    /// Without a frame for so long, nothing is known now, s.
+    /// Time without a frame after which data are stale, s.
     pub stale_after_s: f64,
-    /// A session ends after so much motion, s.
+    /// Maximum duration of motion in a session, s.
     pub session_motion_s: f64,
-    /// It ends after so long a stand, and after so long without a frame, s.
+    /// Time at rest, or without a frame, after which a session ends, s.
     pub session_pause_s: f64,
-    /// A session is estimated in stretches of this length, s: what a crash loses at most, beside what is being
-    /// computed and stored.
+    /// Length of the segments in which a session is estimated, s: the maximum loss in a crash, apart from results that
+    /// are not stored yet.
     pub stretch_s: f64,
-    /// A pause of the stamps longer than this starts the filters anew, s.
+    /// Maximum gap of the time stamps without re-initialisation of the filters, s.
     pub gap_s: f64,
 }
 
@@ -121,17 +121,17 @@ impl Default for Times {
     }
 }
 
-/// When alarms are raised and cleared.
+/// Thresholds and delays of the alarms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlarmOptions {
     /// Delays that differ from [`Delays::of`].
     pub delays: BTreeMap<Condition, Delays>,
-    /// A limit's alarm is cleared below this share of the limit, if it is likelier kept than passed.
+    /// Share of the limit below which its alarm is cleared, if an exceedance is less probable than not.
     pub clear_below: f64,
-    /// A limit is near if it may be passed within this time, s.
+    /// Warning time of a limit, s: the alarm is raised if the limit may be exceeded within it.
     pub near_s: f64,
-    /// Doubt is worth an alarm after so much motion, s.
-    pub doubt_s: f64,
+    /// Duration of motion with a provisional offset after which an alarm is raised, s.
+    pub provisional_s: f64,
 }
 
 impl Default for AlarmOptions {
@@ -140,60 +140,58 @@ impl Default for AlarmOptions {
             delays: BTreeMap::new(),
             clear_below: 0.8,
             near_s: 14.0 * 86_400.0,
-            doubt_s: 600.0,
+            provisional_s: 600.0,
         }
     }
 }
 
 impl AlarmOptions {
-    /// Delays of a condition.
+    /// Returns the delays of a condition.
     pub fn delays(&self, condition: Condition) -> Delays {
         let own = self.delays.get(&condition).copied();
         own.unwrap_or_else(|| Delays::of(condition))
     }
 }
 
-/// What the store kept of a robot.
+/// Stored data of a robot.
 #[derive(Debug, Clone, Default)]
 pub struct Stored {
-    /// The last belief that was stored.
-    pub belief: Option<Belief>,
-    /// The alarms that weren't normal.
+    /// Last stored state.
+    pub state: Option<MonitorState>,
+    /// Alarms that were not normal.
     pub alarms: AlarmsStored,
-    /// The records that were stored.
+    /// Stored records of all tendons.
     pub history: History,
     /// Number of the last transaction; 0: none.
     pub last_id: u64,
 }
 
-/// Why there is no monitor.
+/// Error in the creation or reconfiguration of a monitor.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MonitorError {
-    /// A rope the robot names.
+    /// A rope of the robot is missing in the catalogue.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
-    /// The baseline doesn't belong to the robot.
+    /// The baseline does not belong to the robot.
     #[error(transparent)]
     Baseline(#[from] SessionError),
-    /// A time that can't be.
-    #[error("{key} = {value_s} s: must be {must}")]
+    /// A time limit is invalid.
+    #[error("{key} = {value_s} s is invalid; expected {must}")]
     Time {
         /// Key in the configuration.
         key: &'static str,
-        /// The value that was given, s.
+        /// Value in the configuration, s.
         value_s: f64,
-        /// What it must be.
+        /// Permitted range of the value.
         must: &'static str,
     },
-    /// The robot has no tendon to watch.
-    #[error(
-        "the robot has no elastic joint; give stiffness_nm_per_rad in robot.toml, else there is nothing to watch"
-    )]
+    /// The robot has no tendon.
+    #[error("the robot has no elastic joint; set stiffness_nm_per_rad in robot.toml")]
     NoTendon,
-    /// What can't be changed while it runs.
+    /// The change requires a restart of the monitor.
     #[error(
-        "joints, stiffness and masses can't change while the monitor runs; start it again for that robot"
+        "joints, stiffness or masses of the robot have changed, which requires a restart of its monitor"
     )]
     AnotherRobot,
 }

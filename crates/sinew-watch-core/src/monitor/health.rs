@@ -1,33 +1,34 @@
-//! Whether the data can be what they should.
+//! Plausibility checks of the received data.
 
-use crate::alarm::Trouble;
+use crate::alarm::DataFault;
 use crate::instant::Instant;
-use sinew_estimate::feeder::{Fed, Refusal};
+use sinew_estimate::feeder::{FeedOutcome, RejectionReason};
 use sinew_log::Frame;
 use sinew_model::tendons::Routing;
 use sinew_model::transmission::Transmission;
 
-/// Data are judged over so long, s.
-const OVER_S: f64 = 10.0;
-/// More lost than this is worth a word.
-const LOST: f64 = 0.05;
-/// More that came twice, or backwards, is no clock.
-const STOOD: f64 = 0.5;
-/// A side that moved by less has not moved, rad.
-const STILL_RAD: f64 = 1e-9;
-/// A side that moved by more has, rad.
-const MOVED_RAD: f64 = 0.05;
-/// A rope is never stretched by more, rad: degrees, counts or a missing gear ratio are.
-const APART_RAD: f64 = 0.5;
+/// Evaluation period of the checks, s.
+const EVALUATION_PERIOD_S: f64 = 10.0;
+/// Maximum share of lost frames without a fault, 0…1.
+const MAX_LOST_SHARE: f64 = 0.05;
+/// Maximum share of frames with non-increasing time stamps without a fault, 0…1.
+const MAX_NON_INCREASING_SHARE: f64 = 0.5;
+/// Maximum travel of a side that counts as constant, rad.
+const MAX_CONSTANT_TRAVEL_RAD: f64 = 1e-9;
+/// Minimum travel of a side that counts as moving, rad.
+const MIN_MOVING_TRAVEL_RAD: f64 = 0.05;
+/// Maximum plausible mean difference of motor and joint position, rad; degrees, counts or a missing gear ratio exceed
+/// it.
+const MAX_DIFFERENCE_RAD: f64 = 0.5;
 
-/// A joint is compared with the others' motor positions every so many frames.
-const COMPARED: u64 = 16;
-/// A motor position that is nearer to another joint by this factor belongs to that one.
-const NEARER: f64 = 10.0;
-/// Closer than this both may be its own, rad: a rope stretches and a spring gives.
-const CLOSE_RAD: f64 = 0.1;
+/// Number of frames between two comparisons of all motor positions with all joint positions.
+const COMPARISON_PERIOD_FRAMES: u64 = 16;
+/// Minimum ratio of distances at which a motor position is attributed to another joint.
+const MIN_SWAP_DISTANCE_RATIO: f64 = 10.0;
+/// Minimum distance of a motor position from its joint for a swap, rad; elongation and deflection stay below it.
+const MIN_SWAP_DISTANCE_RAD: f64 = 0.1;
 
-/// Travel of a reading.
+/// Range of the values of a signal, rad.
 #[derive(Debug, Clone, Copy)]
 struct Range {
     low: f64,
@@ -35,7 +36,7 @@ struct Range {
 }
 
 impl Range {
-    const NOTHING: Self = Self {
+    const EMPTY: Self = Self {
         low: f64::INFINITY,
         high: f64::NEG_INFINITY,
     };
@@ -56,28 +57,28 @@ impl Range {
     }
 }
 
-/// What was seen of a tendon's joint.
+/// Statistics of the signals of a tendon's joint.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct SignalStats {
     joint: Range,
     motor: Range,
-    /// Motor less joint.
+    /// Difference of motor and joint position, rad.
     spring: Range,
     apart_rad: f64,
     apart_frames: u64,
 }
 
-impl Seen {
-    const NOTHING: Self = Self {
-        joint: Range::NOTHING,
-        motor: Range::NOTHING,
-        spring: Range::NOTHING,
+impl SignalStats {
+    const EMPTY: Self = Self {
+        joint: Range::EMPTY,
+        motor: Range::EMPTY,
+        spring: Range::EMPTY,
         apart_rad: 0.0,
         apart_frames: 0,
     };
 }
 
-/// Motor position as the joint sees it.
+/// Motor position reflected to the joint side, rad.
 fn reflected(frame: &Frame, i: usize, routing: &Option<Routing>) -> Option<f64> {
     let theta = *frame.theta.get(i)?;
     Some(match routing {
@@ -86,33 +87,33 @@ fn reflected(frame: &Frame, i: usize, routing: &Option<Routing>) -> Option<f64> 
     })
 }
 
-/// Counts what is wrong with the frames of some seconds. Allocates at construction only.
+/// Counts faulty frames over the evaluation period. Allocates at construction only.
 #[derive(Debug, Clone)]
 pub(super) struct Health {
     elastic: Vec<usize>,
-    /// Routings of tendons that cross several joints, of every elastic joint.
+    /// Routing of each elastic joint whose tendon crosses several joints.
     routings: Vec<Option<Routing>>,
     from: Option<Instant>,
     frames: u64,
-    refused: u64,
+    rejected: u64,
     dropped: u64,
-    seen: Vec<Seen>,
-    /// Distance of every tendon's motor position from every tendon's joint position, row by row, rad, summed.
+    signals: Vec<SignalStats>,
+    /// Sum of the distances of each motor position from each joint position, row-major by motor, rad.
     apart_rad: Vec<f64>,
     compared: u64,
-    /// Frames whose stamps didn't rise.
-    stood: u64,
-    /// Frames a second, over the last count.
+    /// Number of frames with non-increasing time stamps.
+    non_increasing: u64,
+    /// Frame rate over the last period, Hz.
     rate_hz: f64,
     last: Option<Verdict>,
 }
 
-/// What is wrong, of the robot and of every tendon; `None`: nothing.
+/// Faults of the robot and of each tendon; `None`: no fault.
 #[derive(Debug, Clone)]
 pub(super) struct Verdict {
-    pub(super) robot: Option<Trouble>,
-    /// Of every elastic joint.
-    pub(super) tendons: Vec<Option<Trouble>>,
+    pub(super) robot: Option<DataFault>,
+    /// Fault of each elastic joint.
+    pub(super) tendons: Vec<Option<DataFault>>,
 }
 
 impl Health {
@@ -120,21 +121,21 @@ impl Health {
         let routing = |i: &usize| transmissions.get(*i)?.as_ref()?.routing.clone();
         Self {
             routings: elastic.iter().map(routing).collect(),
-            seen: vec![Seen::NOTHING; elastic.len()],
+            signals: vec![SignalStats::EMPTY; elastic.len()],
             apart_rad: vec![0.0; elastic.len() * elastic.len()],
             compared: 0,
             elastic,
             from: None,
             frames: 0,
-            refused: 0,
+            rejected: 0,
             dropped: 0,
-            stood: 0,
+            non_increasing: 0,
             rate_hz: 0.0,
             last: None,
         }
     }
 
-    /// The last verdict; `None`: none since data came.
+    /// Returns the last verdict; `None`: none since data arrived.
     pub(super) fn last(&self) -> Option<&Verdict> {
         self.last.as_ref()
     }
@@ -143,47 +144,51 @@ impl Health {
         self.rate_hz
     }
 
-    /// Nothing comes any more.
+    /// Resets the checks because no more data arrive.
     pub(super) fn silent(&mut self) {
         self.rate_hz = 0.0;
         self.last = None;
         self.begin(None);
     }
 
-    pub(super) fn frame(&mut self, frame: &Frame, fed: Fed<bool>, now: Instant) {
+    pub(super) fn frame(&mut self, frame: &Frame, fed: FeedOutcome<bool>, now: Instant) {
         self.from.get_or_insert(now);
         self.frames += 1;
-        let refused = matches!(
+        let rejected = matches!(
             fed,
-            Fed::Refused(Refusal::JointPosition | Refusal::MotorPosition | Refusal::Range)
+            FeedOutcome::Rejected(
+                RejectionReason::JointPosition
+                    | RejectionReason::MotorPosition
+                    | RejectionReason::Range
+            )
         );
-        self.refused += u64::from(refused);
-        self.stood += u64::from(fed == Fed::Refused(Refusal::TimeStep));
-        if self.frames.is_multiple_of(COMPARED) {
+        self.rejected += u64::from(rejected);
+        self.non_increasing += u64::from(fed == FeedOutcome::Rejected(RejectionReason::TimeStep));
+        if self.frames.is_multiple_of(COMPARISON_PERIOD_FRAMES) {
             self.compare(frame);
         }
         let elastic = self.elastic.iter().zip(&self.routings);
-        for (seen, (i, routing)) in self.seen.iter_mut().zip(elastic) {
+        for (signals, (i, routing)) in self.signals.iter_mut().zip(elastic) {
             let (Some(&q), Some(theta)) = (frame.q.get(*i), reflected(frame, *i, routing)) else {
                 continue;
             };
-            seen.joint.push(q);
-            seen.motor.push(theta);
-            seen.spring.push(theta - q);
+            signals.joint.push(q);
+            signals.motor.push(theta);
+            signals.spring.push(theta - q);
             let apart_rad = (theta - q).abs();
             if apart_rad.is_finite() {
-                seen.apart_rad += apart_rad;
-                seen.apart_frames += 1;
+                signals.apart_rad += apart_rad;
+                signals.apart_frames += 1;
             }
         }
     }
 
-    /// Whose joint every motor follows.
+    /// Accumulates the distances of all motor positions from all joint positions.
     fn compare(&mut self, frame: &Frame) {
         let n = self.elastic.len();
         let finite = |values: &[f64]| {
-            let mut own = self.elastic.iter().map(|&i| values.get(i));
-            own.all(|x| x.is_some_and(|x| x.is_finite()))
+            let mut elastic = self.elastic.iter().map(|&i| values.get(i));
+            elastic.all(|x| x.is_some_and(|x| x.is_finite()))
         };
         if !(finite(&frame.q) && finite(&frame.theta)) {
             return;
@@ -200,15 +205,16 @@ impl Health {
         self.compared += 1;
     }
 
-    /// The tendon whose motor position this one has, where two are swapped.
+    /// Returns the tendon with which this one has swapped motor positions.
     fn swapped_with(&self, i: usize) -> Option<usize> {
         let n = self.elastic.len();
         let mean = |motor: usize, joint: usize| {
             self.apart_rad[motor * n + joint] / self.compared.max(1) as f64
         };
         let follows = |motor: usize, joint: usize| {
-            let own = mean(motor, motor);
-            own > CLOSE_RAD && mean(motor, joint) * NEARER < own
+            let to_own_joint = mean(motor, motor);
+            to_own_joint > MIN_SWAP_DISTANCE_RAD
+                && mean(motor, joint) * MIN_SWAP_DISTANCE_RATIO < to_own_joint
         };
         (0..n).find(|&k| k != i && follows(i, k) && follows(k, i))
     }
@@ -217,45 +223,53 @@ impl Health {
         self.dropped = self.dropped.saturating_add(frames);
     }
 
-    /// Makes a verdict of what was wrong since the last one, once that is long enough ago; whether it did.
+    /// Evaluates the faults of the last period once it is over; returns whether it did.
     pub(super) fn verdict(&mut self, names: &[String], now: Instant) -> bool {
         let waited_s = self.from.map_or(0.0, |from| now.since_s(from));
-        if waited_s < OVER_S || self.frames == 0 {
+        if waited_s < EVALUATION_PERIOD_S || self.frames == 0 {
             return false;
         }
         self.rate_hz = self.frames as f64 / waited_s;
         let share = |part: u64| part as f64 / (self.frames.max(part)) as f64;
-        let missing = self.seen.iter().enumerate().find_map(|(place, seen)| {
-            let motor = !seen.joint.is_empty();
-            (seen.joint.is_empty() || seen.motor.is_empty()).then(|| Trouble::Missing {
-                joint: names[place].clone(),
-                motor,
-            })
-        });
-        let stood = share(self.stood);
+        let missing = self
+            .signals
+            .iter()
+            .enumerate()
+            .find_map(|(place, signals)| {
+                let motor = !signals.joint.is_empty();
+                (signals.joint.is_empty() || signals.motor.is_empty()).then(|| DataFault::Missing {
+                    joint: names[place].clone(),
+                    motor,
+                })
+            });
+        let non_increasing = share(self.non_increasing);
         let lost = self.dropped as f64 / (self.frames + self.dropped) as f64;
-        let robot = match (missing, share(self.refused)) {
+        let robot = match (missing, share(self.rejected)) {
             (Some(missing), _) => Some(missing),
-            (None, share) if share > LOST => Some(Trouble::NotFinite { share }),
-            _ if stood > STOOD => Some(Trouble::StampsStand { share: stood }),
-            _ if lost > LOST => Some(Trouble::Lost { share: lost }),
+            (None, share) if share > MAX_LOST_SHARE => Some(DataFault::NotFinite { share }),
+            _ if non_increasing > MAX_NON_INCREASING_SHARE => Some(DataFault::NonMonotonicTime {
+                share: non_increasing,
+            }),
+            _ if lost > MAX_LOST_SHARE => Some(DataFault::Lost { share: lost }),
             _ => None,
         };
-        let tendons = self.seen.iter().enumerate().map(|(i, seen)| {
+        let tendons = self.signals.iter().enumerate().map(|(i, signals)| {
             if let Some(other) = self.swapped_with(i) {
                 let with = names[other].clone();
-                return Some(Trouble::Swapped { with });
+                return Some(DataFault::Swapped { with });
             }
-            let apart_rad = seen.apart_rad / seen.apart_frames.max(1) as f64;
-            let (joint, motor) = (seen.joint.travel(), seen.motor.travel());
-            if joint <= STILL_RAD && motor > MOVED_RAD {
-                Some(Trouble::Dead { motor: false })
-            } else if motor <= STILL_RAD && joint > MOVED_RAD {
-                Some(Trouble::Dead { motor: true })
-            } else if joint > MOVED_RAD && seen.spring.travel() <= STILL_RAD {
-                Some(Trouble::OneSignal)
-            } else if apart_rad > APART_RAD {
-                Some(Trouble::FarApart { apart_rad })
+            let apart_rad = signals.apart_rad / signals.apart_frames.max(1) as f64;
+            let (joint, motor) = (signals.joint.travel(), signals.motor.travel());
+            if joint <= MAX_CONSTANT_TRAVEL_RAD && motor > MIN_MOVING_TRAVEL_RAD {
+                Some(DataFault::Dead { motor: false })
+            } else if motor <= MAX_CONSTANT_TRAVEL_RAD && joint > MIN_MOVING_TRAVEL_RAD {
+                Some(DataFault::Dead { motor: true })
+            } else if joint > MIN_MOVING_TRAVEL_RAD
+                && signals.spring.travel() <= MAX_CONSTANT_TRAVEL_RAD
+            {
+                Some(DataFault::OneSignal)
+            } else if apart_rad > MAX_DIFFERENCE_RAD {
+                Some(DataFault::FarApart { apart_rad })
             } else {
                 None
             }
@@ -270,8 +284,13 @@ impl Health {
 
     fn begin(&mut self, from: Option<Instant>) {
         self.from = from;
-        (self.frames, self.refused, self.dropped, self.stood) = (0, 0, 0, 0);
-        self.seen.fill(Seen::NOTHING);
+        (
+            self.frames,
+            self.rejected,
+            self.dropped,
+            self.non_increasing,
+        ) = (0, 0, 0, 0);
+        self.signals.fill(SignalStats::EMPTY);
         self.apart_rad.fill(0.0);
         self.compared = 0;
     }

@@ -1,4 +1,4 @@
-//! The records a trend rests on: of each day the best.
+//! Records on which a trend is based: the best one of each day.
 
 use crate::record::{Clock, Record};
 use sinew_files::date::DAY_S;
@@ -7,10 +7,10 @@ use sinew_trend::SessionRecord;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Days kept of a tendon: four years.
-const DAYS_MOST: usize = 1461;
+/// Maximum number of days kept per tendon: four years.
+const MAX_DAYS: usize = 1461;
 
-/// What a day's best record said of a tendon.
+/// Best record of a tendon of one day.
 #[derive(Debug, Clone, PartialEq)]
 struct Day {
     time_utc_s: f64,
@@ -27,10 +27,10 @@ impl Day {
     }
 }
 
-/// The records of a robot, as far as its monitor needs them: of each tendon the last one, and of each day the one
-/// with the narrowest interval. Errors of one day's sessions are mostly the same: a second one hardly adds.
+/// Records of a robot that its monitor needs: the last one of each tendon, and of each day the one with the narrowest
+/// interval. Errors of the sessions of one day are mostly common; a second one adds little.
 ///
-/// A hundred bytes a day and tendon, for four years at most.
+/// Size: about 100 bytes per day and tendon, for at most four years.
 #[derive(Debug, Clone, Default)]
 pub struct History {
     days: BTreeMap<String, Vec<Day>>,
@@ -38,64 +38,64 @@ pub struct History {
 }
 
 impl History {
-    /// Takes a record, in the order they were stored in; whether the trend changes by it.
+    /// Adds a record in the order of storage; returns whether it changes the trend.
     pub fn push(&mut self, record: &Record) -> bool {
         self.last.insert(record.joint.clone(), record.clone());
         self.push_day(record)
     }
 
-    /// Takes a record for its day; whether it is the day's best.
+    /// Adds a record to its day; returns whether it is the best of the day.
     fn push_day(&mut self, record: &Record) -> bool {
         let (Some(offset_rad), Clock::Utc) = (record.offset(), record.clock) else {
             return false;
         };
         let days = self.days.entry(record.joint.clone()).or_default();
-        let stiffness = record.stiffness_ratio.zip(record.stiffness_deviation_ratio);
+        let stiffness = record.stiffness_ratio.zip(record.stiffness_std_ratio);
         let mut day = Day {
             time_utc_s: record.time_utc_s,
             duration_s: record.duration_s,
             offset_rad,
             temperature_c: record.temperature_c,
-            stiffness_ratio: stiffness.map(|(mean, deviation)| Gaussian::new(mean, deviation)),
+            stiffness_ratio: stiffness.map(|(mean, std)| Gaussian::new(mean, std)),
             since: record.baseline.as_deref().map(Arc::from),
         };
         let at = days.partition_point(|d| d.number() < day.number());
-        // A tensioning parts a day in two.
+        // A re-tensioning divides a day into two.
         let of_day = days[at..].iter().take_while(|d| d.number() == day.number());
         let same = of_day.clone().position(|d| d.since == day.since);
-        if let Some(known) = same.and_then(|i| days.get_mut(at + i)) {
-            if known.offset_rad.deviation <= offset_rad.deviation {
+        if let Some(stored) = same.and_then(|i| days.get_mut(at + i)) {
+            if stored.offset_rad.std <= offset_rad.std {
                 return false;
             }
-            std::mem::swap(known, &mut day);
+            std::mem::swap(stored, &mut day);
         } else {
-            let alike = days.iter().rev().find(|d| d.since == day.since);
-            if let Some(since) = alike.and_then(|d| d.since.clone()) {
+            let same_reference = days.iter().rev().find(|d| d.since == day.since);
+            if let Some(since) = same_reference.and_then(|d| d.since.clone()) {
                 day.since = Some(since);
             }
             days.push(day);
         }
         days.sort_by(|a, b| a.time_utc_s.total_cmp(&b.time_utc_s));
-        let excess = days.len().saturating_sub(DAYS_MOST);
+        let excess = days.len().saturating_sub(MAX_DAYS);
         days.drain(..excess);
         true
     }
 
-    /// The last record of every tendon.
+    /// Returns the last record of each tendon.
     pub(super) fn take_last(&mut self) -> BTreeMap<String, Record> {
         std::mem::take(&mut self.last)
     }
 
-    /// Tendons that have rows.
+    /// Iterates over the joints that have rows.
     pub fn joints(&self) -> impl Iterator<Item = &str> {
         self.days.keys().map(String::as_str)
     }
 
-    /// The rows of a tendon's trend, in the order of time.
+    /// Returns the rows of a tendon's trend in chronological order.
     pub fn rows(&self, joint: &str) -> Vec<SessionRecord> {
         let days = self.days.get(joint).into_iter().flatten();
         let mut last_utc_s = f64::NEG_INFINITY;
-        // A civil clock that stepped may have dated two alike.
+        // After a step of the civil clock, two records may have the same date.
         let later = days.filter(|day| {
             let is_later = day.time_utc_s > last_utc_s;
             last_utc_s = last_utc_s.max(day.time_utc_s);

@@ -1,46 +1,47 @@
-//! Frames in: their clocks, their health, and what is recorded of them.
+//! Ingestion of frames: clocks, health and recording.
 
 use super::clock::{ClockEvent, Clocks};
 use super::health::Health;
 use super::setup::Setup;
 use crate::instant::Instant;
 use crate::snapshot::Freshness;
-use sinew_estimate::feeder::{Fed, Refusal};
+use sinew_estimate::feeder::{FeedOutcome, RejectionReason};
 use sinew_estimate::session::Recorder;
 use sinew_log::Frame;
 use sinew_model::offset::FeatureConfig;
 
-/// Frames refused for their stamps one after the other: a clock that jumped back for good.
-const BACKWARDS: u32 = 8;
+/// Number of consecutive frames rejected for their time stamps after which the filters restart: the clock jumped back
+/// permanently.
+const MAX_REJECTED_STAMPS: u32 = 8;
 
-/// Takes frames and makes blocks of them. Allocates at construction only.
+/// Converts frames into blocks. Allocates at construction only.
 #[derive(Debug)]
 pub(super) struct Ingest {
     pub(super) clocks: Clocks,
     pub(super) health: Health,
     pub(super) recorder: Recorder,
-    /// Frames received, and how many of them were lost, refused or incomplete.
+    /// Number of frames received, and of those lost, rejected or incomplete.
     pub(super) frames: u64,
     pub(super) frames_lost: u64,
     started: Instant,
-    /// When the last frame came.
+    /// Arrival of the last frame.
     pub(super) last: Option<Instant>,
     silent: bool,
-    /// Stamp of the recording's zero, ns.
+    /// Time stamp of the start of the recording, ns.
     zero_ns: Option<i64>,
-    /// When the first frame of what is recorded now came.
+    /// Arrival of the first frame of the present recording.
     pub(super) recorded_from: Option<Instant>,
-    /// Frames refused for their stamps, one after the other.
+    /// Number of consecutive frames rejected for their time stamps.
     backwards: u32,
     pub(super) temperature_c: Option<f64>,
 }
 
-/// What came of a frame.
+/// Result of ingesting a frame.
 pub(super) struct Arrived {
-    /// Stamps were found to run at this rate instead of with time, s in a second.
+    /// Rate of the time stamps relative to real time, s/s, if they are found not to be real time.
     pub(super) not_time: Option<f64>,
     pub(super) lost: bool,
-    /// Whether it completed a block.
+    /// Whether the frame completed a block.
     pub(super) block: bool,
 }
 
@@ -63,8 +64,8 @@ impl Ingest {
         }
     }
 
-    /// Notes that data came. Returns for how long none did, s (`None` within: none ever did), where they come again.
-    pub(super) fn data_came(&mut self, now: Instant) -> Option<Option<f64>> {
+    /// Notes the arrival of data. After an interruption, returns its duration, s (inner `None`: first data ever).
+    pub(super) fn data_arrived(&mut self, now: Instant) -> Option<Option<f64>> {
         let last = self.last.replace(now);
         if last.is_some() && !self.silent {
             return None;
@@ -74,7 +75,7 @@ impl Ingest {
         Some(last.map(|last| now.since_s(last)))
     }
 
-    /// Takes a frame, after [`Ingest::data_came`].
+    /// Ingests a frame, after [`Ingest::data_arrived`].
     pub(super) fn frame(&mut self, frame: &Frame, now: Instant) -> Arrived {
         let not_time = match self.clocks.stamp(frame.time_ns, now) {
             Some(ClockEvent::NotTime(rate)) => Some(rate),
@@ -83,16 +84,16 @@ impl Ingest {
         let time_s = self.recording_time_s(frame, now);
         let fed = self.recorder.push(frame, time_s);
         self.health.frame(frame, fed, now);
-        let lost = matches!(fed, Fed::Refused(_));
+        let lost = matches!(fed, FeedOutcome::Rejected(_));
         self.frames += 1;
         self.frames_lost += u64::from(lost);
         if frame.temperature_c.is_finite() {
             self.temperature_c = Some(frame.temperature_c);
         }
         match fed {
-            Fed::Refused(Refusal::TimeStep) => {
+            FeedOutcome::Rejected(RejectionReason::TimeStep) => {
                 self.backwards += 1;
-                if self.backwards >= BACKWARDS {
+                if self.backwards >= MAX_REJECTED_STAMPS {
                     self.restart_stamps();
                 }
             }
@@ -111,7 +112,7 @@ impl Ingest {
         self.health.dropped(messages);
     }
 
-    /// Restarts the filters and what stamps say of time.
+    /// Restarts the filters and the measurement of time.
     fn restart_stamps(&mut self) {
         self.recorder.restart();
         self.clocks.restart();
@@ -119,8 +120,8 @@ impl Ingest {
         self.backwards = 0;
     }
 
-    /// Time of the recording under way, s: stamps give steps, and nothing else. Where they began anew, the clock
-    /// that never steps says how long that took.
+    /// Returns the time within the present recording, s. Time stamps give time differences only; after a restart, the
+    /// monotonic clock gives the elapsed time.
     fn recording_time_s(&mut self, frame: &Frame, now: Instant) -> f64 {
         let from = *self.recorded_from.get_or_insert(now);
         let zero = *self.zero_ns.get_or_insert_with(|| {
@@ -130,18 +131,18 @@ impl Ingest {
         frame.time_ns.saturating_sub(zero) as f64 * 1e-9
     }
 
-    /// Drops what is recorded: the recording begins anew.
-    pub(super) fn forget_recorded(&mut self) {
+    /// Discards the recording and starts a new one.
+    pub(super) fn discard_recording(&mut self) {
         self.recorder.clear();
         (self.recorded_from, self.zero_ns) = (None, None);
     }
 
-    /// For how long no data came, s.
+    /// Returns the time since the last data, s.
     pub(super) fn silent_s(&self, now: Instant) -> f64 {
         now.since_s(self.last.unwrap_or(self.started))
     }
 
-    /// Notes that no data come any more; whether that is new.
+    /// Notes that no more data arrive; returns whether that is new.
     pub(super) fn fall_silent(&mut self) -> bool {
         let new = !std::mem::replace(&mut self.silent, true);
         if new {
@@ -150,7 +151,7 @@ impl Ingest {
         new
     }
 
-    /// Whether data come, where those older than `stale_after_s` are of the past.
+    /// Returns the freshness of the data; data older than `stale_after_s` are stale.
     pub(super) fn freshness(&self, stale_after_s: f64, now: Instant) -> Freshness {
         match self.last.map(|last| now.since_s(last)) {
             None => Freshness::Never,

@@ -1,148 +1,149 @@
-//! Estimates, made away from the thread that takes frames.
+//! Estimation jobs, run outside the frame thread.
 
-use super::online::{OnlineMade, OnlineWork, Successor};
-use super::session::Stretch;
-use super::trend::{TrendMade, TrendWork};
+use super::online::{OnlineJob, OnlineResult, Successor};
+use super::session::Segment;
+use super::trend::{TrendJob, TrendResult};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
-    Learning, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
+    Learning, SessionEstimate, SessionOptions, Since, estimate_segment, learn_recorded,
 };
 use sinew_model::robot::Robot;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// An estimate to make, away from the thread that takes frames. [`Job::run`] is the whole of it.
+/// Estimate to make outside the frame thread, by [`QueuedJob::run`].
 #[derive(Debug)]
-pub struct Job {
+pub struct QueuedJob {
     pub(super) robot: Arc<Robot>,
-    pub(super) work: Work,
+    pub(super) work: JobKind,
 }
 
 #[derive(Debug)]
-pub(super) enum Work {
-    Stretch(Box<StretchWork>),
-    Online(Box<OnlineWork>),
-    Trend(Box<TrendWork>),
+pub(super) enum JobKind {
+    Segment(Box<SegmentJob>),
+    Online(Box<OnlineJob>),
+    Trend(Box<TrendJob>),
 }
 
-/// What the estimate of a stretch needs.
+/// Inputs of the estimate of a segment.
 #[derive(Debug)]
-pub(super) struct StretchWork {
-    pub(super) stretch: Stretch,
+pub(super) struct SegmentJob {
+    pub(super) segment: Segment,
     pub(super) options: SessionOptions,
-    /// Where the chain stands.
+    /// Posterior of the previous segment.
     pub(super) baseline: Option<Baseline>,
-    /// How the stretch follows on it.
+    /// Time since the previous segment.
     pub(super) since: Since,
-    /// The baseline that is learned from it.
-    pub(super) learns: Option<Learns>,
+    /// Baseline acquired from the segment.
+    pub(super) baseline_task: Option<BaselineTask>,
     /// Name of the session.
     pub(super) name: String,
 }
 
-/// A baseline that is learned.
+/// Baseline acquisition by an estimate.
 #[derive(Debug)]
-pub(super) struct Learns {
-    /// Joints whose ropes were tensioned.
+pub(super) struct BaselineTask {
+    /// Indices of the joints whose ropes were re-tensioned.
     pub(super) tensioned: Vec<usize>,
-    /// Whether it was begun before.
+    /// Whether the acquisition continues an earlier one.
     pub(super) continues: bool,
 }
 
-/// What a [`Job`] gave, for [`Monitor::done`](crate::Monitor::done).
+/// Result of a [`QueuedJob`], for [`Monitor::done`](crate::Monitor::done).
 #[derive(Debug)]
-pub struct Done(pub(super) Outcome);
+pub struct JobResult(pub(super) Outcome);
 
 #[derive(Debug)]
 pub(super) enum Outcome {
-    Stretch {
-        stretch: Box<Stretch>,
-        learned: bool,
+    Segment {
+        segment: Box<Segment>,
+        is_baseline: bool,
         result: Result<Box<Estimated>, String>,
     },
-    /// `None`: the estimator failed.
-    Online(Option<Box<OnlineMade>>),
-    Trend(TrendMade),
+    /// Result of the online estimator; `None`: it failed.
+    Online(Option<Box<OnlineResult>>),
+    Trend(TrendResult),
 }
 
-/// What a stretch gave.
+/// Estimate of a segment.
 #[derive(Debug)]
 pub(super) struct Estimated {
     pub(super) estimate: SessionEstimate,
     pub(super) next: Baseline,
-    /// An estimate of now that begins from there, after the last stretch of a session.
+    /// Online estimator that starts from the posterior, after the last segment of a session.
     pub(super) successor: Option<Successor>,
 }
 
-impl Job {
-    /// Whether nothing is lost without it: a trend is of what is stored already, and the offsets of now are not stored.
-    pub fn may_be_left_out(&self) -> bool {
-        matches!(self.work, Work::Trend(_) | Work::Online(_))
+impl QueuedJob {
+    /// Whether the job may be skipped without loss: a trend uses stored records, and present offsets are not stored.
+    pub fn is_optional(&self) -> bool {
+        matches!(self.work, JobKind::Trend(_) | JobKind::Online(_))
     }
 
-    /// Makes the estimate: some hundredths of a second for a few joints and a minute.
+    /// Makes the estimate; takes some 10 ms for a few joints and one minute of data.
     ///
-    /// A panic of the estimator is a refusal: a monitor that runs for a year must not end of one stretch.
-    pub fn run(self) -> Done {
+    /// A panic of the estimator is reported as an error, so that one segment does not end the monitor.
+    pub fn run(self) -> JobResult {
         let robot = self.robot;
-        Done(match self.work {
-            Work::Stretch(work) => {
+        JobResult(match self.work {
+            JobKind::Segment(work) => {
                 let result = catch_unwind(AssertUnwindSafe(|| work.estimate(&robot)));
-                Outcome::Stretch {
-                    learned: work.learns.is_some(),
-                    stretch: Box::new(work.stretch),
-                    result: result.unwrap_or_else(|_| Err("the estimator failed".into())),
+                Outcome::Segment {
+                    is_baseline: work.baseline_task.is_some(),
+                    segment: Box::new(work.segment),
+                    result: result
+                        .unwrap_or_else(|_| Err("estimator failed: internal error".into())),
                 }
             }
-            Work::Online(work) => {
-                let made = catch_unwind(AssertUnwindSafe(|| Box::new(work.run())));
-                Outcome::Online(made.ok())
+            JobKind::Online(work) => {
+                let result = catch_unwind(AssertUnwindSafe(|| Box::new(work.run())));
+                Outcome::Online(result.ok())
             }
-            Work::Trend(work) => {
-                let made = catch_unwind(AssertUnwindSafe(|| work.run(&robot)));
-                Outcome::Trend(made.unwrap_or_else(|_| work.nothing()))
+            JobKind::Trend(work) => {
+                let result = catch_unwind(AssertUnwindSafe(|| work.run(&robot)));
+                Outcome::Trend(result.unwrap_or_else(|_| work.failed()))
             }
         })
     }
 }
 
-/// Names of recordings a chain keeps: the first and the last.
-const NAMES: usize = 2;
+/// Number of recording names kept in a posterior: the first and the last.
+const MAX_RECORDING_NAMES: usize = 2;
 
-impl StretchWork {
+impl SegmentJob {
     fn estimate(&self, robot: &Arc<Robot>) -> Result<Box<Estimated>, String> {
-        let recorded = &self.stretch.recorded;
+        let recorded = &self.segment.recorded;
         let before = self.baseline.as_ref();
-        let known = before.map(|baseline| (baseline, "what was learned before"));
-        let result = match &self.learns {
-            Some(learns) => {
+        let prior = before.map(|baseline| (baseline, "the stored posterior"));
+        let result = match &self.baseline_task {
+            Some(task) => {
                 let learning = Learning {
-                    known,
+                    prior,
                     motor_torque: self.options.motor_torque,
                     temperature_c: self.options.temperature_c,
-                    tensioned: Some(&learns.tensioned),
-                    continues: learns.continues,
+                    tensioned: Some(&task.tensioned),
+                    continues: task.continues,
                 };
                 learn_recorded(robot, recorded, &self.name, &learning)
                     .map(|(baseline, estimate)| (estimate, baseline))
             }
-            None => estimate_stretch(
+            None => estimate_segment(
                 robot,
                 recorded,
                 &self.name,
-                (known, self.since),
+                (prior, self.since),
                 &self.options,
             ),
         };
         let result = result.and_then(|(mut estimate, mut next)| {
-            // A chain of months names its first and its last recording.
+            // A posterior of months names its first and last recording.
             let count = next.recordings.len();
-            if count > NAMES {
+            if count > MAX_RECORDING_NAMES {
                 next.recordings.drain(1..count - 1);
             }
-            next.before.truncate(NAMES);
+            next.before.truncate(MAX_RECORDING_NAMES);
             estimate.blocks = Vec::new();
-            let ends = self.stretch.end.is_some() || self.learns.is_some();
+            let ends = self.segment.end.is_some() || self.baseline_task.is_some();
             let successor = ends.then(|| Successor::new(robot, &next, &self.options));
             Ok(Box::new(Estimated {
                 estimate,

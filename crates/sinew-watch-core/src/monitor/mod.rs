@@ -1,19 +1,18 @@
-//! The monitor of one robot: inputs, each with the [`Instant`] it came; outputs, when asked.
+//! Monitor of one robot: inputs with the [`Instant`] of their arrival, and outputs that the caller queries.
 //!
 //! ```text
-//!  frame, dropped ─▶ ingest ─▶ block ─▶ online ─▶ Job … Done ─▶ online ─▶ snapshot (the offsets of now)
-//!                                  └──▶ sessions ─▶ Job … Done ─▶ belief ─▶ records, trends, alarms
-//!  tick, troubles, door, command ─────────────────▶ alarms ─▶ outbox ─▶ Transaction … committed
+//!  frame, dropped ─▶ ingest ─▶ block ─▶ online ─▶ QueuedJob … JobResult ─▶ online ─▶ snapshot (present offsets)
+//!                                  └──▶ sessions ─▶ QueuedJob … JobResult ─▶ posterior ─▶ records, trends, alarms
+//!  tick, transport_faults, transport, command ──────────▶ alarms ─▶ outbox ─▶ Transaction … committed
 //! ```
 //!
-//! [`Monitor`] owns these parts and passes on what one of them says to the others; each has a file of its name.
+//! [`Monitor`] owns these parts and passes their results on; each part has a file of its name.
 //!
-//! Reading order: `config`, `setup`, this file, `clock` and `health` (what to believe of frames), `ingest`, `session`,
-//! `online`, `job`, `tendon`, `baseline`, `belief`, `history`, `trend`, `alarms`, `outbox`, `snapshot`.
+//! Reading order: `config`, `setup`, this file, `clock` and `health` (checks of the frames), `ingest`, `session`,
+//! `online`, `job`, `tendon`, `baseline`, `posterior`, `history`, `trend`, `alarms`, `outbox`, `snapshot`.
 
 mod alarms;
 mod baseline;
-mod belief;
 mod clock;
 mod config;
 mod health;
@@ -22,6 +21,7 @@ mod ingest;
 mod job;
 mod online;
 mod outbox;
+mod posterior;
 mod session;
 mod setup;
 mod snapshot;
@@ -30,24 +30,24 @@ mod trend;
 
 pub use config::{AlarmOptions, ClockChoice, MonitorConfig, MonitorError, Stored, Times};
 pub use history::History;
-pub use job::{Done, Job};
+pub use job::{JobResult, QueuedJob};
 pub use trend::HORIZON_DAYS;
 
-use crate::alarm::{AlarmCause, Condition, StoreFault, Trouble};
-use crate::command::{Command, CommandError, What};
+use crate::alarm::{AlarmCause, Condition, DataFault, StoreFault};
+use crate::command::{Command, CommandError, CommandKind};
 use crate::instant::Instant;
 use crate::journal::{Event, SessionEnd};
 use crate::record::Clock;
 use crate::snapshot::RobotSnapshot;
 use crate::transaction::Transaction;
-use alarms::AlarmJudge;
-use belief::{BeliefChain, Changes};
+use alarms::AlarmEvaluator;
 use clock::{ClockEvent, Clocks};
 use ingest::Ingest;
-use job::{Outcome, Work};
+use job::{JobKind, Outcome};
 use online::Online;
 use outbox::Outbox;
-use session::{Sessions, StretchEnd};
+use posterior::{Changes, PosteriorChain};
+use session::{SegmentEnd, Sessions};
 use setup::Setup;
 use sinew_log::Frame;
 use sinew_model::offset::FeatureConfig;
@@ -55,106 +55,109 @@ use snapshot::View;
 use std::sync::Arc;
 use trend::Trends;
 
-/// The monitor of one robot: a state machine without socket, clock or thread.
+/// Monitor of one robot: a state machine without socket, clock or thread.
 ///
-/// Inputs: [`frame`](Self::frame), [`dropped`](Self::dropped), [`troubles`](Self::troubles), [`door`](Self::door),
-/// [`tick`](Self::tick), [`command`](Self::command), [`done`](Self::done), [`committed`](Self::committed),
-/// [`refused`](Self::refused), [`shutdown`](Self::shutdown). Outputs: [`job`](Self::job),
-/// [`transaction`](Self::transaction), [`snapshot`](Self::snapshot). After any input there may be outputs to take;
-/// nothing waits for them.
+/// Inputs: [`frame`](Self::frame), [`dropped`](Self::dropped), [`transport_faults`](Self::transport_faults),
+/// [`transport`](Self::transport), [`tick`](Self::tick), [`command`](Self::command), [`done`](Self::done),
+/// [`committed`](Self::committed), [`store_failed`](Self::store_failed), [`shutdown`](Self::shutdown). Outputs:
+/// [`job`](Self::job), [`transaction`](Self::transaction), [`snapshot`](Self::snapshot). After any input there may be
+/// outputs to take; no input waits for them.
 ///
-/// | who | calls |
+/// | caller | calls |
 /// |---|---|
-/// | the thread of frames | `frame` for each; `tick` ten times a second, also when nothing comes |
-/// | workers | [`Job::run`], then `done` |
-/// | the store | stores a transaction as a whole, then `committed` or `refused` |
+/// | frame thread | `frame` for each; `tick` ten times per second, also without data |
+/// | workers | [`QueuedJob::run`], then `done` |
+/// | store | stores a transaction as a whole, then `committed` or `store_failed` |
 ///
 /// # Realtime
-/// [`Monitor::frame`] allocates nothing in steady motion: blocks that wait for their estimate are given room in
-/// [`Monitor::tick`]. What happens seldom (a session that ends, an entry of the journal) may allocate.
+/// [`Monitor::frame`] does not allocate in steady motion: memory for blocks that wait for their estimate is reserved in
+/// [`Monitor::tick`]. Rare events (end of a session, journal entry) may allocate.
 #[derive(Debug)]
 pub struct Monitor {
     setup: Setup,
     ingest: Ingest,
     sessions: Sessions,
     online: Online,
-    chain: BeliefChain,
+    chain: PosteriorChain,
     trends: Trends,
-    alarms: AlarmJudge,
+    alarms: AlarmEvaluator,
     outbox: Outbox,
-    /// Whether a job is under way.
+    /// Whether a job is running.
     working: bool,
-    /// When the last tick came.
+    /// Time of the last tick.
     ticked: Instant,
 }
 
 impl Monitor {
-    /// A monitor that goes on from what was stored.
+    /// Creates a monitor that resumes from its stored state.
     ///
     /// # Errors
-    /// [`MonitorError`]: a configuration that can't be. What is stored never keeps a monitor from starting: a belief
-    /// of another robot is left alone, and the journal says so.
+    /// Returns a [`MonitorError`] if the configuration is invalid. Stored data never prevent the start: a state of
+    /// another robot is ignored and noted in the journal.
     pub fn new(
         config: MonitorConfig,
         mut stored: Stored,
         now: Instant,
     ) -> Result<Self, MonitorError> {
         let setup = Setup::new(config)?;
-        let restored = stored.belief.is_some();
-        let (chain, left) = BeliefChain::new(&setup, stored.belief.take())?;
+        let restored = stored.state.is_some();
+        let (chain, left) = PosteriorChain::new(&setup, stored.state.take())?;
         let config = &setup.config;
         let block_s = FeatureConfig::default().block_s;
-        let begun = chain.belief().sessions;
+        let begun = chain.state().sessions;
         let ingest = Ingest::new(&setup, now);
         let recorder = &ingest.recorder;
         let mut monitor = Self {
             sessions: Sessions::new(setup.joints(), block_s, begun, config.times),
-            online: Online::new(&setup.robot, &config.estimate, chain.belief(), recorder)?,
+            online: Online::new(&setup.robot, &config.estimate, chain.state(), recorder)?,
             ingest,
             outbox: Outbox::new(&config.name, &mut stored),
             trends: Trends::new(setup.names.len(), stored.history),
-            alarms: AlarmJudge::new(stored.alarms, now),
+            alarms: AlarmEvaluator::new(stored.alarms, now),
             working: false,
             ticked: now,
             chain,
             setup,
         };
         monitor.outbox.event(Event::Started { restored }, now);
-        if let Some(why) = left {
-            monitor.outbox.event(Event::BeliefLeft { why }, now);
+        if let Some(reason) = left {
+            monitor
+                .outbox
+                .event(Event::StoredStateIgnored { reason }, now);
         }
-        monitor.judge_beliefs();
+        monitor.evaluate_state();
         monitor.tick(now);
         Ok(monitor)
     }
 
-    /// Takes another configuration of the same robot while it runs; not a sample is lost. A baseline in it counts
-    /// only where nothing was learned.
+    /// Replaces the configuration of the same robot at run time without loss of samples. A baseline in it is used only
+    /// if there is no posterior yet.
     ///
     /// # Errors
-    /// [`MonitorError`]; everything is as before then.
+    /// Returns a [`MonitorError`] if the configuration is invalid or belongs to another robot; nothing has changed
+    /// then.
     pub fn reload(&mut self, config: MonitorConfig, now: Instant) -> Result<(), MonitorError> {
         self.setup.reload(config)?;
         self.ingest.clocks.set_choice(self.setup.config.clock);
         self.sessions.set_times(self.setup.config.times);
         self.trends.all_changed();
-        self.judge_beliefs();
+        self.evaluate_state();
         self.outbox.event(Event::Reloaded, now);
         self.tick(now);
         Ok(())
     }
 
-    /// Takes a frame of the robot's joints, in the order of [`MonitorConfig::robot`].
+    /// Ingests a frame of the robot's joints, in the order of [`MonitorConfig::robot`].
     ///
     /// # Realtime
-    /// No allocation in steady motion, lock or clock; see [`Monitor`].
+    /// No allocation in steady motion, no lock and no clock access; see [`Monitor`].
     pub fn frame(&mut self, frame: &Frame, now: Instant) {
         self.watch_clock(now);
-        if let Some(after_s) = self.ingest.data_came(now) {
+        if let Some(after_s) = self.ingest.data_arrived(now) {
             self.outbox.event(Event::Back { after_s }, now);
             if self.sessions.now().is_none() {
                 self.sessions.back();
-                self.online.forget();
+                self.online.discard_answer();
             }
         }
         let arrived = self.ingest.frame(frame, now);
@@ -167,7 +170,7 @@ impl Monitor {
         }
     }
 
-    /// Messages were dropped before they became frames, by a full queue.
+    /// Notes messages that a full queue dropped before they became frames.
     pub fn dropped(&mut self, messages: u64, now: Instant) {
         self.outbox.dropped = self.outbox.dropped.saturating_add(messages);
         self.ingest.dropped(messages);
@@ -175,7 +178,7 @@ impl Monitor {
         self.watch_clock(now);
     }
 
-    /// Ends the session where the civil clock stepped against the one that never does.
+    /// Ends the session if the civil clock stepped relative to the monotonic clock.
     fn watch_clock(&mut self, now: Instant) {
         if let Some(ClockEvent::Step(by_s)) = self.ingest.clocks.now(now) {
             self.outbox.event(Event::ClockStep { by_s }, now);
@@ -192,8 +195,8 @@ impl Monitor {
         let recorded = self.ingest.recorder.recorded();
         (self.online).block(recorded, [from, now], moved == Some(true), block_s);
         let Some(moved) = moved else {
-            // Nobody needs what a standing arm says again and again.
-            self.ingest.forget_recorded();
+            // Repeated blocks of an arm at rest carry no information.
+            self.ingest.discard_recording();
             return;
         };
         if let Some(end) = self.sessions.is_over() {
@@ -202,17 +205,17 @@ impl Monitor {
         }
         if let Some(progress) = &mut self.chain.baseline {
             progress.block(block, moved, block_s);
-            if progress.hand_over() {
+            if progress.take_ready() {
                 self.end_session(SessionEnd::Baseline, now);
                 return;
             }
         }
-        if self.sessions.is_stretch_over() {
-            self.end_stretch(None);
+        if self.sessions.is_segment_over() {
+            self.end_segment(None);
         }
     }
 
-    /// Ends the session under way, if there is one.
+    /// Ends the present session, if there is one.
     fn end_session(&mut self, end: SessionEnd, now: Instant) {
         let Some(session) = self.sessions.now().copied() else {
             return;
@@ -223,83 +226,83 @@ impl Monitor {
             self.sessions.set_clock(Clock::Stamp);
         }
         if session.motion_s > 0.0 {
-            self.end_stretch(Some(end));
+            self.end_segment(Some(end));
             let duration_s = session.motion_s;
             self.outbox.event(Event::Session { duration_s, end }, now);
         }
         self.sessions.end();
-        self.ingest.forget_recorded();
+        self.ingest.discard_recording();
     }
 
-    fn end_stretch(&mut self, end: Option<SessionEnd>) {
-        let how = StretchEnd {
+    fn end_segment(&mut self, end: Option<SessionEnd>) {
+        let how = SegmentEnd {
             end,
-            in_doubt: !self.online.is_settled(),
+            provisional: !self.online.is_settled(),
             motor_current: self.setup.config.estimate.motor_current,
             baseline_of: self.chain.baseline_of(),
         };
-        self.outbox.behind_s += self.sessions.end_stretch(&mut self.ingest.recorder, how);
+        self.outbox.behind_s += self.sessions.end_segment(&mut self.ingest.recorder, how);
     }
 
-    /// The next estimate to make; one at a time, for each begins where the last one ended.
-    pub fn job(&mut self) -> Option<Job> {
+    /// Returns the next job; one at a time, because each estimate starts from the previous posterior.
+    pub fn job(&mut self) -> Option<QueuedJob> {
         if self.working {
             return None;
         }
-        while let Some(stretch) = self.sessions.next_stretch() {
-            if self.chain.is_outdated(&stretch) {
+        while let Some(segment) = self.sessions.next_segment() {
+            if self.chain.is_outdated(&segment) {
                 continue;
             }
-            if stretch.worth_it && !stretch.recorded.blocks.is_empty() {
+            if segment.has_motion && !segment.recorded.blocks.is_empty() {
                 self.working = true;
-                return Some(self.chain.stretch_job(stretch, &self.setup));
+                return Some(self.chain.segment_job(segment, &self.setup));
             }
-            let changes = (self.chain).without_motion(&stretch, &self.setup, &self.sessions);
+            let changes = (self.chain).without_motion(&segment, &self.setup, &self.sessions);
             self.pass_on(changes, self.ticked);
         }
-        if let Some(work) = self.online.work() {
+        if let Some(work) = self.online.next_job() {
             self.working = true;
-            return Some(Job {
+            return Some(QueuedJob {
                 robot: Arc::clone(&self.setup.robot),
-                work: Work::Online(Box::new(work)),
+                work: JobKind::Online(Box::new(work)),
             });
         }
-        let (beliefs, tensionings) = (&self.chain.belief().tendons, self.chain.tensionings);
-        let work = (self.trends).work(&self.setup, beliefs, tensionings, self.ticked)?;
+        let (states, tensionings) = (&self.chain.state().tendons, self.chain.tensionings);
+        let work = (self.trends).next_job(&self.setup, states, tensionings, self.ticked)?;
         self.working = true;
-        Some(Job {
+        Some(QueuedJob {
             robot: Arc::clone(&self.setup.robot),
-            work: Work::Trend(Box::new(work)),
+            work: JobKind::Trend(Box::new(work)),
         })
     }
 
-    /// Takes what a [`Job`] gave.
-    pub fn done(&mut self, done: Done, now: Instant) {
+    /// Accepts the result of a [`QueuedJob`].
+    pub fn done(&mut self, done: JobResult, now: Instant) {
         self.working = false;
         match done.0 {
             Outcome::Online(made) => {
                 if made.is_none() {
-                    self.chain.refusal = Some("the estimator failed".into());
-                    self.judge_data();
+                    self.chain.estimator_error = Some("estimator failed: internal error".into());
+                    self.evaluate_data();
                 }
                 return self.online.made(made.map(|made| *made));
             }
             Outcome::Trend(made) => self.trends.set(made, self.chain.tensionings),
-            Outcome::Stretch {
-                stretch,
-                learned,
+            Outcome::Segment {
+                segment,
+                is_baseline,
                 result,
             } => {
                 let (setup, sessions) = (&self.setup, &self.sessions);
-                let changes = (self.chain).done(&stretch, learned, result, setup, sessions);
+                let changes = (self.chain).done(&segment, is_baseline, result, setup, sessions);
                 self.pass_on(changes, now);
             }
         }
-        self.judge_beliefs();
+        self.evaluate_state();
         self.tick(now);
     }
 
-    /// Passes on what an estimate changed.
+    /// Passes the results of an estimate to the other parts.
     fn pass_on(&mut self, changes: Changes, now: Instant) {
         if let Some((successor, at_once)) = changes.successor {
             self.online.succeed(successor, at_once);
@@ -307,55 +310,57 @@ impl Monitor {
         if let Some(event) = changes.event {
             self.outbox.event(event, now);
         }
-        for (i, jump) in &changes.jumps {
-            self.alarms.jumped(&self.setup.names[*i], jump, now);
+        for (i, step) in &changes.steps {
+            self.alarms.confirm_step(&self.setup.names[*i], step, now);
         }
         for record in &changes.records {
             self.trends.record(record, &self.setup);
         }
-        if changes.belief {
-            self.outbox.learned(changes.records);
+        if changes.state {
+            self.outbox.add_results(changes.records);
         }
     }
 
-    fn judge_beliefs(&mut self) {
-        (self.alarms).judge_tendons(&self.setup, &self.chain, &self.trends);
-        self.judge_data();
+    fn evaluate_state(&mut self) {
+        (self.alarms).evaluate_tendons(&self.setup, &self.chain, &self.trends);
+        self.evaluate_data();
     }
 
-    fn judge_data(&mut self) {
-        let refusal = self.chain.refusal.as_deref();
-        (self.alarms).judge_data(&self.setup, &self.ingest.health, refusal);
+    fn evaluate_data(&mut self) {
+        let estimator_error = self.chain.estimator_error.as_deref();
+        (self.alarms).evaluate_data(&self.setup, &self.ingest.health, estimator_error);
     }
 
-    /// What the doors can't receive as they should, now; an empty list: all is well.
-    pub fn troubles(&mut self, troubles: &[Trouble], now: Instant) {
-        let (health, refusal) = (&self.ingest.health, self.chain.refusal.as_deref());
-        if (self.alarms).set_troubles(troubles, &self.setup, health, refusal) {
+    /// Sets the present reception faults of the transports; empty: no fault.
+    pub fn transport_faults(&mut self, faults: &[DataFault], now: Instant) {
+        let (health, estimator_error) =
+            (&self.ingest.health, self.chain.estimator_error.as_deref());
+        if (self.alarms).set_transport_faults(faults, &self.setup, health, estimator_error) {
             self.tick(now);
         }
     }
 
-    /// Whether the robot's door is shut, and why: `dds:0` and what the system said.
-    pub fn door(&mut self, shut: Option<(&str, &str)>, now: Instant) {
-        let cause = shut.map(|(door, why)| AlarmCause::Door {
-            door: door.into(),
-            why: why.into(),
+    /// Sets the state of the robot's transport; if disconnected, its name (`dds:0`) and the error message.
+    pub fn transport(&mut self, disconnected: Option<(&str, &str)>, now: Instant) {
+        let cause = disconnected.map(|(transport, reason)| AlarmCause::Transport {
+            transport: transport.into(),
+            reason: reason.into(),
         });
-        self.alarms.set_robot(Condition::Door, cause);
+        self.alarms.set_robot(Condition::Transport, cause);
         self.tick(now);
     }
 
-    /// Does what somebody says. It is spoken of once it is stored.
+    /// Executes an operator command. The result is published once it is stored.
     ///
     /// # Errors
-    /// [`CommandError`]; nothing has changed then.
+    /// Returns a [`CommandError`] if the command is invalid or cannot be applied to the alarm; nothing has changed
+    /// then.
     pub fn command(&mut self, command: Command, now: Instant) -> Result<(), CommandError> {
         command.check(&self.setup.names)?;
         self.watch_clock(now);
         let tensioned = match &command.what {
-            What::Tensioned { joints } => Some((joints.clone(), false)),
-            What::Replaced { joints } => Some((joints.clone(), true)),
+            CommandKind::Tensioned { joints } => Some((joints.clone(), false)),
+            CommandKind::Replaced { joints } => Some((joints.clone(), true)),
             _ => None,
         };
         if tensioned.is_some() {
@@ -366,17 +371,17 @@ impl Monitor {
         if let Some((joints, replaced)) = tensioned {
             let (setup, sessions) = (&self.setup, &self.sessions);
             for i in (self.chain).tension(&joints, replaced, setup, sessions, now) {
-                self.alarms.forget_joint(&setup.names[i]);
-                self.trends.forget(i);
+                self.alarms.discard_joint(&setup.names[i]);
+                self.trends.discard(i);
             }
             self.online.stop();
-            self.outbox.learned(Vec::new());
+            self.outbox.add_results(Vec::new());
         }
         self.tick(now);
         Ok(())
     }
 
-    /// Takes note of time: staleness, delays, ends of shelves and sessions. Makes room for what comes.
+    /// Advances time: staleness, delays, ends of shelving and sessions. Reserves memory for coming blocks.
     pub fn tick(&mut self, now: Instant) {
         self.ticked = now;
         self.time_passes(now);
@@ -385,10 +390,10 @@ impl Monitor {
         self.online.make_room(&self.ingest.recorder);
         let transitions = self.alarms.alarms.take_transitions();
         let alarms = || self.alarms.alarms.stored();
-        (self.outbox).flush(self.chain.belief(), transitions, alarms, now);
+        (self.outbox).flush(self.chain.state(), transitions, alarms, now);
     }
 
-    /// Staleness, sessions that wait too long, what was dropped.
+    /// Updates staleness, session timeouts and loss reports.
     fn time_passes(&mut self, now: Instant) {
         self.watch_clock(now);
         let (silent_s, times) = (self.ingest.silent_s(now), self.setup.config.times);
@@ -409,28 +414,28 @@ impl Monitor {
             self.alarms.set_robot(Condition::NoData, None);
         }
         if self.ingest.health.verdict(&self.setup.names, now) {
-            self.judge_data();
+            self.evaluate_data();
         }
         if let Some(for_s) = self.online.provisional_s() {
-            let cause = AlarmCause::InDoubt { for_s };
-            let cause = (for_s >= self.setup.config.alarms.doubt_s).then_some(cause);
-            self.alarms.set_robot(Condition::Suspicion, cause);
+            let cause = AlarmCause::Provisional { for_s };
+            let cause = (for_s >= self.setup.config.alarms.provisional_s).then_some(cause);
+            self.alarms.set_robot(Condition::SuspectedStep, cause);
         }
-        self.outbox.tell_losses(now);
+        self.outbox.report_losses(now);
     }
 
-    /// The monitor ends: the session does too. Jobs and transactions that are left are worth waiting for.
+    /// Ends the session because the monitor stops. Remaining jobs and transactions should be completed.
     pub fn shutdown(&mut self, now: Instant) {
         self.end_session(SessionEnd::Shutdown, now);
         self.tick(now);
     }
 
-    /// The next transaction to store; one at a time.
+    /// Returns the next transaction to store; one at a time.
     pub fn transaction(&mut self) -> Option<Transaction> {
         self.outbox.take()
     }
 
-    /// A transaction is stored.
+    /// Notes that a transaction was stored.
     pub fn committed(&mut self, id: u64, now: Instant) {
         if self.outbox.committed(id) {
             self.alarms.set_robot(Condition::Store, None);
@@ -438,18 +443,18 @@ impl Monitor {
         }
     }
 
-    /// A transaction could not be stored; it is handed out again with the next one.
-    pub fn refused(&mut self, id: u64, fault: StoreFault, why: &str, now: Instant) {
-        if self.outbox.refused(id) {
-            let why = why.into();
-            let cause = AlarmCause::Store { fault, why };
+    /// Notes that a transaction could not be stored; it is returned again with the next one.
+    pub fn store_failed(&mut self, id: u64, fault: StoreFault, reason: &str, now: Instant) {
+        if self.outbox.store_failed(id) {
+            let reason = reason.into();
+            let cause = AlarmCause::Store { fault, reason };
             self.alarms.set_robot(Condition::Store, Some(cause));
             self.alarms.tick(&self.setup.config.alarms, now);
         }
     }
 
-    /// What is known now. Alarms and records are those that are stored; while the store fails, alarms are shown as
-    /// they are.
+    /// Returns the present state. Alarms and records are the stored ones; while the store fails, unstored alarms are
+    /// included.
     pub fn snapshot(&self, now: Instant) -> RobotSnapshot {
         View::new(self, now).robot()
     }

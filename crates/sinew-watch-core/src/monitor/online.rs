@@ -1,7 +1,7 @@
-//! The offsets of now: a window over the last blocks, and its successor. No other file of the monitor knows windows.
+//! Online offsets: a window over the last blocks, and its successor. Only this file handles windows.
 
 use crate::instant::Instant;
-use crate::transaction::Belief;
+use crate::transaction::MonitorState;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::online::{OnlineAnswer, OnlineJoint, Provisional, Window};
 use sinew_estimate::session::{Recorded, Recorder, SessionError, SessionOptions, Since, Verdict};
@@ -9,39 +9,39 @@ use sinew_model::offset::ForceEstimate;
 use sinew_model::robot::Robot;
 use std::sync::Arc;
 
-/// Room for blocks is made for so much time to come, s.
-const ROOM_S: f64 = 10.0;
-/// Blocks that wait for a job at most: a window holds no more.
-const MOST: usize = 600;
-/// Where so many blocks wait, the answer is not one of now: as many as [`ROOM_S`] has.
-const LATE: usize = 50;
+/// Time for which memory for blocks is reserved, s.
+const RESERVED_S: f64 = 10.0;
+/// Maximum number of blocks waiting for a job: the size of a window.
+const MAX_WAITING_BLOCKS: usize = 600;
+/// Number of waiting blocks from which the answer is outdated: as many as fit into [`RESERVED_S`].
+const MIN_OUTDATED_BLOCKS: usize = 50;
 
 fn window(
     robot: &Arc<Robot>,
     baseline: Option<&Baseline>,
     options: &SessionOptions,
 ) -> Result<Box<Window>, SessionError> {
-    let baseline = baseline.map(|known| (known.clone(), "what was learned".to_owned()));
+    let baseline = baseline.map(|baseline| (baseline.clone(), "the stored posterior".to_owned()));
     let window = Window::new(Arc::clone(robot), baseline, options, "session")?;
-    // Each window begins with what is known of other sessions, and with no offset of theirs.
+    // Each window starts from the posterior of other sessions, with the prior variance of the offsets reset.
     Ok(Box::new(window.following(Since::Days(1.0))))
 }
 
-/// A window that begins with what a session taught.
+/// Window that starts from the posterior of a session.
 #[derive(Debug)]
 pub(super) struct Successor(Box<Window>);
 
 impl Successor {
     pub(super) fn new(
         robot: &Arc<Robot>,
-        learned: &Baseline,
+        posterior: &Baseline,
         options: &SessionOptions,
     ) -> Result<Self, SessionError> {
-        window(robot, Some(learned), options).map(Self)
+        window(robot, Some(posterior), options).map(Self)
     }
 }
 
-/// The windows of a robot, where blocks are checked and windows solved.
+/// Windows of a robot, which check blocks and estimate offsets.
 #[derive(Debug)]
 pub(super) struct Windows {
     now: Box<Window>,
@@ -61,18 +61,18 @@ impl Windows {
         }
         let Some(next) = &self.next else { return };
         let (now, next) = (self.now.answer(), next.answer());
-        let can_tell = |joint: &OnlineJoint| Verdict::of(joint.offset_rad) != Verdict::CannotTell;
+        let is_conclusive = |joint: &OnlineJoint| !Verdict::is_inconclusive(joint.offset_rad);
         let joints = now.joints.iter().zip(&next.joints);
-        // An arm that stands teaches its successor nothing: the offset of before stays.
-        let tells_less = joints
+        // An arm at rest does not inform the successor: the present window stays in use.
+        let next_is_less_informed = joints
             .clone()
-            .any(|(now, next)| can_tell(now) && !can_tell(next));
-        if !next.is_provisional() && !tells_less {
+            .any(|(now, next)| is_conclusive(now) && !is_conclusive(next));
+        if !next.is_provisional() && !next_is_less_informed {
             self.replace(None);
         }
     }
 
-    /// Another window takes over: this one, or the one that waits.
+    /// Replaces the present window by `by`, otherwise by the waiting successor.
     fn replace(&mut self, by: Option<Box<Window>>) {
         if let Some(next) = by.or_else(|| self.next.take()) {
             self.now = next;
@@ -80,31 +80,31 @@ impl Windows {
     }
 }
 
-/// What is to be done with windows, away from the thread that takes frames.
+/// Online job, run outside the frame thread.
 #[derive(Debug)]
-pub(super) struct OnlineWork {
+pub(super) struct OnlineJob {
     windows: Windows,
     successor: Option<(Successor, bool)>,
     part: Recorded,
-    of: u32,
+    generation: u32,
 }
 
-/// What became of an [`OnlineWork`].
+/// Result of an [`OnlineJob`].
 #[derive(Debug)]
-pub(super) struct OnlineMade {
+pub(super) struct OnlineResult {
     windows: Windows,
     part: Recorded,
-    of: u32,
+    generation: u32,
 }
 
-impl OnlineWork {
-    /// Checks blocks that came, and solves the windows where that is due.
-    pub(super) fn run(self) -> OnlineMade {
+impl OnlineJob {
+    /// Checks new blocks and solves the windows that are due.
+    pub(super) fn run(self) -> OnlineResult {
         let Self {
             mut windows,
             successor,
             mut part,
-            of,
+            generation,
         } = self;
         match successor {
             Some((Successor(next), true)) => {
@@ -116,40 +116,45 @@ impl OnlineWork {
         }
         windows.push(&part);
         part.clear();
-        OnlineMade { windows, part, of }
+        OnlineResult {
+            windows,
+            part,
+            generation,
+        }
     }
 }
 
-/// Where the windows are.
+/// Location of the windows.
 #[derive(Debug)]
-enum Place {
-    /// There are none: a baseline is learned first.
+enum WindowLocation {
+    /// No windows: a baseline is being acquired.
     None,
     Here(Windows),
-    /// A job has them.
+    /// The windows belong to a running job.
     Away,
 }
 
-/// The offsets of now. Every session leaves a successor that begins with what it taught, and takes over once its offsets are settled.
+/// Online offsets. Each session creates a successor that starts from its posterior and takes over once its offsets are
+/// settled.
 #[derive(Debug)]
 pub(super) struct Online {
-    place: Place,
-    /// A successor for the next job, and whether it takes over at once.
+    location: WindowLocation,
+    /// Successor for the next job, and whether it takes over immediately.
     successor: Option<(Successor, bool)>,
-    /// Blocks since the last job, and the part to go on with.
+    /// Blocks since the last job, and the buffer for the following ones.
     part: Recorded,
     empty: Option<Recorded>,
-    /// When the windows' clock began.
+    /// Zero of the windows' time.
     zero: Option<Instant>,
-    /// How often windows were given up: a job of before gives nothing.
-    given_up: u32,
+    /// Number of times that the windows were discarded; results of older jobs are ignored.
+    generation: u32,
     answer: Option<OnlineAnswer>,
-    /// Time of the windows before which no solution counts, s.
+    /// Time before which no solution is valid, s.
     from_s: f64,
-    /// Time of the last block, s, and the same since 1970.
+    /// Time of the last block, s, and the same in s since 1970 UTC.
     last_s: f64,
     last_utc_s: f64,
-    /// Motion for which offsets have been provisional, s.
+    /// Duration of motion for which offsets have been provisional, s.
     provisional_s: f64,
 }
 
@@ -157,23 +162,23 @@ impl Online {
     pub(super) fn new(
         robot: &Arc<Robot>,
         options: &SessionOptions,
-        belief: &Belief,
+        state: &MonitorState,
         recorder: &Recorder,
     ) -> Result<Self, SessionError> {
-        let place = match &belief.learns {
-            Some(_) => Place::None,
-            None => Place::Here(Windows {
-                now: window(robot, belief.baseline.as_ref(), options)?,
+        let location = match &state.learns {
+            Some(_) => WindowLocation::None,
+            None => WindowLocation::Here(Windows {
+                now: window(robot, state.baseline.as_ref(), options)?,
                 next: None,
             }),
         };
         Ok(Self {
-            place,
+            location,
             successor: None,
-            part: recorder.room(ROOM_S),
-            empty: Some(recorder.room(ROOM_S)),
+            part: recorder.room(RESERVED_S),
+            empty: Some(recorder.room(RESERVED_S)),
             zero: None,
-            given_up: 0,
+            generation: 0,
             answer: None,
             from_s: f64::NEG_INFINITY,
             last_s: f64::NEG_INFINITY,
@@ -182,10 +187,10 @@ impl Online {
         })
     }
 
-    /// Takes the last block of what is recorded since `from`, which is complete `now`.
+    /// Adds the last block of the recording that started at `from`; the block is complete at `now`.
     ///
     /// # Realtime
-    /// No allocation where there is room, lock or clock.
+    /// No allocation while the reserved memory suffices; no lock and no clock access.
     pub(super) fn block(
         &mut self,
         recorded: &Recorded,
@@ -193,11 +198,11 @@ impl Online {
         moved: bool,
         block_s: f64,
     ) {
-        if matches!(self.place, Place::None) {
+        if matches!(self.location, WindowLocation::None) {
             return;
         }
-        if self.part.blocks.len() >= MOST {
-            // Jobs are later than a window is long: what waits would be none of it any more.
+        if self.part.blocks.len() >= MAX_WAITING_BLOCKS {
+            // The delay of the jobs exceeds the window length: the waiting blocks are outdated.
             self.part.clear();
         }
         let (is_first, begins) = (self.zero.is_none(), self.part.blocks.is_empty());
@@ -208,7 +213,7 @@ impl Online {
         let utc_ns = |time_s: f64| zero.utc_ns.saturating_add((1e9 * time_s) as i64);
         self.part.end_time_ns = utc_ns(self.last_s + 0.5 * block_s);
         if begins {
-            // A successor's window begins here.
+            // The window of a successor starts here.
             let begun_s = if is_first {
                 0.0
             } else {
@@ -223,107 +228,114 @@ impl Online {
         }
     }
 
-    /// Makes room for what comes, off the path of frames.
+    /// Reserves memory for coming blocks, outside the frame path.
     pub(super) fn make_room(&mut self, recorder: &Recorder) {
-        recorder.make_room_in(&mut self.part, ROOM_S);
-        if self.empty.is_none() && !matches!(self.place, Place::Away) {
-            self.empty = Some(recorder.room(ROOM_S));
+        recorder.make_room_in(&mut self.part, RESERVED_S);
+        if self.empty.is_none() && !matches!(self.location, WindowLocation::Away) {
+            self.empty = Some(recorder.room(RESERVED_S));
         }
     }
 
-    /// What is to be done, where blocks wait.
-    pub(super) fn work(&mut self) -> Option<OnlineWork> {
-        if self.part.blocks.is_empty() || !matches!(self.place, Place::Here(_)) {
+    /// Returns the next job, if blocks wait.
+    pub(super) fn next_job(&mut self) -> Option<OnlineJob> {
+        if self.part.blocks.is_empty() || !matches!(self.location, WindowLocation::Here(_)) {
             return None;
         }
         let empty = self.empty.take()?;
-        let Place::Here(windows) = std::mem::replace(&mut self.place, Place::Away) else {
+        let WindowLocation::Here(windows) =
+            std::mem::replace(&mut self.location, WindowLocation::Away)
+        else {
             return None;
         };
-        Some(OnlineWork {
+        Some(OnlineJob {
             windows,
             successor: self.successor.take(),
             part: std::mem::replace(&mut self.part, empty),
-            of: self.given_up,
+            generation: self.generation,
         })
     }
 
-    /// Takes what a job made; `None`: it failed, and there are no offsets until a session has left a successor.
-    pub(super) fn made(&mut self, made: Option<OnlineMade>) {
-        match made {
-            Some(made) if made.of == self.given_up => {
-                self.answer = Some(made.windows.now.answer().clone());
-                self.place = Place::Here(made.windows);
-                self.empty = Some(made.part);
+    /// Accepts the result of a job; `None`: it failed, and there are no offsets until the next session ends.
+    pub(super) fn made(&mut self, result: Option<OnlineResult>) {
+        match result {
+            Some(result) if result.generation == self.generation => {
+                self.answer = Some(result.windows.now.answer().clone());
+                self.location = WindowLocation::Here(result.windows);
+                self.empty = Some(result.part);
             }
-            Some(made) => self.empty = Some(made.part),
+            Some(result) => self.empty = Some(result.part),
             None => self.stop(),
         }
     }
 
-    /// A session left this successor. Where `at_once`, nothing is known until it is settled.
-    pub(super) fn succeed(&mut self, successor: Successor, at_once: bool) {
-        if matches!(self.place, Place::None) {
-            self.place = Place::Here(Windows {
+    /// Sets the successor that a session created. If `immediate`, there is no answer until it is settled.
+    pub(super) fn succeed(&mut self, successor: Successor, immediate: bool) {
+        if matches!(self.location, WindowLocation::None) {
+            self.location = WindowLocation::Here(Windows {
                 now: successor.0,
                 next: None,
             });
             return;
         }
-        self.successor = Some((successor, at_once));
-        if at_once {
-            self.forget();
+        self.successor = Some((successor, immediate));
+        if immediate {
+            self.discard_answer();
         }
     }
 
-    /// Nothing is known until a window that ends later has been solved.
-    pub(super) fn forget(&mut self) {
+    /// Invalidates the answer until a window with later blocks has been solved.
+    pub(super) fn discard_answer(&mut self) {
         (self.from_s, self.provisional_s) = (self.last_s, 0.0);
     }
 
-    /// There are no windows, and no offsets: a baseline is learned first.
+    /// Discards windows and offsets because a baseline is acquired first.
     pub(super) fn stop(&mut self) {
-        self.place = Place::None;
-        self.given_up += 1;
+        self.location = WindowLocation::None;
+        self.generation += 1;
         (self.answer, self.successor, self.zero) = (None, None, None);
         self.last_s = f64::NEG_INFINITY;
         self.part.clear();
-        self.forget();
+        self.discard_answer();
     }
 
-    /// The answer, where one of now has been solved.
+    /// Returns the answer, if it is up to date.
     fn answer(&self) -> Option<&OnlineAnswer> {
-        let is_late = self.part.blocks.len() >= LATE;
+        let is_late = self.part.blocks.len() >= MIN_OUTDATED_BLOCKS;
         let answer = self.answer.as_ref().filter(|_| !is_late);
         answer.filter(|answer| answer.solved_s > self.from_s)
     }
 
-    /// Whether all offsets are known and none is provisional.
+    /// Whether all offsets are available and none is provisional.
     pub(super) fn is_settled(&self) -> bool {
         self.answer().is_some_and(|answer| !answer.is_provisional())
     }
 
-    /// Whether something has been known since data came.
-    pub(super) fn is_known(&self) -> bool {
+    /// Whether there has been an answer since data arrived.
+    pub(super) fn has_answer(&self) -> bool {
         self.answer().is_some()
     }
 
-    /// Motion for which offsets have been provisional, s; `None`: there are no windows.
+    /// Returns the duration of motion for which offsets have been provisional, s; `None`: no windows.
     pub(super) fn provisional_s(&self) -> Option<f64> {
-        (!matches!(self.place, Place::None)).then_some(self.provisional_s)
+        (!matches!(self.location, WindowLocation::None)).then_some(self.provisional_s)
     }
 
-    /// A constant force from outside at the tool, where one is likely.
+    /// Returns the constant external force at the tool, N, if it is probable.
     pub(super) fn external_force(&self) -> Option<ForceEstimate> {
         self.answer()?.external_force
     }
 
-    /// What is known of a joint's tendon, and why that is provisional, with times in s since 1970.
+    /// Returns the online estimate of a joint, and the reason for which it is provisional, with times in s since 1970
+    /// UTC.
     pub(super) fn joint(&self, joint: usize) -> Option<(&OnlineJoint, Option<Provisional>)> {
-        let own = self.answer()?.joint(joint)?;
-        // From now back: a clock that stepped, or that runs faster than stamps, is right for what is recent.
+        let estimate = self.answer()?.joint(joint)?;
+        // The conversion refers to the last block: after a step of the clock, or with an accelerated clock, it is
+        // correct for recent times.
         let by_s = self.last_utc_s - self.last_s;
-        let provisional = own.provisional.map(|why| why.on_clock(by_s));
-        own.offset_rad.is_finite().then_some((own, provisional))
+        let provisional = estimate.provisional.map(|reason| reason.on_clock(by_s));
+        estimate
+            .offset_rad
+            .is_finite()
+            .then_some((estimate, provisional))
     }
 }

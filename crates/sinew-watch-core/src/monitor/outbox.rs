@@ -1,49 +1,50 @@
-//! What is written down: the journal, what waits for the store, and what may be spoken of.
+//! Outbox: journal, transactions waiting for the store, and stored results that may be published.
 
 use super::config::Stored;
 use crate::alarm::{Alarm, AlarmsStored, Transition};
 use crate::instant::Instant;
 use crate::journal::{Entry, Event};
 use crate::record::Record;
-use crate::transaction::{Belief, Transaction};
+use crate::transaction::{MonitorState, Transaction};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Entries of the journal kept until the next tick, at most.
-const JOURNAL_ROOM: usize = 256;
-/// Losses are told together, once in this time, s.
-const LOSSES_EVERY_S: f64 = 60.0;
-/// Entries of the journal that wait at most: beyond, the oldest are given up.
-const JOURNAL_MOST: usize = 10_000;
-/// Records that wait at most: three months of seven tendons at work all day. Beyond, the oldest are given up.
-const RECORDS_MOST: usize = 100_000;
+/// Maximum number of journal entries kept until the next tick.
+const JOURNAL_CAPACITY: usize = 256;
+/// Minimum time between two reports of losses, s.
+const LOSS_REPORT_PERIOD_S: f64 = 60.0;
+/// Maximum number of waiting journal entries; beyond it, the oldest are discarded.
+const MAX_WAITING_ENTRIES: usize = 10_000;
+/// Maximum number of waiting records: three months of seven tendons at continuous work; beyond it, the oldest are
+/// discarded.
+const MAX_WAITING_RECORDS: usize = 100_000;
 
-/// Transactions on their way to the store: at most one is under way, and one waits that holds all the rest.
+/// Transactions for the store: at most one is being stored, and one waits that contains all the rest.
 ///
-/// A store that refuses for days so costs bounded memory. Of the beliefs and alarms that wait only the last ones
-/// matter; entries of the journal are given up first, from the oldest, records after months.
+/// A store that fails for days therefore costs bounded memory. Only the last waiting state and alarms are kept; journal
+/// entries are discarded first, the oldest first, records only after months.
 #[derive(Debug, Default)]
 pub(super) struct Outbox {
     robot: String,
     last_id: u64,
-    /// Entries and records since the last tick, and whether the belief is another one.
+    /// Journal entries and records since the last tick, and whether the state changed.
     journal: Vec<Entry>,
     records: Vec<Record>,
-    belief_changed: bool,
+    state_changed: bool,
     under_way: Option<Transaction>,
     waiting: Option<Transaction>,
-    /// Parts that were put together in what waits.
+    /// Number of transactions merged in the waiting one.
     parts: usize,
-    /// Alarms and last records that are stored.
+    /// Stored alarms and last stored record per joint.
     pub(super) alarms: Vec<Alarm>,
     pub(super) last: BTreeMap<String, Record>,
-    given_up: [u64; 2],
-    /// Whether the store refused the last transaction.
+    discarded: [u64; 2],
+    /// Whether the store rejected the last transaction.
     pub(super) fails: bool,
-    /// Messages that were dropped, and motion that was not estimated, s, since that was last told.
+    /// Dropped messages, and motion that was not estimated, s, since the last report.
     pub(super) dropped: u64,
     pub(super) behind_s: f64,
-    losses_told: Option<Instant>,
+    losses_reported: Option<Instant>,
 }
 
 impl Outbox {
@@ -51,16 +52,16 @@ impl Outbox {
         Self {
             robot: robot.into(),
             last_id: stored.last_id,
-            journal: Vec::with_capacity(JOURNAL_ROOM),
+            journal: Vec::with_capacity(JOURNAL_CAPACITY),
             alarms: stored.alarms.alarms.clone(),
             last: stored.history.take_last(),
             ..Self::default()
         }
     }
 
-    /// Writes an entry of the journal.
+    /// Adds an entry to the journal.
     pub(super) fn event(&mut self, event: Event, now: Instant) {
-        if self.journal.len() == JOURNAL_ROOM {
+        if self.journal.len() == JOURNAL_CAPACITY {
             self.journal.remove(0);
         }
         self.journal.push(Entry {
@@ -69,22 +70,22 @@ impl Outbox {
         });
     }
 
-    /// Takes what was learned: records, and another belief.
-    pub(super) fn learned(&mut self, records: Vec<Record>) {
+    /// Adds the results of an estimate: records and a changed state.
+    pub(super) fn add_results(&mut self, records: Vec<Record>) {
         self.records.extend(records);
-        self.belief_changed = true;
+        self.state_changed = true;
     }
 
-    /// Writes losses, together and once a minute at most.
-    pub(super) fn tell_losses(&mut self, now: Instant) {
-        let told = self.losses_told;
+    /// Reports losses in the journal, together and at most once per minute.
+    pub(super) fn report_losses(&mut self, now: Instant) {
+        let reported = self.losses_reported;
         let (messages, motion_s) = (self.dropped, self.behind_s);
-        if told.is_some_and(|told| now.since_s(told) < LOSSES_EVERY_S)
+        if reported.is_some_and(|reported| now.since_s(reported) < LOSS_REPORT_PERIOD_S)
             || (messages == 0 && motion_s == 0.0)
         {
             return;
         }
-        (self.dropped, self.behind_s, self.losses_told) = (0, 0.0, Some(now));
+        (self.dropped, self.behind_s, self.losses_reported) = (0, 0.0, Some(now));
         if messages > 0 {
             self.event(Event::Dropped { messages }, now);
         }
@@ -93,17 +94,17 @@ impl Outbox {
         }
     }
 
-    /// Makes a transaction of what is new; `alarms` are those that aren't normal.
+    /// Makes a transaction of all changes; `alarms` returns those that are not normal.
     pub(super) fn flush(
         &mut self,
-        belief: &Arc<Belief>,
+        state: &Arc<MonitorState>,
         transitions: Vec<Transition>,
         alarms: impl FnOnce() -> AlarmsStored,
         now: Instant,
     ) {
-        let given_up = std::mem::take(&mut self.given_up);
-        if given_up != [0; 2] {
-            let [entries, records] = given_up;
+        let discarded = std::mem::take(&mut self.discarded);
+        if discarded != [0; 2] {
+            let [entries, records] = discarded;
             self.event(Event::GivenUp { entries, records }, now);
         }
         let alarms = (!transitions.is_empty()).then(alarms);
@@ -113,8 +114,8 @@ impl Outbox {
         });
         let journal: Vec<Entry> = self.journal.drain(..).chain(steps).collect();
         let records = std::mem::take(&mut self.records);
-        let belief = std::mem::take(&mut self.belief_changed).then(|| Arc::clone(belief));
-        if journal.is_empty() && records.is_empty() && belief.is_none() {
+        let state = std::mem::take(&mut self.state_changed).then(|| Arc::clone(state));
+        if journal.is_empty() && records.is_empty() && state.is_none() {
             return;
         }
         self.last_id += 1;
@@ -123,32 +124,32 @@ impl Outbox {
             id: self.last_id,
             robot: self.robot.clone(),
             records,
-            belief,
+            state,
             alarms,
             journal,
         };
         self.waiting = Some(match self.waiting.take() {
             None => next,
-            Some(older) => joined(older, next),
+            Some(older) => merged(older, next),
         });
         self.bound();
     }
 
-    /// Gives up what is too old.
+    /// Discards the oldest entries and records beyond the maximum.
     fn bound(&mut self) {
         let Some(waiting) = &mut self.waiting else {
             return;
         };
         let excess = |length: usize, most: usize| length.saturating_sub(most);
-        let entries = excess(waiting.journal.len(), JOURNAL_MOST);
+        let entries = excess(waiting.journal.len(), MAX_WAITING_ENTRIES);
         waiting.journal.drain(..entries);
-        let records = excess(waiting.records.len(), RECORDS_MOST);
+        let records = excess(waiting.records.len(), MAX_WAITING_RECORDS);
         waiting.records.drain(..records);
-        self.given_up[0] += entries as u64;
-        self.given_up[1] += records as u64;
+        self.discarded[0] += entries as u64;
+        self.discarded[1] += records as u64;
     }
 
-    /// The next to store; it waits for [`Outbox::committed`] or [`Outbox::refused`].
+    /// Returns the next transaction to store; it waits for [`Outbox::committed`] or [`Outbox::store_failed`].
     pub(super) fn take(&mut self) -> Option<Transaction> {
         if self.under_way.is_none() {
             self.under_way = self.waiting.take();
@@ -158,7 +159,7 @@ impl Outbox {
         None
     }
 
-    /// What is under way is stored; `false`: it isn't that one.
+    /// Notes that the transaction was stored; `false`: it is another one.
     pub(super) fn committed(&mut self, id: u64) -> bool {
         let Some(stored) = self.under_way.take_if(|t| t.id == id) else {
             return false;
@@ -173,36 +174,36 @@ impl Outbox {
         true
     }
 
-    /// It could not be stored: it is handed out again, with what came since.
-    pub(super) fn refused(&mut self, id: u64) -> bool {
-        let Some(refused) = self.under_way.take_if(|t| t.id == id) else {
+    /// Notes that the transaction could not be stored; it is returned again, merged with later ones.
+    pub(super) fn store_failed(&mut self, id: u64) -> bool {
+        let Some(failed) = self.under_way.take_if(|t| t.id == id) else {
             return false;
         };
         self.parts += 1;
         self.waiting = Some(match self.waiting.take() {
-            None => refused,
-            Some(newer) => joined(refused, newer),
+            None => failed,
+            Some(newer) => merged(failed, newer),
         });
         self.bound();
         self.fails = true;
         true
     }
 
-    /// Transactions that aren't stored.
+    /// Returns the number of transactions that are not stored.
     pub(super) fn len(&self) -> usize {
         self.parts + usize::from(self.under_way.is_some())
     }
 }
 
-/// Two as one.
-fn joined(mut older: Transaction, mut newer: Transaction) -> Transaction {
+/// Merges two transactions.
+fn merged(mut older: Transaction, mut newer: Transaction) -> Transaction {
     older.records.append(&mut newer.records);
     older.journal.append(&mut newer.journal);
     Transaction {
         id: newer.id,
         robot: newer.robot,
         records: older.records,
-        belief: newer.belief.or(older.belief),
+        state: newer.state.or(older.state),
         alarms: newer.alarms.or(older.alarms),
         journal: older.journal,
     }

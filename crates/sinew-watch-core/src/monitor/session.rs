@@ -1,4 +1,4 @@
-//! A session: some minutes of motion, what ends it, and the stretches of it that wait for their estimate.
+//! Sessions: some minutes of motion, their end, and segments waiting for their estimate.
 
 use super::clock::Clocks;
 use super::config::Times;
@@ -9,93 +9,93 @@ use sinew_estimate::session::{Poses, Recorded, Recorder};
 use sinew_model::offset::Block;
 use std::collections::VecDeque;
 
-/// A joint that moved by more since it last stood somewhere moves, rad: what the estimator takes for a stand.
-const STAND_RAD: f64 = 0.01;
-/// Stretches that wait at most, beside the one that is recorded and the one that is estimated.
-const STRETCHES_WAITING: usize = 2;
-/// Stretches that wait at most where the next one is a session's last: a record hangs on it.
-const ENDS_WAITING: usize = 8;
-/// Room for blocks is made for so much time to come, s.
-const ROOM_S: f64 = 10.0;
-/// A stretch with less motion teaches nothing, s.
-const LEAST_MOTION_S: f64 = 2.0;
+/// Maximum change of a joint position at rest, rad; the criterion of the estimator for rest phases.
+const MAX_REST_RAD: f64 = 0.01;
+/// Maximum number of waiting segments, in addition to the ones being recorded and estimated.
+const MAX_WAITING_SEGMENTS: usize = 2;
+/// Maximum number of waiting segments if the next one ends a session, because a record depends on it.
+const MAX_WAITING_AT_END: usize = 8;
+/// Time for which memory for blocks is reserved, s.
+const RESERVED_S: f64 = 10.0;
+/// Minimum duration of motion of a segment to be estimated, s.
+const MIN_MOTION_S: f64 = 2.0;
 
-/// A session, as far as it has come. A copy goes with every stretch of it.
+/// State of a session; each of its segments has a copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Session {
-    /// Number, since the robot's first.
+    /// Number of the session, counted from the robot's first.
     pub(super) number: u64,
     pub(super) start: Instant,
-    /// Time in motion, s.
+    /// Duration of motion, s.
     pub(super) motion_s: f64,
-    /// Since it last moved, s.
-    stands_s: f64,
+    /// Time since the last motion, s.
+    rest_s: f64,
     pub(super) frames: u64,
     pub(super) frames_lost: u64,
     /// Number of distinct poses.
     pub(super) poses: usize,
-    /// Sum and number of the blocks' temperatures, °C.
+    /// Sum, °C, and number of the blocks' temperatures.
     celsius: [f64; 2],
-    /// Whether its date can be believed.
+    /// Clock of the session's date.
     pub(super) clock: Clock,
 }
 
 impl Session {
-    /// Mean temperature, °C, where it was recorded.
+    /// Returns the mean temperature, °C, if it was recorded.
     pub(super) fn temperature_c(&self) -> Option<f64> {
         let [sum, count] = self.celsius;
         (count > 0.0).then(|| sum / count)
     }
 }
 
-/// Some motion of a session that waits for its estimate.
+/// Segment of a session that waits for its estimate.
 #[derive(Debug)]
-pub(super) struct Stretch {
+pub(super) struct Segment {
     pub(super) session: Session,
     pub(super) recorded: Recorded,
-    /// Whether it is the session's last.
+    /// Reason for the end of the session, if this is its last segment.
     pub(super) end: Option<SessionEnd>,
-    /// Whether an offset was provisional at its end.
-    pub(super) in_doubt: bool,
-    /// Whether there is motion enough in it to be estimated.
-    pub(super) worth_it: bool,
-    /// Motion in it, s.
+    /// Whether an offset was provisional at the end of the segment.
+    pub(super) provisional: bool,
+    /// Whether the motion is sufficient for an estimate.
+    pub(super) has_motion: bool,
+    /// Duration of motion in the segment, s.
     pub(super) motion_s: f64,
-    /// Whether it is for a baseline: for that of the so-many-th tensioning.
+    /// Number of the tensioning whose baseline the segment belongs to, if any.
     pub(super) baseline_of: Option<u32>,
 }
 
-/// How a stretch ends.
+/// End of a segment.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct StretchEnd {
-    /// Why the session ends with it, if it does.
+pub(super) struct SegmentEnd {
+    /// Reason for the end of the session, if it ends with this segment.
     pub(super) end: Option<SessionEnd>,
-    pub(super) in_doubt: bool,
+    pub(super) provisional: bool,
     pub(super) motor_current: bool,
     pub(super) baseline_of: Option<u32>,
 }
 
-/// Begins and ends sessions, block by block, and keeps the stretches of them that wait for their estimate.
+/// Sessions, started and ended with each block, and the segments waiting for their estimate.
 #[derive(Debug)]
 pub(super) struct Sessions {
     pub(super) block_s: f64,
     times: Times,
     now: Option<Session>,
-    /// Sessions begun so far.
+    /// Number of sessions so far.
     count: u64,
     poses: Poses,
-    /// Where the arm last stood, rad.
+    /// Last pose at rest, rad.
     pose_rad: Vec<f64>,
-    /// Frames since the last block, and how many of them were of no use.
+    /// Number of frames since the last block, and of those not usable.
     pending: [u64; 2],
-    /// Whether the next block begins a session even if the arm stands: data came again.
+    /// Whether the next block starts a session even at rest, because data arrive again.
     fresh: bool,
-    /// Blocks of the stretch under way, and how many of them moved.
+    /// Number of blocks in the present segment, and of those with motion.
     blocks: usize,
     moved_blocks: usize,
-    /// Stretches that wait for their estimate, the oldest first.
-    waiting: VecDeque<Stretch>,
-    /// What the next stretch is recorded into.
+    /// Segments waiting for their estimate, the oldest first.
+    waiting: VecDeque<Segment>,
+    /// Buffer for the next segment.
     empty: Option<Recorded>,
 }
 
@@ -112,12 +112,12 @@ impl Sessions {
             fresh: true,
             blocks: 0,
             moved_blocks: 0,
-            waiting: VecDeque::with_capacity(ENDS_WAITING + 1),
+            waiting: VecDeque::with_capacity(MAX_WAITING_AT_END + 1),
             empty: None,
         }
     }
 
-    /// Sets when sessions and stretches end.
+    /// Sets the time limits of sessions and segments.
     pub(super) fn set_times(&mut self, times: Times) {
         self.times = times;
     }
@@ -130,19 +130,19 @@ impl Sessions {
         self.count
     }
 
-    /// Frames came, of which some can't be used.
+    /// Counts frames, of which `lost` are not usable.
     pub(super) fn frames(&mut self, frames: u64, lost: u64) {
         self.pending[0] += frames;
         self.pending[1] += lost;
     }
 
-    /// Data come again.
+    /// Notes that data arrive again.
     pub(super) fn back(&mut self) {
         self.fresh = true;
     }
 
-    /// Takes a block, recorded since `from`; `None`: no session is under way, and it is of no use. Whether the arm
-    /// moved.
+    /// Adds a block of the recording that started at `from`; returns whether the arm moved. `None`: no session is in
+    /// progress, and the block is not needed.
     pub(super) fn block(
         &mut self,
         block: &Block,
@@ -151,16 +151,16 @@ impl Sessions {
         now: Instant,
     ) -> Option<bool> {
         let (q_rad, temperature_c) = (block.q.as_slice(), block.temperature_c);
-        let apart = |(pose, q): (&f64, &f64)| !((pose - q).abs() <= STAND_RAD);
-        // The first pose there is was not come to.
-        let known = self.pose_rad.iter().all(|x| x.is_finite());
+        let apart = |(pose, q): (&f64, &f64)| !((pose - q).abs() <= MAX_REST_RAD);
+        // The first pose is not the result of a motion.
+        let has_pose = self.pose_rad.iter().all(|x| x.is_finite());
         let moved = self.pose_rad.iter().zip(q_rad).any(apart);
         if moved {
             for (pose, q) in self.pose_rad.iter_mut().zip(q_rad) {
                 *pose = *q;
             }
         }
-        let moved = moved && known;
+        let moved = moved && has_pose;
         if self.now.is_none() {
             if !(moved || self.fresh) {
                 self.pending = [0; 2];
@@ -172,9 +172,9 @@ impl Sessions {
         let session = self.now.as_mut()?;
         if moved {
             session.motion_s += self.block_s;
-            session.stands_s = 0.0;
+            session.rest_s = 0.0;
         } else {
-            session.stands_s += self.block_s;
+            session.rest_s += self.block_s;
         }
         session.frames += self.pending[0] - self.pending[1];
         session.frames_lost += self.pending[1];
@@ -199,7 +199,7 @@ impl Sessions {
             number: self.count,
             start: now,
             motion_s: 0.0,
-            stands_s: 0.0,
+            rest_s: 0.0,
             frames: 0,
             frames_lost: 0,
             poses: 0,
@@ -208,54 +208,54 @@ impl Sessions {
         });
     }
 
-    /// Whether it is over by itself.
+    /// Returns the reason for the end of the session, if a time limit is reached.
     pub(super) fn is_over(&self) -> Option<SessionEnd> {
         let session = self.now?;
-        if session.stands_s >= self.times.session_pause_s {
+        if session.rest_s >= self.times.session_pause_s {
             Some(SessionEnd::Stood)
         } else {
             (session.motion_s >= self.times.session_motion_s).then_some(SessionEnd::Full)
         }
     }
 
-    /// Whether the stretch under way is as long as one may be.
-    pub(super) fn is_stretch_over(&self) -> bool {
+    /// Whether the present segment has its maximum length.
+    pub(super) fn is_segment_over(&self) -> bool {
         self.blocks as f64 * self.block_s >= self.times.stretch_s
     }
 
-    /// Marks whether the session's date can be believed.
+    /// Sets the clock of the session's date.
     pub(super) fn set_clock(&mut self, clock: Clock) {
         if let Some(session) = &mut self.now {
             session.clock = clock;
         }
     }
 
-    /// Ends the session under way.
+    /// Ends the present session.
     pub(super) fn end(&mut self) {
         self.now = None;
-        self.forget_blocks();
+        self.restart_segment();
     }
 
-    /// Begins the stretch under way anew.
-    pub(super) fn forget_blocks(&mut self) {
+    /// Restarts the present segment.
+    pub(super) fn restart_segment(&mut self) {
         (self.blocks, self.moved_blocks) = (0, 0);
     }
 
-    /// Makes what is recorded a stretch that waits for its estimate. Returns the motion of it, s, where it is left out
-    /// because too much waits already; else 0.
-    pub(super) fn end_stretch(&mut self, recorder: &mut Recorder, how: StretchEnd) -> f64 {
+    /// Queues the recording as a segment for its estimate. Returns the duration of motion, s, that is dropped because
+    /// too many segments wait; otherwise 0.
+    pub(super) fn end_segment(&mut self, recorder: &mut Recorder, how: SegmentEnd) -> f64 {
         let motion_s = self.moved_blocks as f64 * self.block_s;
-        self.forget_blocks();
-        let worth_it = motion_s >= LEAST_MOTION_S;
-        if !worth_it && how.end.is_none() {
-            // A long stand amid a session: one block says what all of them say.
+        self.restart_segment();
+        let has_motion = motion_s >= MIN_MOTION_S;
+        if !has_motion && how.end.is_none() {
+            // Long rest within a session: one block contains the information of all.
             recorder.clear();
             return 0.0;
         }
         let Some(session) = self.now else { return 0.0 };
         let most = match how.end {
-            None => STRETCHES_WAITING,
-            Some(_) => ENDS_WAITING,
+            None => MAX_WAITING_SEGMENTS,
+            Some(_) => MAX_WAITING_AT_END,
         };
         if self.waiting.len() >= most {
             recorder.clear();
@@ -265,33 +265,33 @@ impl Sessions {
         let empty = empty.unwrap_or_else(|| recorder.room(0.0));
         let mut recorded = recorder.exchange(empty);
         recorded.motor_current = how.motor_current;
-        self.waiting.push_back(Stretch {
+        self.waiting.push_back(Segment {
             session,
             recorded,
             end: how.end,
-            worth_it,
-            in_doubt: how.in_doubt,
+            has_motion,
+            provisional: how.provisional,
             motion_s,
             baseline_of: how.baseline_of,
         });
         0.0
     }
 
-    /// The oldest stretch that waits.
-    pub(super) fn next_stretch(&mut self) -> Option<Stretch> {
+    /// Returns the oldest waiting segment.
+    pub(super) fn next_segment(&mut self) -> Option<Segment> {
         self.waiting.pop_front()
     }
 
-    /// Whether a stretch waits that isn't for a baseline.
+    /// Whether a segment is waiting that does not belong to a baseline.
     pub(super) fn has_waiting(&self) -> bool {
         self.waiting.iter().any(|s| s.baseline_of.is_none())
     }
 
-    /// Makes room for what comes, off the path of frames.
+    /// Reserves memory for coming blocks, outside the frame path.
     pub(super) fn make_room(&mut self, recorder: &mut Recorder) {
-        recorder.make_room(ROOM_S);
+        recorder.make_room(RESERVED_S);
         if self.empty.is_none() {
-            self.empty = Some(recorder.room(ROOM_S));
+            self.empty = Some(recorder.room(RESERVED_S));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What is watched: the configuration, the robot with its limits, and its tendons.
+//! Setup of a monitor: configuration, robot with its limits, and tendons.
 
 use super::config::{MonitorConfig, MonitorError};
 use crate::alarm::LimitOrigin;
@@ -9,17 +9,17 @@ use sinew_model::transmission::Tendon;
 use sinew_rope::{Catalogue, CatalogueError};
 use std::sync::Arc;
 
-/// What is watched. Tendons are counted in the order of the robot's elastic joints.
+/// Setup of a monitor. Tendons are indexed in the order of the robot's elastic joints.
 #[derive(Debug)]
 pub(super) struct Setup {
     pub(super) config: MonitorConfig,
-    /// The robot with the limits its ropes' makers state.
+    /// Robot including the limits specified by the rope manufacturers.
     pub(super) robot: Arc<Robot>,
-    /// The joint of every tendon.
+    /// Joint index of each tendon.
     pub(super) elastic: Vec<usize>,
-    /// The joint's name of every tendon.
+    /// Joint name of each tendon.
     pub(super) names: Vec<String>,
-    /// The limits of every tendon.
+    /// Limits of each tendon.
     pub(super) limits: Vec<Limits>,
 }
 
@@ -58,7 +58,7 @@ impl Setup {
         })
     }
 
-    /// Takes another configuration of the same robot.
+    /// Replaces the configuration of the same robot.
     pub(super) fn reload(&mut self, config: MonitorConfig) -> Result<(), MonitorError> {
         config.check()?;
         let springs = |robot: &Robot| -> Vec<Option<f64>> {
@@ -77,17 +77,17 @@ impl Setup {
         Ok(())
     }
 
-    /// Joints of the robot.
+    /// Returns the number of axes: joints, then additional tendons.
     pub(super) fn joints(&self) -> usize {
-        self.robot.arm.dof()
+        self.robot.axes()
     }
 
-    /// The tendon of a joint.
+    /// Returns the index of the tendon of a joint.
     pub(super) fn tendon_of(&self, joint: &str) -> Option<usize> {
         self.names.iter().position(|name| name == joint)
     }
 
-    /// The geometry of a tendon, where robot.toml states it.
+    /// Returns the geometry of a tendon, if robot.toml specifies it.
     pub(super) fn geometry(&self, tendon: usize) -> Option<&Tendon> {
         let joint = *self.elastic.get(tendon)?;
         self.robot
@@ -98,9 +98,9 @@ impl Setup {
             .as_ref()
     }
 
-    /// Elongation since it was tensioned, m, and strain since its rope was new, of a tendon with this offset, rad, and
-    /// with this elongation from before it was tensioned, m.
-    pub(super) fn stretch(
+    /// Returns the elongation since the last tensioning, m, and the total strain since the rope was new, ratio, for an
+    /// offset, rad, and an earlier elongation `before_m`, m.
+    pub(super) fn elongation(
         &self,
         tendon: usize,
         before_m: Gaussian,
@@ -113,32 +113,32 @@ impl Setup {
     }
 }
 
-/// The limits of a tendon, with where they come from.
+/// Limits of a tendon with their origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Limits {
-    /// Elongation since the last tensioning, m.
+    /// Limit of the elongation since the last tensioning, m.
     pub(super) retension_m: Option<(f64, LimitOrigin)>,
-    /// Strain since the rope was new, as a fraction.
+    /// Limit of the total strain since the rope was new, ratio.
     pub(super) replace_ratio: Option<(f64, LimitOrigin)>,
 }
 
 impl Limits {
-    /// What robot.toml says, else the rope's maker in the catalogue.
+    /// Returns the limits of robot.toml, otherwise those of the manufacturer in the catalogue.
     fn of(tendon: &Tendon, catalogue: &Catalogue) -> Result<Self, CatalogueError> {
         let toml = |limit: f64| (limit, LimitOrigin::RobotToml);
         let rope = tendon.rope.as_deref().map(|name| catalogue.find(name));
-        let stated = rope
+        let discard_strain = rope
             .transpose()?
             .and_then(|rope| rope.entry.discard_strain());
-        let maker = stated.map(|ratio| (ratio, LimitOrigin::Catalogue));
+        let manufacturer = discard_strain.map(|ratio| (ratio, LimitOrigin::Catalogue));
         Ok(Self {
             retension_m: tendon.retension_at_m.map(toml),
-            replace_ratio: tendon.replace_at_strain.map(toml).or(maker),
+            replace_ratio: tendon.replace_at_strain.map(toml).or(manufacturer),
         })
     }
 
-    /// The limits as a snapshot has them.
-    pub(super) fn shown(self) -> Vec<LimitNow> {
+    /// Returns the limits as snapshot in a snapshot.
+    pub(super) fn snapshot(self) -> Vec<LimitNow> {
         let retension = (self.retension_m).map(|(elongation_m, origin)| LimitNow::Retension {
             elongation_m,
             origin,

@@ -1,26 +1,28 @@
-//! What is shown: only what is stored, and the number of now.
+//! Snapshots: stored results only, and the present offsets.
 
 use super::Monitor;
 use crate::alarm::{Alarm, Level};
 use crate::instant::Instant;
 use crate::record::NoOffset;
-use crate::snapshot::{Freshness, Learning, NotNow, RobotSnapshot, SessionNow, TendonSnapshot};
+use crate::snapshot::{
+    Freshness, Learning, NoEstimateReason, RobotSnapshot, SessionNow, TendonSnapshot,
+};
 use sinew_estimate::session::Verdict;
 use sinew_model::Gaussian;
 use std::sync::Arc;
 
-/// The parts of a monitor, looked at together.
+/// Monitor at one instant, for making a snapshot.
 pub(super) struct View<'a> {
     monitor: &'a Monitor,
     now: Instant,
     freshness: Freshness,
-    /// The most severe first.
+    /// Alarms in descending order of severity.
     alarms: Vec<Alarm>,
 }
 
 impl<'a> View<'a> {
     pub(super) fn new(monitor: &'a Monitor, now: Instant) -> Self {
-        // While the store fails, alarms are shown as they are: one that nobody sees is worse than one that a crash forgets.
+        // While the store fails, unstored alarms are snapshot: a hidden alarm is worse than one lost in a crash.
         let mut alarms: Vec<Alarm> = match monitor.outbox.fails {
             true => monitor.alarms.alarms.iter().cloned().collect(),
             false => monitor.outbox.alarms.clone(),
@@ -42,12 +44,12 @@ impl<'a> View<'a> {
         self.freshness == Freshness::Fresh
     }
 
-    /// The worst of the alarms of a joint, or of the robot as a whole; stale where nothing is known now.
-    fn level(&self, joint: Option<&str>, known: bool) -> Level {
-        let own = self.alarms.iter();
-        let own = own.filter(|alarm| alarm.key.joint.as_deref() == joint);
-        let stale = if known { Level::Ok } else { Level::Stale };
-        Level::worst(own.map(Alarm::level).chain([stale]))
+    /// Returns the most urgent level of the alarms of a joint, or of the robot as a whole; stale without current data.
+    fn level(&self, joint: Option<&str>, is_current: bool) -> Level {
+        let alarms = self.alarms.iter();
+        let alarms = alarms.filter(|alarm| alarm.key.joint.as_deref() == joint);
+        let stale = if is_current { Level::Ok } else { Level::Stale };
+        Level::worst(alarms.map(Alarm::level).chain([stale]))
     }
 
     pub(super) fn robot(self) -> RobotSnapshot {
@@ -74,8 +76,8 @@ impl<'a> View<'a> {
             frames: ingest.frames,
             frames_lost: ingest.frames_lost,
             learning: match &chain.baseline {
-                Some(progress) => progress.shown(),
-                None if chain.belief().tendons.iter().any(|t| t.since.is_some()) => {
+                Some(progress) => progress.snapshot(),
+                None if chain.state().tendons.iter().any(|t| t.since.is_some()) => {
                     Learning::Following
                 }
                 None => Learning::NoBaseline,
@@ -102,48 +104,52 @@ impl<'a> View<'a> {
             outbox,
             ..
         } = self.monitor;
-        let (name, belief) = (&setup.names[i], &chain.belief().tendons[i]);
+        let (name, state) = (&setup.names[i], &chain.state().tendons[i]);
         let offset = self.offset_now(i);
-        let known = offset.ok();
-        let own = online.joint(setup.elastic[i]).filter(|_| known.is_some());
-        let stretched = setup.stretch(i, belief.before_m, known);
-        let made = trends.get(i);
-        let follows = self.is_fresh() && (online.is_known() || chain.baseline.is_some());
+        let offset_rad = offset.ok();
+        let estimate = online
+            .joint(setup.elastic[i])
+            .filter(|_| offset_rad.is_some());
+        let elongation = setup.elongation(i, state.before_m, offset_rad);
+        let computed = trends.get(i);
+        let is_current = self.is_fresh() && (online.has_answer() || chain.baseline.is_some());
         TendonSnapshot {
             joint: name.clone(),
-            level: self.level(Some(name), follows),
-            offset_rad: known,
-            unknown_temperature_rad: (own.map(|(own, _)| own.unknown_temperature_rad))
+            level: self.level(Some(name), is_current),
+            offset_rad,
+            unknown_temperature_rad: (estimate.map(|(joint, _)| joint.unknown_temperature_rad))
                 .filter(|added_rad| *added_rad > 0.0),
-            provisional: own.and_then(|(_, why)| why),
-            elongation_m: stretched.map(|s| s.0),
-            strain_ratio: stretched.map(|s| s.1),
+            provisional: estimate.and_then(|(_, reason)| reason),
+            elongation_m: elongation.map(|s| s.0),
+            strain_ratio: elongation.map(|s| s.1),
             reason: offset.err(),
-            tensioned_utc_s: belief.last_tensioned_utc_s(),
+            tensioned_utc_s: state.last_tensioned_utc_s(),
             last: outbox.last.get(name).cloned(),
-            limits: setup.limits[i].shown(),
+            limits: setup.limits[i].snapshot(),
             rope: setup.geometry(i).and_then(|t| t.rope.clone()),
-            trend: made.map(|made| Arc::clone(&made.trend)),
-            passages: made.map_or_else(Arc::default, |made| Arc::clone(&made.passages)),
+            trend: computed.map(|computed| Arc::clone(&computed.trend)),
+            passages: computed.map_or_else(Arc::default, |computed| Arc::clone(&computed.passages)),
         }
     }
 
-    /// The offset of now, or why there is none.
-    fn offset_now(&self, i: usize) -> Result<Gaussian, NotNow> {
+    /// Returns the present offset, rad, or the reason for which there is none.
+    fn offset_now(&self, i: usize) -> Result<Gaussian, NoEstimateReason> {
         let Monitor { online, chain, .. } = self.monitor;
         if !self.is_fresh() {
-            return Err(NotNow::NoData);
+            return Err(NoEstimateReason::NoData);
         }
         if chain.baseline.is_some() {
-            return Err(NotNow::LearnsBaseline);
+            return Err(NoEstimateReason::BaselineAcquisition);
         }
-        let own = online.joint(self.monitor.setup.elastic[i]);
-        let offset = own.map(|(own, _)| own.offset_rad).ok_or(NotNow::Starting)?;
-        match Verdict::of(offset) {
-            Verdict::CannotTell => Err(NotNow::CannotTell {
-                why: NoOffset::TooWide,
+        let estimate = online.joint(self.monitor.setup.elastic[i]);
+        let offset = estimate
+            .map(|(joint, _)| joint.offset_rad)
+            .ok_or(NoEstimateReason::Starting)?;
+        match Verdict::is_inconclusive(offset) {
+            true => Err(NoEstimateReason::Inconclusive {
+                reason: NoOffset::TooWide,
             }),
-            _ => Ok(offset),
+            false => Ok(offset),
         }
     }
 }

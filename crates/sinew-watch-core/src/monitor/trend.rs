@@ -1,23 +1,23 @@
-//! The trend of every tendon, from the best record of every day.
+//! Trend of each tendon, from the best record of each day.
 
 use super::history::History;
 use super::setup::Setup;
 use crate::instant::Instant;
 use crate::record::Record;
-use crate::transaction::TendonBelief;
+use crate::transaction::TendonState;
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
-use sinew_trend::{JointTrend, PassageTimes, SessionRecord, Stated, TrendRequest, analyze_joint};
+use sinew_trend::{FirstPassage, JointTrend, SessionRecord, Stated, TrendRequest, analyze_joint};
 use std::sync::Arc;
 
-/// Days a trend's forecast looks ahead, as that of `sinew trend`.
+/// Forecast horizon of a trend, days; the default of `sinew trend`.
 pub const HORIZON_DAYS: f64 = 1095.0;
-/// Seed of its draws: that of `sinew trend`.
+/// Seed of the posterior draws; the default of `sinew trend`.
 const SEED: u64 = 1;
-/// A trend is made anew at most so often, s: it is of days.
-const BETWEEN_S: f64 = 3600.0;
+/// Minimum time between two computations of a trend, s; trends change within days.
+const MIN_INTERVAL_S: f64 = 3600.0;
 
-/// The records of a robot, the trends of its tendons, and which of them are to be made anew.
+/// Records of a robot and the trends of its tendons.
 #[derive(Debug)]
 pub(super) struct Trends {
     history: History,
@@ -26,18 +26,18 @@ pub(super) struct Trends {
 
 #[derive(Debug, Clone, Default)]
 struct TendonTrend {
-    made: Option<Made>,
-    /// Whether its records changed since.
+    computed: Option<ComputedTrend>,
+    /// Whether the records changed since the last computation.
     changed: bool,
-    /// When it was last begun.
+    /// Start of the last computation.
     begun: Option<Instant>,
 }
 
-/// A trend without its series, and when it passes its limits.
+/// Trend without its time series, and the first-passage times of its limits.
 #[derive(Debug, Clone)]
-pub(super) struct Made {
+pub(super) struct ComputedTrend {
     pub(super) trend: Arc<JointTrend>,
-    pub(super) passages: Arc<[PassageTimes]>,
+    pub(super) passages: Arc<[FirstPassage]>,
 }
 
 impl Trends {
@@ -52,24 +52,24 @@ impl Trends {
         }
     }
 
-    pub(super) fn get(&self, tendon: usize) -> Option<&Made> {
-        self.tendons.get(tendon)?.made.as_ref()
+    pub(super) fn get(&self, tendon: usize) -> Option<&ComputedTrend> {
+        self.tendons.get(tendon)?.computed.as_ref()
     }
 
-    /// Takes a trend that was made after so many tensionings, where there were `tensionings` by now.
-    pub(super) fn set(&mut self, made: TrendMade, tensionings: u32) {
-        let Some(of) = self.tendons.get_mut(made.tendon) else {
+    /// Stores a computed trend unless a rope was re-tensioned since its start; `tensionings`: present count.
+    pub(super) fn set(&mut self, result: TrendResult, tensionings: u32) {
+        let Some(of) = self.tendons.get_mut(result.tendon) else {
             return;
         };
-        if made.of == tensionings {
-            of.made = made.made;
+        if result.tensionings == tensionings {
+            of.computed = result.computed;
         } else {
-            // A rope was tensioned since: what was to come of it isn't any more.
+            // A rope was re-tensioned meanwhile: the forecast is obsolete.
             of.changed = true;
         }
     }
 
-    /// Takes a record.
+    /// Adds a record to the history.
     pub(super) fn record(&mut self, record: &Record, setup: &Setup) {
         if self.history.push(record)
             && let Some(i) = setup.tendon_of(&record.joint)
@@ -84,17 +84,17 @@ impl Trends {
         }
     }
 
-    /// Forgets the trend of a tendon that was tensioned.
-    pub(super) fn forget(&mut self, tendon: usize) {
+    /// Discards the trend of a re-tensioned tendon.
+    pub(super) fn discard(&mut self, tendon: usize) {
         if let Some(of) = self.tendons.get_mut(tendon) {
             *of = TendonTrend::default();
         }
     }
 
-    /// The tendon whose trend is to be made anew.
+    /// Returns the next tendon whose trend is outdated.
     fn next(&mut self, now: Instant) -> Option<usize> {
         let is_due = |of: &TendonTrend| {
-            let waited = |begun: Instant| now.since_s(begun) >= BETWEEN_S;
+            let waited = |begun: Instant| now.since_s(begun) >= MIN_INTERVAL_S;
             of.changed && of.begun.is_none_or(waited)
         };
         let next = self.tendons.iter().position(is_due)?;
@@ -103,16 +103,16 @@ impl Trends {
         Some(next)
     }
 
-    /// The next trend to make, if one is due; `tensionings`: how many there were by now.
-    pub(super) fn work(
+    /// Returns the next trend to compute, if one is due; `tensionings`: present count.
+    pub(super) fn next_job(
         &mut self,
         setup: &Setup,
-        beliefs: &[TendonBelief],
+        states: &[TendonState],
         tensionings: u32,
         now: Instant,
-    ) -> Option<TrendWork> {
+    ) -> Option<TrendJob> {
         while let Some(tendon) = self.next(now) {
-            let (joint, belief) = (&setup.names[tendon], &beliefs[tendon]);
+            let (joint, state) = (&setup.names[tendon], &states[tendon]);
             let records = self.history.rows(joint);
             if records.is_empty() {
                 continue;
@@ -122,10 +122,10 @@ impl Trends {
                 time_utc_s,
                 replaced,
             };
-            let replaced = belief.replaced_utc_s;
-            let tensioned = belief.tensioned_utc_s.iter().copied();
-            return Some(TrendWork {
-                of: tensionings,
+            let replaced = state.replaced_utc_s;
+            let tensioned = state.tensioned_utc_s.iter().copied();
+            return Some(TrendJob {
+                tensionings,
                 tendon,
                 joint: joint.clone(),
                 records,
@@ -140,11 +140,11 @@ impl Trends {
     }
 }
 
-/// What a tendon's trend needs.
+/// Inputs of the trend of a tendon.
 #[derive(Debug)]
-pub(super) struct TrendWork {
-    /// After how many tensionings it was begun.
-    of: u32,
+pub(super) struct TrendJob {
+    /// Number of tensionings at the start of the computation.
+    tensionings: u32,
     tendon: usize,
     joint: String,
     records: Vec<SessionRecord>,
@@ -152,39 +152,39 @@ pub(super) struct TrendWork {
     catalogue: Arc<Catalogue>,
 }
 
-/// What became of a [`TrendWork`].
+/// Result of a [`TrendJob`].
 #[derive(Debug)]
-pub(super) struct TrendMade {
-    of: u32,
+pub(super) struct TrendResult {
+    tensionings: u32,
     tendon: usize,
-    made: Option<Made>,
+    computed: Option<ComputedTrend>,
 }
 
-impl TrendWork {
-    /// What is given where the trend could not be made.
-    pub(super) fn nothing(&self) -> TrendMade {
-        TrendMade {
-            of: self.of,
+impl TrendJob {
+    /// Returns the result of a failed computation.
+    pub(super) fn failed(&self) -> TrendResult {
+        TrendResult {
+            tensionings: self.tensionings,
             tendon: self.tendon,
-            made: None,
+            computed: None,
         }
     }
 
-    /// Makes the trend.
-    pub(super) fn run(&self, robot: &Robot) -> TrendMade {
-        TrendMade {
-            made: self.analyze(robot),
-            ..self.nothing()
+    /// Computes the trend.
+    pub(super) fn run(&self, robot: &Robot) -> TrendResult {
+        TrendResult {
+            computed: self.analyze(robot),
+            ..self.failed()
         }
     }
 
-    /// The trend; `None` where the records make none.
-    fn analyze(&self, robot: &Robot) -> Option<Made> {
+    /// Returns the trend; `None` if the records are not sufficient.
+    fn analyze(&self, robot: &Robot) -> Option<ComputedTrend> {
         let last_utc_s = self.records.last()?.time_utc_s;
         let request = TrendRequest {
             robot: Some(robot),
             catalogue: &self.catalogue,
-            // Of what was done since the last record, the next one will tell.
+            // The effect of later actions appears in the next record.
             stated: (self.stated.iter())
                 .filter(|stated| stated.time_utc_s <= last_utc_s)
                 .cloned()
@@ -196,7 +196,7 @@ impl TrendWork {
         };
         let (mut trend, passages) = analyze_joint(&self.joint, &self.records, &request).ok()?;
         trend.series = Vec::new();
-        Some(Made {
+        Some(ComputedTrend {
             trend: Arc::new(trend),
             passages: passages.into(),
         })

@@ -1,6 +1,6 @@
-//! A monitor with everything around it that it doesn't have: frames, a clock, workers, a store.
+//! Test harness: a monitor with frames, clock, worker and store.
 
-// Each test file uses its own part of this.
+// Each test file uses a part of this module.
 #![allow(dead_code)]
 
 use sinew_estimate::baseline::Baseline;
@@ -12,32 +12,32 @@ use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use sinew_sim::{Scenario, Simulation};
 use sinew_watch_core::alarm::{AlarmKey, AlarmState, Condition, StoreFault};
-use sinew_watch_core::command::{Command, CommandError, What};
+use sinew_watch_core::command::{Command, CommandError, CommandKind};
 use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::{
-    Belief, Instant, Monitor, MonitorConfig, Record, RobotSnapshot, Stored, Transaction,
+    Instant, Monitor, MonitorConfig, MonitorState, Record, RobotSnapshot, Stored, Transaction,
 };
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// The repository's folder.
+/// Root folder of the repository.
 pub(crate) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The shipped robot.
+/// Shipped robot `biorob-like`.
 pub(crate) fn biorob_like() -> Arc<Robot> {
     let folder = repository().join("robots/biorob-like");
     Arc::new(robot_dir::load(&folder, None).unwrap().robot)
 }
 
-/// The usual configuration of a robot.
+/// Default configuration of a robot.
 pub(crate) fn config(robot: &Arc<Robot>) -> MonitorConfig {
     let catalogue = Arc::new(Catalogue::shipped().unwrap());
     MonitorConfig::new("arm-7", "test", Arc::clone(robot), catalogue)
 }
 
-/// Frames of a work session, changed by `edit`, 250 a second.
+/// Frames of a work session with the scenario modified by `edit`, 250 Hz.
 pub(crate) fn frames(
     robot: &Robot,
     seed: u64,
@@ -63,11 +63,11 @@ pub(crate) fn frames(
 /// Four minutes of work without payload, contacts and offsets.
 pub(crate) fn plain() -> &'static [Frame] {
     static PLAIN: OnceLock<Vec<Frame>> = OnceLock::new();
-    PLAIN.get_or_init(|| frames(&biorob_like(), 51, 240.0, nothing_happens))
+    PLAIN.get_or_init(|| frames(&biorob_like(), 51, 240.0, without_events))
 }
 
-/// The scenario with everything that happens after its end.
-pub(crate) fn nothing_happens(text: String) -> String {
+/// Scenario with all events moved beyond its end.
+pub(crate) fn without_events(text: String) -> String {
     text.replace("= 60.0", "= 400.0")
         .replace("= 120.0", "= 450.0")
         .replace("= 130.0", "= 460.0")
@@ -76,15 +76,15 @@ pub(crate) fn nothing_happens(text: String) -> String {
         .replace("shoulder_yaw = 400.0", "shoulder_yaw = 60.0")
 }
 
-/// A second of it is so many frames.
+/// Frame rate of [`plain`], Hz.
 pub(crate) const HZ: usize = 250;
 
-/// Seconds of [`plain`].
+/// Section of [`plain`], s.
 pub(crate) fn seconds(from_s: usize, to_s: usize) -> &'static [Frame] {
     &plain()[from_s * HZ..to_s * HZ]
 }
 
-/// Frames with the motor position of a joint read so much larger: its rope is longer.
+/// Frames with the motor position of a joint increased by `by_rad`: its rope is elongated.
 pub(crate) fn longer(frames: &[Frame], joint: usize, by_rad: f64) -> Vec<Frame> {
     let mut frames = frames.to_vec();
     for frame in &mut frames {
@@ -93,7 +93,7 @@ pub(crate) fn longer(frames: &[Frame], joint: usize, by_rad: f64) -> Vec<Frame> 
     frames
 }
 
-/// Frames stamped so much later.
+/// Frames with time stamps delayed by `by_s`.
 pub(crate) fn later(frames: &[Frame], by_s: f64) -> Vec<Frame> {
     let mut frames = frames.to_vec();
     for frame in &mut frames {
@@ -102,7 +102,7 @@ pub(crate) fn later(frames: &[Frame], by_s: f64) -> Vec<Frame> {
     frames
 }
 
-/// A baseline of the first minute of [`plain`].
+/// Baseline of the first minute of [`plain`].
 pub(crate) fn baseline() -> &'static Baseline {
     static BASELINE: OnceLock<Baseline> = OnceLock::new();
     BASELINE.get_or_init(|| {
@@ -115,7 +115,7 @@ pub(crate) fn baseline() -> &'static Baseline {
     })
 }
 
-/// A recording's blocks, as `sinew estimate` reads them.
+/// Blocks of a recording, as read by `sinew estimate`.
 pub(crate) fn recorded(robot: &Robot, frames: &[Frame]) -> Recorded {
     let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
     for frame in frames {
@@ -125,7 +125,7 @@ pub(crate) fn recorded(robot: &Robot, frames: &[Frame]) -> Recorded {
     recorder.finish()
 }
 
-/// The usual configuration, with [`baseline`].
+/// Default configuration with [`baseline`].
 pub(crate) fn tensioned() -> MonitorConfig {
     MonitorConfig {
         baseline: Some(baseline().clone()),
@@ -136,7 +136,7 @@ pub(crate) fn tensioned() -> MonitorConfig {
 /// 2026-11-02 08:00 UTC, ns.
 pub(crate) const MONDAY_NS: i64 = 1_793_606_400_000_000_000;
 
-/// What was stored.
+/// Store in memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Store {
     pub(crate) stored: Stored,
@@ -148,15 +148,18 @@ pub(crate) struct Store {
 
 impl Store {
     fn keep(&mut self, transaction: Transaction) {
-        assert!(transaction.id > self.stored.last_id, "numbers rise");
+        assert!(
+            transaction.id > self.stored.last_id,
+            "transaction numbers increase"
+        );
         self.stored.last_id = transaction.id;
         for record in &transaction.records {
             self.stored.history.push(record);
         }
         self.records.extend(transaction.records);
         self.journal.extend(transaction.journal);
-        if let Some(belief) = transaction.belief {
-            self.stored.belief = Some(Belief::clone(&belief));
+        if let Some(state) = transaction.state {
+            self.stored.state = Some(MonitorState::clone(&state));
         }
         if let Some(alarms) = transaction.alarms {
             self.stored.alarms = alarms;
@@ -164,14 +167,14 @@ impl Store {
         self.transactions += 1;
     }
 
-    /// Events of the journal that are told apart by `pick`.
+    /// Journal events selected by `pick`.
     pub(crate) fn events<T>(&self, pick: impl Fn(&Event) -> Option<T>) -> Vec<T> {
         self.journal.iter().filter_map(|e| pick(&e.event)).collect()
     }
 }
 
-/// A monitor with a clock, a worker and a store that are at hand at once.
-pub(crate) struct Watched {
+/// Monitor with a clock, an immediate worker and an immediate store.
+pub(crate) struct Harness {
     pub(crate) monitor: Monitor,
     pub(crate) now: Instant,
     pub(crate) store: Store,
@@ -179,10 +182,10 @@ pub(crate) struct Watched {
     ticked_ns: i64,
 }
 
-/// Between two ticks, ns.
+/// Time between two ticks, ns.
 const TICK_NS: i64 = 100_000_000;
 
-impl Watched {
+impl Harness {
     pub(crate) fn new(config: MonitorConfig) -> Self {
         let now = Instant {
             monotonic_ns: 5_000_000_000,
@@ -193,26 +196,26 @@ impl Watched {
 
     pub(crate) fn restored(config: MonitorConfig, store: Store, now: Instant) -> Self {
         let monitor = Monitor::new(config.clone(), store.stored.clone(), now).unwrap();
-        let mut watched = Self {
+        let mut harness = Self {
             monitor,
             now,
             store,
             config,
             ticked_ns: now.monotonic_ns,
         };
-        watched.settle();
-        watched
+        harness.settle();
+        harness
     }
 
-    /// Power off and on again, `off_s` later; what wasn't stored is gone.
+    /// Switches off and on again `off_s` later; data that are not stored are lost.
     pub(crate) fn restart(self, off_s: f64) -> Self {
         let mut now = self.now.after_s(off_s);
-        // Another boot: another zero.
+        // The monotonic clock restarts at boot.
         now.monotonic_ns = 1_000_000_000;
         Self::restored(self.config, self.store, now)
     }
 
-    /// Jobs are done and transactions stored.
+    /// Runs all jobs and stores all transactions.
     pub(crate) fn settle(&mut self) {
         loop {
             let job = self.monitor.job();
@@ -226,14 +229,14 @@ impl Watched {
         }
     }
 
-    /// Transactions are stored; whether there were any.
+    /// Stores all transactions; returns whether there were any.
     pub(crate) fn store(&mut self) -> bool {
         let mut any = false;
         while let Some(transaction) = self.monitor.transaction() {
             let id = transaction.id;
             if self.store.fails {
                 self.monitor
-                    .refused(id, StoreFault::Full, "disk full", self.now);
+                    .store_failed(id, StoreFault::Full, "disk full", self.now);
                 return false;
             }
             self.store.keep(transaction);
@@ -243,14 +246,14 @@ impl Watched {
         any
     }
 
-    /// A session: frames come, then a minute of nothing.
+    /// Plays frames, followed by 70 s without data.
     pub(crate) fn session(&mut self, frames: &[Frame]) {
         self.play(frames);
         self.pass(70.0);
     }
 
-    /// Somebody says something.
-    pub(crate) fn say(&mut self, what: What, note: &str) -> Result<(), CommandError> {
+    /// Gives an operator command.
+    pub(crate) fn command(&mut self, what: CommandKind, note: &str) -> Result<(), CommandError> {
         let command = Command {
             who: "ada".into(),
             note: note.into(),
@@ -261,7 +264,7 @@ impl Watched {
         result
     }
 
-    /// Where an alarm stands, as it is shown.
+    /// State of an alarm as shown in the snapshot.
     pub(crate) fn alarm(&self, joint: Option<&str>, condition: Condition) -> Option<AlarmState> {
         let key = AlarmKey {
             joint: joint.map(str::to_string),
@@ -271,13 +274,13 @@ impl Watched {
         alarms.into_iter().find(|a| a.key == key).map(|a| a.state)
     }
 
-    /// The last record of a joint.
+    /// Last record of a joint.
     pub(crate) fn last(&self, joint: &str) -> &Record {
         let mut records = self.store.records.iter().rev();
         records.find(|r| r.joint == joint).unwrap()
     }
 
-    /// Time passes, with a tick every tenth of a second.
+    /// Advances time by `s` seconds, with a tick every 0.1 s.
     pub(crate) fn pass(&mut self, s: f64) {
         let end = self.now.after_s(s);
         while self.now.monotonic_ns < end.monotonic_ns {
@@ -293,7 +296,7 @@ impl Watched {
         self.settle();
     }
 
-    /// Frames come, each when its stamp says, counted from the first.
+    /// Plays frames at their time stamps, relative to the first.
     pub(crate) fn play(&mut self, frames: &[Frame]) {
         let Some(first) = frames.first() else { return };
         let (from, zero_ns) = (self.now, first.time_ns);
@@ -307,7 +310,7 @@ impl Watched {
         }
     }
 
-    /// A frame comes now.
+    /// Ingests a frame now.
     pub(crate) fn frame(&mut self, frame: &Frame) {
         self.monitor.frame(frame, self.now);
         if self.now.monotonic_ns - self.ticked_ns >= TICK_NS {

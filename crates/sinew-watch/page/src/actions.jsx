@@ -1,4 +1,4 @@
-// Buttons, and the dialogs behind them. What somebody says is shown as said once it is stored.
+// Action buttons with their dialogs. An entry is shown once it is stored.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { command } from "./api.js";
 
@@ -8,30 +8,30 @@ const SHELVES = [["1 hour", 3600], ["8 hours", 8 * 3600], ["1 day", 86400], ["7 
 
 const KINDS = {
   tensioned: {
-    button: "tensioned", title: "Ropes were tensioned", does: "Tensioned",
-    explains: "Offsets count from now on. Let the arm move as usual with nothing in the gripper: the new baseline is learned from that.",
+    button: "Record re-tensioning", title: "Record re-tensioning", does: "Save",
+    explains: "Offsets are measured from now on. Move the arm as usual with an empty gripper until the new baseline is acquired.",
   },
   replaced: {
-    button: "replaced", title: "Ropes were replaced", does: "Replaced",
-    explains: "The rope's life begins anew, and its baseline is learned anew with nothing in the gripper.",
+    button: "Record replacement", title: "Record replacement", does: "Save",
+    explains: "The age of the rope restarts at zero. Move the arm with an empty gripper until the new baseline is acquired.",
   },
-  note: { button: "note", title: "A note for the journal", does: "Write it down", note: true },
+  note: { button: "Add note", title: "Add note", does: "Save", note: true },
   acknowledge: {
-    button: "acknowledge", title: "Acknowledge", does: "I have seen it",
-    explains: "Others see that somebody knows. The alarm stays until its condition is over.",
+    button: "Acknowledge", title: "Acknowledge", does: "Acknowledge",
+    explains: "Shows other operators that the alarm is being handled. It remains until its condition clears.",
   },
   shelve: {
-    button: "shelve", title: "Shelve", does: "Shelve it",
-    explains: "It is out of sight for a while, never for good. Errors stay visible in /diagnostics.",
+    button: "Shelve", title: "Shelve", does: "Shelve",
+    explains: "Hides the alarm for a limited time. Errors remain visible in /diagnostics.",
   },
-  unshelve: { button: "unshelve", title: "Unshelve", does: "Unshelve it" },
+  unshelve: { button: "Unshelve", title: "Unshelve", does: "Unshelve" },
   reset: {
-    button: "reset", title: "Reset", does: "Reset it", note: true,
-    explains: "Its condition is over, and nobody tensioned or replaced the rope. Say why it is fine.",
+    button: "Reset", title: "Reset", does: "Reset", note: true,
+    explains: "The condition has cleared without re-tensioning or replacement. State the reason in the note.",
   },
 };
 
-// `joints`: those to choose from; `joint`: the one meant; `alarm`: the key of an alarm.
+// `joints`: selectable joints; `joint`: preselected joint; `alarm`: key of an alarm.
 export function Action({ kind, robot, joints, joint, alarm }) {
   const [open, setOpen] = useState(false);
   const { button } = KINDS[kind];
@@ -68,14 +68,14 @@ function Ask({ kind, robot, joints = [], joint, alarm, close }) {
   };
   const submit = async event => {
     event.preventDefault();
-    if (choose && meant.size === 0) { setError("choose at least one tendon"); return; }
+    if (choose && meant.size === 0) { setError("Select at least one tendon."); return; }
     setBusy(true);
     try {
       localStorage.setItem(WHO, who);
       await command(robot, who.trim(), note.trim(), what());
       dialog.current.close();
-    } catch (refused) {
-      setError(refused.message);
+    } catch (failure) {
+      setError(failure.message);
       setBusy(false);
     }
   };
@@ -88,41 +88,41 @@ function Ask({ kind, robot, joints = [], joint, alarm, close }) {
         {explains && <p>{explains}</p>}
         {choose && (
           <fieldset>
-            <legend>Which tendons?</legend>
+            <legend>Tendons</legend>
             {joints.map(name => (
               <label key={name}><input type="checkbox" checked={meant.has(name)} onChange={() => toggle(name)} /> {name}</label>
             ))}
           </fieldset>
         )}
         {kind === "shelve" && (
-          <label>For <select value={shelf} onChange={event => setShelf(Number(event.target.value))}>
+          <label>Duration <select value={shelf} onChange={event => setShelf(Number(event.target.value))}>
             {SHELVES.map(([name, s]) => <option key={s} value={s}>{name}</option>)}
           </select></label>
         )}
-        <label>Your name <input value={who} required maxlength="100" autocomplete="name" onInput={event => setWho(event.target.value)} /></label>
-        <label>{noteNeeded ? "Note" : "Note (if you like)"}
+        <label>Name <input value={who} required maxlength="100" autocomplete="name" onInput={event => setWho(event.target.value)} /></label>
+        <label>{noteNeeded ? "Note" : "Note (optional)"}
           <textarea rows="3" value={note} required={noteNeeded} maxlength="2000" onInput={event => setNote(event.target.value)} /></label>
-        {error && <p class="refused" role="alert">{error}</p>}
+        {error && <p class="error" role="alert">{error}</p>}
         <p class="buttons">
           <button type="button" onClick={() => dialog.current.close()}>Cancel</button>
-          <button class="main" disabled={busy}>{busy ? "Is stored …" : does}</button>
+          <button class="main" disabled={busy}>{busy ? "Saving …" : does}</button>
         </p>
       </form>
     </dialog>
   );
 }
 
-// What can be done about an alarm now.
-export function AlarmActions({ said }) {
-  const { alarm, robot } = said;
-  const over = alarm.state === "latched" || alarm.state === "cleared";
+// Actions available for an alarm in its present state.
+export function AlarmActions({ view }) {
+  const { alarm, robot } = view;
+  const hasCleared = alarm.state === "latched" || alarm.state === "cleared";
   return (
     <span class="actions">
       {!alarm.acknowledged && <Action kind="acknowledge" robot={robot} joint={alarm.key.joint} alarm={alarm.key} />}
       {alarm.shelved_until_utc_s === null
         ? <Action kind="shelve" robot={robot} joint={alarm.key.joint} alarm={alarm.key} />
         : <Action kind="unshelve" robot={robot} joint={alarm.key.joint} alarm={alarm.key} />}
-      {over && <Action kind="reset" robot={robot} joint={alarm.key.joint} alarm={alarm.key} />}
+      {hasCleared && <Action kind="reset" robot={robot} joint={alarm.key.joint} alarm={alarm.key} />}
     </span>
   );
 }

@@ -1,13 +1,13 @@
-// What the page asks of the monitor.
+// Requests to the monitor.
 
-export class Refused extends Error {
+export class RequestError extends Error {
   constructor(status, message) { super(message); this.status = status; }
 }
 
 async function answer(response) {
   const body = await response.json().catch(() => null);
   if (response.ok) return body;
-  throw new Refused(response.status, body?.error ?? `the monitor answered ${response.status}`);
+  throw new RequestError(response.status, body?.error ?? `HTTP status ${response.status}`);
 }
 
 const path = parts => "/api/v1/" + parts.map(encodeURIComponent).join("/");
@@ -18,7 +18,7 @@ export const get = async (parts, query = {}) => {
   return answer(await fetch(path(parts) + (text && `?${text}`), { cache: "no-store" }));
 };
 
-// A header of its own: no other site's form can send it.
+// A custom header, which a form of another site cannot send.
 const post = async (url, body) => answer(await fetch(url, {
   method: "POST",
   headers: { "content-type": "application/json", "x-sinew": "1" },

@@ -1,4 +1,4 @@
-// Records over months, with what happened, the limit, and the fan of the forecast.
+// Chart of records over time, with events, limit and prediction interval of the forecast.
 import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -7,7 +7,7 @@ import { day, dayAndTime, plusMinus, rounded } from "./format.js";
 const HEIGHT = 340;
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
-// Columns of uPlot: time, record, its half interval, then median and bounds of the forecast, then the limit.
+// Columns of uPlot: time, record, then median and bounds of the forecast.
 function columns(records, trend) {
   const forecast = trend?.forecast ?? [];
   const times = [...records.map(r => r.time_utc_s), ...forecast.map(p => p.time_utc_s)];
@@ -22,7 +22,7 @@ function columns(records, trend) {
   ];
 }
 
-// How far ahead is shown at first: to where the limit is passed for sure, or as far as half of what was.
+// Initial time range: until the upper bound of the limit exceedance, at most as long as the past.
 function horizon(records, trend) {
   const forecast = trend?.forecast ?? [];
   if (!forecast.length) return null;
@@ -32,30 +32,30 @@ function horizon(records, trend) {
   return [records[0].time_utc_s, Math.min(last + ahead, end)];
 }
 
-// The limit that is drawn: the first that a forecast is of.
+// Limit that is drawn: the first one with a forecast.
 const limitOf = trend => trend?.limits.find(limit => limit.kind === "retension") ?? trend?.limits[0];
 
 function describe(records, trend, joint) {
-  const told = records.filter(r => r.offset_rad !== null);
-  if (told.length === 0) return `${joint}: ${records.length} records, none of which could tell`;
-  const [first, last] = [told[0], told.at(-1)];
-  const at = r => `${plusMinus({ mean: r.offset_rad, deviation: r.offset_deviation_rad }, 1e3)} mrad on ${day(r.time_utc_s)}`;
+  const conclusive = records.filter(r => r.offset_rad !== null);
+  if (conclusive.length === 0) return `${joint}: ${records.length} records, all inconclusive`;
+  const [first, last] = [conclusive[0], conclusive.at(-1)];
+  const at = r => `${plusMinus({ mean: r.offset_rad, std: r.offset_std_rad }, 1e3)} mrad on ${day(r.time_utc_s)}`;
   const limit = limitOf(trend);
-  const jumps = trend?.events.filter(event => event.kind === "jump").length ?? 0;
-  return `${joint}: ${told.length} records from ${at(first)} to ${at(last)}.` +
-    (jumps ? ` ${jumps} jump${jumps > 1 ? "s" : ""}.` : "") +
-    (limit ? ` The limit is ${rounded(1e3 * limit.limit_rad, 3)} mrad.` : "");
+  const stepChanges = trend?.events.filter(event => event.kind === "step-change").length ?? 0;
+  return `${joint}: ${conclusive.length} records from ${at(first)} to ${at(last)}.` +
+    (stepChanges ? ` ${stepChanges} step change${stepChanges > 1 ? "s" : ""}.` : "") +
+    (limit ? ` Limit ${rounded(1e3 * limit.limit_rad, 3)} mrad.` : "");
 }
 
 export function Chart({ records, trend, joint }) {
   const frame = useRef(null), plot = useRef(null);
   const [held, setAt] = useState(null);
   const data = columns(records, trend);
-  // What was pointed at may be gone with the forecast.
+  // The selected point may have disappeared with the forecast.
   const at = held !== null && held < data[0].length ? held : null;
 
   useEffect(() => {
-    const half = records.map(r => r.offset_rad === null ? null : 1.96e3 * r.offset_deviation_rad);
+    const half = records.map(r => r.offset_rad === null ? null : 1.96e3 * r.offset_std_rad);
     const limit = limitOf(trend), events = trend?.events ?? [];
     const ink = () => css("ink"), muted = () => css("muted");
     const metre = trend?.elongation_m && trend.offset_rad.mean ? trend.elongation_m.mean / trend.offset_rad.mean : null;
@@ -74,7 +74,7 @@ export function Chart({ records, trend, joint }) {
       ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
       ctx.clip();
       ctx.lineWidth = px;
-      // Half a 95 % interval either way.
+      // 95 % interval of each record.
       ctx.strokeStyle = css("sky");
       records.forEach((record, i) => {
         if (half[i] === null) return;
@@ -87,11 +87,11 @@ export function Chart({ records, trend, joint }) {
       events.forEach((event, i) => {
         const x = u.valToPos(event.time_utc_s, "x", true);
         if (x < bbox.left || x > bbox.left + bbox.width) return;
-        const jump = event.kind === "jump";
-        ctx.strokeStyle = ctx.fillStyle = css(jump ? "alarm" : "good");
-        ctx.setLineDash(jump ? [] : [4 * px, 3 * px]);
+        const isStep = event.kind === "step-change";
+        ctx.strokeStyle = ctx.fillStyle = css(isStep ? "alarm" : "good");
+        ctx.setLineDash(isStep ? [] : [4 * px, 3 * px]);
         line(u, x, bbox.top, x, bbox.top + bbox.height);
-        const words = jump ? "▲ jump" : "tensioned", wide = ctx.measureText(words).width + 6 * px;
+        const words = isStep ? "▲ step change" : "re-tensioned", wide = ctx.measureText(words).width + 6 * px;
         ctx.textAlign = x + wide > bbox.left + bbox.width ? "right" : "left";
         ctx.fillText(words, x + (ctx.textAlign === "left" ? 4 : -4) * px, bbox.top + (4 + 15 * (i % 3)) * px);
       });
@@ -103,10 +103,10 @@ export function Chart({ records, trend, joint }) {
         line(u, bbox.left, y, bbox.left + bbox.width, y);
         ctx.textAlign = "left";
         ctx.textBaseline = "bottom";
-        const words = limit.kind === "retension" ? `tension again: ${rounded(1e3 * limit.elongation_m, 3)} mm` : `replace: ${rounded(100 * limit.strain_ratio, 3)} % strain`;
+        const words = limit.kind === "retension" ? `Re-tension: ${rounded(1e3 * limit.elongation_m, 3)} mm` : `Replace: ${rounded(100 * limit.strain_ratio, 3)} % strain`;
         ctx.fillText(words, bbox.left + 6 * px, y - 2 * px);
       }
-      // Now, or rather the last record: to the right of it is forecast.
+      // Last record: the forecast is to the right.
       if (trend?.forecast.length) {
         const x = u.valToPos(trend.forecast[0].time_utc_s, "x", true);
         ctx.strokeStyle = css("reference");
@@ -115,12 +115,12 @@ export function Chart({ records, trend, joint }) {
       }
       ctx.restore();
     };
-    const told = records.filter(r => r.offset_rad !== null);
-    const low = Math.min(0, ...told.map(r => 1e3 * r.offset_rad));
+    const conclusive = records.filter(r => r.offset_rad !== null);
+    const low = Math.min(0, ...conclusive.map(r => 1e3 * r.offset_rad));
     const limit_mrad = limit ? 1e3 * limit.limit_rad : 0;
     const shown = horizon(records, trend);
     const ahead = (trend?.forecast ?? []).filter(p => p.time_utc_s <= shown[1]).map(p => 1e3 * p.offset_rad);
-    const highest = Math.max(...told.map(r => 1e3 * r.offset_rad + 1.96e3 * r.offset_deviation_rad), 1.1 * limit_mrad, ...ahead, 1);
+    const highest = Math.max(...conclusive.map(r => 1e3 * r.offset_rad + 1.96e3 * r.offset_std_rad), 1.1 * limit_mrad, ...ahead, 1);
     const axis = { stroke: muted, grid: { stroke: () => css("grid"), width: 1 }, ticks: { stroke: () => css("axis"), width: 1 }, font: "12px sans-serif", labelFont: "12px sans-serif" };
     const options = {
       width: frame.current.clientWidth, height: HEIGHT,
@@ -137,11 +137,11 @@ export function Chart({ records, trend, joint }) {
       bands: [{ series: [3, 4], fill: () => `color-mix(in srgb, ${css("orange")} 22%, transparent)` }],
       axes: [
         { ...axis },
-        { ...axis, label: "offset, mrad", size: 52, labelSize: 18 },
-        ...(metre ? [{ ...axis, side: 1, scale: "y", grid: { show: false }, label: "stretch, mm", size: 52, labelSize: 18,
+        { ...axis, label: "Offset (mrad)", size: 52, labelSize: 18 },
+        ...(metre ? [{ ...axis, side: 1, scale: "y", grid: { show: false }, label: "Elongation (mm)", size: 52, labelSize: 18,
           values: (u, ticks) => ticks.map(tick => rounded(tick * metre, 2)) }] : []),
       ],
-      // Of a mouse only: it also says that nothing is pointed at when the picture is made or changes its size.
+      // Only for mouse events: the hook is also called without a selection when the chart is created or resized.
       hooks: { drawAxes: [under], setCursor: [u => { if (u.cursor.event) setAt(u.cursor.idx ?? null); }] },
     };
     plot.current = new uPlot(options, data, frame.current);
@@ -155,12 +155,12 @@ export function Chart({ records, trend, joint }) {
 
   const point = i => {
     const u = plot.current, x = data[0][i], { min, max } = u.scales.x;
-    // What is out of sight is brought into it: a cursor has no place there, and would say that nothing is pointed at.
+    // Points outside the visible range are scrolled into it, because a cursor outside would clear the selection.
     if (x < min || x > max) {
       const from = Math.min(min, x), to = Math.max(max, x), spare = 0.02 * (to - from);
       u.setScale("x", { min: from - spare, max: to + spare });
     }
-    // Scales are set when this is done.
+    // The scales are applied after this function returns.
     queueMicrotask(() => {
       u.setCursor({ left: u.valToPos(x, "x"), top: 0 });
       setAt(i);
@@ -173,25 +173,25 @@ export function Chart({ records, trend, joint }) {
     event.preventDefault();
     point(Math.min(Math.max(to, 0), last));
   };
-  let reads = "Point at the curve, or use the arrow keys, to read values. Drag to zoom, double click for the whole.";
+  let readout = "Point at the curve or use the arrow keys to read values. Drag to zoom, double-click to reset.";
   if (at !== null && at < records.length) {
     const r = records[at];
-    const value = r.offset_rad === null ? "couldn't tell" : `${plusMinus({ mean: r.offset_rad, deviation: r.offset_deviation_rad }, 1e3)} mrad`;
-    const more = r.elongation_m === null ? "" : `, ${plusMinus({ mean: r.elongation_m, deviation: r.elongation_deviation_m }, 1e3)} mm`;
-    reads = `${dayAndTime(r.time_utc_s)}: ${value}${more}`;
+    const value = r.offset_rad === null ? "inconclusive" : `${plusMinus({ mean: r.offset_rad, std: r.offset_std_rad }, 1e3)} mrad`;
+    const more = r.elongation_m === null ? "" : `, ${plusMinus({ mean: r.elongation_m, std: r.elongation_std_m }, 1e3)} mm`;
+    readout = `${dayAndTime(r.time_utc_s)}: ${value}${more}`;
   } else if (at !== null) {
     const p = trend.forecast[at - records.length];
-    reads = `${day(p.time_utc_s)}, forecast: ${rounded(1e3 * p.offset_rad, 3)} mrad; 95 %: ${rounded(1e3 * p.interval_95_rad.low, 3)} to ${rounded(1e3 * p.interval_95_rad.high, 3)} mrad`;
+    readout = `${day(p.time_utc_s)}, forecast: ${rounded(1e3 * p.offset_rad, 3)} mrad; 95 %: ${rounded(1e3 * p.interval_95_rad.low, 3)} to ${rounded(1e3 * p.interval_95_rad.high, 3)} mrad`;
   }
   return (
     <figure class="chart">
       <div ref={frame} role="slider" tabindex="0" aria-label={describe(records, trend, joint)} aria-valuemin="0"
-        aria-valuemax={data[0].length - 1} aria-valuenow={at ?? 0} aria-valuetext={reads} onKeyDown={key} />
+        aria-valuemax={data[0].length - 1} aria-valuenow={at ?? 0} aria-valuetext={readout} onKeyDown={key} />
       <figcaption>
-        <p class="reads">{reads}</p>
+        <p class="readout">{readout}</p>
         <p class="keys" aria-hidden="true">
-          <span><i class="dot" />record with its 95 % interval</span>
-          {trend?.forecast.length > 0 && <span><i class="fan" />forecast with its 95 % interval</span>}
+          <span><i class="dot" />Session, 95 % CI</span>
+          {trend?.forecast.length > 0 && <span><i class="fan" />Forecast, 95 % prediction interval</span>}
         </p>
       </figcaption>
     </figure>

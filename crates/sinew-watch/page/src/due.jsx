@@ -1,4 +1,4 @@
-// Which tendons of all robots pass a limit when, by week.
+// Maintenance forecast: tendons of all robots by the week of limit exceedance.
 import { useEffect, useState } from "preact/hooks";
 import { get } from "./api.js";
 import { chance, count, day, plusMinus, span, utc } from "./format.js";
@@ -6,13 +6,13 @@ import { Sign } from "./signs.jsx";
 import { limitName } from "./tendon.jsx";
 import { WEEK_S, byWeek, weekName } from "./weeks.js";
 
-const WITHIN = [[2, "2 weeks"], [4, "4 weeks"], [8, "8 weeks"], [26, "half a year"], [52, "a year"]];
-const USUAL = 8;
+const WITHIN = [[2, "2 weeks"], [4, "4 weeks"], [8, "8 weeks"], [26, "26 weeks"], [52, "1 year"]];
+const DEFAULT_WEEKS = 8;
 
 const tendons = n => n === 1 ? "1 tendon" : `${count(n)} tendons`;
-const VERDICTS = { inspect: "it jumped: look at it first", watch: "a jump is suspected" };
+const VERDICTS = { inspect: "step change: inspect first", watch: "suspected step change" };
 
-// What counts for the limit, as it was at the last session.
+// Quantity of the limit at the last session.
 function valueOf(tendon) {
   if (tendon.limit.kind === "replace" && tendon.strain_ratio) return `${plusMinus(tendon.strain_ratio, 100)} %`;
   if (tendon.limit.kind === "retension" && tendon.elongation_m) return `${plusMinus(tendon.elongation_m, 1e3)} mm`;
@@ -23,20 +23,20 @@ const inDays = after_s => after_s < 86400 ? "within a day" : `in ${Math.round(af
 
 function when(tendon) {
   const { after_s, at_utc_s } = tendon;
-  if (tendon.state === "passed") return `passed, ${chance(tendon.passed_probability)} sure`;
-  if (after_s === null) return "perhaps never";
-  return after_s < 0 ? `likely passed ${span(-after_s)} ago` : `${day(at_utc_s)}, ${inDays(after_s)}`;
+  if (tendon.state === "passed") return `exceeded (probability ${chance(tendon.passed_probability)})`;
+  if (after_s === null) return "beyond the forecast horizon";
+  return after_s < 0 ? `median ${span(-after_s)} ago` : `${day(at_utc_s)}, ${inDays(after_s)}`;
 }
 
-// When a limit was passed that is, isn't known.
+// No interval for an exceeded limit: its date is not estimated.
 function interval(tendon) {
   if (tendon.state === "passed") return null;
-  const low = tendon.after_low_s < 0 ? "passed already" : day(tendon.at_low_utc_s);
-  const high = tendon.at_high_utc_s === null ? "perhaps never" : day(tendon.at_high_utc_s);
+  const low = tendon.after_low_s < 0 ? "already exceeded" : day(tendon.at_low_utc_s);
+  const high = tendon.at_high_utc_s === null ? "beyond the forecast horizon" : day(tendon.at_high_utc_s);
   return `95 %: ${low} to ${high}`;
 }
 
-// A cell: what it says, and what that rests on below it.
+// Cell with a value and a detail below it.
 const Cell = ({ name, below, children }) => (
   <td data-name={name}><span>{children}{below && <small class="at">{below}</small>}</span></td>
 );
@@ -47,21 +47,21 @@ function Row({ tendon, until }) {
     <tr>
       <th scope="row">
         <a href={`/r/${encodeURIComponent(robot)}/${encodeURIComponent(joint)}`}>{robot}, {joint}</a>
-        {tendon.rope && <span class="says">{tendon.rope}</span>}
+        {tendon.rope && <span class="detail">{tendon.rope}</span>}
       </th>
-      <Cell name="to do" below={VERDICTS[tendon.verdict]}>{limitName(tendon.limit)}</Cell>
-      <Cell name="last known" below={<time title={utc(tendon.last_utc_s)}>{day(tendon.last_utc_s)}</time>}>
+      <Cell name="Action" below={VERDICTS[tendon.verdict]}>{limitName(tendon.limit)}</Cell>
+      <Cell name="Last value" below={<time title={utc(tendon.last_utc_s)}>{day(tendon.last_utc_s)}</time>}>
         <span class="whole">{valueOf(tendon)}</span></Cell>
-      <Cell name="passes its limit" below={interval(tendon)}>{when(tendon)}</Cell>
-      <Cell name={`passed by ${until}`}>{tendon.until_probability === null ? "not known" : chance(tendon.until_probability)}</Cell>
-      <Cell name="rests on" below={`since ${day(tendon.first_utc_s)}`}>{sessions === 1 ? "1 session" : `${count(sessions)} sessions`}</Cell>
+      <Cell name="Limit reached" below={interval(tendon)}>{when(tendon)}</Cell>
+      <Cell name={`Reached by ${until}`}>{tendon.until_probability === null ? "not available" : chance(tendon.until_probability)}</Cell>
+      <Cell name="Based on" below={`since ${day(tendon.first_utc_s)}`}>{sessions === 1 ? "1 session" : `${count(sessions)} sessions`}</Cell>
     </tr>
   );
 }
 
 function Group({ what, list, until, rows }) {
   const from = list.time_utc_s + WEEK_S * what;
-  const title = what === "passed" ? "Limit passed" : what === "perhaps" ? `Perhaps by ${until}, likely later` : weekName(what);
+  const title = what === "passed" ? "Limit exceeded" : what === "perhaps" ? `Possible by ${until}, median later` : weekName(what);
   return (
     <tbody>
       <tr class="week"><th scope="rowgroup" colspan="6"><h2>{what === "passed" && <Sign level="ERROR" />}{title}{" "}
@@ -71,66 +71,66 @@ function Group({ what, list, until, rows }) {
   );
 }
 
-// Those whose median lies in the time asked for, and those of which the lower end alone does. Where there is none: why.
+// Numbers of tendons with the median, or only the lower end of the interval, within the time range; else the reason for none.
 function title(list, groups) {
   if (groups.length === 0) {
-    if (list.not_due > 0) return list.cannot_tell > 0 ? "No tendon is known to be due" : "No tendon is due";
-    if (list.cannot_tell > 0) return "Nothing can be told yet";
-    return list.without_limit > 0 ? "No tendon has a limit" : "No robot is watched";
+    if (list.not_due > 0) return "No maintenance due";
+    if (list.inconclusive > 0) return "Insufficient data";
+    return list.without_limit > 0 ? "No limit configured" : "No robot monitored";
   }
   const of = holds => groups.reduce((sum, [what, rows]) => sum + (holds(what) ? rows.length : 0), 0);
   const likely = of(what => what !== "perhaps"), perhaps = of(what => what === "perhaps");
-  if (likely === 0) return `${tendons(perhaps)} may be due`;
-  return `${tendons(likely)} ${likely === 1 ? "is" : "are"} due${perhaps === 0 ? "" : `, ${count(perhaps)} more may be`}`;
+  if (likely === 0) return `${tendons(perhaps)} possibly due`;
+  return `${tendons(likely)} due${perhaps === 0 ? "" : `, ${count(perhaps)} more possibly due`}`;
 }
 
-// Those that aren't listed, and why.
+// Tendons that are not listed, with the reason.
 function others(list, until) {
-  const { not_due, cannot_tell, without_limit } = list;
+  const { not_due, inconclusive, without_limit } = list;
   return [
-    not_due > 0 && `${tendons(not_due)} will hardly have passed a limit by ${until}: the chance is below 2.5 % for each.`,
-    cannot_tell > 0 && `Of ${tendons(cannot_tell)} it can't be told yet: there are too few sessions for a forecast.`,
-    without_limit > 0 && `${tendons(without_limit)} ${without_limit === 1 ? "has" : "have"} no limit: robot.toml needs retension_at_mm or replace_at_strain_percent.`,
+    not_due > 0 && `${tendons(not_due)}: probability of exceeding a limit by ${until} below 2.5 %`,
+    inconclusive > 0 && `${tendons(inconclusive)}: too few sessions for a forecast`,
+    without_limit > 0 && `${tendons(without_limit)}: no limit configured; set retension_at_mm or replace_at_strain_percent in robot.toml`,
   ].filter(Boolean);
 }
 
 export function Due({ live }) {
-  const [weeks, setWeeks] = useState(USUAL);
+  const [weeks, setWeeks] = useState(DEFAULT_WEEKS);
   const [list, setList] = useState(null);
   const [missing, setMissing] = useState("");
-  // Trends are of days: asked for anew once a minute of the monitor's time.
+  // Trends change daily: loaded again once a minute of the monitor's time.
   const mark = Math.floor((live.fleet?.time_utc_s ?? 0) / 60);
   useEffect(() => {
-    let over = false;
-    get(["due"], { within_days: 7 * weeks }).then(got => { if (!over) { setList(got); setMissing(""); } })
-      .catch(error => { if (!over) setMissing(error.message); });
-    return () => { over = true; };
+    let stale = false;
+    get(["due"], { within_days: 7 * weeks }).then(got => { if (!stale) { setList(got); setMissing(""); } })
+      .catch(error => { if (!stale) setMissing(error.message); });
+    return () => { stale = true; };
   }, [weeks, mark]);
-  if (!list) return missing ? <><h1 tabindex="-1">Due</h1><p class="refused">{missing}</p></> : <p class="waits">Waits for the monitor …</p>;
+  if (!list) return missing ? <><h1 tabindex="-1">Maintenance forecast</h1><p class="error">{missing}</p></> : <p class="loading">Connecting to monitor …</p>;
   const until = day(list.until_utc_s);
   const groups = byWeek(list);
-  const notWatched = live.fleet?.not_watched?.length ?? 0;
+  const unmonitored = live.fleet?.not_watched?.length ?? 0;
   return (
     <>
       <p class="crumbs"><a href="/">Robots</a> ›</p>
       <h1 tabindex="-1">{title(list, groups)}</h1>
-      <p class="filters"><label>Within <select value={weeks} onChange={event => setWeeks(Number(event.target.value))}>
+      <p class="filters"><label>Time range <select value={weeks} onChange={event => setWeeks(Number(event.target.value))}>
         {WITHIN.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
-      </select></label>, by {until}</p>
-      {missing && <p class="refused">{missing}</p>}
+      </select></label>, until {until}</p>
+      {missing && <p class="error">{missing}</p>}
       {groups.length > 0 && (
         <table class="tendons due">
           <thead><tr>
-            <th scope="col">tendon</th><th scope="col">to do</th><th scope="col">last known</th><th scope="col">passes its limit</th>
-            <th scope="col">passed by {until}</th><th scope="col">rests on</th>
+            <th scope="col">Tendon</th><th scope="col">Action</th><th scope="col">Last value</th><th scope="col">Limit reached</th>
+            <th scope="col">Reached by {until}</th><th scope="col">Based on</th>
           </tr></thead>
           {groups.map(([what, rows]) => <Group key={what} what={what} list={list} until={until} rows={rows} />)}
         </table>
       )}
       {others(list, until).map(sentence => <p key={sentence}>{sentence}</p>)}
-      {notWatched > 0 && <p>{notWatched === 1 ? "1 robot isn't watched and isn't" : `${count(notWatched)} robots aren't watched and aren't`} counted.</p>}
-      <p class="criterion">A tendon is due when its limit is passed, or when the lower end of its 95 % interval lies by {until}. Weeks are those of the
-        median. Forecasts suppose that robots are used as before and that nothing fails.</p>
+      {unmonitored > 0 && <p>{unmonitored === 1 ? "1 robot" : `${count(unmonitored)} robots`} not monitored and not included</p>}
+      <p class="criterion">A tendon is due if its limit is exceeded, or if the lower end of its 95 % interval is before {until}. Weeks refer to the
+        median. Forecasts assume unchanged use and no failures.</p>
     </>
   );
 }

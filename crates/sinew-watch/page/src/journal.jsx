@@ -1,10 +1,10 @@
-// What happened, the newest first.
+// Journal entries, the newest first.
 import { useEffect, useState } from "preact/hooks";
 import { get } from "./api.js";
 import { dayAndTime, utc } from "./format.js";
 
 const PAGE = 100;
-const KINDS = [["", "everything"], ["alarm", "alarms"], ["command", "what people said"], ["session", "sessions"], ["baseline", "baselines"]];
+const KINDS = [["", "all entries"], ["alarm", "alarms"], ["command", "operator entries"], ["session", "sessions"], ["baseline", "baselines"]];
 
 export function Journal({ live, robot }) {
   const [entries, setEntries] = useState(null);
@@ -17,9 +17,9 @@ export function Journal({ live, robot }) {
     return got.entries;
   };
   useEffect(() => {
-    let over = false;
-    load(null).then(first => { if (!over) setEntries(first); }).catch(() => {});
-    return () => { over = true; };
+    let stale = false;
+    load(null).then(first => { if (!stale) setEntries(first); }).catch(() => {});
+    return () => { stale = true; };
   }, [kind, of]);
   const older = async () => {
     const next = await load(entries.at(-1).id);
@@ -30,15 +30,15 @@ export function Journal({ live, robot }) {
     <>
       <h1 tabindex="-1">Journal</h1>
       <p class="filters">
-        <label>Of <select value={of} onChange={event => setOf(event.target.value)}>
+        <label>Robot <select value={of} onChange={event => setOf(event.target.value)}>
           <option value="">all robots</option>
           {names.map(name => <option key={name}>{name}</option>)}
         </select></label>{" "}
-        <label>Show <select value={kind} onChange={event => setKind(event.target.value)}>
+        <label>Kind <select value={kind} onChange={event => setKind(event.target.value)}>
           {KINDS.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
         </select></label>
       </p>
-      {entries?.length === 0 && <p>Nothing yet.</p>}
+      {entries?.length === 0 && <p>No entries</p>}
       <ol class="journal">
         {(entries ?? []).map(entry => (
           <li key={entry.id}>

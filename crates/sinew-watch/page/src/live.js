@@ -1,35 +1,35 @@
-// What the monitor says every second. A browser that is slow skips ticks; one that is cut off says so.
+// State of the monitor, updated every second. A slow browser skips updates; a lost connection is shown.
 import { useEffect, useState } from "preact/hooks";
-import { get, Refused } from "./api.js";
+import { get, RequestError } from "./api.js";
 
-// Without a word for so long the numbers are old, ms.
-const SILENT_MS = 5000;
+// Time without an update after which values count as outdated, ms.
+const MAX_AGE_MS = 5000;
 
-const state = { fleet: null, robots: new Map(), robot: null, lost: false, heard: Date.now(), login: false };
+const state = { fleet: null, robots: new Map(), robot: null, lost: false, received_ms: Date.now(), login: false };
 const readers = new Set();
-let source = null, wanted = null, told = 0;
+let source = null, wanted = null, version = 0;
 
-function tell() {
-  told += 1;
-  for (const reader of readers) reader(told);
+function notify() {
+  version += 1;
+  for (const reader of readers) reader(version);
 }
 
-function hear() {
-  state.heard = Date.now();
+function received() {
+  state.received_ms = Date.now();
   state.lost = false;
 }
 
-function take(fleet, whole) {
-  hear();
+function update(fleet, whole) {
+  received();
   if (whole) state.robots = new Map();
   for (const row of fleet.robots) state.robots.set(row.robot, row);
   for (const name of fleet.gone ?? []) state.robots.delete(name);
   state.fleet = fleet;
-  tell();
+  notify();
 }
 
-// A browser opens six connections to a monitor, for all its tabs together, and a page that listens holds one. So a page that
-// nobody sees listens to nothing: else the seventh waits without end.
+// A browser opens at most six connections to a host for all tabs, and each visible page keeps one. Hidden pages disconnect,
+// otherwise a seventh page would wait forever.
 function rest() {
   source?.close();
   source = null;
@@ -40,25 +40,25 @@ function listen() {
   if (document.hidden) return;
   const query = wanted ? `?robot=${encodeURIComponent(wanted)}` : "";
   const own = source = new EventSource(`/api/v1/events${query}`);
-  source.addEventListener("fleet", event => take(JSON.parse(event.data), true));
-  source.addEventListener("change", event => take(JSON.parse(event.data), false));
+  source.addEventListener("fleet", event => update(JSON.parse(event.data), true));
+  source.addEventListener("change", event => update(JSON.parse(event.data), false));
   source.addEventListener("robot", event => {
-    hear();
+    received();
     state.robot = JSON.parse(event.data);
-    tell();
+    notify();
   });
   source.addEventListener("error", async () => {
-    // A browser doesn't say why: a login that has ended, or a monitor that has.
+    // The browser reports no reason: the login has expired, or the monitor has stopped.
     try { await get(["fleet"]); }
-    catch (error) { if (error instanceof Refused && error.status === 401) { state.login = true; tell(); } }
+    catch (error) { if (error instanceof RequestError && error.status === 401) { state.login = true; notify(); } }
     if (own === source && own.readyState === EventSource.CLOSED) setTimeout(() => { if (own === source) listen(); }, 2000);
   });
 }
 
-// What is seen again has the time of a page that has just begun.
+// A page that becomes visible again is treated as newly opened.
 function resume() {
-  hear();
-  tell();
+  received();
+  notify();
   listen();
 }
 
@@ -67,17 +67,17 @@ addEventListener("pageshow", event => { if (event.persisted) resume(); });
 document.addEventListener("visibilitychange", () => document.hidden ? rest() : resume());
 
 setInterval(() => {
-  const lost = !document.hidden && Date.now() - state.heard > SILENT_MS;
-  if (lost !== state.lost) { state.lost = lost; tell(); }
+  const lost = !document.hidden && Date.now() - state.received_ms > MAX_AGE_MS;
+  if (lost !== state.lost) { state.lost = lost; notify(); }
 }, 1000);
 
 export function loggedIn() {
   state.login = false;
   listen();
-  tell();
+  notify();
 }
 
-// Listens to a robot beside the fleet.
+// Subscribes to a robot in addition to the fleet.
 export function follow(robot) {
   if (robot === wanted && source) return;
   wanted = robot;

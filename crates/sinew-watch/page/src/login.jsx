@@ -8,16 +8,16 @@ export function Login() {
   const submit = async event => {
     event.preventDefault();
     try { await login(token.trim()); setError(""); loggedIn(); }
-    catch (refused) { setError(refused.message); }
+    catch (failure) { setError(failure.message); }
   };
   return (
     <form class="login" onSubmit={submit}>
       <h1 tabindex="-1">Sinew watch</h1>
-      <p>The token stands in the file <code>web-token</code> in the monitor's store, on its computer.</p>
+      <p>Token: see file <code>web-token</code> in the store directory of the monitor host.</p>
       <label>Token <input type="password" autocomplete="current-password" value={token} required
         onInput={event => setToken(event.target.value)} /></label>
-      <button class="main">Show</button>
-      {error && <p class="refused" role="alert">{error}</p>}
+      <button class="main">Log in</button>
+      {error && <p class="error" role="alert">{error}</p>}
     </form>
   );
 }

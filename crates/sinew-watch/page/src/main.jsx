@@ -1,4 +1,4 @@
-// The page: its frame, and which part of it an address shows.
+// Frame of the page, and selection of the content by address.
 import { render } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Alarms } from "./alarms.jsx";
@@ -13,25 +13,25 @@ import { Tendon } from "./tendon.jsx";
 
 const place = () => location.pathname.split("/").filter(Boolean).map(decodeURIComponent);
 
-// Who hears the page is told where it is: its heading is focused, once what it waits for has come. The heading of the page
-// before may still stand, or be replaced when data come: what was focused then is gone, and the new one is focused.
-function tell() {
+// Focuses the heading of a new page for screen readers, once its data are loaded. The heading of the previous page may still
+// be present, or be replaced when data arrive: then the new one is focused.
+function focusHeading() {
   const begun = performance.now();
-  let told;
+  let focused;
   const look = () => {
     const since = performance.now() - begun;
     const heading = document.querySelector("h1");
-    const lost = !told?.isConnected && (!told || document.activeElement === document.body);
+    const lost = !focused?.isConnected && (!focused || document.activeElement === document.body);
     if (heading && lost) {
       heading.focus();
-      told = heading;
+      focused = heading;
     }
-    if (since < (told ? 2_000 : 10_000)) setTimeout(look, 30);
+    if (since < (focused ? 2_000 : 10_000)) setTimeout(look, 30);
   };
   setTimeout(look, 30);
 }
 
-// Links of the page change the address without loading it anew.
+// Internal links change the address without reloading the page.
 function usePlace() {
   const [now, set] = useState(place);
   useEffect(() => {
@@ -46,7 +46,7 @@ function usePlace() {
         scrollTo(0, 0);
       }
       go();
-      tell();
+      focusHeading();
     };
     addEventListener("popstate", go);
     document.addEventListener("click", click);
@@ -64,17 +64,17 @@ function Nav({ here, live }) {
     <nav aria-label="pages">
       <a class="brand" href="/">Sinew watch</a>
       {link("/", "Robots", ["", "r"])}
-      {link("/due", "Due", ["due"])}
-      {link("/alarms", <>Alarms{alarms > 0 && <b class="count" title="not acknowledged">{alarms}</b>}</>, ["alarms"])}
+      {link("/due", "Maintenance", ["due"])}
+      {link("/alarms", <>Alarms{alarms > 0 && <b class="count" title="unacknowledged">{alarms}</b>}</>, ["alarms"])}
       {link("/journal", "Journal", ["journal"])}
       <Pulse live={live} />
     </nav>
   );
 }
 
-// Whether the monitor is heard.
+// Connection state and time of the monitor.
 function Pulse({ live }) {
-  if (live.lost) return <span class="pulse lost">not connected</span>;
+  if (live.lost) return <span class="pulse lost">Disconnected</span>;
   return <span class="pulse" title="time of the monitor">{live.fleet ? time(live.fleet.time_utc_s) : "…"}</span>;
 }
 
@@ -83,19 +83,19 @@ function Banners({ live }) {
   return (
     <>
       {live.fleet?.demo && (
-        <p class="banner demo"><strong>DEMO</strong> {live.fleet.demo}</p>
+        <p class="banner demo"><strong>Demo:</strong> {live.fleet.demo}</p>
       )}
       <div role="status">
         {live.lost && (
           <p class="banner alarm">
-            <strong>No word from the monitor since {time(live.heard / 1000)}.</strong> All below is as old as that. Is
-            <code>sinew watch</code> running?
+            <strong>Disconnected since {time(live.received_ms / 1000)}.</strong> Values below are from that time. Check that{" "}
+            <code>sinew watch</code> is running.
           </p>
         )}
         {store?.kind === "failing" && !live.lost && (
           <p class="banner alarm">
-            <strong>Nothing can be stored: {store.why}.</strong> {store.waiting} changes wait in memory and are lost if
-            the monitor stops. The estimate goes on.
+            <strong>Storage failure: {store.reason}.</strong> {store.waiting} changes are in memory only and are lost if
+            the monitor stops. The estimate continues.
           </p>
         )}
       </div>
@@ -116,18 +116,18 @@ function App() {
   else if (page === "due") content = <Due live={live} />;
   else if (page === "alarms") content = <Alarms live={live} />;
   else if (page === "journal") content = <Journal live={live} robot={rest[0]} />;
-  else content = <h1 tabindex="-1">There is no such page</h1>;
+  else content = <h1 tabindex="-1">Page not found</h1>;
   return (
     <>
-      <a class="skip" href="#content">to the content</a>
+      <a class="skip" href="#content">Skip to content</a>
       <Nav here={page} live={live} />
       <main id="content" class={live.lost ? "old" : ""}>
         <Banners live={live} />
         {content}
         <footer>
-          {live.fleet && <>Sinew {live.fleet.version}. It listens only: nothing here moves a robot. </>}
-          <a href="/api/v1/openapi.json" target="_blank">API</a> · <a href="/metrics" target="_blank">metrics</a> ·{" "}
-          <a href="/api/v1/records.csv" download>all records as CSV</a> · <a href="/api/v1/records.parquet" download>as Parquet</a>
+          {live.fleet && <>Sinew {live.fleet.version}. Read-only: it never commands a robot. </>}
+          <a href="/api/v1/openapi.json" target="_blank">API</a> · <a href="/metrics" target="_blank">Metrics</a> ·{" "}
+          Export records: <a href="/api/v1/records.csv" download>CSV</a>, <a href="/api/v1/records.parquet" download>Parquet</a>
         </footer>
       </main>
     </>

@@ -1,4 +1,4 @@
-// A sign beside every colour: the shapes are those of the reports (crates/sinew-figure/src/page.rs).
+// Icon for every level, so that colour is never the only distinction; shapes as in reports (crates/sinew-figure/src/page.rs).
 
 const SHAPES = {
   OK: "M2 8.5 6 12.5 14 3.5",
@@ -7,17 +7,17 @@ const SHAPES = {
   STALE: "M8 1.5a6.5 6.5 0 1 1-6.5 6.5M8 4.5V8l2.5 2",
 };
 export const CLASSES = { OK: "good", WARN: "watch", ERROR: "alarm", STALE: "stale" };
-export const WORDS = { OK: "fine", WARN: "look at it", ERROR: "act", STALE: "silent" };
-// Worst first.
+export const WORDS = { OK: "OK", WARN: "Warning", ERROR: "Action required", STALE: "No data" };
+// Most urgent first.
 export const LEVELS = ["ERROR", "STALE", "WARN", "OK"];
 export const urgency = level => LEVELS.length - LEVELS.indexOf(level);
 
-// The word is for those who hear the page.
+// The word is read by screen readers.
 export function Sign({ level, hidden = false }) {
   return (
     <>
       <svg class={`sign ${CLASSES[level]}`} viewBox="0 0 16 16" aria-hidden="true"><path d={SHAPES[level]} /></svg>
-      {!hidden && <span class="heard">{WORDS[level]}: </span>}
+      {!hidden && <span class="visually-hidden">{WORDS[level]}: </span>}
     </>
   );
 }

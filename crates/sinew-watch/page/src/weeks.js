@@ -5,12 +5,12 @@ export const WEEK_S = 7 * 86400;
 function groupOf(tendon, until_utc_s) {
   if (tendon.state === "passed") return "passed";
   if (tendon.at_utc_s === null || tendon.at_utc_s > until_utc_s) return "perhaps";
-  // One that was likely passed since its last session is work of this week.
+  // A median between the last session and now counts as this week.
   return Math.max(0, Math.floor(tendon.after_s / WEEK_S));
 }
 
-// Lists of tendons in the order in which they are due: [what, tendons]. What is "passed", a number of weeks from now, or "perhaps" for those
-// of which the lower end of the interval alone lies in the time asked for.
+// Groups of tendons by due date: [group, tendons]. A group is "passed", a number of weeks from now, or "perhaps" if only the
+// lower end of the interval is within the time range.
 export function byWeek(list) {
   const groups = new Map();
   for (const tendon of list.due) {

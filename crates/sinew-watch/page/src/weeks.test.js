@@ -6,7 +6,7 @@ const NOW = 1.79e9, DAY = 86400;
 const due = (joint, state, days) =>
   ({ joint, state, after_s: days === null ? null : days * DAY, at_utc_s: days === null ? null : NOW + days * DAY });
 
-test("each tendon stands in the week of its median, and none is lost", () => {
+test("byWeek groups tendons by the week of the median and keeps all", () => {
   const list = {
     time_utc_s: NOW,
     until_utc_s: NOW + 28 * DAY,

@@ -1,48 +1,48 @@
-//! What the owner asks for: one TOML file.
+//! Configuration of the monitor: one TOML file.
 //!
-//! Every value is read through [`sinew_files::Section`], so that a refusal names file, line, key, value, unit and
-//! cure. Paths count from the file's folder.
+//! Every value is read through [`sinew_files::Section`], so that an error names file, line, key, value, unit and
+//! remedy. Paths are relative to the folder of the file.
 
 mod alarms;
-mod door;
 mod robot;
+mod transport;
 mod web;
 
-pub use door::{Address, DoorSettings};
 pub use robot::RobotSettings;
+pub use transport::{Address, TransportSettings};
 pub use web::{WebSettings, Webhook};
 
-use sinew_door::Publishing;
 use sinew_files::{Fault, Fields as _, Located, Section, TomlFile, limits, read_text};
+use sinew_transport::Publishing;
 use std::path::{Path, PathBuf};
 
-/// Where a configuration is looked for when none is named.
+/// Default path of the configuration.
 pub const PLACE: &str = "/etc/sinew/watch.toml";
-/// Where the store is when nothing is said.
+/// Default folder of the store.
 pub const STORE: &str = "/var/lib/sinew";
-/// Robots of one monitor at most.
-const ROBOTS_MOST: usize = 10_000;
+/// Maximum number of robots of one monitor.
+const MAX_ROBOTS: usize = 10_000;
 
-/// A configuration of the monitor.
+/// Configuration of the monitor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// The page, and who may see it.
+    /// Settings of the web page and its access control.
     pub web: WebSettings,
     /// Folder of the store.
     pub store: PathBuf,
-    /// What is published to robots' networks.
+    /// Messages published to the networks of the robots.
     pub publish: Publishing,
-    /// Who is told of alarms.
+    /// Receivers of alarm notifications.
     pub webhooks: Vec<Webhook>,
-    /// The robots that are watched.
+    /// Robots to monitor.
     pub robots: Vec<RobotSettings>,
 }
 
 impl Config {
-    /// Reads a file.
+    /// Reads a configuration file.
     ///
     /// # Errors
-    /// [`Located`]: what is wrong, where, and what to do.
+    /// Returns a [`Located`] fault with place, reason and remedy if the file cannot be read or has an invalid value.
     pub fn read(path: &Path) -> Result<Self, Located> {
         let text = read_text(path, &limits::SETTINGS)?;
         Self::parse(
@@ -52,10 +52,10 @@ impl Config {
         )
     }
 
-    /// Reads a text; `file` is its name for messages, `folder` what its paths count from.
+    /// Parses a configuration; `file` is its name in messages, `folder` the base of its relative paths.
     ///
     /// # Errors
-    /// As [`Config::read`].
+    /// Same as [`Config::read`].
     pub fn parse(text: &str, file: &str, folder: &Path) -> Result<Self, Located> {
         TomlFile::parse(text, file)?.root().whole(|root| {
             let web = root
@@ -66,12 +66,12 @@ impl Config {
             let webhooks = root.each("webhook", |s| web::read_webhook(s, folder))?;
             let robots = root.each("robot", |s| robot::read(s, folder))?;
             if robots.is_empty() {
-                let cure = "add [[robot]] with name, dir and where it is heard; `sinew watch` without a file lists what is there";
+                let cure = "add [[robot]] with name, dir and a transport; `sinew watch` without a file lists the robots found";
                 return Err(root.missing("robot", cure));
             }
-            if robots.len() > ROBOTS_MOST {
+            if robots.len() > MAX_ROBOTS {
                 let many = format!(
-                    "{} robots; a monitor has at most {ROBOTS_MOST}",
+                    "{} robots exceed the limit of {MAX_ROBOTS} per monitor",
                     robots.len()
                 );
                 return Err(root.here(Fault::TooLarge, many));
@@ -95,21 +95,21 @@ fn publish(s: &Section<'_>) -> Result<Publishing, Located> {
     })
 }
 
-/// No two robots have one name.
+/// Checks that the names of robots are unique.
 fn apart(root: &Section<'_>, robots: &[RobotSettings]) -> Result<(), Located> {
     let mut names: Vec<&str> = robots.iter().map(|r| r.name.as_str()).collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
         None => Ok(()),
         Some(pair) => {
-            let twice = format!("two robots are called '{}'", pair[0]);
+            let twice = format!("duplicate robot name '{}'", pair[0]);
             let located = root.here(Fault::Contradiction, twice).key("robot.name");
-            Err(located.cure("give every robot a name of its own"))
+            Err(located.cure("give every robot a unique name"))
         }
     }
 }
 
-/// A path, from the file's folder.
+/// Returns a path relative to the folder of the file.
 fn path(s: &Section<'_>, key: &'static str, folder: &Path) -> Result<Option<PathBuf>, Located> {
     let text = s.text(key)?;
     Ok(text.map(|text| folder.join(text)))

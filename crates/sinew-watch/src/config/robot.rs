@@ -1,6 +1,6 @@
-//! One robot: what it is, where it is heard, and how it is estimated.
+//! Settings of one robot: description, transport and estimator.
 
-use super::door::{self, DoorSettings};
+use super::transport::{self, TransportSettings};
 use super::{alarms, path};
 use sinew_estimate::session::{Payload, SessionOptions};
 use sinew_files::WORKS_AT_C;
@@ -10,41 +10,41 @@ use sinew_model::Gaussian;
 use sinew_watch_core::{AlarmOptions, Times};
 use std::path::{Path, PathBuf};
 
-/// A robot's name is at most so long.
-const NAME_MOST: usize = 64;
+/// Maximum length of the name of a robot, characters.
+const MAX_NAME_CHARS: usize = 64;
 
-/// The settings of one robot.
+/// Settings of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotSettings {
-    /// Its name: on pages, in records, metrics and addresses.
+    /// Name of the robot on pages and in records, metrics and URLs.
     pub name: String,
-    /// Folder of its robot.toml.
+    /// Folder of robot.toml.
     pub dir: PathBuf,
-    /// Where it is heard.
-    pub door: DoorSettings,
-    /// What `sinew baseline` wrote; used where nothing is stored yet.
+    /// Transport and namespace of its messages.
+    pub transport: TransportSettings,
+    /// Baseline file from `sinew baseline`; used if the store has none.
     pub baseline: Option<PathBuf>,
-    /// Other names, units and gear ratios of its messages.
+    /// Mapping file with other names, units and gear ratios of its messages.
     pub mapping: Option<PathBuf>,
-    /// How its messages are read, but for the mapping.
+    /// Options for reading messages, except the mapping.
     pub reading: OpenOptions,
-    /// Whether its stamps run with time, or are a simulation's.
+    /// Whether time stamps follow real time; otherwise those of a simulation.
     pub stamps_are_real: bool,
-    /// How sessions are estimated.
+    /// Options of the estimates of sessions.
     pub estimate: SessionOptions,
-    /// When things begin and end.
+    /// Durations that delimit sessions and data gaps.
     pub times: Times,
-    /// When alarms are raised and cleared.
+    /// Delays and thresholds of its alarms.
     pub alarms: AlarmOptions,
 }
 
 impl RobotSettings {
-    /// One that is heard here, and everything else as usual.
-    pub fn new(name: &str, dir: PathBuf, door: DoorSettings) -> Self {
+    /// Returns the default settings of a robot with this transport.
+    pub fn new(name: &str, dir: PathBuf, transport: TransportSettings) -> Self {
         Self {
             name: name.into(),
             dir,
-            door,
+            transport,
             baseline: None,
             mapping: None,
             reading: OpenOptions::default(),
@@ -57,21 +57,21 @@ impl RobotSettings {
 }
 
 pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<RobotSettings, Located> {
-    let name = s.need_text("name", "what the robot is called on pages and in records")?;
+    let name = s.need_text("name", "set the name of the robot on pages and in records")?;
     if !(s.value("name").is_none() || is_name(&name)) {
-        return Err(s.refuse(
+        return Err(s.invalid(
             "name",
             "at most 64 letters, digits, -, _ and ., the first a letter or digit",
         ));
     }
     let dir = s.need_text(
         "dir",
-        "the folder with its robot.toml; sinew init writes a first one",
+        "set the folder of robot.toml; `sinew init` creates one",
     )?;
     Ok(RobotSettings {
         name,
         dir: folder.join(dir),
-        door: door::read(s, folder)?,
+        transport: transport::read(s, folder)?,
         baseline: path(s, "baseline", folder)?,
         mapping: path(s, "mapping", folder)?,
         reading: reading(s)?,
@@ -84,11 +84,11 @@ pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<RobotSettings, Loca
     })
 }
 
-/// It stands in addresses and file names, too.
+/// Whether the text is a valid name, which is also part of URLs and file names.
 fn is_name(name: &str) -> bool {
     let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let starts = name.starts_with(|c: char| c.is_ascii_alphanumeric());
-    starts && name.len() <= NAME_MOST && name.chars().all(fits)
+    starts && name.len() <= MAX_NAME_CHARS && name.chars().all(fits)
 }
 
 fn reading(s: &Section<'_>) -> Result<OpenOptions, Located> {
@@ -109,24 +109,24 @@ fn reading(s: &Section<'_>) -> Result<OpenOptions, Located> {
 
 fn estimate(s: &Section<'_>) -> Result<SessionOptions, Located> {
     const WORKS_AT: Bound = Bound::Within(WORKS_AT_C[0], WORKS_AT_C[1]);
-    /// As a room thermometer tells it, K.
-    const THERMOMETER_K: f64 = 2.0;
+    /// Uncertainty of a room thermometer, K.
+    const ROOM_THERMOMETER_STD_K: f64 = 2.0;
     let temperature_c = s.number("temperature_c", WORKS_AT)?;
-    let deviation_k = s.number("temperature_deviation_k", Bound::Positive)?;
-    if deviation_k.is_some() && temperature_c.is_none() {
+    let std_k = s.number("temperature_std_k", Bound::Positive)?;
+    if std_k.is_some() && temperature_c.is_none() {
         return Err(s.here(
             Fault::Contradiction,
-            "temperature_deviation_k says how sure temperature_c is, which is missing",
+            "temperature_std_k requires temperature_c, which is missing",
         ));
     }
-    let deviation_k = deviation_k.unwrap_or(THERMOMETER_K);
+    let std_k = std_k.unwrap_or(ROOM_THERMOMETER_STD_K);
     Ok(SessionOptions {
         payload: match s.flag("empty_gripper")? {
             true => Payload::Empty,
             false => Payload::Unknown,
         },
         motor_torque: s.flag_or("motor_torque", true)?,
-        temperature_c: temperature_c.map(|mean| Gaussian::new(mean, deviation_k)),
+        temperature_c: temperature_c.map(|mean| Gaussian::new(mean, std_k)),
         ..SessionOptions::default()
     })
 }

@@ -1,27 +1,27 @@
-//! The page, and who is told of alarms.
+//! Settings of the web page and of the webhooks.
 
 use sinew_files::{Fields as _, Located, Section};
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 
-/// Where the page is when nothing is said.
+/// Default address of the page.
 const BIND: &str = "127.0.0.1:8642";
 
-/// The page, and who may see it.
+/// Settings of the web page and its access control.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WebSettings {
-    /// Address; `None`: no page.
+    /// Address of the page; `None`: no page.
     pub bind: Option<SocketAddr>,
-    /// Names that browsers may call this computer by, beside its address and `localhost`.
+    /// Additional host names that browsers may use for this host, besides its address and `localhost`.
     pub host_names: Vec<String>,
-    /// File of the token that other computers need; `None`: `web-token` in the store's folder.
+    /// File of the token required from other hosts; `None`: `web-token` in the store directory.
     pub token_file: Option<PathBuf>,
-    /// Whether a token is needed from this computer as well.
+    /// Whether the token is required from this host as well.
     pub token_on_loopback: bool,
 }
 
 impl WebSettings {
-    /// Whether whoever asks needs the token.
+    /// Whether requests need the token.
     pub fn needs_token(&self) -> bool {
         self.bind
             .is_some_and(|bind| self.token_on_loopback || !bind.ip().is_loopback())
@@ -46,17 +46,16 @@ pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<WebSettings, Locate
         None => plain.bind,
         Some(value) => {
             let must = "an address and a port, such as \"127.0.0.1:8642\" or \"[::1]:8642\"";
-            Some(value.text()?.parse().map_err(|_| value.refuse(must))?)
+            Some(value.text()?.parse().map_err(|_| value.invalid(must))?)
         }
     };
     let mut host_names = Vec::new();
     if let Some(value) = s.value("host_names") {
-        for name in value.list("a list of names of this computer")? {
+        for name in value.list("a list of names of this host")? {
             let text = name.text()?;
             if !is_host_name(text) {
-                return Err(name.refuse(
-                    "a name of this computer without port, such as \"cell-3.example.org\"",
-                ));
+                return Err(name
+                    .invalid("a name of this host without port, such as \"cell-3.example.org\""));
             }
             host_names.push(text.to_ascii_lowercase());
         }
@@ -74,18 +73,18 @@ fn is_host_name(text: &str) -> bool {
     !text.is_empty() && text.len() <= 253 && text.chars().all(fits)
 }
 
-/// Who is told of alarms.
+/// Receiver of alarm notifications.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Webhook {
-    /// Host, as the request names it.
+    /// Host, as in the request.
     pub host: String,
-    /// TCP port.
+    /// TCP port of the host.
     pub port: u16,
     /// Path and query.
     pub path: String,
-    /// Alarms of this severity and above.
+    /// Minimum severity of the posted alarms.
     pub severity_min: u16,
-    /// File whose text goes along as a bearer token.
+    /// File of the bearer token sent with each request.
     pub token_file: Option<PathBuf>,
 }
 
@@ -97,15 +96,15 @@ impl Webhook {
 }
 
 pub(super) fn read_webhook(s: &Section<'_>, folder: &Path) -> Result<Webhook, Located> {
-    let must = "http://HOST[:PORT]/PATH; for https put a proxy on this computer";
-    let url = s.need_text("url", "where alarms are posted to")?;
+    let must = "http://HOST[:PORT]/PATH; for https, run a proxy on this host";
+    let url = s.need_text("url", "set the address that alarms are posted to")?;
     let parsed = match url.is_empty() {
         true => (String::new(), 80, String::from("/")),
-        false => split(&url).ok_or_else(|| s.refuse("url", must))?,
+        false => split(&url).ok_or_else(|| s.invalid("url", must))?,
     };
     let severity_min = s.count("severity_min")?.unwrap_or(1);
     if severity_min > 1000 {
-        return Err(s.refuse("severity_min", "between 0 and 1000"));
+        return Err(s.invalid("severity_min", "between 0 and 1000"));
     }
     let (host, port, path) = parsed;
     Ok(Webhook {
@@ -117,7 +116,7 @@ pub(super) fn read_webhook(s: &Section<'_>, folder: &Path) -> Result<Webhook, Lo
     })
 }
 
-/// Host, port and path of an address.
+/// Splits an address into host, port and path.
 fn split(url: &str) -> Option<(String, u16, String)> {
     let rest = url.strip_prefix("http://")?;
     let (authority, path) = match rest.find(['/', '?']) {

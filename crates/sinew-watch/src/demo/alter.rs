@@ -1,32 +1,32 @@
-//! What the demonstration does to the recorded arm: its motors turn further as its ropes creep.
+//! Modification of the recorded motion in the demonstration: the motors turn further as the ropes creep.
 
-use super::arms::Life;
-use sinew_door::replay::Alter;
+use super::arms::SimulatedTendon;
 use sinew_log::decode::{Field, MessageKind, rewrite};
+use sinew_transport::replay::Alter;
 use std::collections::HashMap;
 
-/// Noise of a motor's encoder that isn't the recording's own, rad: no two turns are alike.
+/// Additional encoder noise of a motor, rad, so that no two repetitions are identical.
 const NOISE_RAD: f64 = 1.0e-4;
-/// Error of an arm's encoders that lasts for a day, rad.
+/// Encoder error of an arm that is constant for a day, rad.
 const DAILY_RAD: f64 = 0.8e-4;
 
-/// Changes the messages of one arm.
+/// Modifier of the messages of one arm.
 pub(super) struct Crept {
-    lives: Vec<Life>,
+    tendons: Vec<SimulatedTendon>,
     rate: f64,
     q: HashMap<Vec<u8>, f64>,
     random: Random,
-    /// Day, and its errors.
+    /// Present day and its errors.
     day: i64,
     daily: Vec<f64>,
 }
 
 impl Crept {
-    /// An arm with these tendons, whose civil clock runs at a rate.
-    pub(super) fn new(lives: Vec<Life>, rate: f64, seed: u64) -> Self {
-        let daily = vec![0.0; lives.len()];
+    /// Creates the modifier of an arm with these tendons; `rate` is the speed of its civil clock.
+    pub(super) fn new(tendons: Vec<SimulatedTendon>, rate: f64, seed: u64) -> Self {
+        let daily = vec![0.0; tendons.len()];
         Self {
-            lives,
+            tendons,
             rate,
             q: HashMap::new(),
             random: Random(seed),
@@ -46,19 +46,19 @@ impl Alter for Crept {
         if day != std::mem::replace(&mut self.day, day) {
             self.daily.fill_with(|| DAILY_RAD * self.random.normal());
         }
-        // A message that can't be read is played as it is.
+        // A message that cannot be decoded is played unchanged.
         let _as_it_is = rewrite(kind, cdr, |entry, value| match entry.field {
             Field::Position if kind == MessageKind::JointState => {
                 self.q.insert(entry.joint.to_vec(), value);
                 value
             }
             Field::Interface(b"motor_position") => {
-                let mut joints = self.lives.iter().map(|life| life.joint.as_bytes());
+                let mut joints = self.tendons.iter().map(|life| life.joint.as_bytes());
                 let at = joints.position(|joint| joint == entry.joint);
                 let (Some(at), Some(q)) = (at, self.q.get(entry.joint)) else {
                     return value;
                 };
-                let life = &self.lives[at];
+                let life = &self.tendons[at];
                 let deflection = (value - q) / life.stiffness_factor(time_s);
                 let noise = NOISE_RAD * self.random.normal() + self.daily[at];
                 q + deflection + life.offset_rad(time_s) + noise
@@ -68,11 +68,11 @@ impl Alter for Crept {
     }
 }
 
-/// Numbers that look random: SplitMix64 (Steele, Lea, Flood 2014).
+/// Pseudo-random generator SplitMix64 (Steele, Lea, Flood 2014).
 pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    /// Between 0 and 1.
+    /// Returns a uniform value between 0 and 1.
     pub(super) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -81,7 +81,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Normally distributed, of deviation 1 (sum of twelve, which is enough for an encoder).
+    /// Returns a standard normal value (sum of twelve uniform values, sufficient for an encoder).
     pub(super) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }

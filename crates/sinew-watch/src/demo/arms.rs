@@ -1,4 +1,5 @@
-//! What happens to the demonstration's arms, by their civil clock: times are s after the demonstration began.
+//! Simulated events of the demonstration's arms by their civil clock; times are in s since the start of the
+//! demonstration.
 
 use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
@@ -6,10 +7,10 @@ use sinew_model::transmission::Tendon;
 use sinew_rope::Catalogue;
 use sinew_rope::law::{Law, RopeLoad, State};
 
-/// Name of an arm, whether it is heard (else it is switched off), days of records before the demonstration; and of each
-/// tendon the joint, the days before the demonstration on which it was tensioned, and its creep over that of the
-/// catalogue's rope. New ropes are tensioned again once they have bedded in, and then whenever their limit is passed.
-type Told = (
+/// Name of an arm, whether it is switched on, days of records before the demonstration; for each tendon the joint,
+/// the days before the demonstration on which it was tensioned, and its creep relative to the rope of the catalogue.
+/// New ropes are re-tensioned after bedding-in, and then whenever their limit is exceeded.
+type ArmSpec = (
     &'static str,
     bool,
     u32,
@@ -17,7 +18,7 @@ type Told = (
 );
 
 #[rustfmt::skip]
-const ARMS: [Told; 3] = [
+const ARMS: [ArmSpec; 3] = [
     ("demo-1", true, 200, [
         ("shoulder_yaw", &[200.0, 188.0, 75.0], 0.9), ("shoulder_pitch", &[200.0, 188.0, 90.0], 1.1),
         ("elbow", &[200.0, 188.0, 42.0], 1.0), ("wrist", &[200.0, 188.0, 60.0], 0.9),
@@ -32,63 +33,63 @@ const ARMS: [Told; 3] = [
     ]),
 ];
 
-/// Sudden changes: a strand that fails after three minutes, which are seven and a half days, and a slip of a month before.
-/// Arm, joint, time (s), growth of the offset (rad), share of the stiffness that is lost.
-const SUDDEN: [(&str, &str, f64, f64, f64); 2] = [
+/// Simulated step changes: a strand failure after three minutes, which are 7.5 simulated days, and a slip one month
+/// before. Arm, joint, time (s), increase of the offset (rad), relative loss of stiffness.
+const STEP_CHANGES: [(&str, &str, f64, f64, f64); 2] = [
     ("demo-1", "elbow", 180.0 * super::RATE, 3.5e-3, 0.12),
     ("demo-1", "wrist", -30.3 * DAY_S, 2.4e-3, 0.0),
 ];
 
-/// What the ropes carry on average, over their pretension.
-const WORK: f64 = 2.0;
-/// Temperature of the ropes beside the motors, °C.
-const CELSIUS: f64 = 28.0;
-/// Creep is looked up in a table with so many points to a decade of time.
-const PER_DECADE: usize = 24;
-/// From an hour on: what is younger has crept before the baseline.
+/// Mean load of the ropes relative to their pretension.
+const MEAN_LOAD_RATIO: f64 = 2.0;
+/// Temperature of the ropes near the motors, °C.
+const ROPE_TEMPERATURE_C: f64 = 28.0;
+/// Points per decade of time in the table of creep.
+const POINTS_PER_DECADE: usize = 24;
+/// First time of the table, s: earlier creep precedes the baseline.
 const FIRST_S: f64 = 3600.0;
-/// Up to some thirty years.
+/// Decades of time in the table, up to about 30 years.
 const DECADES: usize = 6;
 
-/// An arm's life.
+/// Simulated arm with its tendons.
 #[derive(Debug, Clone)]
 pub(super) struct Arm {
     pub(super) name: &'static str,
-    /// Whether it is heard; else it is switched off.
+    /// Whether the arm is switched on.
     pub(super) on: bool,
     /// Days of records before the demonstration.
     pub(super) days: u32,
-    /// Its tendons, in the order of the robot's joints.
-    pub(super) lives: Vec<Life>,
+    /// Tendons in the order of the robot's joints.
+    pub(super) tendons: Vec<SimulatedTendon>,
 }
 
-/// A tendon's life.
+/// Simulated tendon with its events.
 #[derive(Debug, Clone)]
-pub(super) struct Life {
+pub(super) struct SimulatedTendon {
     pub(super) joint: &'static str,
     pub(super) tendon: Tendon,
-    /// When it was tensioned, s: negative; the first with a new rope.
+    /// Times of tensioning, s, negative; the first with a new rope.
     pub(super) tensioned_s: Vec<f64>,
-    /// Sudden changes: time (s), growth of the offset (rad), share of the stiffness that is lost.
-    sudden: Vec<(f64, f64, f64)>,
-    /// Creep of this rope over that of the catalogue's: no two are alike.
-    pace: f64,
-    /// Offset by creep at times since the rope was new that rise by a constant factor, rad.
+    /// Step changes: time (s), increase of the offset (rad), relative loss of stiffness.
+    step_changes: Vec<(f64, f64, f64)>,
+    /// Creep of this rope relative to that of the catalogue.
+    creep_factor: f64,
+    /// Offset by creep, rad, at geometrically spaced times since the rope was new.
     creep_rad: Vec<f64>,
 }
 
-/// Makes the demonstration's arms.
+/// Creates the arms of the demonstration.
 pub(super) fn arms(robot: &Robot, catalogue: &Catalogue) -> Vec<Arm> {
-    let arm = |(name, on, days, tendons): Told| {
-        let life = |(joint, days, pace): (&'static str, &[f64], f64)| {
+    let arm = |(name, on, days, tendons): ArmSpec| {
+        let life = |(joint, days, creep_factor): (&'static str, &[f64], f64)| {
             let i = robot.arm.joint_index(joint)?;
             let tendon = robot.transmissions.get(i)?.as_ref()?.tendon.clone()?;
-            let own = SUDDEN.iter().filter(|s| (s.0, s.1) == (name, joint));
-            Some(Life {
+            let own = STEP_CHANGES.iter().filter(|s| (s.0, s.1) == (name, joint));
+            Some(SimulatedTendon {
                 joint,
                 tensioned_s: days.iter().map(|day| -DAY_S * day).collect(),
-                sudden: own.map(|s| (s.2, s.3, s.4)).collect(),
-                pace,
+                step_changes: own.map(|s| (s.2, s.3, s.4)).collect(),
+                creep_factor,
                 creep_rad: creep(&tendon, catalogue)?,
                 tendon,
             })
@@ -97,21 +98,21 @@ pub(super) fn arms(robot: &Robot, catalogue: &Catalogue) -> Vec<Arm> {
             name,
             on,
             days,
-            lives: tendons.into_iter().filter_map(life).collect(),
+            tendons: tendons.into_iter().filter_map(life).collect(),
         }
     };
     ARMS.map(arm).into()
 }
 
-/// Offset of a tendon by the rope law, under what its rope carries; `None`: the rope isn't in the catalogue.
+/// Computes the offset of a tendon by the creep law under its mean load; `None`: the rope is not in the catalogue.
 fn creep(tendon: &Tendon, catalogue: &Catalogue) -> Option<Vec<f64>> {
     let rope = catalogue.find(tendon.rope.as_deref()?).ok()?;
     let law = Law::new(rope.entry.parameters().ok()?).ok()?;
-    let load = RopeLoad::celsius(WORK * tendon.pretension_n?, CELSIUS);
+    let load = RopeLoad::celsius(MEAN_LOAD_RATIO * tendon.pretension_n?, ROPE_TEMPERATURE_C);
     let mut state = State::default();
     let (mut time_s, mut first) = (0.0, None);
-    let points = (0..=DECADES * PER_DECADE).map(|i| {
-        let next_s = FIRST_S * 10_f64.powf(i as f64 / PER_DECADE as f64);
+    let points = (0..=DECADES * POINTS_PER_DECADE).map(|i| {
+        let next_s = FIRST_S * 10_f64.powf(i as f64 / POINTS_PER_DECADE as f64);
         law.hold(&mut state, load, next_s - time_s).ok()?;
         time_s = next_s;
         let percent = law.strain(&state, load).ok()?.total_percent();
@@ -121,43 +122,43 @@ fn creep(tendon: &Tendon, catalogue: &Catalogue) -> Option<Vec<f64>> {
     points.collect()
 }
 
-impl Life {
+impl SimulatedTendon {
     /// Offset by creep at a time, rad, since the rope was new.
     fn crept_rad(&self, time_s: f64) -> f64 {
         let age_s = time_s - self.tensioned_s.first().copied().unwrap_or(0.0);
-        let at = PER_DECADE as f64 * (age_s / FIRST_S).max(1.0).log10();
+        let at = POINTS_PER_DECADE as f64 * (age_s / FIRST_S).max(1.0).log10();
         let below = (at.floor() as usize).min(self.creep_rad.len().saturating_sub(2));
         let [a, b] = [self.creep_rad[below], self.creep_rad[below + 1]];
-        self.pace * (a + (b - a) * (at - below as f64).clamp(0.0, 1.0))
+        self.creep_factor * (a + (b - a) * (at - below as f64).clamp(0.0, 1.0))
     }
 
-    /// When it was last tensioned by then, s.
+    /// Time of the last tensioning before `time_s`, s.
     pub(super) fn since_s(&self, time_s: f64) -> f64 {
         let before = self.tensioned_s.iter().copied().filter(|t| *t <= time_s);
         before.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Growth by sudden changes after `from_s` and up to `to_s`, rad.
-    fn jumped_rad(&self, from_s: f64, to_s: f64) -> f64 {
-        let within = (self.sudden.iter()).filter(|s| s.0 > from_s && s.0 <= to_s);
+    /// Increase of the offset by step changes after `from_s` and up to `to_s`, rad.
+    fn step_rad(&self, from_s: f64, to_s: f64) -> f64 {
+        let within = (self.step_changes.iter()).filter(|s| s.0 > from_s && s.0 <= to_s);
         within.map(|s| s.1).sum()
     }
 
-    /// Offset since the last tensioning, rad. Tensioning takes it away; the rope creeps on as old as it is.
+    /// Offset since the last tensioning, rad. Tensioning removes it; the rope continues to creep at its age.
     pub(super) fn offset_rad(&self, time_s: f64) -> f64 {
         let since_s = self.since_s(time_s);
-        self.crept_rad(time_s) - self.crept_rad(since_s) + self.jumped_rad(since_s, time_s)
+        self.crept_rad(time_s) - self.crept_rad(since_s) + self.step_rad(since_s, time_s)
     }
 
-    /// What earlier tensionings took away, since the rope was new, rad.
+    /// Offset removed by earlier tensionings since the rope was new, rad.
     pub(super) fn before_rad(&self, time_s: f64) -> f64 {
         let since_s = self.since_s(time_s);
-        self.crept_rad(since_s) + self.jumped_rad(f64::NEG_INFINITY, since_s)
+        self.crept_rad(since_s) + self.step_rad(f64::NEG_INFINITY, since_s)
     }
 
-    /// Stiffness over that of the whole rope.
+    /// Stiffness relative to that of the intact rope.
     pub(super) fn stiffness_factor(&self, time_s: f64) -> f64 {
-        let lost = self.sudden.iter().filter(|s| s.0 <= time_s);
+        let lost = self.step_changes.iter().filter(|s| s.0 <= time_s);
         lost.map(|s| 1.0 - s.2).product()
     }
 }

@@ -1,28 +1,28 @@
-//! Records of the days before the demonstration began.
+//! Records of the days before the start of the demonstration.
 
 use super::alter::Random;
-use super::arms::{Arm, Life};
+use super::arms::{Arm, SimulatedTendon};
 use sinew_estimate::baseline::Baseline;
 use sinew_files::date::{DAY_S, utc_text};
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
-use sinew_watch_core::command::{Command, What};
+use sinew_watch_core::command::{Command, CommandKind};
 use sinew_watch_core::journal::{Entry, Event, SessionEnd};
 use sinew_watch_core::record::Clock;
-use sinew_watch_core::transaction::TendonBelief;
-use sinew_watch_core::{Belief, Record, Transaction};
+use sinew_watch_core::transaction::TendonState;
+use sinew_watch_core::{MonitorState, Record, Transaction};
 use std::sync::Arc;
 
-/// Standard deviation of a session's offset, rad: as the demonstration's own sessions have it.
+/// Standard deviation of the offset of a session, rad, as in the sessions of the demonstration.
 const OFFSET_RAD: f64 = 1.5e-4;
-/// The same of the stiffness, as a fraction.
+/// Standard deviation of the stiffness of a session, relative.
 const STIFFNESS: f64 = 0.004;
-/// Time in motion of a day's session, s.
+/// Motion per daily session, s.
 const SESSION_S: f64 = 600.0;
-/// Every so many days the arm isn't used.
+/// Interval of days on which the arm is not used.
 const REST_EVERY: u32 = 7;
 
-/// What an arm's store holds when the demonstration begins at `start_utc_s`.
+/// Returns the content of an arm's store when the demonstration begins at `start_utc_s`.
 pub(super) fn transactions(
     arm: &Arm,
     robot: &Robot,
@@ -36,11 +36,11 @@ pub(super) fn transactions(
         if day % REST_EVERY == REST_EVERY - 1 {
             continue;
         }
-        // In the morning, not always at the same minute.
+        // In the morning, at a varying minute.
         let time_s = -DAY_S * f64::from(day) - DAY_S * (0.6 + 0.05 * random.uniform());
         let celsius = 22.0 + 2.5 * (time_s / (90.0 * DAY_S)).sin() + 0.7 * random.normal();
-        let lives = (arm.lives.iter()).filter(|life| life.since_s(time_s).is_finite());
-        let records = lives.map(|life| Record {
+        let tendons = (arm.tendons.iter()).filter(|life| life.since_s(time_s).is_finite());
+        let records = tendons.map(|life| Record {
             robot: arm.name.into(),
             robot_type: robot.name.clone(),
             temperature_c: Some(celsius),
@@ -60,46 +60,46 @@ pub(super) fn transactions(
             id: out.len() as u64 + 1,
             robot: arm.name.into(),
             records,
-            belief: None,
+            state: None,
             alarms: None,
             journal,
         });
     }
     if let Some(last) = out.last_mut() {
-        last.belief = Some(Arc::new(belief(arm, robot, baseline, start_utc_s)));
+        last.state = Some(Arc::new(state_estimate(arm, robot, baseline, start_utc_s)));
     }
     out
 }
 
-/// Tensionings as somebody told them, the last first.
+/// Returns the journal entries of tensionings, the last first.
 fn tensionings(arm: &Arm, start_utc_s: f64) -> Vec<Entry> {
-    let of = |life: &Life, time_s: f64| Entry {
+    let of = |life: &SimulatedTendon, time_s: f64| Entry {
         time_utc_s: start_utc_s + time_s,
         event: Event::Command {
             command: Command {
-                who: "DEMO".into(),
+                who: "Demo".into(),
                 note: String::new(),
-                what: What::Tensioned {
+                what: CommandKind::Tensioned {
                     joints: vec![life.joint.into()],
                 },
             },
         },
     };
-    let lives = arm.lives.iter();
-    let all = lives.flat_map(|life| life.tensioned_s.iter().map(move |t| of(life, *t)));
+    let tendons = arm.tendons.iter();
+    let all = tendons.flat_map(|life| life.tensioned_s.iter().map(move |t| of(life, *t)));
     let mut all: Vec<Entry> = all.collect();
     all.sort_by(|a, b| b.time_utc_s.total_cmp(&a.time_utc_s));
     all
 }
 
-/// Name of what offsets count from.
-fn since(life: &Life, time_s: f64, start_utc_s: f64) -> Option<String> {
+/// Returns the name of the offset reference.
+fn since(life: &SimulatedTendon, time_s: f64, start_utc_s: f64) -> Option<String> {
     let utc_s = start_utc_s + life.since_s(time_s);
     Some(format!("tensioned {}", utc_text((utc_s * 1e9) as i64)?))
 }
 
-/// A session's record of a tendon, without the robot.
-fn record(life: &Life, time_s: f64, start_utc_s: f64, random: &mut Random) -> Record {
+/// Creates the record of a session of a tendon, without the robot.
+fn record(life: &SimulatedTendon, time_s: f64, start_utc_s: f64, random: &mut Random) -> Record {
     let offset_rad = life.offset_rad(time_s) + OFFSET_RAD * random.normal();
     let stiffness = life.stiffness_factor(time_s) - 1.0 + STIFFNESS * random.normal();
     let radius_m = life.tendon.joint_pulley_radius_m;
@@ -111,18 +111,18 @@ fn record(life: &Life, time_s: f64, start_utc_s: f64, random: &mut Random) -> Re
         time_utc_s: start_utc_s + time_s,
         duration_s: SESSION_S,
         offset_rad: Some(offset_rad),
-        offset_deviation_rad: Some(OFFSET_RAD),
+        offset_std_rad: Some(OFFSET_RAD),
         elongation_m: Some(radius_m * offset_rad),
-        elongation_deviation_m: Some(radius_m * OFFSET_RAD),
+        elongation_std_m: Some(radius_m * OFFSET_RAD),
         strain_ratio: Some(strain_per_rad * (life.before_rad(time_s) + offset_rad)),
-        strain_deviation_ratio: Some(strain_per_rad * OFFSET_RAD),
+        strain_std_ratio: Some(strain_per_rad * OFFSET_RAD),
         temperature_c: None,
         stiffness_ratio: Some(stiffness),
-        stiffness_deviation_ratio: Some(STIFFNESS),
+        stiffness_std_ratio: Some(STIFFNESS),
         baseline: since(life, time_s, start_utc_s),
         source: "demo".into(),
         clock: Clock::Utc,
-        in_doubt: false,
+        provisional: false,
         reason: None,
         poses: 40,
         frames: 60_000,
@@ -131,18 +131,18 @@ fn record(life: &Life, time_s: f64, start_utc_s: f64, random: &mut Random) -> Re
     }
 }
 
-/// What the arm's monitor goes on from.
-fn belief(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f64) -> Belief {
+/// Returns the stored state from which the monitor of the arm continues.
+fn state_estimate(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f64) -> MonitorState {
     let elastic = robot.joint_names().iter().zip(&robot.transmissions);
     let elastic = elastic.filter(|(_, transmission)| transmission.is_some());
     let tendons = elastic.map(|(joint, _)| {
-        let life = arm.lives.iter().find(|life| life.joint == joint);
+        let life = arm.tendons.iter().find(|life| life.joint == joint);
         let before_m = life.map(|life| {
             let radius_m = life.tendon.joint_pulley_radius_m;
             Gaussian::new(radius_m * life.before_rad(0.0), radius_m * OFFSET_RAD)
         });
         let tensioned = life.map(|life| life.tensioned_s.iter().map(|t| start_utc_s + t).collect());
-        TendonBelief {
+        TendonState {
             joint: joint.clone(),
             since: life.and_then(|life| since(life, 0.0, start_utc_s)),
             tensioned_utc_s: tensioned.unwrap_or_default(),
@@ -153,8 +153,8 @@ fn belief(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f64) -> Be
             suspected: None,
         }
     });
-    Belief {
-        version: Belief::VERSION,
+    MonitorState {
+        version: MonitorState::VERSION,
         baseline: Some(baseline.clone()),
         end_utc_s: Some(start_utc_s),
         learns: None,

@@ -1,8 +1,8 @@
-//! `sinew watch --demo`: no robot and no network but the page.
+//! Demonstration (`sinew watch --demo`): simulated robots; no network connection except the page.
 //!
-//! A simulated motion, recorded by `sinew simulate`, is played over and over by the replay door, through the real queues,
-//! monitors and store, which is in memory. On the way its ropes creep by the rope law, at an hour a second; a strand
-//! fails after three minutes. It says DEMO wherever it says anything.
+//! A simulated motion, recorded by `sinew simulate`, is replayed repeatedly by the replay transport, through the real
+//! queues, monitors and an in-memory store. The ropes creep by the creep law, one hour per second; a strand fails
+//! after three minutes. All output is marked as a demonstration.
 
 mod alter;
 mod arms;
@@ -10,14 +10,12 @@ mod history;
 #[cfg(test)]
 mod tests;
 
-use crate::config::{Address, DoorSettings, RobotSettings, WebSettings};
-use crate::runtime::{Pace, Runtime, Start};
-use crate::service::{Web, WebStart, until_told};
+use crate::config::{Address, RobotSettings, TransportSettings, WebSettings};
+use crate::runtime::{ClockRate, Runtime, Start};
+use crate::service::{Web, WebStart, run_until_stopped};
 use crate::store::{Place, Store};
 use alter::Crept;
 use arms::arms;
-use sinew_door::Routes;
-use sinew_door::replay::{self, Played, ReplayOptions};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{Learning, Payload, Recorder, learn_recorded};
 use sinew_log::live::LiveOptions;
@@ -25,6 +23,8 @@ use sinew_log::{OpenOptions, Recording};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_rope::Catalogue;
+use sinew_transport::Routes;
+use sinew_transport::replay::{self, Played, ReplayOptions};
 use sinew_watch_core::alarm::{Condition, Delays};
 use sinew_watch_core::{ClockChoice, MonitorConfig};
 use std::io::Cursor;
@@ -33,30 +33,29 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::channel;
 
-/// Seconds of the arms' civil clock in one.
+/// Speed of the civil clock of the arms relative to real time.
 const RATE: f64 = 3600.0;
 
-/// Made by `demo/arm.toml`.
+/// Motion recorded by `demo/arm.toml`.
 const MOTION: &[u8] = include_bytes!("../../demo/arm.mcap");
 const ROBOT: &str = include_str!("../../demo/robot.toml");
 const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
 
-/// What the page says.
-const SAYS: &str = "These arms are made up. One second is an hour of theirs: their ropes creep by the rope law at that \
-                    pace, while the arms move at their own. A strand of demo-1's elbow fails after three minutes. \
-                    Nothing is kept when it ends.";
+/// Description of the demonstration on the page.
+const DESCRIPTION: &str = "simulated robots, 1 s = 1 h. The ropes creep by the creep law at this rate, while the arms move in \
+                           real time. A strand at the elbow of demo-1 fails after 3 min. No data are kept.";
 
 fn words(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// The arms' robot.
+/// Returns the robot of all arms.
 fn robot() -> Result<Robot, String> {
     let file = RobotFile::parse(ROBOT, "robot.toml").map_err(words)?;
     file.build(URDF).map_err(words)
 }
 
-/// What the motion teaches of ropes that are not stretched.
+/// Estimates the baseline of ropes without elongation from the motion.
 fn baseline(robot: &Robot) -> Result<Baseline, String> {
     let options = OpenOptions::default();
     let reader = Box::new(Cursor::new(MOTION));
@@ -73,7 +72,8 @@ fn baseline(robot: &Robot) -> Result<Baseline, String> {
     Ok(learned.map_err(words)?.0)
 }
 
-/// What an arm's monitor is told: a session ends with every turn of the motion, which is a day's work.
+/// Returns the configuration of an arm's monitor: a session ends with every repetition of the motion, which is the
+/// work of one day.
 fn monitor(name: &str, robot: &Arc<Robot>, catalogue: &Arc<Catalogue>) -> MonitorConfig {
     let mut config = MonitorConfig::new(name, "demo", Arc::clone(robot), Arc::clone(catalogue));
     config.estimate.payload = Payload::Empty;
@@ -94,19 +94,19 @@ fn monitor(name: &str, robot: &Arc<Robot>, catalogue: &Arc<Catalogue>) -> Monito
     config
 }
 
-/// The demonstration, running.
+/// Running demonstration with its page.
 pub struct Demo {
-    /// The monitor of its arms.
+    /// Monitor of the arms.
     pub runtime: Runtime,
-    /// The page that shows them.
+    /// Web page of the arms.
     pub web: Web,
 }
 
 impl Demo {
-    /// Starts it.
+    /// Starts the demonstration.
     ///
     /// # Errors
-    /// Why it can't be started, in words.
+    /// Returns the reason as text if a store, thread, transport or address is not available.
     pub fn start(
         web: WebSettings,
         signals: std::sync::mpsc::Sender<crate::service::Signal>,
@@ -115,17 +115,17 @@ impl Demo {
         let robot = Arc::new(robot()?);
         let baseline = baseline(&robot)?;
         let arms = arms(&robot, &catalogue);
-        // Several may run in one process.
+        // Several demonstrations may run in one process.
         static STORES: AtomicU64 = AtomicU64::new(0);
         let place = Place::Memory(STORES.fetch_add(1, Ordering::Relaxed));
         let mut start = Start::at(place.clone());
         let begins = start.clock.now();
         let start_utc_s = begins.utc_ns as f64 * 1e-9;
-        start.pace = Pace::Fast {
+        start.clock_rate = ClockRate::Accelerated {
             from: begins,
             rate: RATE,
         };
-        // What is in memory lives as long as somebody has it open.
+        // The in-memory store exists as long as a connection is open.
         let mut store = Store::open(place.clone()).map_err(words)?;
         for arm in &arms {
             let history = history::transactions(arm, &robot, &baseline, start_utc_s);
@@ -148,18 +148,18 @@ impl Demo {
                 is_restamped: true,
                 pause_s: 0.0,
             };
-            let crept = Crept::new(arm.lives.clone(), RATE, seed);
-            let door = replay::open(&options, &routes, runtime.clock(), Some(Box::new(crept)));
-            let door = door.map_err(words)?;
-            let address = settings(arm.name).door.address;
-            runtime.doors().adopt(address, door, routes);
+            let crept = Crept::new(arm.tendons.clone(), RATE, seed);
+            let transport = replay::open(&options, &routes, runtime.clock(), Some(Box::new(crept)));
+            let transport = transport.map_err(words)?;
+            let address = settings(arm.name).transport.address;
+            runtime.transports().adopt(address, transport, routes);
         }
         runtime.look();
         let (_hooks, webhooks) = tokio::sync::watch::channel(Vec::new());
         let web = WebStart {
             settings: web,
             token: None,
-            demo: Some(SAYS.into()),
+            demo: Some(DESCRIPTION.into()),
             place,
             webhooks,
             steps,
@@ -169,9 +169,9 @@ impl Demo {
     }
 }
 
-/// An arm as a configuration would have it.
+/// Returns the settings of an arm as in a configuration.
 fn settings(name: &str) -> RobotSettings {
-    let door = DoorSettings {
+    let transport = TransportSettings {
         address: Address::Mcap {
             path: PathBuf::from(name),
             from_start: true,
@@ -179,22 +179,22 @@ fn settings(name: &str) -> RobotSettings {
         },
         namespace: String::new(),
     };
-    RobotSettings::new(name, PathBuf::new(), door)
+    RobotSettings::new(name, PathBuf::new(), transport)
 }
 
-/// Runs it until it is told to end.
+/// Runs the demonstration until it is stopped.
 ///
 /// # Errors
-/// Why it can't be started, in words.
+/// Returns the reason as text if the demonstration cannot be started.
 pub fn run(web: WebSettings) -> Result<(), String> {
-    let (signals, told) = channel();
-    let Demo { mut runtime, web } = Demo::start(web, signals)?;
+    let (sender, signals) = channel();
+    let Demo { mut runtime, web } = Demo::start(web, sender)?;
     if let Some(address) = web.address {
         println!(
-            "DEMO: made-up arms, one second is an hour. Open http://{address} in a browser; Ctrl-C ends it."
+            "Demo: simulated robots, 1 s = 1 h. Open http://{address} in a browser; stop with Ctrl-C."
         );
     }
-    until_told(&told, &mut runtime, |_, _| {});
+    run_until_stopped(&signals, &mut runtime, |_, _| {});
     runtime.end();
     web.end();
     Ok(())

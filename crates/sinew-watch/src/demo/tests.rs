@@ -1,10 +1,10 @@
-//! What the README promises of the demonstration, without threads and clocks: every run gives the same.
+//! Behaviour of the demonstration as described in the README, without threads and clocks: every run is identical.
 
 use super::{MOTION, RATE, alter::Crept, arms::Arm, arms::arms, baseline, history, monitor, robot};
-use sinew_door::replay::Alter as _;
 use sinew_log::decode::{MessageKind, set_stamp_ns};
 use sinew_log::live::{Live, LiveOptions};
 use sinew_rope::Catalogue;
+use sinew_transport::replay::Alter as _;
 use sinew_watch_core::alarm::{AlarmKey, Condition};
 use sinew_watch_core::{History, Instant, Monitor, RobotSnapshot, Stored};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// 2026-11-02 08:00 UTC, ns.
 const START_NS: i64 = 1_793_606_400_000_000_000;
 
-/// A turn of the motion, s.
+/// Duration of one repetition of the motion, s.
 const TURN_S: f64 = 24.0;
 
 fn at(since_s: f64) -> Instant {
@@ -23,7 +23,7 @@ fn at(since_s: f64) -> Instant {
     }
 }
 
-/// An arm as it is after so many turns, and when each of its alarms was first seen, s.
+/// Returns the state of an arm after a number of repetitions, and the time at which each alarm was first active, s.
 fn played(arm: &Arm, seed: u64, turns: u32) -> (RobotSnapshot, Vec<(AlarmKey, f64)>) {
     let robot = Arc::new(robot().unwrap());
     let catalogue = Arc::new(Catalogue::shipped().unwrap());
@@ -34,16 +34,13 @@ fn played(arm: &Arm, seed: u64, turns: u32) -> (RobotSnapshot, Vec<(AlarmKey, f6
             history.push(record);
         });
         stored.last_id = transaction.id;
-        stored.belief = transaction
-            .belief
-            .map(Arc::unwrap_or_clone)
-            .or(stored.belief);
+        stored.state = transaction.state.map(Arc::unwrap_or_clone).or(stored.state);
     }
     stored.history = history;
     let config = monitor(arm.name, &robot, &catalogue);
     let mut monitor = Monitor::new(config, stored, at(0.0)).unwrap();
     let mut live = Live::new(&LiveOptions::of_joints(robot.joint_names())).unwrap();
-    let mut crept = Crept::new(arm.lives.clone(), RATE, seed);
+    let mut crept = Crept::new(arm.tendons.clone(), RATE, seed);
     let mut alarms: Vec<(AlarmKey, f64)> = Vec::new();
     let mut ticked_s = 0.0;
     for turn in 0..turns {
@@ -91,19 +88,19 @@ fn played(arm: &Arm, seed: u64, turns: u32) -> (RobotSnapshot, Vec<(AlarmKey, f6
 }
 
 #[test]
-fn one_is_to_be_tensioned_soon_and_a_strand_fails_after_three_minutes() {
+fn demo_retension_alarm_and_strand_failure_after_3_min() {
     let all = arms(&robot().unwrap(), &Catalogue::shipped().unwrap());
-    assert_eq!(all.len(), 3, "three made-up arms");
+    assert_eq!(all.len(), 3, "three simulated arms");
     let (_, alarms) = played(&all[0], 1, 20);
     let first = |condition| {
         let of_elbow = |key: &AlarmKey| key.joint.as_deref() == Some("elbow");
         let mut of = (alarms.iter()).filter(|(key, _)| key.condition == condition && of_elbow(key));
         of.next().map_or(f64::NAN, |(_, at_s)| *at_s)
     };
-    // It is seen at the end of the day's work, and confirmed by another day's.
-    let seen_s = first(Condition::Suspicion);
+    // Suspected at the end of the day, and confirmed on the next day.
+    let seen_s = first(Condition::SuspectedStep);
     assert!((180.0..220.0).contains(&seen_s), "{alarms:?}");
-    let confirmed_s = first(Condition::StrandFailed);
+    let confirmed_s = first(Condition::StrandFailure);
     assert!((seen_s..400.0).contains(&confirmed_s), "{alarms:?}");
     let near =
         |(key, at_s): &(AlarmKey, f64)| key.condition == Condition::LimitNear && *at_s < 30.0;
@@ -111,6 +108,6 @@ fn one_is_to_be_tensioned_soon_and_a_strand_fails_after_three_minutes() {
     assert_eq!(
         played(&all[1], 2, 3),
         played(&all[1], 2, 3),
-        "the same each time"
+        "identical in every run"
     );
 }

@@ -1,13 +1,17 @@
-//! A thread with the monitors of some robots: takes what doors bring, and gives work and transactions away.
+//! Thread with the monitors of some robots: processes the messages of transports, and passes on jobs and
+//! transactions.
 //!
-//! It never waits for the disk, an estimate or a browser: it waits for messages, and for answers to what it gave away.
+//! It never waits for the disk, an estimate or a browser, only for messages and for the results of its requests.
 
+use super::clock_rate::ClockRate;
+use super::faults::TopicFaults;
 use super::health::Health;
-use super::messages::{Answer, Control, CoreHandle, NotStored, Reply, Request, Watched, Work};
-use super::pace::Pace;
-use super::slot::{Seen, Slot};
-use super::troubles::Troubles;
-use sinew_door::{Batch, Clock, Inbox, Received, RobotId, Taken};
+use super::messages::{
+    Answer, Control, CoreHandle, MonitoredRobot, NotStored, Reply, Request, RobotJob,
+};
+use super::slot::{RobotState, Slot};
+use crate::words;
+use sinew_transport::{Batch, BatchContent, Clock, Inbox, Received, RobotId};
 use sinew_watch_core::command::Command;
 use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::snapshot::Freshness;
@@ -18,46 +22,46 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender};
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc as tokio_mpsc;
 
-/// A robot's monitor looks at the time so often.
+/// Interval at which a monitor evaluates the time.
 const TICK: Duration = Duration::from_secs(1);
-/// A thread looks round at least so often.
-const ROUND: Duration = Duration::from_millis(100);
-/// Batches that are taken before the thread looks at what else there is.
-const BATCHES: usize = 64;
+/// Maximum duration of one loop of the thread.
+const MAX_LOOP_TIME: Duration = Duration::from_millis(100);
+/// Maximum number of batches before the thread handles other requests.
+const MAX_BATCHES: usize = 64;
 
-/// What a core thread gives away.
+/// Outputs of a core thread.
 #[derive(Clone)]
 pub(super) struct Outlets {
-    /// What is to be stored.
+    /// Transactions to store.
     pub store: Sender<Request>,
-    /// What is to be estimated.
-    pub work: Sender<Work>,
-    /// Alarms that took a step, once that is stored; who is slow misses some.
-    pub told: tokio_mpsc::Sender<(String, Entry)>,
+    /// Jobs to estimate.
+    pub work: Sender<RobotJob>,
+    /// Alarm transitions that have been stored; a slow receiver misses some.
+    pub transitions: tokio_mpsc::Sender<(String, Entry)>,
 }
 
 struct Robot {
-    watched: Watched,
-    troubles: Troubles,
+    monitored: MonitoredRobot,
+    faults: TopicFaults,
     next_tick: Instant,
     /// Commands that wait to be stored.
     commands: Vec<(Command, Option<u64>, Reply)>,
     working: bool,
     storing: bool,
-    /// Watched no more: it goes when all is stored.
+    /// Whether the robot is removed once all its data are stored.
     leaves: bool,
-    /// Dropped with it: somebody waits for that.
+    /// Dropped with the robot, to wake a waiting thread.
     gone: Option<SyncSender<()>>,
 }
 
-/// A core thread.
+/// Thread with the monitors of some robots.
 pub(super) struct CoreThread {
     index: usize,
     handle: CoreHandle,
     controls: Receiver<Control>,
     outlets: Outlets,
     clock: Clock,
-    pace: Pace,
+    clock_rate: ClockRate,
     health: Arc<Health>,
     robots: BTreeMap<usize, Robot>,
     batch: Batch,
@@ -65,12 +69,12 @@ pub(super) struct CoreThread {
 }
 
 impl CoreThread {
-    /// One that watches nothing yet.
+    /// Creates a thread without robots.
     pub(super) fn new(
         index: usize,
         (handle, controls): (CoreHandle, Receiver<Control>),
         outlets: Outlets,
-        (clock, pace): (Clock, Pace),
+        (clock, clock_rate): (Clock, ClockRate),
         health: Arc<Health>,
     ) -> Self {
         Self {
@@ -79,7 +83,7 @@ impl CoreThread {
             controls,
             outlets,
             clock,
-            pace,
+            clock_rate,
             health,
             robots: BTreeMap::new(),
             batch: Batch::default(),
@@ -87,7 +91,7 @@ impl CoreThread {
         }
     }
 
-    /// Runs until it is told to end, and all is stored or the time for that is over.
+    /// Runs until it is stopped, and everything is stored or the time limit is reached.
     pub(super) fn run(mut self) {
         let inbox = self.handle.inbox().clone();
         loop {
@@ -95,27 +99,25 @@ impl CoreThread {
             let mut ready = inbox.wait(self.until_next());
             let mut batches = 0;
             while let Some(id) = ready {
-                // A robot is added before its first message comes: whoever isn't known waits there.
+                // A robot is added before its first message arrives: messages of an unknown robot wait.
                 if batches == 0 || !self.robots.contains_key(&id.index()) {
-                    self.listen();
+                    self.handle_requests();
                 }
-                self.take(&inbox, id);
+                self.ingest(&inbox, id);
                 batches += 1;
-                ready = match batches < BATCHES {
+                ready = match batches < MAX_BATCHES {
                     true => inbox.wait(Duration::ZERO),
                     false => None,
                 };
             }
-            self.listen();
+            self.handle_requests();
             self.tick();
             if let Some(by) = self.ends
                 && (self.robots.is_empty() || Instant::now() >= by)
             {
                 for (_, robot) in std::mem::take(&mut self.robots) {
-                    let name = robot.watched.monitor.snapshot(self.now()).robot;
-                    self.health.say(&format!(
-                        "{name}: the last of it could not be stored in time"
-                    ));
+                    let name = robot.monitored.monitor.snapshot(self.now()).robot;
+                    self.health.log(&words::log::last_data_lost(&name));
                 }
                 return;
             }
@@ -123,42 +125,43 @@ impl CoreThread {
     }
 
     fn now(&self) -> sinew_watch_core::Instant {
-        self.pace.instant(self.clock.now())
+        self.clock_rate.instant(self.clock.now())
     }
 
     fn until_next(&self) -> Duration {
         let next = self.robots.values().map(|robot| robot.next_tick).min();
-        next.map_or(ROUND, |next| {
-            next.saturating_duration_since(Instant::now()).min(ROUND)
+        next.map_or(MAX_LOOP_TIME, |next| {
+            next.saturating_duration_since(Instant::now())
+                .min(MAX_LOOP_TIME)
         })
     }
 
-    /// Takes what a robot's queue holds.
-    fn take(&mut self, inbox: &Inbox, id: RobotId) {
+    /// Processes the queue of a robot.
+    fn ingest(&mut self, inbox: &Inbox, id: RobotId) {
         inbox.take(id, &mut self.batch);
-        let pace = self.pace;
+        let clock_rate = self.clock_rate;
         let now = self.clock.now();
         let Some(robot) = self.robots.get_mut(&id.index()) else {
             return;
         };
-        let troubles = &mut robot.troubles;
+        let faults = &mut robot.faults;
         let health = &self.health;
-        let Watched {
+        let MonitoredRobot {
             intake,
             monitor,
             slot,
             ..
-        } = &mut robot.watched;
-        intake.feed(&self.batch, |taken| {
-            if let Some(line) = feed(monitor, slot, troubles, taken, (pace, now)) {
-                health.say_once(&line);
+        } = &mut robot.monitored;
+        intake.feed(&self.batch, |content| {
+            if let Some(line) = feed(monitor, slot, faults, content, (clock_rate, now)) {
+                health.log_once(&line);
             }
         });
         self.pump(id.index());
     }
 
-    /// Does what it is told.
-    fn listen(&mut self) {
+    /// Handles the requests to the thread.
+    fn handle_requests(&mut self) {
         while let Ok(control) = self.controls.try_recv() {
             self.control(control);
         }
@@ -167,15 +170,15 @@ impl CoreThread {
     fn control(&mut self, control: Control) {
         let now = self.now();
         match control {
-            Control::Add(watched) => self.add(*watched),
+            Control::Add(monitored) => self.add(*monitored),
             Control::Reload {
                 robot,
                 config,
                 reply,
             } => {
                 self.change(robot.index(), |robot| {
-                    // Without an answer nothing was changed, and nothing is wrong.
-                    let _gone = reply.send(robot.watched.monitor.reload(*config, now));
+                    // Without a receiver nothing was changed, and there is no fault.
+                    let _gone = reply.send(robot.monitored.monitor.reload(*config, now));
                 });
             }
             Control::Remove { robot, gone } => {
@@ -194,18 +197,21 @@ impl CoreThread {
                 transaction,
                 result,
             } => self.stored(robot, *transaction, result),
-            Control::Door { robot, shut } => {
+            Control::Transport {
+                robot,
+                disconnected,
+            } => {
                 self.change(robot.index(), |robot| {
-                    let shut = shut.as_ref();
-                    let shut = shut.map(|shut| (shut.door.as_str(), shut.why.as_str()));
-                    robot.watched.monitor.door(shut, now);
+                    let reason = disconnected.as_ref();
+                    let reason = reason.map(|lost| (lost.transport.as_str(), lost.reason.as_str()));
+                    robot.monitored.monitor.transport(reason, now);
                 });
             }
-            Control::Done { robot, done } => self.change(robot, |robot| {
+            Control::JobResult { robot, done } => self.change(robot, |robot| {
                 robot.working = false;
-                robot.watched.monitor.done(*done, now);
+                robot.monitored.monitor.done(*done, now);
             }),
-            Control::LeftOut { robot } => self.change(robot, |robot| robot.working = false),
+            Control::Skipped { robot } => self.change(robot, |robot| robot.working = false),
             Control::End { by } => {
                 self.ends = Some(by);
                 let all: Vec<usize> = self.robots.keys().copied().collect();
@@ -216,7 +222,7 @@ impl CoreThread {
         }
     }
 
-    /// Changes something of a robot, if it is still here.
+    /// Modifies a robot if it still exists.
     fn change(&mut self, at: usize, change: impl FnOnce(&mut Robot)) {
         if let Some(robot) = self.robots.get_mut(&at) {
             change(robot);
@@ -224,13 +230,13 @@ impl CoreThread {
         self.pump(at);
     }
 
-    fn add(&mut self, watched: Watched) {
-        let at = watched.id.index();
-        // Ticks of many robots are spread over the second.
+    fn add(&mut self, monitored: MonitoredRobot) {
+        let at = monitored.id.index();
+        // Ticks of many robots are spread over one second.
         let share = TICK.mul_f64((at as f64 * 0.618_034).fract());
         let robot = Robot {
-            watched,
-            troubles: Troubles::default(),
+            monitored,
+            faults: TopicFaults::default(),
             next_tick: Instant::now() + share,
             commands: Vec::new(),
             working: false,
@@ -239,28 +245,28 @@ impl CoreThread {
             gone: None,
         };
         self.robots.insert(at, robot);
-        self.show(at);
+        self.publish_snapshot(at);
         self.pump(at);
     }
 
     fn leave(&mut self, at: usize) {
-        let (now, pace, received) = (self.now(), self.pace, self.clock.now());
+        let (now, clock_rate, received) = (self.now(), self.clock_rate, self.clock.now());
         let Some(robot) = self.robots.get_mut(&at) else {
             return;
         };
         if !std::mem::replace(&mut robot.leaves, true) {
-            let Watched {
+            let MonitoredRobot {
                 intake,
                 monitor,
                 slot,
                 ..
-            } = &mut robot.watched;
-            let troubles = &mut robot.troubles;
-            // Of a robot that fell silent, what is held isn't news: it would be taken for data of now.
+            } = &mut robot.monitored;
+            let faults = &mut robot.faults;
+            // Pending frames of a silent robot are discarded: they would be mistaken for present data.
             let is_fresh = monitor.snapshot(now).freshness == Freshness::Fresh;
-            intake.silence(received, |taken| {
+            intake.silence(received, |content| {
                 if is_fresh {
-                    let _logged = feed(monitor, slot, troubles, taken, (pace, received));
+                    let _logged = feed(monitor, slot, faults, content, (clock_rate, received));
                 }
             });
             monitor.shutdown(now);
@@ -273,8 +279,8 @@ impl CoreThread {
         let Some(robot) = self.robots.get_mut(&at).filter(|robot| !robot.leaves) else {
             return reply(Answer::Gone);
         };
-        match robot.watched.monitor.command(command.clone(), now) {
-            Err(error) => reply(Answer::Refused(error)),
+        match robot.monitored.monitor.command(command.clone(), now) {
+            Err(error) => reply(Answer::Rejected(error)),
             Ok(()) => robot.commands.push((command, None, reply)),
         }
         self.pump(at);
@@ -289,7 +295,7 @@ impl CoreThread {
         let id = transaction.id;
         let answer = match &result {
             Ok(()) => Answer::Stored,
-            Err(not) => Answer::NotStored(not.why.clone()),
+            Err(not) => Answer::NotStored(not.reason.clone()),
         };
         let (answered, waiting) = std::mem::take(&mut robot.commands)
             .into_iter()
@@ -298,46 +304,49 @@ impl CoreThread {
         let again = result.is_err();
         match result {
             Ok(()) => {
-                robot.watched.monitor.committed(id, now);
+                robot.monitored.monitor.committed(id, now);
                 for entry in transaction.journal {
                     if matches!(entry.event, Event::Alarm { .. }) {
-                        // Who tells others is slow: the pages and the journal have it in any case.
+                        // A slow notifier loses the transition; pages and journal have it in any case.
                         let _full = self
                             .outlets
-                            .told
+                            .transitions
                             .try_send((transaction.robot.clone(), entry));
                     }
                 }
-                self.show(at);
+                self.publish_snapshot(at);
             }
-            Err(NotStored { fault, why }) => robot.watched.monitor.refused(id, fault, &why, now),
+            Err(NotStored { fault, reason }) => robot
+                .monitored
+                .monitor
+                .store_failed(id, fault, &reason, now),
         }
-        // Who has his answer finds on the page what he said.
+        // Clients that receive the answer find their command in the snapshot.
         for (_, _, reply) in answered {
             reply(answer.clone());
         }
-        // What could not be stored is tried again at the next tick.
+        // Data that could not be stored are submitted again at the next tick.
         if !again {
             self.pump(at);
         }
     }
 
-    /// Gives away what there is to estimate and to store.
+    /// Submits pending jobs and transactions of a robot.
     fn pump(&mut self, at: usize) {
         let Some(robot) = self.robots.get_mut(&at) else {
             return;
         };
-        let monitor = &mut robot.watched.monitor;
+        let monitor = &mut robot.monitored.monitor;
         if !robot.working
             && let Some(job) = monitor
                 .job()
-                .filter(|job| !(robot.leaves && job.may_be_left_out()))
+                .filter(|job| !(robot.leaves && job.is_optional()))
         {
             let core = self.handle.clone();
             robot.working = self
                 .outlets
                 .work
-                .send(Work {
+                .send(RobotJob {
                     job,
                     robot: at,
                     core,
@@ -362,16 +371,16 @@ impl CoreThread {
             robot.storing = self.outlets.store.send(request).is_ok();
         }
         if robot.leaves && !robot.working && !robot.storing {
-            let left = monitor
-                .snapshot(self.pace.instant(self.clock.now()))
+            let waiting = monitor
+                .snapshot(self.clock_rate.instant(self.clock.now()))
                 .waiting_to_be_stored;
-            if left == 0 {
+            if waiting == 0 {
                 self.robots.remove(&at);
             }
         }
     }
 
-    /// Tells monitors whose turn it is the time, and shows them.
+    /// Passes the time to the monitors that are due, and publishes their snapshots.
     fn tick(&mut self) {
         let (begun, now) = (Instant::now(), self.now());
         let due: Vec<usize> = (self.robots.iter())
@@ -381,42 +390,47 @@ impl CoreThread {
         for at in due {
             if let Some(robot) = self.robots.get_mut(&at) {
                 robot.next_tick = (robot.next_tick + TICK).max(begun);
-                let Watched {
+                let MonitoredRobot {
                     intake, monitor, ..
-                } = &mut robot.watched;
-                if let Some(changed) = robot.troubles.changed(intake.live()) {
-                    monitor.troubles(changed, now);
+                } = &mut robot.monitored;
+                if let Some(changed) = robot.faults.changed(intake.live()) {
+                    monitor.transport_faults(changed, now);
                 }
                 monitor.tick(now);
             }
-            self.show(at);
+            self.publish_snapshot(at);
             self.pump(at);
         }
     }
 
-    fn show(&mut self, at: usize) {
+    fn publish_snapshot(&mut self, at: usize) {
         let now = self.now();
         if let Some(robot) = self.robots.get(&at) {
-            let snapshot = robot.watched.monitor.snapshot(now);
-            robot.watched.slot.put(Seen::Watched(Arc::new(snapshot)));
+            let snapshot = robot.monitored.monitor.snapshot(now);
+            robot
+                .monitored
+                .slot
+                .put(RobotState::Monitored(Arc::new(snapshot)));
         }
     }
 }
 
-/// Gives a monitor what came; a line for the log, where there is one.
+/// Passes a batch item to a monitor; returns a log line where appropriate.
 fn feed(
     monitor: &mut Monitor,
     slot: &Slot,
-    troubles: &mut Troubles,
-    taken: Taken<'_>,
-    (pace, now): (Pace, Received),
+    faults: &mut TopicFaults,
+    content: BatchContent<'_>,
+    (clock_rate, now): (ClockRate, Received),
 ) -> Option<String> {
-    match taken {
-        Taken::Frame { received, frame } => monitor.frame(frame, pace.instant(received)),
-        Taken::Trouble { trouble, .. } => return troubles.take(trouble),
-        Taken::Dropped { messages } => {
+    match content {
+        BatchContent::Frame { received, frame } => {
+            monitor.frame(frame, clock_rate.instant(received))
+        }
+        BatchContent::Fault { fault, .. } => return faults.ingest(fault),
+        BatchContent::Dropped { messages } => {
             slot.count_dropped(messages);
-            monitor.dropped(messages, pace.instant(now));
+            monitor.dropped(messages, clock_rate.instant(now));
         }
     }
     None

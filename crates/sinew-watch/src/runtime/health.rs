@@ -1,95 +1,96 @@
-//! How the monitor itself is: its threads, its store, what it has to say.
+//! Health of the monitor: threads, store and log messages.
 
-use super::door::DoorNow;
+use super::transport::TransportView;
 use crate::store::StoreError;
+use crate::words;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How the monitor itself is.
+/// Health of the monitor.
 #[derive(Debug)]
 pub struct Health {
     started: Instant,
-    /// Whether the monitor ends: what isn't lost is left out.
+    /// Whether the monitor is stopping: optional work is skipped.
     pub ends: AtomicBool,
-    /// Of each core thread: when it last went round, ms since the start.
+    /// Time of the last loop of each core thread, ms since the start.
     beats: Vec<AtomicU64>,
-    /// Why the last try to store failed; `None`: it didn't.
+    /// Reason of the last failure to store; `None`: the last attempt succeeded.
     store_fails: Mutex<Option<String>>,
-    /// The doors, as they were when they were looked at last.
-    doors: Mutex<Vec<DoorNow>>,
-    /// Lines said of late.
-    said: Mutex<VecDeque<(Instant, String)>>,
-    /// What the monitor counts, for metrics.
+    /// Transports at the last check.
+    transports: Mutex<Vec<TransportView>>,
+    /// Recently logged lines.
+    recent_lines: Mutex<VecDeque<(Instant, String)>>,
+    /// Counters for metrics.
     pub counts: Counts,
 }
 
-/// What the monitor counts, for metrics.
+/// Counters for metrics.
 #[derive(Debug, Default)]
 pub struct Counts {
-    /// Transactions that were stored.
+    /// Number of stored transactions.
     pub transactions: AtomicU64,
-    /// Tries to store that failed.
+    /// Number of failed attempts to store.
     pub failures: AtomicU64,
-    /// Commits, each of one transaction or several.
+    /// Number of commits, each of one or several transactions.
     pub commits: AtomicU64,
-    /// Microseconds that commits took.
+    /// Total duration of commits, µs.
     pub commit_us: AtomicU64,
-    /// Estimates and trends made.
+    /// Number of estimates and trends.
     pub jobs: AtomicU64,
-    /// Microseconds that estimates took.
+    /// Total duration of estimates, µs.
     pub job_us: AtomicU64,
-    /// Webhooks that were delivered.
+    /// Number of delivered webhooks.
     pub webhooks: AtomicU64,
-    /// Webhooks that were given up.
+    /// Number of webhooks discarded after the last attempt.
     pub webhooks_lost: AtomicU64,
 }
 
-/// A line is not said again within this time.
-const SAID_FOR: Duration = Duration::from_secs(10);
-/// Lines that are remembered for that.
-const SAID_MOST: usize = 256;
+/// Time within which a line is not logged again.
+const MIN_REPEAT_INTERVAL: Duration = Duration::from_secs(10);
+/// Maximum number of remembered lines.
+const MAX_RECENT_LINES: usize = 256;
 
-/// A thread that panicked left whole values behind: every change is complete in itself.
+/// Locks a mutex even if a thread panicked: every change is complete in itself.
 pub(crate) fn lock<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Health {
-    /// Of a monitor with so many core threads.
+    /// Creates the health of a monitor with this number of core threads.
     pub fn new(cores: usize) -> Self {
         Self {
             started: Instant::now(),
             ends: AtomicBool::new(false),
             beats: (0..cores).map(|_| AtomicU64::new(0)).collect(),
             store_fails: Mutex::default(),
-            doors: Mutex::default(),
-            said: Mutex::default(),
+            transports: Mutex::default(),
+            recent_lines: Mutex::default(),
             counts: Counts::default(),
         }
     }
 
-    /// A core thread went round.
+    /// Records a loop of a core thread.
     pub fn beat(&self, core: usize) {
         if let Some(beat) = self.beats.get(core) {
             beat.store(self.started.elapsed().as_millis() as u64, Ordering::Relaxed);
         }
     }
 
-    /// How long ago the core thread that is the longest silent went round.
+    /// Returns the time since the last loop of the slowest core thread.
     pub fn silent_for(&self) -> Duration {
         let now = self.started.elapsed();
         let oldest = self.beats.iter().map(|b| b.load(Ordering::Relaxed)).min();
         now.saturating_sub(Duration::from_millis(oldest.unwrap_or(0)))
     }
 
-    /// How long the monitor runs.
+    /// Returns the time since the start of the monitor.
     pub fn up(&self) -> Duration {
         self.started.elapsed()
     }
 
-    /// So many transactions were stored together, or not.
+    /// Records the result of storing several transactions together.
     pub fn committed(&self, transactions: usize, took: Duration, error: Option<&StoreError>) {
         let mut fails = lock(&self.store_fails);
         match error {
@@ -102,42 +103,42 @@ impl Health {
                     .commit_us
                     .fetch_add(took.as_micros() as u64, Ordering::Relaxed);
                 if fails.take().is_some() {
-                    self.say("the store works again");
+                    self.log(&words::log::store_recovered());
                 }
             }
             Some(error) => {
                 self.counts.failures.fetch_add(1, Ordering::Relaxed);
-                let why = error.in_words();
-                if fails.as_ref() != Some(&why) {
-                    self.say(&format!("nothing can be stored: {why}"));
+                let reason = error.in_words();
+                if fails.as_ref() != Some(&reason) {
+                    self.log(&words::log::store_failed(&reason));
                 }
-                *fails = Some(why);
+                *fails = Some(reason);
             }
         }
     }
 
-    /// One transaction can't be stored, others can: the store works.
-    pub fn refused(&self, robot: &str, error: &StoreError) {
+    /// Reports a transaction that cannot be stored while others can: the store works.
+    pub fn transaction_rejected(&self, robot: &str, error: &StoreError) {
         self.counts.failures.fetch_add(1, Ordering::Relaxed);
-        self.say_once(&format!("{robot}: can't be stored: {}", error.in_words()));
+        self.log_once(&words::log::transaction_rejected(robot, &error.in_words()));
     }
 
-    /// The doors, as they were when they were looked at last.
-    pub fn doors(&self) -> Vec<DoorNow> {
-        lock(&self.doors).clone()
+    /// Returns the transports at the last check.
+    pub fn transports(&self) -> Vec<TransportView> {
+        lock(&self.transports).clone()
     }
 
-    /// The doors are so now.
-    pub fn set_doors(&self, doors: Vec<DoorNow>) {
-        *lock(&self.doors) = doors;
+    /// Sets the present transports.
+    pub fn set_transports(&self, transports: Vec<TransportView>) {
+        *lock(&self.transports) = transports;
     }
 
-    /// Why the last try to store failed; `None`: it didn't.
+    /// Returns the reason of the last failure to store; `None`: the last attempt succeeded.
     pub fn store_fails(&self) -> Option<String> {
         lock(&self.store_fails).clone()
     }
 
-    /// An estimate was made.
+    /// Records an estimate.
     pub fn job(&self, took: Duration) {
         self.counts.jobs.fetch_add(1, Ordering::Relaxed);
         self.counts
@@ -145,27 +146,33 @@ impl Health {
             .fetch_add(took.as_micros() as u64, Ordering::Relaxed);
     }
 
-    /// A line that a thousand robots may have to say at the same time: one of a kind within a few seconds is enough.
-    pub fn say_once(&self, line: &str) {
+    /// Logs a line that many robots may produce at the same time, once within a few seconds.
+    pub fn log_once(&self, line: &str) {
         let now = Instant::now();
         {
-            let mut said = lock(&self.said);
-            while said.front().is_some_and(|(at, _)| now - *at > SAID_FOR) {
-                said.pop_front();
+            let mut recent_lines = lock(&self.recent_lines);
+            while recent_lines
+                .front()
+                .is_some_and(|(at, _)| now - *at > MIN_REPEAT_INTERVAL)
+            {
+                recent_lines.pop_front();
             }
-            if said.iter().any(|(_, known)| known == line) {
+            if recent_lines
+                .iter()
+                .any(|(_, line_before)| line_before == line)
+            {
                 return;
             }
-            if said.len() >= SAID_MOST {
-                said.pop_front();
+            if recent_lines.len() >= MAX_RECENT_LINES {
+                recent_lines.pop_front();
             }
-            said.push_back((now, line.to_owned()));
+            recent_lines.push_back((now, line.to_owned()));
         }
-        self.say(line);
+        self.log(line);
     }
 
-    /// A line for whoever reads the log: stderr, which systemd keeps.
-    pub fn say(&self, line: &str) {
+    /// Logs a line to stderr, which systemd keeps.
+    pub fn log(&self, line: &str) {
         eprintln!("sinew-watch: {line}");
     }
 }

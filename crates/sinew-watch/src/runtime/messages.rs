@@ -1,116 +1,116 @@
-//! What the monitor's threads tell each other.
+//! Messages between the threads of the monitor.
 
-use super::door::Shut;
 use super::slot::Slot;
+use super::transport::Disconnected;
 use crate::store::{Pending, StoreError};
-use sinew_door::{Inbox, Intake, RobotId};
+use sinew_transport::{FrameAssembler, Inbox, RobotId};
 use sinew_watch_core::alarm::StoreFault;
 use sinew_watch_core::command::{Command, CommandError};
-use sinew_watch_core::{Done, Job, Monitor, MonitorConfig, MonitorError, Transaction};
+use sinew_watch_core::{JobResult, Monitor, MonitorConfig, MonitorError, QueuedJob, Transaction};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel};
 use std::time::Instant;
 
-/// What a core thread is told.
+/// Request to a core thread.
 pub enum Control {
-    /// Watch this robot.
-    Add(Box<Watched>),
-    /// Take another configuration of a robot; the answer says why not.
+    /// Monitors a robot.
+    Add(Box<MonitoredRobot>),
+    /// Applies another configuration to a robot; the reply contains the error, if any.
     Reload {
-        /// Name of the robot in the configuration.
+        /// Index of the robot's queue.
         robot: RobotId,
-        /// What is asked for.
+        /// New configuration of the robot.
         config: Box<MonitorConfig>,
-        /// Where the answer goes.
+        /// Receiver of the reply.
         reply: SyncSender<Result<(), MonitorError>>,
     },
-    /// Watch it no more; its session ends and is stored.
+    /// Stops monitoring a robot; its session ends and is stored.
     Remove {
-        /// Name of the robot in the configuration.
+        /// Index of the robot's queue.
         robot: RobotId,
-        /// Dropped when all is stored.
+        /// Dropped when all data are stored.
         gone: SyncSender<()>,
     },
-    /// Somebody says something.
+    /// Executes an operator command.
     Command {
-        /// Name of the robot in the configuration.
+        /// Index of the robot's queue.
         robot: RobotId,
-        /// What was said.
+        /// Command to execute.
         command: Command,
-        /// Where the answer goes.
+        /// Receiver of the answer.
         reply: Reply,
     },
-    /// A transaction was stored, or not.
+    /// Reports that a transaction was stored, or the failure.
     Stored {
-        /// Place of the robot.
+        /// Index of the robot in the core thread.
         robot: usize,
-        /// The transaction that was tried.
+        /// Transaction that was submitted.
         transaction: Box<Transaction>,
-        /// Why it was not stored, where it was not.
+        /// Result, with the reason of a failure.
         result: Result<(), NotStored>,
     },
-    /// A robot's door is shut, or is open.
-    Door {
-        /// Name of the robot in the configuration.
+    /// Reports the connection state of a robot's transport.
+    Transport {
+        /// Index of the robot's queue.
         robot: RobotId,
-        /// Why it is shut; `None`: it is open.
-        shut: Option<Shut>,
+        /// Reason of the disconnection; `None`: connected.
+        disconnected: Option<Disconnected>,
     },
-    /// An estimate was made.
-    Done {
-        /// Place of the robot.
+    /// Reports a finished estimate.
+    JobResult {
+        /// Index of the robot in the core thread.
         robot: usize,
-        /// What it gave.
-        done: Box<Done>,
+        /// Result of the estimate.
+        done: Box<JobResult>,
     },
-    /// An estimate was left out, for the monitor ends.
-    LeftOut {
-        /// Place of the robot.
+    /// Reports an estimate that was skipped because the monitor is stopping.
+    Skipped {
+        /// Index of the robot in the core thread.
         robot: usize,
     },
-    /// End all sessions, store them, and end by then.
+    /// Ends all sessions, stores them, and stops the thread.
     End {
-        /// When the thread ends at the latest.
+        /// Time at which the thread stops at the latest.
         by: Instant,
     },
 }
 
-/// Why a transaction wasn't stored.
+/// Reason why a transaction was not stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotStored {
-    /// What kind of failure.
+    /// Kind of the failure.
     pub fault: StoreFault,
-    /// The reason in words.
-    pub why: String,
+    /// Reason as text.
+    pub reason: String,
 }
 
 impl NotStored {
-    /// Of what the store says.
+    /// Converts an error of the store.
     pub fn of(error: &StoreError) -> Self {
         Self {
             fault: error.fault(),
-            why: error.in_words(),
+            reason: error.in_words(),
         }
     }
 }
 
-/// What became of a command.
+/// Outcome of a command.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
-    /// It is done and stored.
+    /// Executed and stored.
     Stored,
-    /// It is done, and could not be stored yet.
+    /// Executed, but not stored yet; the reason.
     NotStored(String),
-    /// It was refused.
-    Refused(CommandError),
-    /// The robot isn't watched any more.
+    /// Rejected by the monitor.
+    Rejected(CommandError),
+    /// The robot is not monitored any more.
     Gone,
 }
 
-/// Who waits for the answer to a command.
+/// Callback that receives the outcome of a command.
 pub type Reply = Box<dyn FnOnce(Answer) + Send>;
 
-/// How others reach a core thread.
+/// Handle to a core thread.
 #[derive(Clone)]
 pub struct CoreHandle {
     sender: Sender<Control>,
@@ -118,59 +118,59 @@ pub struct CoreHandle {
 }
 
 impl CoreHandle {
-    /// A handle, and what it is connected to.
+    /// Creates a handle and the receiver of its requests.
     pub fn new(inbox: Inbox) -> (Self, Receiver<Control>) {
         let (sender, receiver) = channel();
         (Self { sender, inbox }, receiver)
     }
 
-    /// Tells the thread something; one that has ended hears nothing.
-    pub fn tell(&self, control: Control) {
+    /// Sends a request to the thread; ignored if the thread has ended.
+    pub fn send(&self, control: Control) {
         let _ended = self.sender.send(control);
         self.inbox.nudge();
     }
 
-    /// Where its robots' messages go.
+    /// Returns the inbox of the thread's robots.
     pub fn inbox(&self) -> &Inbox {
         &self.inbox
     }
 }
 
-/// A robot that is watched.
-pub struct Watched {
-    /// The robot's queue.
+/// Robot to monitor.
+pub struct MonitoredRobot {
+    /// Index of the robot's queue.
     pub id: RobotId,
-    /// Makes frames of messages.
-    pub intake: Intake,
-    /// What is known of it.
+    /// Assembler of frames from messages.
+    pub intake: FrameAssembler,
+    /// Monitor with the state of the robot.
     pub monitor: Monitor,
-    /// Where that is shown.
+    /// Place of its snapshots.
     pub slot: Arc<Slot>,
 }
 
-/// What the store is asked for.
+/// Request to the store thread.
 pub enum Request {
-    /// Store this; the answer goes to the robot's core.
+    /// Stores a transaction; the result goes to the robot's core thread.
     Store {
-        /// The transaction.
+        /// Transaction to store.
         transaction: Transaction,
-        /// Robot's place in its core.
+        /// Index of the robot in its core thread.
         robot: usize,
-        /// The core thread of the robot.
+        /// Core thread of the robot.
         core: CoreHandle,
     },
-    /// Remember that the records of a month are in their file.
+    /// Records that the records of a month are in their file.
     Exported(Pending),
-    /// All is stored that was asked for; end.
+    /// Stops the thread after all pending requests.
     End,
 }
 
-/// An estimate to make, and who waits for it.
-pub(super) struct Work {
-    /// The estimate to make.
-    pub job: Job,
-    /// Robot's place in its core.
+/// Estimate to compute, and the receiver of its result.
+pub(super) struct RobotJob {
+    /// Job to compute.
+    pub job: QueuedJob,
+    /// Index of the robot in its core thread.
     pub robot: usize,
-    /// The core thread of the robot.
+    /// Core thread of the robot.
     pub core: CoreHandle,
 }

@@ -1,46 +1,47 @@
-//! The monitor while it runs.
+//! Running monitor: threads and queues.
 //!
 //! ```text
-//! door threads ─▶ a bounded queue for each robot ─▶ core threads ─▶ store thread ─▶ committed
+//! transport threads ─▶ a bounded queue for each robot ─▶ core threads ─▶ store thread ─▶ committed
 //!                                                    │   ▲ done                       │
 //!                                                    ▼   │                            ▼
-//!                                               estimate threads                board: what is shown
+//!                                               estimate threads             registry: state to show
 //! ```
 //!
-//! Nothing waits for the store, an estimate, or a browser.
+//! No thread waits for the store, an estimate or a browser.
 
-mod board;
+mod clock_rate;
 mod core_thread;
-mod door;
-mod doors;
+mod faults;
 mod health;
 mod messages;
-mod pace;
+mod publish;
+mod registry;
 mod robot;
 mod slot;
 mod store_thread;
-mod tell;
-mod troubles;
+mod transport;
+mod transports;
 mod worker;
 
-pub use board::Board;
-pub use door::{DoorNow, Shut};
-pub use doors::{Doors, check as check_door};
+pub use clock_rate::ClockRate;
 pub use health::Health;
 pub(crate) use health::lock;
 pub use messages::{Answer, Control, CoreHandle, NotStored, Reply, Request};
-pub use pace::Pace;
-pub use slot::{Seen, Slot};
+pub use registry::RobotRegistry;
+pub use slot::{RobotState, Slot};
+pub use transport::{Disconnected, TransportView};
+pub use transports::{Transports, check as check_transport};
 
 use crate::config::{Address, Config, RobotSettings};
 use crate::store::{Place, Reader, Store, StoreError};
+use crate::words;
 use core_thread::{CoreThread, Outlets};
-use messages::Watched;
+use messages::MonitoredRobot;
 use robot::{Files, NotYet};
-use sinew_door::{
-    Batch, Clock, Inbox, Intake, Publishing, QueueLimits, RobotId, Route, Sender as Queue,
-};
 use sinew_log::live::LiveOptions;
+use sinew_transport::{
+    Batch, Clock, FrameAssembler, Inbox, Publishing, QueueLimits, RobotId, Route, Sender as Queue,
+};
 use sinew_watch_core::journal::Entry;
 use sinew_watch_core::{Monitor, MonitorConfig};
 use std::collections::BTreeMap;
@@ -51,32 +52,28 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc::{Receiver, channel};
 
-/// Steps of alarms that wait for who tells others of them.
-const TOLD_WAITING: usize = 1000;
-/// What is left is stored within this time when the monitor ends.
-const END_WITHIN: Duration = Duration::from_secs(20);
+/// Capacity of the channel of alarm transitions to the notifiers.
+const MAX_WAITING_TRANSITIONS: usize = 1000;
+/// Time limit for storing the remaining data when the monitor stops.
+const MAX_SHUTDOWN_TIME: Duration = Duration::from_secs(20);
 
-/// Why a robot isn't watched yet.
-const WAITS_FOR_URDF: &str =
-    "waits for its URDF: robot.toml names none, so /robot_description has to come";
-
-/// How a monitor is started.
+/// Parameters for starting a monitor.
 #[derive(Debug, Clone)]
 pub struct Start {
-    /// Where the store is.
+    /// Location of the store.
     pub place: Place,
-    /// Threads that take frames.
+    /// Number of threads that process frames.
     pub cores: usize,
-    /// Threads that make estimates.
+    /// Number of threads that compute estimates.
     pub workers: usize,
-    /// The monotonic and the civil clock.
+    /// Monotonic and civil clock.
     pub clock: Clock,
-    /// How fast the civil one runs.
-    pub pace: Pace,
+    /// Speed of the civil clock.
+    pub clock_rate: ClockRate,
 }
 
 impl Start {
-    /// With the store in this place, and as many threads as there are processors.
+    /// Returns the default parameters for a store: as many threads as processors.
     pub fn at(place: Place) -> Self {
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
@@ -84,110 +81,113 @@ impl Start {
             cores: processors.div_ceil(2).min(8),
             workers: processors.min(8),
             clock: Clock::start(),
-            pace: Pace::Real,
+            clock_rate: ClockRate::Real,
         }
     }
 }
 
-/// Why the monitor didn't start.
+/// Error that prevents the start of the monitor.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StartError {
-    /// The store can't be opened.
+    /// The store cannot be opened.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The system has no thread left.
-    #[error("no thread can be started: {0}")]
+    /// The system cannot start a thread.
+    #[error("cannot start a thread: {0}")]
     Thread(#[from] std::io::Error),
-    /// The ropes that come along.
+    /// The built-in rope catalogue is invalid.
     #[error("{0}")]
     Ropes(String),
 }
 
-/// A robot of the configuration.
-struct Known {
+/// Robot of the configuration.
+struct ConfiguredRobot {
     settings: RobotSettings,
     state: State,
-    /// What it was told of its door; `None`: nothing yet.
-    door: Option<Option<Shut>>,
+    /// Last connection state reported to its monitor; `None`: none yet.
+    transport: Option<Option<Disconnected>>,
 }
 
 enum State {
-    /// Its monitor runs.
-    Watched { core: usize, queue: Queued },
-    /// Its URDF is to come with its messages.
-    WaitsForUrdf { queue: Queued, intake: Box<Intake> },
-    /// Its files are wrong.
+    /// The robot is monitored.
+    Monitored { core: usize, queue: RobotQueue },
+    /// The robot waits for its URDF.
+    WaitsForUrdf {
+        queue: RobotQueue,
+        intake: Box<FrameAssembler>,
+    },
+    /// The files of the robot are invalid.
     Fault,
 }
 
-/// A robot's queue, and what its messages are read with.
-struct Queued {
+/// Queue of a robot with the options for reading its messages.
+struct RobotQueue {
     id: RobotId,
     sender: Queue,
     live: LiveOptions,
 }
 
-impl Known {
-    fn queue(&self) -> Option<&Queued> {
+impl ConfiguredRobot {
+    fn queue(&self) -> Option<&RobotQueue> {
         match &self.state {
-            State::Watched { queue, .. } | State::WaitsForUrdf { queue, .. } => Some(queue),
+            State::Monitored { queue, .. } | State::WaitsForUrdf { queue, .. } => Some(queue),
             State::Fault => None,
         }
     }
 }
 
-/// The monitor while it runs.
+/// Running monitor with its threads.
 pub struct Runtime {
     start: Start,
-    board: Arc<Board>,
+    registry: Arc<RobotRegistry>,
     health: Arc<Health>,
     cores: Vec<(CoreHandle, JoinHandle<()>)>,
     workers: Vec<JoinHandle<()>>,
     store: (Sender<Request>, JoinHandle<()>),
-    tell: (tell::TellHandle, JoinHandle<()>),
+    publisher: (publish::PublishHandle, JoinHandle<()>),
     reader: Reader,
     files: Files,
-    doors: Doors,
+    transports: Transports,
     publish: Publishing,
     /// Queues of robots that wait for their URDF.
     waiting: Inbox,
-    robots: BTreeMap<String, Known>,
+    robots: BTreeMap<String, ConfiguredRobot>,
 }
 
 impl Runtime {
-    /// Starts the threads; no robot is watched yet. Steps of alarms come out of the receiver.
+    /// Starts the threads without robots. Alarm transitions are sent to the receiver.
     ///
     /// # Errors
-    /// [`StartError`].
+    /// Returns a [`StartError`] if the store cannot be opened or a thread cannot be started.
     pub fn new(start: Start) -> Result<(Self, Receiver<(String, Entry)>), StartError> {
         let store = Store::open(start.place.clone())?;
         Self::with_store(start, store)
     }
 
-    /// The same with a store that is open already.
+    /// Starts the threads with an open store; see [`Runtime::new`].
     ///
     /// # Errors
-    /// [`StartError`].
+    /// Returns a [`StartError`] if a thread cannot be started.
     pub fn with_store(
         start: Start,
         store: Store,
     ) -> Result<(Self, Receiver<(String, Entry)>), StartError> {
         let reader = store.reader()?;
         let health = Arc::new(Health::new(start.cores));
-        let board = Arc::new(Board::default());
+        let registry = Arc::new(RobotRegistry::default());
         let store = store_thread::start(store, Arc::clone(&health))?;
         let (work, workers) = worker::start(start.workers.max(1), &health)?;
-        let (told, steps) = channel(TOLD_WAITING);
+        let (transitions, steps) = channel(MAX_WAITING_TRANSITIONS);
         let outlets = Outlets {
             store: store.0.clone(),
             work,
-            told,
+            transitions,
         };
         let cores = (0..start.cores.max(1)).map(|index| {
             let connected = CoreHandle::new(Inbox::new());
             let handle = connected.0.clone();
-            let clocks = (start.clock, start.pace);
+            let clocks = (start.clock, start.clock_rate);
             let core = CoreThread::new(
                 index,
                 connected,
@@ -200,14 +200,14 @@ impl Runtime {
         });
         let runtime = Self {
             cores: cores.collect::<std::io::Result<_>>()?,
-            tell: tell::start(Arc::clone(&board))?,
+            publisher: publish::start(Arc::clone(&registry))?,
             files: Files::new().map_err(StartError::Ropes)?,
-            doors: Doors::default(),
+            transports: Transports::default(),
             publish: Publishing::default(),
             waiting: Inbox::new(),
             robots: BTreeMap::new(),
             start,
-            board,
+            registry,
             health,
             workers,
             store,
@@ -216,44 +216,44 @@ impl Runtime {
         Ok((runtime, steps))
     }
 
-    /// What is known of every robot now.
-    pub fn board(&self) -> &Arc<Board> {
-        &self.board
+    /// Returns the registry of all robots.
+    pub fn registry(&self) -> &Arc<RobotRegistry> {
+        &self.registry
     }
 
-    /// How the monitor itself is.
+    /// Returns the health of the monitor.
     pub fn health(&self) -> &Arc<Health> {
         &self.health
     }
 
-    /// The monotonic and the civil clock.
+    /// Returns the monotonic and civil clock.
     pub fn clock(&self) -> Clock {
         self.start.clock
     }
 
-    /// How fast the civil clock of monitors runs.
-    pub fn pace(&self) -> Pace {
-        self.start.pace
+    /// Returns the speed of the civil clock.
+    pub fn clock_rate(&self) -> ClockRate {
+        self.start.clock_rate
     }
 
-    /// Doors, and what they say of themselves.
-    pub fn doors(&mut self) -> &mut Doors {
-        &mut self.doors
+    /// Returns the transports with their state.
+    pub fn transports(&mut self) -> &mut Transports {
+        &mut self.transports
     }
 
-    /// What the store's thread is asked through.
+    /// Returns the sender of requests to the store thread.
     pub fn store(&self) -> Sender<Request> {
         self.store.0.clone()
     }
 
-    /// The queue of a robot, for a door that is opened elsewhere.
+    /// Returns the route to a robot's queue, for a transport created elsewhere.
     pub fn route(&self, robot: &str) -> Option<Route> {
         let queue = self.robots.get(robot)?.queue()?;
         Some(Route::new(queue.sender.clone(), &queue.live))
     }
 
-    /// Watches what the configuration asks for from now on. What stays as it was loses no sample. Robots that can't
-    /// be watched are shown with why.
+    /// Applies a configuration. Unchanged robots lose no sample. Robots that cannot be monitored are shown with the
+    /// reason.
     pub fn configure(&mut self, config: &Config) {
         self.files.forget();
         let names: Vec<&str> = config.robots.iter().map(|r| r.name.as_str()).collect();
@@ -263,39 +263,39 @@ impl Runtime {
             .filter(|name| !names.contains(&name.as_str()));
         for name in gone.cloned().collect::<Vec<_>>() {
             self.forget(&name);
-            self.board.remove(&name);
+            self.registry.remove(&name);
         }
         for settings in &config.robots {
             self.configure_robot(settings);
         }
         self.publish = config.publish;
-        self.open_doors();
+        self.open_transports();
     }
 
     fn configure_robot(&mut self, settings: &RobotSettings) {
         let name = &settings.name;
         match self.files.load(settings, None) {
             Ok((monitor, live)) => self.watch(settings, monitor, live),
-            Err(NotYet::Fault(why)) => {
-                self.health.say(&format!("{name}: {why}"));
-                // One that is watched goes on as it was.
+            Err(NotYet::Fault(reason)) => {
+                self.health.log(&words::log::robot_fault(name, &reason));
+                // A monitored robot continues unchanged.
                 if self
                     .robots
                     .get(name)
-                    .is_none_or(|known| known.queue().is_none())
+                    .is_none_or(|robot_entry| robot_entry.queue().is_none())
                 {
-                    self.not_watched(settings, why);
+                    self.set_not_monitored(settings, reason);
                 }
             }
             Err(NotYet::WaitsForUrdf(live)) => self.wait_for_urdf(settings, *live),
         }
     }
 
-    /// The core with the fewest robots.
+    /// Returns the core thread with the fewest robots.
     fn core(&self) -> usize {
         let mut counts = vec![0_usize; self.cores.len()];
-        for known in self.robots.values() {
-            if let State::Watched { core, .. } = known.state {
+        for robot_entry in self.robots.values() {
+            if let State::Monitored { core, .. } = robot_entry.state {
                 counts[core] += 1;
             }
         }
@@ -303,7 +303,8 @@ impl Runtime {
         fewest.map_or(0, |(core, _)| core)
     }
 
-    /// Watches a robot: one that is watched takes the new configuration, and loses nothing where it may.
+    /// Monitors a robot; one that is already monitored receives the new configuration without loss of data where
+    /// possible.
     pub(crate) fn watch(
         &mut self,
         settings: &RobotSettings,
@@ -311,97 +312,105 @@ impl Runtime {
         live: LiveOptions,
     ) {
         let name = &settings.name;
-        if let Some(known) = self.robots.get_mut(name)
-            && let State::Watched { core, queue } = &known.state
+        if let Some(robot_entry) = self.robots.get_mut(name)
+            && let State::Monitored { core, queue } = &robot_entry.state
             && queue.live == live
         {
-            known.settings = settings.clone();
+            robot_entry.settings = settings.clone();
             let (reply, answer) = sync_channel(1);
             let control = Control::Reload {
                 robot: queue.id,
                 config: Box::new(config.clone()),
                 reply,
             };
-            self.cores[*core].0.tell(control);
+            self.cores[*core].0.send(control);
             match answer.recv() {
-                Ok(Err(error)) => self.health.say(&format!("{name}: begins anew: {error}")),
+                Ok(Err(error)) => {
+                    self.health.log(&words::log::robot_restarted(name, error));
+                }
                 Ok(Ok(())) | Err(_) => return,
             }
         }
         if !self.forget(name) {
-            let why = "the session before is still being stored; read the configuration again";
-            return self.not_watched(settings, why.into());
+            return self.set_not_monitored(settings, words::is_being_stored());
         }
-        let now = self.start.pace.instant(self.start.clock.now());
+        let now = self.start.clock_rate.instant(self.start.clock.now());
         let made = self.reader.stored(name).map_err(|e| e.to_string());
         let made =
             made.and_then(|stored| Monitor::new(config, stored, now).map_err(|e| e.to_string()));
-        let made =
-            made.and_then(|monitor| Ok((monitor, Intake::new(&live).map_err(|e| e.to_string())?)));
+        let made = made.and_then(|monitor| {
+            Ok((
+                monitor,
+                FrameAssembler::new(&live).map_err(|e| e.to_string())?,
+            ))
+        });
         let (monitor, intake) = match made {
             Ok(made) => made,
-            Err(why) => return self.not_watched(settings, why),
+            Err(reason) => return self.set_not_monitored(settings, reason),
         };
         let core = self.core();
         let handle = self.cores[core].0.clone();
         let (id, sender) = handle.inbox().robot(QueueLimits::default());
-        let slot = self.board.slot(name);
+        let slot = self.registry.slot(name);
         let address = Some((handle.clone(), id));
-        self.board.set_address(name, address);
-        handle.tell(Control::Add(Box::new(Watched {
+        self.registry.set_address(name, address);
+        handle.send(Control::Add(Box::new(MonitoredRobot {
             id,
             intake,
             monitor,
             slot,
         })));
-        let queue = Queued { id, sender, live };
-        self.put(settings, State::Watched { core, queue });
+        let queue = RobotQueue { id, sender, live };
+        self.put(settings, State::Monitored { core, queue });
     }
 
     fn put(&mut self, settings: &RobotSettings, state: State) {
         let settings = settings.clone();
-        let known = Known {
+        let robot_entry = ConfiguredRobot {
             settings,
             state,
-            door: None,
+            transport: None,
         };
-        self.robots.insert(known.settings.name.clone(), known);
+        self.robots
+            .insert(robot_entry.settings.name.clone(), robot_entry);
     }
 
-    fn not_watched(&mut self, settings: &RobotSettings, why: String) {
-        self.board.slot(&settings.name).put(Seen::NotWatched(why));
+    fn set_not_monitored(&mut self, settings: &RobotSettings, reason: String) {
+        self.registry
+            .slot(&settings.name)
+            .put(RobotState::NotMonitored(reason));
         self.put(settings, State::Fault);
     }
 
-    /// Its messages are received for the description alone.
+    /// Routes the messages of the robot for its description only.
     fn wait_for_urdf(&mut self, settings: &RobotSettings, live: LiveOptions) {
         let name = &settings.name;
         match self.robots.get_mut(name) {
-            // The description came already, and holds.
-            Some(known) if matches!(known.state, State::Watched { .. }) => return,
-            Some(known) if known.queue().is_some_and(|q| q.live == live) => return,
+            // The description has been received and is valid.
+            Some(robot_entry) if matches!(robot_entry.state, State::Monitored { .. }) => return,
+            Some(robot_entry) if robot_entry.queue().is_some_and(|q| q.live == live) => return,
             _ => {}
         }
-        let intake = match Intake::new(&live) {
+        let intake = match FrameAssembler::new(&live) {
             Ok(intake) => Box::new(intake),
-            Err(error) => return self.not_watched(settings, error.to_string()),
+            Err(error) => return self.set_not_monitored(settings, error.to_string()),
         };
-        let slot = self.board.slot(name);
-        slot.put(Seen::NotWatched(WAITS_FOR_URDF.into()));
+        let slot = self.registry.slot(name);
+        slot.put(RobotState::NotMonitored(words::waits_for_urdf()));
         let (id, sender) = self.waiting.robot(QueueLimits::default());
-        let queue = Queued { id, sender, live };
+        let queue = RobotQueue { id, sender, live };
         self.put(settings, State::WaitsForUrdf { queue, intake });
     }
 
-    /// Looks at the doors, and whether URDFs came that robots wait for.
+    /// Checks the transports, and the robots that wait for their URDF.
     pub fn look(&mut self) {
-        self.look_at_doors();
+        self.look_at_transports();
         let mut came = Vec::new();
         let mut batch = Batch::default();
         while let Some(id) = self.waiting.wait(Duration::ZERO) {
             self.waiting.take(id, &mut batch);
-            for known in self.robots.values_mut() {
-                let State::WaitsForUrdf { queue, intake } = &mut known.state else {
+            for robot_entry in self.robots.values_mut() {
+                let State::WaitsForUrdf { queue, intake } = &mut robot_entry.state else {
                     continue;
                 };
                 if queue.id != id {
@@ -409,7 +418,7 @@ impl Runtime {
                 }
                 intake.feed(&batch, |_| {});
                 if let Some(text) = intake.live().robot_description() {
-                    came.push((known.settings.clone(), text.to_owned()));
+                    came.push((robot_entry.settings.clone(), text.to_owned()));
                 }
             }
         }
@@ -417,96 +426,104 @@ impl Runtime {
         for (settings, text) in came {
             match self.files.load(&settings, Some(&text)) {
                 Ok((config, live)) => self.watch(&settings, config, live),
-                Err(NotYet::Fault(why)) => self.not_watched(&settings, why),
+                Err(NotYet::Fault(reason)) => self.set_not_monitored(&settings, reason),
                 Err(NotYet::WaitsForUrdf(_)) => {}
             }
         }
         if any {
-            self.open_doors();
+            self.open_transports();
         }
     }
 
-    /// Watches a robot no more; whether all of it is stored. What begins anew goes on from what is stored, so it waits.
+    /// Stops monitoring a robot; returns whether all its data are stored. A restarted robot continues from the stored
+    /// state.
     fn forget(&mut self, name: &str) -> bool {
-        let known = self.robots.remove(name);
-        let Some(State::Watched { core, queue }) = known.map(|known| known.state) else {
+        let robot_entry = self.robots.remove(name);
+        let Some(State::Monitored { core, queue }) =
+            robot_entry.map(|robot_entry| robot_entry.state)
+        else {
             return true;
         };
         let (gone, ended) = sync_channel(0);
         let robot = queue.id;
-        self.cores[core].0.tell(Control::Remove { robot, gone });
-        self.board.set_address(name, None);
-        ended.recv_timeout(END_WITHIN) != Err(RecvTimeoutError::Timeout)
+        self.cores[core].0.send(Control::Remove { robot, gone });
+        self.registry.set_address(name, None);
+        ended.recv_timeout(MAX_SHUTDOWN_TIME) != Err(RecvTimeoutError::Timeout)
     }
 
-    fn open_doors(&mut self) {
+    fn open_transports(&mut self) {
         let mut wanted: BTreeMap<Address, Vec<Route>> = BTreeMap::new();
-        let mut behind = tell::Behind::new();
-        for (name, known) in &self.robots {
-            let Some(queue) = known.queue() else { continue };
-            let key = known.settings.door.address.clone();
+        let mut behind = publish::RobotsByTransport::new();
+        for (name, robot_entry) in &self.robots {
+            let Some(queue) = robot_entry.queue() else {
+                continue;
+            };
+            let key = robot_entry.settings.transport.address.clone();
             wanted
                 .entry(key.clone())
                 .or_default()
                 .push(Route::new(queue.sender.clone(), &queue.live));
-            let namespace = known.settings.door.namespace.clone();
+            let namespace = robot_entry.settings.transport.namespace.clone();
             behind
                 .entry(key)
                 .or_default()
                 .push((name.clone(), namespace));
         }
-        self.tell.0.set(behind);
-        let with = (self.start.clock, &self.tell.0);
-        self.doors.set(wanted, self.publish, with);
-        self.look_at_doors();
+        self.publisher.0.set(behind);
+        let with = (self.start.clock, &self.publisher.0);
+        self.transports.set(wanted, self.publish, with);
+        self.look_at_transports();
     }
 
-    /// Tells robots whose door became shut or open.
-    fn look_at_doors(&mut self) {
-        self.doors
-            .look((self.start.clock, &self.tell.0), &self.health);
-        let doors = self.doors.now();
-        for known in self.robots.values_mut() {
-            let door = doors.get(&known.settings.door.address);
-            let shut = door.and_then(|door| {
-                let (door, why) = (door.door.clone(), door.shut.clone()?);
-                Some(Shut { door, why })
+    /// Reports changed connection states of transports to the robots.
+    fn look_at_transports(&mut self) {
+        self.transports
+            .look((self.start.clock, &self.publisher.0), &self.health);
+        let transports = self.transports.now();
+        for robot_entry in self.robots.values_mut() {
+            let transport = transports.get(&robot_entry.settings.transport.address);
+            let disconnected = transport.and_then(|transport| {
+                let (transport, reason) =
+                    (transport.transport.clone(), transport.disconnected.clone()?);
+                Some(Disconnected { transport, reason })
             });
-            if known.door.as_ref() == Some(&shut) {
+            if robot_entry.transport.as_ref() == Some(&disconnected) {
                 continue;
             }
-            match &known.state {
-                State::Watched { core, queue } => self.cores[*core].0.tell(Control::Door {
+            match &robot_entry.state {
+                State::Monitored { core, queue } => self.cores[*core].0.send(Control::Transport {
                     robot: queue.id,
-                    shut: shut.clone(),
+                    disconnected: disconnected.clone(),
                 }),
                 State::WaitsForUrdf { .. } => {
-                    let why = match &shut {
-                        Some(Shut { door, why }) => format!("{door} is shut: {why}"),
-                        None => WAITS_FOR_URDF.into(),
+                    let reason = match &disconnected {
+                        Some(Disconnected { transport, reason }) => {
+                            words::disconnected(transport, reason)
+                        }
+                        None => words::waits_for_urdf(),
                     };
-                    let slot = self.board.slot(&known.settings.name);
-                    slot.put(Seen::NotWatched(why));
+                    let slot = self.registry.slot(&robot_entry.settings.name);
+                    slot.put(RobotState::NotMonitored(reason));
                 }
                 State::Fault => {}
             }
-            known.door = Some(shut);
+            robot_entry.transport = Some(disconnected);
         }
     }
 
-    /// Ends: no message is taken any more, sessions end and are stored.
+    /// Stops the monitor: no message is received any more, sessions end and are stored.
     pub fn end(mut self) {
-        self.doors.shut();
+        self.transports.close();
         self.health.ends.store(true, Ordering::Relaxed);
-        let by = Instant::now() + END_WITHIN;
+        let by = Instant::now() + MAX_SHUTDOWN_TIME;
         for (core, _) in &self.cores {
-            core.tell(Control::End { by });
+            core.send(Control::End { by });
         }
         for (_, thread) in self.cores.drain(..) {
             let _panicked = thread.join();
         }
-        let (tell, thread) = self.tell;
-        drop(tell);
+        let (handle, thread) = self.publisher;
+        drop(handle);
         let _panicked = thread.join();
         for worker in self.workers.drain(..) {
             let _panicked = worker.join();

@@ -1,4 +1,4 @@
-//! From a robot's settings to its monitor.
+//! Creation of a robot's monitor from its settings.
 
 use crate::config::RobotSettings;
 use sinew_estimate::baseline::Baseline;
@@ -12,27 +12,27 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What is read of robots' files, so that a thousand of one type are read once.
+/// Cache of the files of robots, so that a thousand robots of one type are read once.
 #[derive(Debug)]
 pub(super) struct Files {
     catalogue: Arc<Catalogue>,
     robots: HashMap<PathBuf, Arc<Robot>>,
 }
 
-/// Why a robot isn't watched.
+/// Reason why a robot is not monitored.
 #[derive(Debug, Clone)]
 pub(super) enum NotYet {
-    /// Its files are wrong.
+    /// The files of the robot are invalid.
     Fault(String),
-    /// Its description comes with its messages; these are the options to wait with.
+    /// The description is received later; the options to wait for it.
     WaitsForUrdf(Box<LiveOptions>),
 }
 
 impl Files {
-    /// Nothing read yet.
+    /// Creates an empty cache.
     ///
     /// # Errors
-    /// The ropes that come along can't be read.
+    /// Returns the reason if the built-in rope catalogue is invalid.
     pub(super) fn new() -> Result<Self, String> {
         Ok(Self {
             catalogue: Arc::new(Catalogue::shipped().map_err(|e| e.to_string())?),
@@ -40,15 +40,15 @@ impl Files {
         })
     }
 
-    /// Reads robots' files anew from now on.
+    /// Clears the cache, so that files are read again.
     pub(super) fn forget(&mut self) {
         self.robots.clear();
     }
 
-    /// What a robot's monitor and its messages' reader are told; `description` is the URDF that came with them.
+    /// Loads configuration and message options of a robot; `description` is the URDF received with its messages.
     ///
     /// # Errors
-    /// [`NotYet`].
+    /// Returns [`NotYet`] if a file is invalid or the URDF is missing.
     pub(super) fn load(
         &mut self,
         settings: &RobotSettings,
@@ -72,7 +72,7 @@ impl Files {
                 Err(RobotDirError::NoUrdf { .. }) => {
                     let joints = joints_of_file(settings)?;
                     return Err(NotYet::WaitsForUrdf(Box::new(live_options(
-                        settings, joints, open,
+                        settings, &joints, open,
                     ))));
                 }
                 Err(error) => return Err(fault(error)),
@@ -80,7 +80,7 @@ impl Files {
         };
         let mut config = MonitorConfig::new(
             &settings.name,
-            &settings.door.source(),
+            &settings.transport.source(),
             Arc::clone(&robot),
             Arc::clone(&self.catalogue),
         );
@@ -97,10 +97,11 @@ impl Files {
         config.times = settings.times;
         config.alarms = settings.alarms.clone();
         let live = LiveOptions {
-            motors: (robot.motors_at_shaft().into_iter())
-                .map(|motor| motor.map(str::to_owned))
+            axes: sinew_estimate::axes(&robot)
+                .into_iter()
+                .map(Into::into)
                 .collect(),
-            ..live_options(settings, robot.joint_names().to_vec(), open)
+            ..live_options(settings, robot.joint_names(), open)
         };
         Ok((config, live))
     }
@@ -110,7 +111,7 @@ fn fault(error: impl std::fmt::Display) -> NotYet {
     NotYet::Fault(error.to_string())
 }
 
-/// Joints that robot.toml names.
+/// Returns the joints named in robot.toml.
 fn joints_of_file(settings: &RobotSettings) -> Result<Vec<String>, NotYet> {
     let file = match settings.dir.is_dir() {
         true => settings.dir.join("robot.toml"),
@@ -129,11 +130,10 @@ fn open_options(settings: &RobotSettings) -> Result<OpenOptions, NotYet> {
     })
 }
 
-fn live_options(settings: &RobotSettings, joints: Vec<String>, open: OpenOptions) -> LiveOptions {
+fn live_options(settings: &RobotSettings, joints: &[String], open: OpenOptions) -> LiveOptions {
     LiveOptions {
-        joints,
-        motors: Vec::new(),
-        namespace: settings.door.namespace.clone(),
+        namespace: settings.transport.namespace.clone(),
         open,
+        ..LiveOptions::of_joints(joints)
     }
 }

@@ -1,42 +1,42 @@
-//! What is known of one robot now, for whoever shows it. Written by its core thread, read by everybody.
+//! Present state of one robot, written by its core thread and read by all others.
 
 use super::lock;
 use sinew_watch_core::RobotSnapshot;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// A robot's place.
+/// Shared state of a robot with its counters.
 #[derive(Default)]
 pub struct Slot {
-    now: Mutex<Seen>,
-    /// Messages dropped before the estimator, by a full queue.
+    now: Mutex<RobotState>,
+    /// Number of messages dropped before the estimator because of a full queue.
     pub dropped: AtomicU64,
 }
 
-/// What is known of a robot.
+/// State of a robot.
 #[derive(Debug, Clone, Default)]
-pub enum Seen {
-    /// Its monitor hasn't said anything yet.
+pub enum RobotState {
+    /// No snapshot of its monitor yet.
     #[default]
-    Nothing,
-    /// It is watched.
-    Watched(Arc<RobotSnapshot>),
-    /// It isn't, and why.
-    NotWatched(String),
+    Starting,
+    /// Monitored, with the newest snapshot.
+    Monitored(Arc<RobotSnapshot>),
+    /// Not monitored, with the reason.
+    NotMonitored(String),
 }
 
 impl Slot {
-    /// What is known.
-    pub fn seen(&self) -> Seen {
+    /// Returns the present state.
+    pub fn state(&self) -> RobotState {
         lock(&self.now).clone()
     }
 
-    /// Says what is known.
-    pub fn put(&self, seen: Seen) {
-        *lock(&self.now) = seen;
+    /// Sets the present state.
+    pub fn put(&self, state: RobotState) {
+        *lock(&self.now) = state;
     }
 
-    /// Counts what a full queue dropped.
+    /// Counts messages dropped by a full queue.
     pub fn count_dropped(&self, messages: u64) {
         self.dropped.fetch_add(messages, Ordering::Relaxed);
     }

@@ -1,21 +1,22 @@
-//! The thread that stores: nobody waits for it but what it stores.
+//! Thread that writes to the store.
 
 use super::health::Health;
 use super::messages::{Control, CoreHandle, NotStored, Request};
 use crate::store::Store;
+use crate::words;
 use sinew_watch_core::Transaction;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Transactions that are stored together, at most: one wait for the disk for all of them.
-const TOGETHER: usize = 256;
+/// Maximum number of transactions stored together with one synchronisation of the disk.
+const MAX_TRANSACTIONS: usize = 256;
 
 /// Starts the thread.
 ///
 /// # Errors
-/// The system has no thread left.
+/// Returns the error of the system if the thread cannot be started.
 pub(super) fn start(
     store: Store,
     health: Arc<Health>,
@@ -45,15 +46,15 @@ fn run(mut store: Store, requests: &Receiver<Request>, health: &Health) {
                     whose.push((robot, core));
                 }
                 Request::Exported(written) => {
-                    // A file that isn't remembered is written again under the same number.
+                    // A file that is not recorded is written again under the same number.
                     if let Err(error) = store.exported(&written) {
                         let month = written.month;
-                        health.say(&format!("records of {month}: {}", error.in_words()));
+                        health.log(&words::log::export_not_recorded(&month, &error.in_words()));
                     }
                 }
                 Request::End => ends = true,
             }
-            next = match transactions.len() < TOGETHER && !ends {
+            next = match transactions.len() < MAX_TRANSACTIONS && !ends {
                 true => requests.try_recv().ok(),
                 false => None,
             };
@@ -62,11 +63,11 @@ fn run(mut store: Store, requests: &Receiver<Request>, health: &Health) {
             commit(&mut store, transactions, whose, health);
         }
     }
-    // What is in the log beside the database is there as well; this only tidies up.
+    // The write-ahead log contains the same data; this only shortens it.
     let _untidy = store.checkpoint();
 }
 
-/// Stores them together; where that fails each on its own, so that one that can't be stored stops no other.
+/// Stores transactions together; after a failure each separately, so that an invalid one does not block the others.
 fn commit(
     store: &mut Store,
     transactions: Vec<Transaction>,
@@ -93,14 +94,14 @@ fn commit(
                     Err(error) if error.is_of_the_disk() => {
                         health.committed(1, begun.elapsed(), Some(error));
                     }
-                    // It is this one that can't be stored: the store works.
-                    Err(error) => health.refused(&transaction.robot, error),
+                    // This transaction is invalid; the store works.
+                    Err(error) => health.transaction_rejected(&transaction.robot, error),
                 }
                 own.map_err(|e| NotStored::of(&e))
             }
             (Err(error), false) => Err(NotStored::of(error)),
         };
-        core.tell(Control::Stored {
+        core.send(Control::Stored {
             robot,
             transaction: Box::new(transaction),
             result,
@@ -112,7 +113,7 @@ fn commit(
 mod tests {
     use super::*;
     use crate::store::Place;
-    use sinew_door::Inbox;
+    use sinew_transport::Inbox;
     use sinew_watch_core::journal::{Entry, Event};
 
     fn of(robot: &str, time_utc_s: f64) -> Transaction {
@@ -120,7 +121,7 @@ mod tests {
             id: 1,
             robot: robot.into(),
             records: Vec::new(),
-            belief: None,
+            state: None,
             alarms: None,
             journal: vec![Entry {
                 time_utc_s,
@@ -130,11 +131,11 @@ mod tests {
     }
 
     #[test]
-    fn one_transaction_that_can_not_be_stored_makes_no_store_bad() {
+    fn commit_invalid_transaction_leaves_store_working() {
         let mut store = Store::open(Place::Memory(7_000_001)).unwrap();
         let health = Health::new(1);
         let (core, answers) = CoreHandle::new(Inbox::new());
-        // A time that is no number is none in the database, and none is refused.
+        // SQLite stores a NaN as NULL, which the column rejects.
         let three = vec![of("a", 1.0), of("b", f64::NAN), of("c", 1.0)];
         let whose = (0..3).map(|robot| (robot, core.clone())).collect();
         commit(&mut store, three, whose, &health);

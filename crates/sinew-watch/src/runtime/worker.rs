@@ -1,22 +1,22 @@
-//! Threads that make estimates, so that who takes frames needn't.
+//! Threads that compute estimates, so that core threads need not wait.
 
 use super::health::{Health, lock};
-use super::messages::{Control, Work};
+use super::messages::{Control, RobotJob};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Starts so many threads.
+/// Starts the worker threads.
 ///
 /// # Errors
-/// The system has no thread left.
+/// Returns the error of the system if a thread cannot be started.
 pub(super) fn start(
     count: usize,
     health: &Arc<Health>,
-) -> std::io::Result<(Sender<Work>, Vec<JoinHandle<()>>)> {
-    let (sender, receiver) = channel::<Work>();
+) -> std::io::Result<(Sender<RobotJob>, Vec<JoinHandle<()>>)> {
+    let (sender, receiver) = channel::<RobotJob>();
     let receiver = Arc::new(Mutex::new(receiver));
     let threads = (0..count).map(|i| {
         let (receiver, health) = (Arc::clone(&receiver), Arc::clone(health));
@@ -24,14 +24,14 @@ pub(super) fn start(
             .name(format!("estimate-{i}"))
             .spawn(move || {
                 while let Some(work) = next(&receiver) {
-                    if work.job.may_be_left_out() && health.ends.load(Ordering::Relaxed) {
-                        work.core.tell(Control::LeftOut { robot: work.robot });
+                    if work.job.is_optional() && health.ends.load(Ordering::Relaxed) {
+                        work.core.send(Control::Skipped { robot: work.robot });
                         continue;
                     }
                     let begun = Instant::now();
                     let done = work.job.run();
                     health.job(begun.elapsed());
-                    work.core.tell(Control::Done {
+                    work.core.send(Control::JobResult {
                         robot: work.robot,
                         done: Box::new(done),
                     });
@@ -41,7 +41,7 @@ pub(super) fn start(
     Ok((sender, threads.collect::<Result<_, _>>()?))
 }
 
-/// The next one; `None`: there will be none any more.
-fn next(receiver: &Mutex<Receiver<Work>>) -> Option<Work> {
+/// Returns the next job; `None`: no further jobs will arrive.
+fn next(receiver: &Mutex<Receiver<RobotJob>>) -> Option<RobotJob> {
     lock(receiver).recv().ok()
 }

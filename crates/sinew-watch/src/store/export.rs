@@ -1,4 +1,4 @@
-//! Records as files: CSV, or Parquet where the name ends so; and as the table that `sinew trend` reads.
+//! Export of records: CSV or Parquet, and the session table for `sinew trend`.
 
 use super::StoreError;
 use super::read::{Reader, RecordQuery};
@@ -10,7 +10,7 @@ use sinew_watch_core::History;
 use sinew_watch_core::table::{columns, row};
 use std::path::Path;
 
-/// Records of a type and month that are in no file yet.
+/// Records of a robot type and month that are in no file yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pending {
     /// Type of the robots.
@@ -20,14 +20,14 @@ pub struct Pending {
     /// Number of the file to write.
     pub number: u32,
     after: i64,
-    /// Number of the last record that goes into it.
+    /// Number of the last record in the file.
     pub(super) last: i64,
 }
 
-/// Writes records in the order of time; how many there were.
+/// Writes records in chronological order; returns their number.
 ///
 /// # Errors
-/// [`StoreError`]; no file is left.
+/// Returns a [`StoreError`] if reading or writing fails; no file remains.
 pub fn write_records(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<u64, StoreError> {
     let mut writer = TableWriter::create(path, &columns())?;
     let count = reader.each_record(query, |record| Ok(writer.row(&row(&record))?))?;
@@ -35,7 +35,7 @@ pub fn write_records(reader: &Reader, query: &RecordQuery, path: &Path) -> Resul
     Ok(count)
 }
 
-/// Columns of a table of sessions: docs/src/reference/sessions.md.
+/// Columns of a session table: docs/src/reference/sessions.md.
 const SESSIONS: [(&str, CellKind); 10] = [
     ("time", CellKind::Number),
     ("joint", CellKind::Text),
@@ -49,11 +49,11 @@ const SESSIONS: [(&str, CellKind); 10] = [
     ("stiffness_interval_95_percent", CellKind::Number),
 ];
 
-/// Writes a robot's records as the table that `sinew trend` reads: of each day and tendon the best one, which is what
-/// the monitor's own trend rests on; how many.
+/// Writes the records of a robot as the table for `sinew trend`: the best record of each day and tendon, on which the
+/// trend of the monitor is based; returns their number.
 ///
 /// # Errors
-/// [`StoreError`]; no file is left.
+/// Returns a [`StoreError`] if reading or writing fails; no file remains.
 pub fn write_sessions(
     reader: &Reader,
     query: &RecordQuery,
@@ -83,7 +83,7 @@ pub fn write_sessions(
                 row.baseline.as_deref().map_or(TableCell::Empty, text),
                 number(row.duration_s),
                 number(stiffness.map(|s| 1e2 * s.mean)),
-                number(stiffness.map(|s| 1e2 * Z95 * s.deviation)),
+                number(stiffness.map(|s| 1e2 * Z95 * s.std)),
             ])?;
             count += 1;
         }
@@ -93,10 +93,10 @@ pub fn write_sessions(
 }
 
 impl Reader {
-    /// Months that have records which are in no file yet, by type.
+    /// Returns the months with records that are in no file yet, by robot type.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// Returns a [`StoreError`] if the database cannot be read.
     pub fn not_exported(&self) -> Result<Vec<Pending>, StoreError> {
         let mut statement = self.connection().prepare_cached(
             "WITH of_month AS (
@@ -123,10 +123,10 @@ impl Reader {
         Ok(rows.collect::<Result<_, _>>()?)
     }
 
-    /// Writes them, by robot, joint and time, between the month's bounds, s since 1970 UTC.
+    /// Writes the records of a month, sorted by robot, joint and time; `bounds` are s since 1970 UTC.
     ///
     /// # Errors
-    /// [`StoreError`]; no file is left.
+    /// Returns a [`StoreError`] if reading or writing fails; no file remains.
     pub fn write_month(
         &self,
         pending: &Pending,

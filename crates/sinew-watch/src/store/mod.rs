@@ -1,9 +1,9 @@
-//! What is kept: records, beliefs, alarms and journal, in one SQLite file.
+//! Store of records, state estimates, alarms and journal in one SQLite file.
 //!
-//! One connection writes, on one thread; others only read. A [`Transaction`](sinew_watch_core::Transaction)
-//! of the monitor is one of the database: stored as a whole or not at all. WAL with `synchronous = FULL`: what
-//! [`Store::commit`] has returned from survives `kill -9` and, if the disk keeps what it acknowledged, a loss of
-//! power.
+//! One connection writes, on one thread; all others only read. A [`Transaction`](sinew_watch_core::Transaction) of
+//! the monitor is one transaction of the database: stored completely or not at all. WAL with `synchronous = FULL`:
+//! data for which [`Store::commit`] has returned survive `kill -9` and, if the disk keeps what it acknowledged, a
+//! power failure.
 
 mod export;
 mod read;
@@ -12,7 +12,7 @@ mod schema;
 mod write;
 
 pub use export::{Pending, write_records, write_sessions};
-pub use read::{JournalEntry, JournalQuery, Reader, RecordQuery};
+pub use read::{JournalEntry, JournalFilter, Reader, RecordQuery};
 pub use row::COLUMNS;
 pub(crate) use row::word;
 pub use schema::VERSION;
@@ -23,20 +23,20 @@ use sinew_watch_core::alarm::StoreFault;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// A reader and the writer wait so long for each other at most; in WAL they hardly ever do.
-const BUSY: Duration = Duration::from_secs(5);
+/// Maximum time that a reader and the writer wait for each other; with WAL they rarely do.
+const MAX_BUSY_TIME: Duration = Duration::from_secs(5);
 
-/// Where the store is.
+/// Location of the store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
-    /// In a folder: `watch.db` and `watch.lock`.
+    /// Folder with `watch.db` and `watch.lock`.
     Folder(PathBuf),
-    /// In memory, gone with the process; the number tells several apart.
+    /// Memory of the process; the number distinguishes several stores.
     Memory(u64),
 }
 
 impl Place {
-    /// The file of the database.
+    /// Returns the path of the database file.
     pub fn file(&self) -> String {
         match self {
             Self::Folder(folder) => folder.join("watch.db").display().to_string(),
@@ -44,7 +44,7 @@ impl Place {
         }
     }
 
-    /// The folder, if there is one.
+    /// Returns the folder, if any.
     pub fn folder(&self) -> Option<&Path> {
         match self {
             Self::Folder(folder) => Some(folder),
@@ -53,76 +53,76 @@ impl Place {
     }
 }
 
-/// Why something could not be stored or read.
+/// Error of storing or reading.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// Another monitor has it.
+    /// Another monitor uses the store.
     #[error(
-        "{folder}: in use by {holder}; one monitor has a store, name another folder in [store] dir", folder = folder.display()
+        "{folder}: in use by {holder}; set another folder in [store] dir", folder = folder.display()
     )]
     Held {
         /// Folder of the store.
         folder: PathBuf,
-        /// Name of the process that has it.
+        /// Name of the process that uses it.
         holder: String,
     },
-    /// The folder can't be used.
-    #[error("{folder}: {source}; [store] dir must be a folder that can be written", folder = folder.display())]
+    /// The folder cannot be used.
+    #[error("{folder}: {source}; set a writable folder in [store] dir", folder = folder.display())]
     Folder {
         /// Folder of the store.
         folder: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Not a database of this program.
-    #[error("{file} is a database of another program; name another folder in [store] dir")]
+    /// The file is not a database of this program.
+    #[error("{file} is a database of another program; set another folder in [store] dir")]
     Foreign {
         /// Path of the database.
         file: String,
     },
-    /// Written by a later program.
+    /// The database was written by a newer program.
     #[error(
-        "{file} has version {version}; this program knows versions up to {known}: a newer sinew-watch wrote it"
+        "{file} has format version {version}, and this program supports versions up to {supported}; use the newer sinew-watch that wrote it"
     )]
     Newer {
         /// Path of the database.
         file: String,
         /// Version of the database.
         version: i64,
-        /// The newest known.
-        known: i64,
+        /// Newest supported version.
+        supported: i64,
     },
     /// The database is damaged.
     #[error(
-        "{file} is damaged: {why}; move it away and keep it: `sqlite3 FILE .recover` may save its records"
+        "{file} is damaged: {reason}; move it to another folder and recover its records with `sqlite3 FILE .recover`"
     )]
     Damaged {
         /// Path of the database.
         file: String,
-        /// What was found.
-        why: String,
+        /// Result of the integrity check.
+        reason: String,
     },
-    /// A document in it that can't be read.
-    #[error("{what} of '{robot}' in the store can't be read: {why}")]
+    /// A stored document is invalid.
+    #[error("{what} of '{robot}' in the store is invalid: {reason}")]
     Document {
-        /// Belief or alarm.
+        /// Kind of the document: state or alarm.
         what: &'static str,
         /// Name of the robot in the configuration.
         robot: String,
-        /// The reason.
-        why: String,
+        /// Reason why the document is invalid.
+        reason: String,
     },
-    /// What SQLite says.
+    /// SQLite reported an error.
     #[error(transparent)]
     Sqlite(#[from] rusqlite::Error),
-    /// A file of records that could not be written.
+    /// A file of records cannot be written.
     #[error(transparent)]
     File(#[from] sinew_log::LogError),
 }
 
 impl StoreError {
-    /// What SQLite calls it, where it is one of its errors.
+    /// Returns the error code of SQLite, if it is one of its errors.
     fn code(&self) -> Option<ErrorCode> {
         match self {
             Self::Sqlite(error) => error.sqlite_error_code(),
@@ -137,7 +137,7 @@ impl StoreError {
         damaged || matches!(self, Self::Damaged { .. })
     }
 
-    /// Whether it is of the disk or the database as a whole: no other transaction fares better then.
+    /// Whether the failure concerns the disk or the database as a whole, so that other transactions fail as well.
     pub fn is_of_the_disk(&self) -> bool {
         use ErrorCode::{CannotOpen, DiskFull, ReadOnly, SystemIoFailure};
         let code = self.code();
@@ -148,7 +148,7 @@ impl StoreError {
             )
     }
 
-    /// What kind of failure.
+    /// Returns the kind of the failure.
     pub fn fault(&self) -> StoreFault {
         use ErrorCode::{CannotOpen, DiskFull, PermissionDenied, ReadOnly, SystemIoFailure};
         match self.code() {
@@ -160,12 +160,12 @@ impl StoreError {
         }
     }
 
-    /// In words that fit an alarm.
+    /// Returns the reason as a short text for an alarm.
     pub fn in_words(&self) -> String {
         match self.code() {
             Some(ErrorCode::DiskFull) => "the disk is full".into(),
-            Some(ErrorCode::ReadOnly) => "the store can't be written".into(),
-            Some(ErrorCode::SystemIoFailure) => format!("the disk fails: {self}"),
+            Some(ErrorCode::ReadOnly) => "the store is read-only".into(),
+            Some(ErrorCode::SystemIoFailure) => format!("disk failure: {self}"),
             _ => self.to_string(),
         }
     }

@@ -1,62 +1,62 @@
-//! Connections that read, while the one that writes goes on.
+//! Connections that read while the store is being written.
 
 use super::row::{COLUMNS, record};
-use super::{BUSY, Place, StoreError};
+use super::{MAX_BUSY_TIME, Place, StoreError};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, ToSql, params};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sinew_watch_core::alarm::{Alarm, AlarmsStored};
 use sinew_watch_core::journal::Entry;
-use sinew_watch_core::{Belief, History, Record, Stored};
+use sinew_watch_core::{History, MonitorState, Record, Stored};
 
-/// A belief unpacked is no larger than a baseline may be.
-const BELIEF_MOST: usize = sinew_files::limits::BASELINE.length();
+/// Maximum length of an unpacked state, that of a baseline, bytes.
+const MAX_STATE_BYTES: usize = sinew_files::limits::BASELINE.length();
 
-/// A connection that reads.
+/// Connection that reads the store.
 #[derive(Debug)]
 pub struct Reader {
     connection: Connection,
 }
 
-/// Which records are asked for.
+/// Selection of records.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RecordQuery {
-    /// Of this robot.
+    /// Only records of this robot.
     pub robot: Option<String>,
-    /// Of this joint.
+    /// Only records of this joint.
     pub joint: Option<String>,
-    /// From this time on, s since 1970 UTC.
+    /// Start of the time range, s since 1970 UTC, inclusive.
     pub from_utc_s: Option<f64>,
-    /// Before this time, s since 1970 UTC.
+    /// End of the time range, s since 1970 UTC, exclusive.
     pub to_utc_s: Option<f64>,
-    /// So many at most, the newest; of JSON 1000, and no more than 100,000.
+    /// Maximum number of records, the newest; for JSON the default is 1000, the limit 100,000.
     pub most: Option<u64>,
 }
 
-/// Which entries of the journal.
+/// Selection of journal entries.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct JournalQuery {
-    /// Of this robot; `None`: of all.
+pub struct JournalFilter {
+    /// Only entries of this robot; `None`: all.
     pub robot: Option<String>,
-    /// Of this kind; `None`: of all.
+    /// Only entries of this kind; `None`: all.
     pub event: Option<String>,
-    /// Older than the entry of this number.
+    /// Only entries older than the entry with this number.
     pub before: Option<i64>,
-    /// So many at most.
+    /// Maximum number of entries.
     pub most: u64,
 }
 
-/// An entry of the journal with its number and robot.
+/// Journal entry with its number and robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JournalEntry {
-    /// Number that rises from one to the next.
+    /// Number of the entry, ascending.
     pub id: i64,
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// The entry of the journal.
+    /// Journal entry as data.
     #[serde(flatten)]
     pub entry: Entry,
 }
@@ -65,24 +65,24 @@ impl Reader {
     /// Opens a store for reading; another process may have it open.
     ///
     /// # Errors
-    /// [`StoreError`]: there is none, or it can't be read.
+    /// Returns a [`StoreError`] if the store does not exist or cannot be read.
     pub fn open(place: &Place) -> Result<Self, StoreError> {
         let access = match place {
-            // Shared memory beside the database has to be written even to read it.
+            // The shared-memory file next to the database must be writable even for reading.
             Place::Folder(_) => OpenFlags::SQLITE_OPEN_READ_ONLY,
             Place::Memory(_) => OpenFlags::SQLITE_OPEN_READ_WRITE,
         };
         let flags = access | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(place.file(), flags)?;
-        connection.busy_timeout(BUSY)?;
+        connection.busy_timeout(MAX_BUSY_TIME)?;
         connection.pragma_update(None, "query_only", true)?;
         Ok(Self { connection })
     }
 
-    /// Looks whether it is a store that this program can go on with.
+    /// Checks whether the store can be used by this program.
     ///
     /// # Errors
-    /// [`StoreError`]: another program's, a newer one's, or it can't be read.
+    /// Returns a [`StoreError`] if it belongs to another program, is newer, or cannot be read.
     pub fn check(&self) -> Result<(), StoreError> {
         let path = self.connection.path().unwrap_or_default();
         super::schema::version(&self.connection, path).map(drop)
@@ -92,10 +92,11 @@ impl Reader {
         &self.connection
     }
 
-    /// What a robot's monitor goes on from; nothing, of one that was never watched.
+    /// Returns the stored state from which the monitor of a robot continues; empty if it was never monitored.
     ///
     /// # Errors
-    /// [`StoreError`]; of a belief or an alarm that can't be read, so that it is not begun anew silently.
+    /// Returns a [`StoreError`] if a state or an alarm is invalid, so that the monitor does not silently restart
+    /// without it.
     pub fn stored(&self, robot: &str) -> Result<Stored, StoreError> {
         let last: Option<i64> = self
             .connection
@@ -118,7 +119,7 @@ impl Reader {
             Ok(())
         })?;
         Ok(Stored {
-            belief: self.belief(robot)?,
+            state: self.state_estimate(robot)?,
             alarms: AlarmsStored {
                 alarms: self.alarms(robot)?,
             },
@@ -127,7 +128,7 @@ impl Reader {
         })
     }
 
-    fn belief(&self, robot: &str) -> Result<Option<Belief>, StoreError> {
+    fn state_estimate(&self, robot: &str) -> Result<Option<MonitorState>, StoreError> {
         let packed: Option<Vec<u8>> = self
             .connection
             .query_row(
@@ -139,19 +140,20 @@ impl Reader {
         let Some(packed) = packed else {
             return Ok(None);
         };
-        let refuse = |why: String| StoreError::Document {
-            what: "the belief",
+        let error = |reason: String| StoreError::Document {
+            what: "the state",
             robot: robot.into(),
-            why,
+            reason,
         };
         let text =
-            zstd::bulk::decompress(&packed, BELIEF_MOST).map_err(|e| refuse(e.to_string()))?;
-        let belief: Belief = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
-        match belief.version {
-            Belief::VERSION => Ok(Some(belief)),
-            other => Err(refuse(format!(
-                "it has version {other}, this program knows version {}",
-                Belief::VERSION
+            zstd::bulk::decompress(&packed, MAX_STATE_BYTES).map_err(|e| error(e.to_string()))?;
+        let state_estimate: MonitorState =
+            serde_json::from_slice(&text).map_err(|e| error(e.to_string()))?;
+        match state_estimate.version {
+            MonitorState::VERSION => Ok(Some(state_estimate)),
+            other => Err(error(format!(
+                "version {other} is unsupported, expected {}",
+                MonitorState::VERSION
             ))),
         }
     }
@@ -166,10 +168,10 @@ impl Reader {
             .collect()
     }
 
-    /// Records in the order of time, each given to `take` as it is read; so many there were.
+    /// Passes records in chronological order to `take` as they are read; returns their number.
     ///
     /// # Errors
-    /// [`StoreError`], or what `take` refuses.
+    /// Returns a [`StoreError`], or the error of `take`.
     pub fn each_record(
         &self,
         query: &RecordQuery,
@@ -211,10 +213,10 @@ impl Reader {
         Ok(count)
     }
 
-    /// Records in the order of time.
+    /// Returns records in chronological order.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// Returns a [`StoreError`] if the database cannot be read.
     pub fn records(&self, query: &RecordQuery) -> Result<Vec<Record>, StoreError> {
         let mut out = Vec::new();
         self.each_record(query, |record| {
@@ -224,11 +226,11 @@ impl Reader {
         Ok(out)
     }
 
-    /// Entries of the journal, the newest first.
+    /// Returns journal entries, the newest first.
     ///
     /// # Errors
-    /// [`StoreError`].
-    pub fn journal(&self, query: &JournalQuery) -> Result<Vec<JournalEntry>, StoreError> {
+    /// Returns a [`StoreError`] if the database cannot be read.
+    pub fn journal(&self, query: &JournalFilter) -> Result<Vec<JournalEntry>, StoreError> {
         let mut statement = self.connection.prepare_cached(
             "SELECT id, robot, document FROM journal WHERE (?1 IS NULL OR robot = ?1) \
              AND (?2 IS NULL OR event = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT ?4",
@@ -250,10 +252,10 @@ impl Reader {
         .collect()
     }
 
-    /// Robots there are, in the order of names.
+    /// Returns the names of all robots, sorted.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// Returns a [`StoreError`] if the database cannot be read.
     pub fn robots(&self) -> Result<Vec<String>, StoreError> {
         let mut statement = self
             .connection
@@ -263,15 +265,15 @@ impl Reader {
     }
 }
 
-/// What was stored as JSON.
+/// Parses a document stored as JSON.
 fn document<T: DeserializeOwned>(
     what: &'static str,
     robot: &str,
     text: &str,
 ) -> Result<T, StoreError> {
-    serde_json::from_str(text).map_err(|why| StoreError::Document {
+    serde_json::from_str(text).map_err(|reason| StoreError::Document {
         what,
         robot: robot.into(),
-        why: why.to_string(),
+        reason: reason.to_string(),
     })
 }

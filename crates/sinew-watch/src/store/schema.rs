@@ -1,13 +1,14 @@
-//! Tables of the database, and how an older one becomes today's.
+//! Tables of the database, and the migration of older versions.
 
 use super::StoreError;
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
-/// "Sinw", so that `file watch.db` can tell.
+/// "Sinw": identifies the file type for `file watch.db`.
 const APPLICATION_ID: i32 = 0x5369_6e77;
 
-/// What makes version `n + 1` of version `n`. A step that was published is never changed.
-const STEPS: [&str; 1] = ["
+/// Migration from version `n` to `n + 1`. A published step is never changed.
+const STEPS: [&str; 2] = [
+    "
 CREATE TABLE robot (
     name TEXT PRIMARY KEY,
     robot_type TEXT NOT NULL,
@@ -20,7 +21,7 @@ CREATE TABLE belief (
     -- JSON, packed with zstd.
     document BLOB NOT NULL
 ) STRICT, WITHOUT ROWID;
--- sinew-record/1: docs/src/reference/records.md
+-- sinew-record/2: docs/src/reference/records.md
 CREATE TABLE record (
     id INTEGER PRIMARY KEY,
     robot TEXT NOT NULL REFERENCES robot (name),
@@ -72,15 +73,27 @@ CREATE TABLE exported (
     last_record INTEGER NOT NULL,
     PRIMARY KEY (robot_type, month, number)
 ) STRICT, WITHOUT ROWID;
-"];
+",
+    "
+ALTER TABLE record RENAME COLUMN offset_deviation_rad TO offset_std_rad;
+ALTER TABLE record RENAME COLUMN elongation_deviation_m TO elongation_std_m;
+ALTER TABLE record RENAME COLUMN strain_deviation_ratio TO strain_std_ratio;
+ALTER TABLE record RENAME COLUMN stiffness_deviation_ratio TO stiffness_std_ratio;
+ALTER TABLE record RENAME COLUMN in_doubt TO provisional;
+UPDATE alarm SET condition = 'step-change' WHERE condition = 'jump';
+UPDATE alarm SET condition = 'suspected-step' WHERE condition = 'suspicion';
+UPDATE alarm SET condition = 'strand-failure' WHERE condition = 'strand-failed';
+UPDATE alarm SET condition = 'transport' WHERE condition = 'door';
+",
+];
 
-/// Version that this program writes.
+/// Version of the database that this program writes.
 pub const VERSION: usize = STEPS.len();
 
-/// Version of a database; 0: it is empty.
+/// Returns the version of a database; 0: empty.
 ///
 /// # Errors
-/// [`StoreError`]: another program's, or a newer one's.
+/// Returns a [`StoreError`] if the database belongs to another or a newer program.
 pub(super) fn version(connection: &Connection, file: &str) -> Result<i64, StoreError> {
     let application: i32 = connection.pragma_query_value(None, "application_id", |r| r.get(0))?;
     let version: i64 = connection.pragma_query_value(None, "user_version", |r| r.get(0))?;
@@ -89,22 +102,22 @@ pub(super) fn version(connection: &Connection, file: &str) -> Result<i64, StoreE
     if application != APPLICATION_ID && (application != 0 || version != 0 || tables != 0) {
         return Err(StoreError::Foreign { file: file.into() });
     }
-    let known = i64::try_from(VERSION).unwrap_or(i64::MAX);
-    if version > known {
+    let supported = i64::try_from(VERSION).unwrap_or(i64::MAX);
+    if version > supported {
         return Err(StoreError::Newer {
             file: file.into(),
             version,
-            known,
+            supported,
         });
     }
     Ok(version)
 }
 
-/// Brings a database to this program's version, in one transaction.
+/// Migrates a database to the version of this program, in one transaction.
 pub(super) fn migrate(connection: &mut Connection, file: &str) -> Result<(), StoreError> {
     let version = version(connection, file)?;
-    let known = i64::try_from(VERSION).unwrap_or(i64::MAX);
-    if version == known {
+    let supported = i64::try_from(VERSION).unwrap_or(i64::MAX);
+    if version == supported {
         return Ok(());
     }
     let transaction = Transaction::new(connection, TransactionBehavior::Immediate)?;
@@ -112,6 +125,39 @@ pub(super) fn migrate(connection: &mut Connection, file: &str) -> Result<(), Sto
         transaction.execute_batch(step)?;
     }
     transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
-    transaction.pragma_update(None, "user_version", known)?;
+    transaction.pragma_update(None, "user_version", supported)?;
     Ok(transaction.commit()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn version_1_records_and_alarms_are_migrated() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        connection.execute_batch(STEPS[0]).unwrap();
+        connection
+            .execute_batch(
+                "INSERT INTO robot VALUES ('arm', 'type', 1);
+                 INSERT INTO record (robot, robot_type, joint, time_utc_s, duration_s, offset_rad,
+                     offset_deviation_rad, source, clock, in_doubt, poses, frames, frames_lost, sinew_version)
+                 VALUES ('arm', 'type', 'elbow', 1, 60, 0.005, 0.0002, 'dds:0', 'utc', 1, 9, 100, 0, '0.1.0');
+                 INSERT INTO alarm VALUES ('arm', '', 'door', '{}'), ('arm', 'elbow', 'jump', '{}');",
+            )
+            .unwrap();
+        connection
+            .pragma_update(None, "application_id", APPLICATION_ID)
+            .unwrap();
+        connection.pragma_update(None, "user_version", 1).unwrap();
+        migrate(&mut connection, "watch.db").unwrap();
+        assert_eq!(version(&connection, "watch.db").unwrap(), 2);
+        let sql = "SELECT offset_std_rad, provisional FROM record";
+        let record = connection.query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?)));
+        assert_eq!(record.unwrap(), (0.0002, true));
+        let sql =
+            "SELECT group_concat(condition) FROM (SELECT condition FROM alarm ORDER BY condition)";
+        let conditions: String = connection.query_row(sql, [], |row| row.get(0)).unwrap();
+        assert_eq!(conditions, "step-change,transport");
+    }
 }

@@ -1,35 +1,35 @@
-//! The one connection that writes.
+//! Single connection that writes the store.
 
 use super::row::{COLUMNS, values, word};
 use super::schema::migrate;
-use super::{BUSY, Pending, Place, Reader, StoreError};
+use super::{MAX_BUSY_TIME, Pending, Place, Reader, StoreError};
 use rusqlite::{Connection, OpenFlags, TransactionBehavior, params, params_from_iter};
-use sinew_watch_core::{Belief, Transaction};
+use sinew_watch_core::{MonitorState, Transaction};
 use std::fs::File;
 use std::path::Path;
 
-/// A belief is packed so hard.
-const PACKING: i32 = 1;
-/// Entries of the journal that are kept, of all robots together; the oldest go first.
-const JOURNAL_MOST: i64 = 1_000_000;
-/// Every so many commits the journal is looked at.
-const JOURNAL_EVERY: u64 = 1000;
+/// Compression level of stored states (zstd).
+const COMPRESSION_LEVEL: i32 = 1;
+/// Maximum number of journal entries of all robots together; the oldest are deleted.
+const MAX_JOURNAL_ENTRIES: i64 = 1_000_000;
+/// Number of commits between two checks of the journal's length.
+const COMMITS_PER_JOURNAL_CHECK: u64 = 1000;
 
-/// The store, open for writing.
+/// Store connection for writing.
 #[derive(Debug)]
 pub struct Store {
     connection: Connection,
     place: Place,
     commits: u64,
-    /// Held as long as the store is open.
+    /// Lock that is held as long as the store is open.
     _lock: Option<File>,
 }
 
 impl Store {
-    /// Opens a store, or makes it where there is none; brings an older one to this version.
+    /// Opens a store, creates it if missing, and migrates an older one to this version.
     ///
     /// # Errors
-    /// [`StoreError`]: held by another process, damaged, newer, or the system refuses.
+    /// Returns a [`StoreError`] if the store is in use, damaged or newer, or the system reports an error.
     pub fn open(place: Place) -> Result<Self, StoreError> {
         let lock = match &place {
             Place::Folder(folder) => Some(lock(folder)?),
@@ -40,24 +40,26 @@ impl Store {
             | OpenFlags::SQLITE_OPEN_CREATE
             | OpenFlags::SQLITE_OPEN_URI
             | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let opened = Connection::open_with_flags(&file, flags);
-        let connection = opened.map_err(StoreError::from).and_then(|mut connection| {
-            connection.busy_timeout(BUSY)?;
-            if lock.is_some() {
-                // Of what is acknowledged nothing is lost with the power.
-                connection.pragma_update(None, "journal_mode", "WAL")?;
-                connection.pragma_update(None, "synchronous", "FULL")?;
-            }
-            connection.pragma_update(None, "foreign_keys", true)?;
-            migrate(&mut connection, &file)?;
-            check(&connection, &file)?;
-            Ok(connection)
-        });
+        let connection = Connection::open_with_flags(&file, flags);
+        let connection = connection
+            .map_err(StoreError::from)
+            .and_then(|mut connection| {
+                connection.busy_timeout(MAX_BUSY_TIME)?;
+                if lock.is_some() {
+                    // Acknowledged data survive a power failure.
+                    connection.pragma_update(None, "journal_mode", "WAL")?;
+                    connection.pragma_update(None, "synchronous", "FULL")?;
+                }
+                connection.pragma_update(None, "foreign_keys", true)?;
+                migrate(&mut connection, &file)?;
+                check(&connection, &file)?;
+                Ok(connection)
+            });
         let connection = connection.map_err(|error| match error {
             error @ StoreError::Damaged { .. } => error,
             error if error.is_damaged() => StoreError::Damaged {
                 file: file.clone(),
-                why: error.to_string(),
+                reason: error.to_string(),
             },
             error => error,
         })?;
@@ -69,20 +71,20 @@ impl Store {
         })
     }
 
-    /// Another connection, for reading.
+    /// Opens another connection, for reading.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// Returns a [`StoreError`] if the store cannot be opened.
     pub fn reader(&self) -> Result<Reader, StoreError> {
         Reader::open(&self.place)
     }
 
-    /// Stores transactions, each as a whole, all of them or none. When this returns they are on the disk.
+    /// Stores transactions, either all or none. When this returns they are on the disk.
     ///
-    /// One that is stored already, by its robot and number, is left out.
+    /// A transaction that is already stored, by robot and number, is skipped.
     ///
     /// # Errors
-    /// [`StoreError`]; nothing of them is stored then.
+    /// Returns a [`StoreError`]; none of them is stored then.
     pub fn commit(&mut self, transactions: &[Transaction]) -> Result<(), StoreError> {
         let sql = self
             .connection
@@ -91,19 +93,19 @@ impl Store {
             write(&sql, transaction)?;
         }
         self.commits += 1;
-        if self.commits.is_multiple_of(JOURNAL_EVERY) {
+        if self.commits.is_multiple_of(COMMITS_PER_JOURNAL_CHECK) {
             sql.execute(
                 "DELETE FROM journal WHERE id <= (SELECT max(id) FROM journal) - ?1",
-                [JOURNAL_MOST],
+                [MAX_JOURNAL_ENTRIES],
             )?;
         }
         Ok(sql.commit()?)
     }
 
-    /// Remembers that records of a type and month are in their file.
+    /// Records that the records of a robot type and month are in their file.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// Returns a [`StoreError`] if the database cannot be written.
     pub fn exported(&mut self, written: &Pending) -> Result<(), StoreError> {
         let Pending {
             robot_type,
@@ -119,10 +121,10 @@ impl Store {
         Ok(())
     }
 
-    /// Puts what is in the write-ahead log into the database, as far as no reader is in the way.
+    /// Moves the write-ahead log into the database as far as no reader prevents it.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// Returns a [`StoreError`] if the database cannot be written.
     pub fn checkpoint(&self) -> Result<(), StoreError> {
         let done = self
             .connection
@@ -131,19 +133,19 @@ impl Store {
     }
 }
 
-/// The lock of a store's folder, which is made where it isn't there.
+/// Locks the folder of a store, which is created if missing.
 fn lock(folder: &Path) -> Result<File, StoreError> {
-    let refuse = |source| StoreError::Folder {
+    let error = |source| StoreError::Folder {
         folder: folder.into(),
         source,
     };
-    std::fs::create_dir_all(folder).map_err(refuse)?;
+    std::fs::create_dir_all(folder).map_err(error)?;
     let mut options = File::options();
     let file = options
         .create(true)
         .append(true)
         .open(folder.join("watch.lock"))
-        .map_err(refuse)?;
+        .map_err(error)?;
     sinew_files::lock::lock(&file).map_err(|holder| StoreError::Held {
         folder: folder.into(),
         holder,
@@ -151,14 +153,14 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
     Ok(file)
 }
 
-/// Looks whether the database is whole, as far as that is quick.
+/// Checks the integrity of the database, as far as this is quick.
 fn check(connection: &Connection, file: &str) -> Result<(), StoreError> {
-    let why: String = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
-    match why.as_str() {
+    let reason: String = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
+    match reason.as_str() {
         "ok" => Ok(()),
         _ => Err(StoreError::Damaged {
             file: file.into(),
-            why,
+            reason,
         }),
     }
 }
@@ -185,12 +187,12 @@ fn write(sql: &rusqlite::Transaction<'_>, transaction: &Transaction) -> Result<(
     for record in &transaction.records {
         insert.execute(params_from_iter(values(record)))?;
     }
-    if let Some(belief) = &transaction.belief {
+    if let Some(state_estimate) = &transaction.state {
         sql.prepare_cached(
             "INSERT INTO belief (robot, version, document) VALUES (?1, ?2, ?3)
              ON CONFLICT (robot) DO UPDATE SET version = excluded.version, document = excluded.document",
         )?
-        .execute(params![robot, Belief::VERSION, packed(robot, belief)?])?;
+        .execute(params![robot, MonitorState::VERSION, packed(robot, state_estimate)?])?;
     }
     if let Some(stored) = &transaction.alarms {
         sql.prepare_cached("DELETE FROM alarm WHERE robot = ?1")?
@@ -226,19 +228,21 @@ fn json<T: serde::Serialize>(
     robot: &str,
     value: &T,
 ) -> Result<String, StoreError> {
-    serde_json::to_string(value).map_err(|why| StoreError::Document {
+    serde_json::to_string(value).map_err(|reason| StoreError::Document {
         what,
         robot: robot.into(),
-        why: why.to_string(),
+        reason: reason.to_string(),
     })
 }
 
-/// A belief as it is stored.
-fn packed(robot: &str, belief: &Belief) -> Result<Vec<u8>, StoreError> {
-    let text = json("a belief", robot, belief)?;
-    zstd::bulk::compress(text.as_bytes(), PACKING).map_err(|why| StoreError::Document {
-        what: "a belief",
-        robot: robot.into(),
-        why: why.to_string(),
+/// Serialises and compresses a state.
+fn packed(robot: &str, state_estimate: &MonitorState) -> Result<Vec<u8>, StoreError> {
+    let text = json("a state", robot, state_estimate)?;
+    zstd::bulk::compress(text.as_bytes(), COMPRESSION_LEVEL).map_err(|reason| {
+        StoreError::Document {
+            what: "a state",
+            robot: robot.into(),
+            reason: reason.to_string(),
+        }
     })
 }

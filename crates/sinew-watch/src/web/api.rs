@@ -1,6 +1,6 @@
-//! What the HTTP API says: types of its answers. SI, with standard deviations; words beside them for people.
+//! Response types of the HTTP API: SI units with standard deviations, and texts for people.
 
-use crate::runtime::{DoorNow, Seen, Slot};
+use crate::runtime::{RobotState, Slot, TransportView};
 use crate::store::JournalEntry;
 use crate::words;
 use serde::{Deserialize, Serialize};
@@ -11,253 +11,254 @@ use sinew_watch_core::snapshot::{Freshness, RobotSnapshot, TendonSnapshot};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// `GET /api/v1/fleet`: all robots.
+/// `GET /api/v1/fleet`: state of all robots.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fleet {
     /// Version of the program.
     pub version: &'static str,
-    /// What the demonstration is; `None`: it is none, these are robots.
+    /// Description of the demonstration; `null`: real robots.
     pub demo: Option<String>,
     /// Time of the monitor, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// How the store is.
+    /// State of the store.
     pub store: StoreState,
-    /// The doors that messages come through.
-    pub doors: Vec<DoorNow>,
-    /// Robots by name; in a `change` event those that changed.
+    /// Transports that the robots' messages pass through.
+    pub transports: Vec<TransportView>,
+    /// Robots sorted by name; in a `change` event only those that changed.
     pub robots: Vec<RobotRow>,
-    /// Robots that aren't watched, and why.
-    pub not_watched: Vec<NotWatched>,
-    /// Robots that went since the event before.
+    /// Robots that are not monitored, with the reason.
+    #[serde(rename = "not_watched")]
+    pub not_monitored: Vec<NotMonitored>,
+    /// Robots removed since the previous event.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gone: Vec<String>,
 }
 
-/// How the store is.
+/// State of the store.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum StoreState {
-    /// What is learned is stored.
+    /// The last transaction was stored.
     Works,
-    /// It doesn't: what is learned is in memory alone.
+    /// Storing fails: new data are in memory only.
     Failing {
-        /// The reason.
-        why: String,
-        /// Changes that wait.
+        /// Reason of the failure.
+        reason: String,
+        /// Number of changes that wait to be stored.
         waiting: usize,
     },
 }
 
-/// A robot in one line.
+/// Summary of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotRow {
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// Its type, from robot.toml or URDF.
+    /// Robot type, from robot.toml or URDF.
     pub robot_type: String,
-    /// The worst of its tendons and of itself.
+    /// Worst level of the robot and its tendons.
     pub level: Level,
-    /// What it needs, in words.
+    /// Required action as text.
     pub headline: String,
-    /// Alarms that aren't normal.
+    /// Number of alarms that are not normal.
     pub alarms: usize,
-    /// Of these, those that nobody has seen and no shelf hides.
+    /// Number of these alarms that are neither acknowledged nor shelved.
     pub unacknowledged: usize,
-    /// Changes whenever one of its alarms does.
+    /// Number that changes whenever an alarm of the robot changes.
     pub changed: u64,
-    /// Its tendons, in the order of joints.
+    /// Tendons in the order of the joints.
     pub tendons: Vec<TendonRow>,
 }
 
-/// A tendon in one sign.
+/// Summary of a tendon.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonRow {
     /// Name of the joint.
     pub joint: String,
-    /// How it is.
+    /// Level of the tendon.
     pub level: Level,
 }
 
-/// A robot that isn't watched.
+/// Robot that is not monitored.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct NotWatched {
+pub struct NotMonitored {
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// The reason.
-    pub why: String,
+    /// Reason why it is not monitored.
+    pub reason: String,
 }
 
-/// `GET /api/v1/robots/{robot}`.
+/// `GET /api/v1/robots/{robot}`: state of a robot.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotNow {
-    /// What is known.
+    /// State of the robot as data.
     pub robot: Arc<RobotSnapshot>,
-    /// The state in words.
+    /// State of the robot as text.
     pub sentence: String,
-    /// Its tendons in words, in the order of joints.
-    pub tendons: Vec<TendonSaid>,
-    /// Its alarms in words.
-    pub alarms: Vec<AlarmSaid>,
-    /// Messages dropped before the estimator, since a queue was full.
+    /// Tendons as text, in the order of the joints.
+    pub tendons: Vec<TendonView>,
+    /// Alarms with their texts.
+    pub alarms: Vec<AlarmView>,
+    /// Number of messages dropped before the estimator because of a full queue.
     pub messages_dropped: u64,
-    /// Changes whenever a trend does.
+    /// Number that changes whenever a trend of the robot changes.
     pub trends: u64,
 }
 
-/// A tendon in words.
+/// State of a tendon as text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct TendonSaid {
+pub struct TendonView {
     /// Name of the joint.
     pub joint: String,
-    /// The state in words.
+    /// State of the tendon as text.
     pub sentence: String,
 }
 
-/// `GET /api/v1/robots/{robot}/tendons/{joint}`.
+/// `GET /api/v1/robots/{robot}/tendons/{joint}`: state of a tendon.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonNow {
-    /// What is known.
+    /// State of the tendon as data.
     pub tendon: TendonSnapshot,
-    /// The state in words.
+    /// State of the tendon as text.
     pub sentence: String,
-    /// Its alarms in words.
-    pub alarms: Vec<AlarmSaid>,
-    /// Trend of its records; `None`: there are too few.
+    /// Alarms with their texts.
+    pub alarms: Vec<AlarmView>,
+    /// Trend of the records; `null`: too few records.
     pub trend: Option<Arc<JointTrend>>,
 }
 
-/// An alarm, and what is said of it.
+/// Alarm with its texts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct AlarmSaid {
+pub struct AlarmView {
     /// Name of the robot in the configuration.
     pub robot: String,
-    /// The alarm as data.
+    /// Alarm as data.
     pub alarm: Alarm,
-    /// What it shows.
+    /// Level that the alarm shows.
     pub level: Level,
     /// Severity, 1 to 1000.
     pub severity: u16,
-    /// What is the matter.
+    /// Condition of the alarm, as a heading.
     pub title: &'static str,
-    /// What was seen.
+    /// Observation with its value and limit.
     pub text: String,
-    /// What to do; empty: nothing.
+    /// Recommended action; empty: none.
     pub advice: &'static str,
 }
 
-/// `GET /api/v1/alarms`: the most severe first.
+/// `GET /api/v1/alarms`: alarms, the most severe first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AlarmList {
-    /// Alarms that aren't normal.
-    pub alarms: Vec<AlarmSaid>,
+    /// Alarms that are not normal.
+    pub alarms: Vec<AlarmView>,
 }
 
-/// `GET /api/v1/journal`: the newest first.
+/// `GET /api/v1/journal`: journal entries, the newest first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Journal {
     /// Entries, the newest first.
-    pub entries: Vec<JournalSaid>,
+    pub entries: Vec<JournalView>,
 }
 
-/// An entry of the journal in words.
+/// Journal entry with its text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct JournalSaid {
-    /// The entry of the journal.
+pub struct JournalView {
+    /// Journal entry as data.
     #[serde(flatten)]
     pub entry: JournalEntry,
-    /// What happened, in words.
+    /// Event as text.
     pub text: String,
 }
 
-/// Which tendons are due.
+/// Selection of the maintenance forecast.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct DueAsked {
-    /// Within so many days from now: 56, and no more than 1095.
+pub struct DueQuery {
+    /// Forecast horizon, days from now; default 56, limit 1095.
     pub within_days: Option<f64>,
 }
 
-/// Which entries of the journal.
+/// Selection of journal entries.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct JournalAsked {
-    /// Of this robot.
+pub struct JournalQuery {
+    /// Only entries of this robot.
     pub robot: Option<String>,
-    /// Of this kind, such as `alarm` or `session`.
+    /// Only entries of this kind, such as `alarm` or `session`.
     pub event: Option<String>,
-    /// Older than the entry of this number.
+    /// Only entries older than the entry with this number.
     pub before: Option<i64>,
-    /// So many at most: 100, and no more than 1000.
+    /// Maximum number of entries; default 100, limit 1000.
     pub most: Option<u64>,
 }
 
-/// `GET /api/v1/records`: in the order of time.
+/// `GET /api/v1/records`: records in chronological order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Records {
-    /// Name and version of their schema.
+    /// Name and version of the schema of the records.
     pub schema: &'static str,
-    /// Records in the order of time.
+    /// Records in chronological order.
     pub records: Vec<Record>,
 }
 
-/// Which events are asked for.
+/// Selection of events.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct EventsAsked {
-    /// This robot's beside the fleet's.
+pub struct EventsQuery {
+    /// Robot whose state is sent in addition to the fleet.
     pub robot: Option<String>,
 }
 
-/// What a login needs.
+/// Credentials of a login.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Login {
-    /// The token of the page.
+    /// Token of the page.
     pub token: String,
 }
 
-/// It was done, and is stored.
+/// Confirmation that a request was executed and stored.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Done {
-    /// Always true.
+    /// Always `true` in this response.
     pub done: bool,
 }
 
-/// Why something was refused.
+/// Body of an error response.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Refusal {
-    /// The reason in words.
+pub struct ErrorBody {
+    /// Reason as text.
     pub error: String,
 }
 
-impl AlarmSaid {
-    /// Puts it in words.
+impl AlarmView {
+    /// Adds the texts to an alarm.
     pub fn of(robot: &str, alarm: &Alarm) -> Self {
         Self {
             robot: robot.into(),
             level: alarm.level(),
             severity: alarm.key.condition.severity(),
             title: words::title(alarm),
-            text: words::said(alarm),
+            text: words::observation(alarm),
             advice: words::advice(alarm).unwrap_or(""),
             alarm: alarm.clone(),
         }
@@ -265,7 +266,7 @@ impl AlarmSaid {
 }
 
 impl RobotRow {
-    /// In one line.
+    /// Summarises the snapshot of a robot.
     pub fn of(robot: &RobotSnapshot) -> Self {
         let is_open = |a: &&Alarm| !a.acknowledged && a.shelved_until_utc_s.is_none();
         Self {
@@ -286,27 +287,28 @@ impl RobotRow {
     }
 }
 
-/// Without how long nothing came: that changes every second, and a row that changes is sent anew.
+/// Returns the headline without the duration of a data gap: it would change every second, and a changed row is sent
+/// again.
 fn headline(robot: &RobotSnapshot) -> String {
     match robot.freshness {
-        Freshness::Stale { .. } if robot.alarms.is_empty() => "nothing is received".into(),
+        Freshness::Stale { .. } if robot.alarms.is_empty() => "no data".into(),
         _ => words::robot(robot),
     }
 }
 
-/// A number that changes with what it is of.
+/// Returns a number that changes with the value.
 fn mark<T: Serialize>(of: &T) -> u64 {
     use std::hash::{DefaultHasher, Hasher as _};
     let mut hasher = DefaultHasher::new();
     hasher.write(&serde_json::to_vec(of).unwrap_or_default());
-    // JavaScript's numbers hold 53 bits.
+    // Numbers of JavaScript have 53 bits of precision.
     hasher.finish() >> 11
 }
 
 impl RobotNow {
-    /// Puts it in words.
+    /// Adds the texts to the snapshot of a robot.
     pub fn of(robot: Arc<RobotSnapshot>, slot: &Slot) -> Self {
-        let tendons = robot.tendons.iter().map(|tendon| TendonSaid {
+        let tendons = robot.tendons.iter().map(|tendon| TendonView {
             joint: tendon.joint.clone(),
             sentence: words::tendon(tendon, &robot.alarms),
         });
@@ -321,7 +323,7 @@ impl RobotNow {
             alarms: robot
                 .alarms
                 .iter()
-                .map(|a| AlarmSaid::of(&robot.robot, a))
+                .map(|a| AlarmView::of(&robot.robot, a))
                 .collect(),
             messages_dropped: slot.dropped.load(Ordering::Relaxed),
             trends: mark(&ends.collect::<Vec<_>>()),
@@ -331,7 +333,7 @@ impl RobotNow {
 }
 
 impl TendonNow {
-    /// Of a joint of a robot; `None`: it has no such tendon.
+    /// Returns the tendon of a joint; `None`: the robot has no such tendon.
     pub fn of(robot: &RobotSnapshot, joint: &str) -> Option<Self> {
         let tendon = robot.tendons.iter().find(|tendon| tendon.joint == joint)?;
         let own = robot
@@ -340,18 +342,18 @@ impl TendonNow {
             .filter(|a| a.key.joint.as_deref() == Some(joint));
         Some(Self {
             sentence: words::tendon(tendon, &robot.alarms),
-            alarms: own.map(|a| AlarmSaid::of(&robot.robot, a)).collect(),
+            alarms: own.map(|a| AlarmView::of(&robot.robot, a)).collect(),
             trend: tendon.trend.clone(),
             tendon: tendon.clone(),
         })
     }
 }
 
-impl Seen {
-    /// The snapshot of a robot that is watched.
-    pub fn watched(self) -> Option<Arc<RobotSnapshot>> {
+impl RobotState {
+    /// Returns the snapshot of a monitored robot.
+    pub fn snapshot(self) -> Option<Arc<RobotSnapshot>> {
         match self {
-            Self::Watched(snapshot) => Some(snapshot),
+            Self::Monitored(snapshot) => Some(snapshot),
             _ => None,
         }
     }

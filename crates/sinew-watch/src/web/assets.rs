@@ -1,4 +1,4 @@
-//! The page: built by `page/build`, committed, and carried by the program.
+//! Files of the page: built by `page/build`, committed, and embedded in the program.
 
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse as _, Response};
@@ -6,7 +6,7 @@ use sha2::{Digest as _, Sha256};
 use std::io::Write as _;
 use std::sync::LazyLock;
 
-/// One file of the page.
+/// File of the page.
 struct Asset {
     kind: &'static str,
     bytes: &'static [u8],
@@ -17,7 +17,7 @@ struct Asset {
 impl Asset {
     fn new(kind: &'static str, bytes: &'static [u8]) -> Self {
         let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
-        // Writing into memory doesn't fail; a page that isn't packed is larger, and no less right.
+        // Writing into memory does not fail; an uncompressed file would be larger but valid.
         let packed = packer.write_all(bytes).and_then(|()| packer.finish());
         Self {
             kind,
@@ -27,9 +27,11 @@ impl Asset {
         }
     }
 
-    fn respond(&self, asks: &HeaderMap) -> Response {
-        let says = |name, word: &str| {
-            let value = asks.get(name).and_then(|v: &HeaderValue| v.to_str().ok());
+    fn respond(&self, headers: &HeaderMap) -> Response {
+        let value = |name, word: &str| {
+            let value = headers
+                .get(name)
+                .and_then(|v: &HeaderValue| v.to_str().ok());
             value.is_some_and(|value| value.contains(word))
         };
         let tag = HeaderValue::from_str(&self.tag);
@@ -39,11 +41,11 @@ impl Asset {
             (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
             (header::VARY, HeaderValue::from_static("accept-encoding")),
         ];
-        if says(header::IF_NONE_MATCH, &self.tag) {
+        if value(header::IF_NONE_MATCH, &self.tag) {
             return (StatusCode::NOT_MODIFIED, always).into_response();
         }
         let kind = [(header::CONTENT_TYPE, self.kind)];
-        match says(header::ACCEPT_ENCODING, "gzip") && !self.packed.is_empty() {
+        match value(header::ACCEPT_ENCODING, "gzip") && !self.packed.is_empty() {
             true => {
                 let packed = [(header::CONTENT_ENCODING, "gzip")];
                 (always, kind, packed, self.packed.clone()).into_response()
@@ -53,7 +55,7 @@ impl Asset {
     }
 }
 
-/// The page, its script, its style and its icon.
+/// HTML, script, style and icon of the page.
 static ASSETS: LazyLock<[Asset; 4]> = LazyLock::new(|| {
     [
         Asset::new(
@@ -72,8 +74,8 @@ static ASSETS: LazyLock<[Asset; 4]> = LazyLock::new(|| {
     ]
 });
 
-/// A file of the page by its address; every address that is none is the page itself.
-pub(super) async fn file(uri: Uri, asks: HeaderMap) -> Response {
+/// Returns a file of the page by its path; every other path returns the page itself.
+pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Response {
     let [html, script, style, icon] = &*ASSETS;
     let asset = match uri.path() {
         "/app.js" => script,
@@ -81,5 +83,5 @@ pub(super) async fn file(uri: Uri, asks: HeaderMap) -> Response {
         "/icon.svg" | "/favicon.ico" => icon,
         _ => html,
     };
-    asset.respond(&asks)
+    asset.respond(&headers)
 }

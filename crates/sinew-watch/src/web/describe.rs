@@ -1,10 +1,10 @@
-//! Schemas of what addresses take and give, for the OpenAPI description.
+//! Schemas of requests and responses for the OpenAPI description.
 
 use schemars::JsonSchema;
 use schemars::generate::{SchemaGenerator, SchemaSettings};
 use serde_json::{Value, json};
 
-/// What an address takes and gives.
+/// Schemas of one endpoint.
 #[derive(Default)]
 pub(super) struct Described {
     pub(super) query: Option<Value>,
@@ -12,12 +12,12 @@ pub(super) struct Described {
     pub(super) gives: Value,
 }
 
-/// A body in which nothing is looked for.
-pub(super) struct NoBody;
+/// Request without a body.
+pub(super) struct EmptyBody;
 
-impl JsonSchema for NoBody {
+impl JsonSchema for EmptyBody {
     fn schema_name() -> std::borrow::Cow<'static, str> {
-        "NoBody".into()
+        "EmptyBody".into()
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> schemars::Schema {
@@ -25,8 +25,8 @@ impl JsonSchema for NoBody {
     }
 }
 
-/// Makes the schemas of what is given, and of what is taken: the latter without references, as the same type may be
-/// another when read.
+/// Generator of the schemas of responses, and of requests: the latter without references, as a type may differ when
+/// read.
 pub(super) struct Maker {
     pub(super) gives: SchemaGenerator,
     takes: SchemaGenerator,
@@ -52,7 +52,7 @@ impl Maker {
         }
     }
 
-    /// Describes an answer in JSON.
+    /// Describes a JSON response.
     pub(super) fn json<T: JsonSchema>(&mut self) -> Described {
         let schema = self.gives.subschema_for::<T>();
         Described {
@@ -61,7 +61,7 @@ impl Maker {
         }
     }
 
-    /// Describes an answer of another kind.
+    /// Describes a response of another media type.
     pub(super) fn media(&self, kind: &str) -> Described {
         Described {
             gives: json!({ kind: {} }),

@@ -1,8 +1,9 @@
-//! Events for browsers: one stream each, as fast as it is read. Who is slow skips ticks.
+//! Server-sent events: one stream per browser, as fast as it is read. A slow browser skips ticks.
 
-use super::api::EventsAsked;
+use super::api::EventsQuery;
 use super::ticks::Tick;
-use super::{App, Refused};
+use super::{App, ErrorResponse};
+use crate::words::response;
 use axum::extract::{Query, State};
 use axum::response::sse::{Event, Sse};
 use axum::response::{IntoResponse as _, Response};
@@ -11,13 +12,13 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// One browser's stream.
+/// Stream of one browser.
 struct Listener {
     ticks: watch::Receiver<Arc<Tick>>,
-    /// Number of the last tick it was told.
-    told: u64,
+    /// Number of the last tick that was sent.
+    last_tick: u64,
     robot: Option<String>,
-    /// Events of the present tick that are still to be told.
+    /// Events of the present tick that remain to be sent.
     ready: Vec<Event>,
     _permit: tokio::sync::OwnedSemaphorePermit,
 }
@@ -25,24 +26,24 @@ struct Listener {
 impl Listener {
     async fn next(mut self) -> Option<(Result<Event, Infallible>, Self)> {
         while self.ready.is_empty() {
-            if self.told > 0 {
-                // An error: the monitor ends.
+            if self.last_tick > 0 {
+                // An error: the monitor stops.
                 self.ticks.changed().await.ok()?;
             }
             let tick = Arc::clone(&self.ticks.borrow_and_update());
-            if tick.number == self.told {
+            if tick.number == self.last_tick {
                 self.ticks.changed().await.ok()?;
                 continue;
             }
-            // Told in reverse, so that popping gives their order.
+            // In reverse order, because events are popped from the end.
             if let Some(json) = self.robot.as_deref().and_then(|robot| tick.robot(robot)) {
                 self.ready.push(event("robot", &json));
             }
-            self.ready.push(match tick.number == self.told + 1 {
+            self.ready.push(match tick.number == self.last_tick + 1 {
                 true => event("change", &tick.change),
                 false => event("fleet", &tick.fleet),
             });
-            self.told = tick.number;
+            self.last_tick = tick.number;
         }
         let event = self.ready.pop()?;
         Some((Ok(event), self))
@@ -55,15 +56,15 @@ fn event(name: &str, json: &[u8]) -> Event {
         .data(String::from_utf8_lossy(json))
 }
 
-/// `GET /api/v1/events`.
-pub(super) async fn events(State(app): State<App>, Query(asked): Query<EventsAsked>) -> Response {
+/// Starts the event stream of `GET /api/v1/events`.
+pub(super) async fn events(State(app): State<App>, Query(query): Query<EventsQuery>) -> Response {
     let Ok(permit) = Arc::clone(&app.listeners).try_acquire_owned() else {
-        return Refused::unavailable("too many browsers listen; close some").into_response();
+        return ErrorResponse::unavailable(response::TOO_MANY_PAGES).into_response();
     };
     let listener = Listener {
         ticks: app.ticks.clone(),
-        told: 0,
-        robot: asked.robot,
+        last_tick: 0,
+        robot: query.robot,
         ready: Vec::new(),
         _permit: permit,
     };

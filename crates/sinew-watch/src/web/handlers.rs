@@ -1,14 +1,14 @@
-//! Answers to single questions.
+//! Handlers of single requests.
 
 use super::api::{
-    AlarmList, AlarmSaid, Done, DueAsked, Journal, JournalAsked, JournalSaid, Login, RobotNow,
+    AlarmList, AlarmView, Done, DueQuery, Journal, JournalQuery, JournalView, Login, RobotNow,
     TendonNow,
 };
 use super::guard::Guard;
-use super::{App, Refused};
-use crate::runtime::{Answer, Control, Seen, Slot};
-use crate::store::JournalQuery;
-use crate::words;
+use super::{App, ErrorResponse};
+use crate::runtime::{Answer, Control, RobotState, Slot};
+use crate::store::JournalFilter;
+use crate::words::{self, response};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{Path, Query, State};
@@ -23,15 +23,15 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// Entries of the journal in one answer: as usual, and at most.
+/// Number of journal entries in one response: default and limit.
 const ENTRIES: [u64; 2] = [100, 1000];
-/// What is due is said within so many days: eight weeks.
+/// Default horizon of the maintenance forecast, days: eight weeks.
 const DUE_WITHIN_DAYS: f64 = 56.0;
-/// So long an answer to a command is waited for: the store may be slow.
+/// Maximum time to wait for the result of a command: the store may be slow.
 const ANSWER_WITHIN: Duration = Duration::from_secs(20);
-/// A wrong token is answered so late.
+/// Delay of the response to a wrong token.
 const WRONG_TOKEN: Duration = Duration::from_millis(500);
-/// A core thread that is silent for longer hangs.
+/// Time without a loop after which a core thread counts as hanging.
 const HANGS_AFTER: Duration = Duration::from_secs(10);
 
 pub(super) async fn fleet(State(app): State<App>) -> Response {
@@ -39,52 +39,51 @@ pub(super) async fn fleet(State(app): State<App>) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], fleet).into_response()
 }
 
-/// A robot that is watched, or the refusal.
-fn watched(app: &App, robot: &str) -> Result<(Arc<Slot>, Arc<RobotSnapshot>), Refused> {
-    let slot = app.board.get(robot);
-    match slot.map(|slot| (slot.seen(), slot)) {
-        Some((Seen::Watched(snapshot), slot)) => Ok((slot, snapshot)),
-        Some((Seen::NotWatched(why), _)) => {
-            Err(Refused::conflict(format!("{robot} isn't watched: {why}")))
-        }
-        Some((Seen::Nothing, _)) => Err(Refused::unavailable("it is being started")),
-        None => Err(Refused::not_found(format!("there is no robot '{robot}'"))),
+/// Returns the snapshot of a monitored robot, or an error response.
+fn monitored(app: &App, robot: &str) -> Result<(Arc<Slot>, Arc<RobotSnapshot>), ErrorResponse> {
+    let slot = app.registry.get(robot);
+    match slot.map(|slot| (slot.state(), slot)) {
+        Some((RobotState::Monitored(snapshot), slot)) => Ok((slot, snapshot)),
+        Some((RobotState::NotMonitored(reason), _)) => Err(ErrorResponse::conflict(
+            response::not_monitored(robot, &reason),
+        )),
+        Some((RobotState::Starting, _)) => Err(ErrorResponse::unavailable(response::IS_STARTING)),
+        None => Err(ErrorResponse::not_found(response::no_robot(robot))),
     }
 }
 
 pub(super) async fn robot(
     State(app): State<App>,
     Path(robot): Path<String>,
-) -> Result<Json<RobotNow>, Refused> {
-    let (slot, snapshot) = watched(&app, &robot)?;
+) -> Result<Json<RobotNow>, ErrorResponse> {
+    let (slot, snapshot) = monitored(&app, &robot)?;
     Ok(Json(RobotNow::of(snapshot, &slot)))
 }
 
 pub(super) async fn tendon(
     State(app): State<App>,
     Path((robot, joint)): Path<(String, String)>,
-) -> Result<Json<TendonNow>, Refused> {
-    let (_, snapshot) = watched(&app, &robot)?;
+) -> Result<Json<TendonNow>, ErrorResponse> {
+    let (_, snapshot) = monitored(&app, &robot)?;
     TendonNow::of(&snapshot, &joint).map(Json).ok_or_else(|| {
         let joints: Vec<&str> = snapshot.tendons.iter().map(|t| t.joint.as_str()).collect();
         let joints = joints.join(", ");
-        let why = format!("{robot} has no tendon at '{joint}'; it has {joints}");
-        Refused::not_found(why)
+        ErrorResponse::not_found(response::no_tendon(&robot, &joint, &joints))
     })
 }
 
 pub(super) async fn due(
     State(app): State<App>,
-    Query(asked): Query<DueAsked>,
-) -> Result<Json<DueList>, Refused> {
-    let within_days = asked.within_days.unwrap_or(DUE_WITHIN_DAYS);
+    Query(query): Query<DueQuery>,
+) -> Result<Json<DueList>, ErrorResponse> {
+    let within_days = query.within_days.unwrap_or(DUE_WITHIN_DAYS);
     if !(within_days > 0.0 && within_days <= HORIZON_DAYS) {
-        let why = format!("within_days is more than 0, and {HORIZON_DAYS} at most");
-        return Err(Refused::unprocessable(why));
+        let reason = response::invalid_period(HORIZON_DAYS);
+        return Err(ErrorResponse::unprocessable(reason));
     }
-    let robots = app.board.all().into_iter();
+    let robots = app.registry.all().into_iter();
     let robots: Vec<Arc<RobotSnapshot>> = robots
-        .filter_map(|(_, slot)| slot.seen().watched())
+        .filter_map(|(_, slot)| slot.state().snapshot())
         .collect();
     let robots = robots.iter().map(Arc::as_ref);
     let time_utc_s = app.ticks.borrow().time_utc_s;
@@ -92,75 +91,74 @@ pub(super) async fn due(
 }
 
 pub(super) async fn alarms(State(app): State<App>) -> Json<AlarmList> {
-    let mut alarms: Vec<AlarmSaid> = Vec::new();
-    for (name, slot) in app.board.all() {
-        if let Seen::Watched(robot) = slot.seen() {
-            alarms.extend(robot.alarms.iter().map(|alarm| AlarmSaid::of(&name, alarm)));
+    let mut alarms: Vec<AlarmView> = Vec::new();
+    for (name, slot) in app.registry.all() {
+        if let RobotState::Monitored(robot) = slot.state() {
+            alarms.extend(robot.alarms.iter().map(|alarm| AlarmView::of(&name, alarm)));
         }
     }
-    alarms.sort_by_key(|said| std::cmp::Reverse(said.severity));
+    alarms.sort_by_key(|view| std::cmp::Reverse(view.severity));
     Json(AlarmList { alarms })
 }
 
 pub(super) async fn journal(
     State(app): State<App>,
-    Query(asked): Query<JournalAsked>,
-) -> Result<Json<Journal>, Refused> {
+    Query(query): Query<JournalQuery>,
+) -> Result<Json<Journal>, ErrorResponse> {
     let [usual, most] = ENTRIES;
-    let query = JournalQuery {
-        robot: asked.robot,
-        event: asked.event,
-        before: asked.before,
-        most: asked.most.unwrap_or(usual).min(most),
+    let query = JournalFilter {
+        robot: query.robot,
+        event: query.event,
+        before: query.before,
+        most: query.most.unwrap_or(usual).min(most),
     };
     let entries = app.read(move |reader| reader.journal(&query)).await?;
-    let said = entries.into_iter().map(|entry| JournalSaid {
+    let view = entries.into_iter().map(|entry| JournalView {
         text: words::entry(&entry.entry.event),
         entry,
     });
     Ok(Json(Journal {
-        entries: said.collect(),
+        entries: view.collect(),
     }))
 }
 
-/// A body as JSON; refused with what is wrong in it.
-fn read_body<T: DeserializeOwned>(body: &[u8]) -> Result<T, Refused> {
-    serde_json::from_slice(body).map_err(|e| Refused::unprocessable(format!("not understood: {e}")))
+/// Parses a JSON body; returns the reason if it is invalid.
+fn read_body<T: DeserializeOwned>(body: &[u8]) -> Result<T, ErrorResponse> {
+    serde_json::from_slice(body)
+        .map_err(|e| ErrorResponse::unprocessable(response::invalid_body(e)))
 }
 
 pub(super) async fn command(
     State(app): State<App>,
     Path(robot): Path<String>,
     body: Bytes,
-) -> Result<Json<Done>, Refused> {
+) -> Result<Json<Done>, ErrorResponse> {
     let command: Command = read_body(&body)?;
-    watched(&app, &robot)?;
-    let gone = || Refused::conflict("it isn't watched any more");
-    let (core, id) = app.board.address(&robot).ok_or_else(gone)?;
+    monitored(&app, &robot)?;
+    let gone = || ErrorResponse::conflict(response::IS_GONE);
+    let (core, id) = app.registry.address(&robot).ok_or_else(gone)?;
     let (sender, answer) = oneshot::channel();
-    core.tell(Control::Command {
+    core.send(Control::Command {
         robot: id,
         command,
         reply: Box::new(move |answer| {
-            // Who asked may have gone.
+            // The client may have disconnected.
             let _gone = sender.send(answer);
         }),
     });
     let answer = tokio::time::timeout(ANSWER_WITHIN, answer).await;
     let Ok(answer) = answer else {
-        return Err(Refused::new(
+        return Err(ErrorResponse::new(
             StatusCode::GATEWAY_TIMEOUT,
-            "no answer yet: look into the journal whether it was stored",
+            response::NO_RESULT,
         ));
     };
     match answer {
         Ok(Answer::Stored) => Ok(Json(Done { done: true })),
-        Ok(Answer::Refused(error)) => Err(Refused::unprocessable(error.to_string())),
-        Ok(Answer::NotStored(why)) => Err(Refused::new(
+        Ok(Answer::Rejected(error)) => Err(ErrorResponse::unprocessable(error.to_string())),
+        Ok(Answer::NotStored(reason)) => Err(ErrorResponse::new(
             StatusCode::INSUFFICIENT_STORAGE,
-            format!(
-                "taken, but not stored yet: {why}. It is lost if the monitor stops before the store works again"
-            ),
+            response::not_stored(&reason),
         )),
         Ok(Answer::Gone) | Err(_) => Err(gone()),
     }
@@ -168,8 +166,8 @@ pub(super) async fn command(
 
 pub(super) async fn health(State(app): State<App>) -> (StatusCode, &'static str) {
     match app.health.silent_for() < HANGS_AFTER {
-        true => (StatusCode::OK, "works\n"),
-        false => (StatusCode::SERVICE_UNAVAILABLE, "hangs\n"),
+        true => (StatusCode::OK, response::WORKS),
+        false => (StatusCode::SERVICE_UNAVAILABLE, response::HANGS),
     }
 }
 
@@ -182,13 +180,13 @@ pub(super) async fn login(
     State(app): State<App>,
     headers: HeaderMap,
     body: Bytes,
-) -> Result<Response, Refused> {
+) -> Result<Response, ErrorResponse> {
     let login: Login = read_body(&body)?;
     if !app.guard.is_token(&login.token) {
         tokio::time::sleep(WRONG_TOKEN).await;
-        return Err(Refused::new(
+        return Err(ErrorResponse::new(
             StatusCode::UNAUTHORIZED,
-            "this isn't the token",
+            response::INVALID_TOKEN,
         ));
     }
     let proto = headers

@@ -1,7 +1,7 @@
 //! `/metrics` for Prometheus, in base units.
 
 use super::App;
-use crate::runtime::{Board, Health, Seen};
+use crate::runtime::{Health, RobotRegistry, RobotState};
 use crate::store::word;
 use axum::extract::State;
 use axum::http::header;
@@ -19,63 +19,63 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 macro_rules! metrics {
     ($($kind:ident $name:ident $about:literal;)*) => {
-        /// All metrics in their order, with name, kind and meaning; the reference is made of this.
+        /// All metrics in their order, with name, kind and meaning; source of the reference page.
         pub const ABOUT: &[(&str, &str, &str)] = &[$((stringify!($name), stringify!($kind), $about)),*];
     };
 }
 
 metrics! {
-    gauge sinew_build_info "Always 1; the version of the program.";
-    gauge sinew_uptime_seconds "Time since the monitor began.";
-    gauge sinew_core_silent_seconds "Time since the slowest core thread went round.";
-    gauge sinew_store_works "1: the last try to store succeeded; 0: it failed.";
+    gauge sinew_build_info "Always 1; labelled with the version of the program.";
+    gauge sinew_uptime_seconds "Time since the start of the monitor.";
+    gauge sinew_core_silent_seconds "Time since the last loop of the slowest core thread.";
+    gauge sinew_store_works "1: the last transaction was stored; 0: storing failed.";
     counter sinew_store_transactions_total "Transactions stored.";
-    counter sinew_store_failures_total "Tries to store that failed.";
-    counter sinew_store_commits_total "Commits: each stores one transaction or several.";
-    counter sinew_store_commit_seconds_total "Time that commits took.";
-    counter sinew_estimates_total "Estimates of stretches of motion, and trends.";
-    counter sinew_estimate_seconds_total "Time that estimates took.";
+    counter sinew_store_failures_total "Failed attempts to store.";
+    counter sinew_store_commits_total "Commits, each of one or several transactions.";
+    counter sinew_store_commit_seconds_total "Total duration of commits.";
+    counter sinew_estimates_total "Estimates of motion segments, and trends.";
+    counter sinew_estimate_seconds_total "Total duration of estimates.";
     counter sinew_webhooks_total "Webhooks delivered.";
-    counter sinew_webhooks_lost_total "Webhooks given up.";
-    gauge sinew_door_open "1: messages can come through this door; 0: it is shut, and is tried again.";
-    counter sinew_door_messages_total "Messages received through this door of topics that some robot wants.";
-    gauge sinew_robots "Robots that are watched.";
-    gauge sinew_robots_not_watched "Robots of the configuration that can't be watched.";
-    gauge sinew_robot_level "How a robot is: 0 OK, 1 WARN, 2 ERROR, 3 STALE.";
-    gauge sinew_robot_fresh "1: data come; 0: they don't.";
-    gauge sinew_robot_rate_hertz "Frames of a second.";
+    counter sinew_webhooks_lost_total "Webhooks discarded after the last attempt.";
+    gauge sinew_transport_connected "1: the transport is connected; 0: disconnected, reconnecting.";
+    counter sinew_transport_messages_total "Messages received through the transport on topics that a robot requires.";
+    gauge sinew_robots "Robots that are monitored.";
+    gauge sinew_robots_unmonitored "Robots of the configuration that cannot be monitored.";
+    gauge sinew_robot_level "Level of the robot: 0 OK, 1 WARN, 2 ERROR, 3 STALE.";
+    gauge sinew_robot_fresh "1: data are received; 0: no data.";
+    gauge sinew_robot_rate_hertz "Frames per second.";
     counter sinew_robot_frames_total "Frames received.";
-    counter sinew_robot_frames_lost_total "Frames lost, refused or incomplete.";
-    counter sinew_robot_messages_dropped_total "Messages dropped, since the robot's queue was full.";
+    counter sinew_robot_frames_lost_total "Frames lost, rejected or incomplete.";
+    counter sinew_robot_messages_dropped_total "Messages dropped because the robot's queue was full.";
     gauge sinew_robot_temperature_celsius "Temperature.";
-    gauge sinew_robot_waiting_transactions "Transactions that wait for the store.";
-    gauge sinew_tendon_level "How a tendon is: 0 OK, 1 WARN, 2 ERROR, 3 STALE.";
-    gauge sinew_tendon_offset_radians "Offset now, since the tendon was tensioned; missing where it isn't known.";
-    gauge sinew_tendon_offset_deviation_radians "Its standard deviation.";
-    gauge sinew_tendon_elongation_meters "Elongation now, since the tendon was tensioned.";
-    gauge sinew_tendon_elongation_deviation_meters "Its standard deviation.";
-    gauge sinew_tendon_strain_ratio "Strain now, since the rope was new.";
+    gauge sinew_robot_waiting_transactions "Transactions that wait to be stored.";
+    gauge sinew_tendon_level "Level of the tendon: 0 OK, 1 WARN, 2 ERROR, 3 STALE.";
+    gauge sinew_tendon_offset_radians "Present offset since the last tensioning; missing if not available.";
+    gauge sinew_tendon_offset_std_radians "Standard deviation of the offset.";
+    gauge sinew_tendon_elongation_meters "Present elongation since the last tensioning.";
+    gauge sinew_tendon_elongation_std_meters "Standard deviation of the elongation.";
+    gauge sinew_tendon_strain_ratio "Present total strain since the rope was new.";
     gauge sinew_tendon_record_offset_radians "Offset of the last record.";
-    gauge sinew_tendon_record_timestamp_seconds "When the session of the last record began.";
-    gauge sinew_tendon_tensioned_timestamp_seconds "When the tendon was last tensioned.";
-    gauge sinew_tendon_limit_elongation_meters "Elongation at which to tension again.";
-    gauge sinew_tendon_limit_strain_ratio "Strain at which to replace.";
-    gauge sinew_tendon_limit_timestamp_seconds "When a limit is passed, by the forecast: quantile 0.025, 0.5, 0.975.";
-    gauge sinew_alarm_active "1: an alarm's condition holds; 0: it is over, and the alarm isn't normal yet.";
-    gauge sinew_alarm_severity "Severity of an alarm that isn't normal, 1 to 1000.";
+    gauge sinew_tendon_record_timestamp_seconds "Start of the session of the last record.";
+    gauge sinew_tendon_tensioned_timestamp_seconds "Time of the last tensioning.";
+    gauge sinew_tendon_limit_elongation_meters "Elongation limit for re-tensioning.";
+    gauge sinew_tendon_limit_strain_ratio "Strain limit for replacement.";
+    gauge sinew_tendon_limit_timestamp_seconds "Forecast time at which a limit is exceeded: quantiles 0.025, 0.5, 0.975.";
+    gauge sinew_alarm_active "1: the condition of the alarm is present; 0: cleared, but the alarm is not normal yet.";
+    gauge sinew_alarm_severity "Severity of an alarm that is not normal, 1 to 1000.";
 }
 
 type Labels<'a> = [(&'static str, &'a str)];
 
-/// A value with its labels.
+/// Value with its labels.
 type Sample = (Vec<(&'static str, String)>, f64);
 
-/// The samples of every metric of [`ABOUT`].
+/// Samples of every metric of [`ABOUT`].
 #[derive(Debug)]
 struct Samples(Vec<Vec<Sample>>);
 
 impl Samples {
-    /// Adds a sample where there is one; of a name that isn't in the list, none.
+    /// Adds a sample if the value exists and the metric is in the list.
     fn put(&mut self, name: &str, labels: &Labels<'_>, value: impl Into<Option<f64>>) {
         let at = ABOUT.iter().position(|about| about.0 == name);
         if let (Some(at), Some(value)) = (at, value.into()) {
@@ -91,7 +91,7 @@ impl Collector for Samples {
             if samples.is_empty() {
                 continue;
             }
-            // The encoder writes a counter's ending itself.
+            // The encoder appends the suffix of a counter itself.
             let (name, kind) = match *kind {
                 "counter" => (name.trim_end_matches("_total"), MetricType::Counter),
                 _ => (*name, MetricType::Gauge),
@@ -99,7 +99,7 @@ impl Collector for Samples {
             let mut metric = encoder.encode_descriptor(name, about, None, kind)?;
             for (labels, value) in samples {
                 let mut sample = metric.encode_family(labels)?;
-                // A whole number has no decimal point.
+                // A whole number is written without a decimal point.
                 let whole = value.fract() == 0.0 && value.abs() < 2_f64.powi(53);
                 let (count, number) = (*value as u64, *value as i64);
                 match (kind, whole) {
@@ -118,22 +118,30 @@ impl Collector for Samples {
     }
 }
 
-/// The text of `/metrics`.
-pub fn render(board: &Board, health: &Health) -> String {
+/// Returns the text of `/metrics`.
+pub fn render(registry: &RobotRegistry, health: &Health) -> String {
     let mut out = Samples(vec![Vec::new(); ABOUT.len()]);
-    own(&mut out, health);
-    for door in health.doors() {
-        let labels = [("door", door.door.as_str())];
-        out.put("sinew_door_open", &labels, f64::from(door.shut.is_none()));
-        out.put("sinew_door_messages_total", &labels, door.messages as f64);
+    of_monitor(&mut out, health);
+    for transport in health.transports() {
+        let labels = [("transport", transport.transport.as_str())];
+        out.put(
+            "sinew_transport_connected",
+            &labels,
+            f64::from(transport.disconnected.is_none()),
+        );
+        out.put(
+            "sinew_transport_messages_total",
+            &labels,
+            transport.messages as f64,
+        );
     }
-    let (mut watched, mut not_watched) = (0, 0);
-    for (name, slot) in board.all() {
-        match slot.seen() {
-            Seen::Nothing => {}
-            Seen::NotWatched(_) => not_watched += 1,
-            Seen::Watched(robot) => {
-                watched += 1;
+    let (mut monitored, mut unmonitored) = (0, 0);
+    for (name, slot) in registry.all() {
+        match slot.state() {
+            RobotState::Starting => {}
+            RobotState::NotMonitored(_) => unmonitored += 1,
+            RobotState::Monitored(robot) => {
+                monitored += 1;
                 of_robot(&mut out, &robot);
                 let labels = [("robot", name.as_str())];
                 let dropped = slot.dropped.load(Ordering::Relaxed) as f64;
@@ -141,17 +149,17 @@ pub fn render(board: &Board, health: &Health) -> String {
             }
         }
     }
-    out.put("sinew_robots", &[], f64::from(watched));
-    out.put("sinew_robots_not_watched", &[], f64::from(not_watched));
+    out.put("sinew_robots", &[], f64::from(monitored));
+    out.put("sinew_robots_unmonitored", &[], f64::from(unmonitored));
     let mut registry = Registry::default();
     registry.register_collector(Box::new(out));
     let mut text = String::new();
-    // Writing into memory doesn't fail.
+    // Writing into memory does not fail.
     let _ok = prometheus_text::encode(&mut text, &registry);
     text
 }
 
-fn own(out: &mut Samples, health: &Health) {
+fn of_monitor(out: &mut Samples, health: &Health) {
     let version = [("version", env!("CARGO_PKG_VERSION"))];
     out.put("sinew_build_info", &version, 1.0);
     let count = |of: &AtomicU64| of.load(Ordering::Relaxed) as f64;
@@ -227,17 +235,14 @@ fn of_tendon(out: &mut Samples, robot: &str, tendon: &TendonSnapshot) {
     let labels = [("robot", robot), ("joint", tendon.joint.as_str())];
     let mut put = |name, value: Option<f64>| out.put(name, &labels, value);
     let mean = |of: Option<Gaussian>| of.map(|x| x.mean);
-    let deviation = |of: Option<Gaussian>| of.map(|x| x.deviation);
+    let std = |of: Option<Gaussian>| of.map(|x| x.std);
     let (offset, elongation) = (tendon.offset_rad, tendon.elongation_m);
     let last = tendon.last.as_ref();
     put("sinew_tendon_level", Some(f64::from(tendon.level.number())));
     put("sinew_tendon_offset_radians", mean(offset));
-    put("sinew_tendon_offset_deviation_radians", deviation(offset));
+    put("sinew_tendon_offset_std_radians", std(offset));
     put("sinew_tendon_elongation_meters", mean(elongation));
-    put(
-        "sinew_tendon_elongation_deviation_meters",
-        deviation(elongation),
-    );
+    put("sinew_tendon_elongation_std_meters", std(elongation));
     put("sinew_tendon_strain_ratio", mean(tendon.strain_ratio));
     put(
         "sinew_tendon_record_offset_radians",
@@ -272,19 +277,23 @@ fn of_tendon(out: &mut Samples, robot: &str, tendon: &TendonSnapshot) {
             ("0.5", forecast.after_s),
             ("0.975", forecast.after_high_s),
         ] {
-            let own = [
+            let with_quantile = [
                 labels[0],
                 labels[1],
                 ("limit", limit),
                 ("quantile", quantile),
             ];
             let at_utc_s = after_s.map(|after_s| trend.last_utc_s + after_s);
-            out.put("sinew_tendon_limit_timestamp_seconds", &own, at_utc_s);
+            out.put(
+                "sinew_tendon_limit_timestamp_seconds",
+                &with_quantile,
+                at_utc_s,
+            );
         }
     }
 }
 
 pub(super) async fn metrics(State(app): State<App>) -> Response {
     let kind = [(header::CONTENT_TYPE, prometheus_text::CONTENT_TYPE)];
-    (kind, render(&app.board, &app.health)).into_response()
+    (kind, render(&app.registry, &app.health)).into_response()
 }

@@ -1,7 +1,7 @@
-//! The page and the HTTP API.
+//! Web page and HTTP API.
 //!
-//! Reading order: [`api`] (what is said), [`routes`] (where), [`guard`] (to whom), `ticks` and `events` (when),
-//! `records`, `assets`, [`metrics`], `serve`.
+//! Reading order: [`api`] (types), [`routes`] (addresses), [`guard`] (access control), `ticks` and `events`
+//! (updates), `records`, `assets`, [`metrics`], `serve`.
 
 pub mod api;
 mod assets;
@@ -21,9 +21,10 @@ mod ticks;
 pub use serve::serve;
 pub use ticks::{Tick, Ticker};
 
-use crate::runtime::{Board, Health, lock};
+use crate::runtime::{Health, RobotRegistry, lock};
 use crate::store::{Place, Reader, StoreError};
-use api::Refusal;
+use crate::words::response;
+use api::ErrorBody;
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -31,23 +32,23 @@ use guard::Guard;
 use std::sync::{Arc, Mutex};
 use tokio::sync::{Semaphore, watch};
 
-/// Browsers that listen at one time, at most.
-const LISTENERS: usize = 512;
-/// Files of records that are made at one time, at most.
-const EXPORTS: usize = 2;
-/// Connections for reading that are kept.
-const READERS: usize = 8;
+/// Maximum number of simultaneous event streams.
+const MAX_STREAMS: usize = 512;
+/// Maximum number of simultaneous exports.
+const MAX_EXPORTS: usize = 2;
+/// Maximum number of idle connections to the store.
+const MAX_IDLE_READERS: usize = 8;
 
-/// What every handler knows.
+/// State shared by all handlers.
 #[derive(Clone)]
 pub struct App {
-    /// What is known of every robot.
-    pub board: Arc<Board>,
-    /// How the monitor itself is.
+    /// Registry of all robots.
+    pub registry: Arc<RobotRegistry>,
+    /// Health of the monitor.
     pub health: Arc<Health>,
-    /// Who may ask.
+    /// Access control of the page and the API.
     pub guard: Guard,
-    /// What is told every second.
+    /// Updates sent every second.
     pub ticks: watch::Receiver<Arc<Tick>>,
     readers: Arc<Readers>,
     listeners: Arc<Semaphore>,
@@ -55,15 +56,15 @@ pub struct App {
 }
 
 impl App {
-    /// With the store in this place.
+    /// Creates the state for the store in this place.
     pub fn new(
-        (board, health): (Arc<Board>, Arc<Health>),
+        (registry, health): (Arc<RobotRegistry>, Arc<Health>),
         guard: Guard,
         ticks: watch::Receiver<Arc<Tick>>,
         place: Place,
     ) -> Self {
         Self {
-            board,
+            registry,
             health,
             guard,
             ticks,
@@ -71,30 +72,30 @@ impl App {
                 place,
                 idle: Mutex::default(),
             }),
-            listeners: Arc::new(Semaphore::new(LISTENERS)),
-            exports: Arc::new(Semaphore::new(EXPORTS)),
+            listeners: Arc::new(Semaphore::new(MAX_STREAMS)),
+            exports: Arc::new(Semaphore::new(MAX_EXPORTS)),
         }
     }
 
-    /// Reads the store, on a thread that may wait for the disk.
+    /// Reads the store in a thread that may wait for the disk.
     async fn read<T: Send + 'static>(
         &self,
         read: impl FnOnce(&Reader) -> Result<T, StoreError> + Send + 'static,
-    ) -> Result<T, Refused> {
+    ) -> Result<T, ErrorResponse> {
         let readers = Arc::clone(&self.readers);
         let done = tokio::task::spawn_blocking(move || readers.with(read)).await;
         match done {
             Ok(Ok(value)) => Ok(value),
-            Ok(Err(error)) => Err(Refused::unavailable(error.in_words())),
-            Err(_panicked) => Err(Refused::new(
+            Ok(Err(error)) => Err(ErrorResponse::unavailable(error.in_words())),
+            Err(_panicked) => Err(ErrorResponse::new(
                 StatusCode::INTERNAL_SERVER_ERROR,
-                "reading failed",
+                response::STORE_NOT_READ,
             )),
         }
     }
 }
 
-/// Connections that read the store.
+/// Pool of connections that read the store.
 struct Readers {
     place: Place,
     idle: Mutex<Vec<Reader>>,
@@ -112,42 +113,42 @@ impl Readers {
         };
         let done = read(&reader);
         let mut idle = lock(&self.idle);
-        // One that failed may have lost its file.
-        if done.is_ok() && idle.len() < READERS {
+        // A connection that failed may have lost its file.
+        if done.is_ok() && idle.len() < MAX_IDLE_READERS {
             idle.push(reader);
         }
         done
     }
 }
 
-/// Why something is refused; said as JSON.
+/// Error response with status and reason, sent as JSON.
 #[derive(Debug)]
-struct Refused(StatusCode, String);
+struct ErrorResponse(StatusCode, String);
 
-impl Refused {
-    fn new(status: StatusCode, why: impl Into<String>) -> Self {
-        Self(status, why.into())
+impl ErrorResponse {
+    fn new(status: StatusCode, reason: impl Into<String>) -> Self {
+        Self(status, reason.into())
     }
 
-    fn not_found(why: impl Into<String>) -> Self {
-        Self::new(StatusCode::NOT_FOUND, why)
+    fn not_found(reason: impl Into<String>) -> Self {
+        Self::new(StatusCode::NOT_FOUND, reason)
     }
 
-    fn conflict(why: impl Into<String>) -> Self {
-        Self::new(StatusCode::CONFLICT, why)
+    fn conflict(reason: impl Into<String>) -> Self {
+        Self::new(StatusCode::CONFLICT, reason)
     }
 
-    fn unprocessable(why: impl Into<String>) -> Self {
-        Self::new(StatusCode::UNPROCESSABLE_ENTITY, why)
+    fn unprocessable(reason: impl Into<String>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, reason)
     }
 
-    fn unavailable(why: impl Into<String>) -> Self {
-        Self::new(StatusCode::SERVICE_UNAVAILABLE, why)
+    fn unavailable(reason: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, reason)
     }
 }
 
-impl IntoResponse for Refused {
+impl IntoResponse for ErrorResponse {
     fn into_response(self) -> Response {
-        (self.0, Json(Refusal { error: self.1 })).into_response()
+        (self.0, Json(ErrorBody { error: self.1 })).into_response()
     }
 }

@@ -1,12 +1,12 @@
-//! The OpenAPI description, made of the list of addresses and of the types.
+//! OpenAPI description, generated from the list of endpoints and the types.
 
-use super::api::Refusal;
+use super::api::ErrorBody;
 use super::describe::{Described, Maker};
 use super::routes::{API, Endpoint};
 use serde_json::{Map, Value, json};
 
-/// Parameters in the path, then those behind the question mark.
-fn parameters(path: &str, asked: Option<&Value>) -> Vec<Value> {
+/// Returns the parameters of the path, then those of the query.
+fn parameters(path: &str, query: Option<&Value>) -> Vec<Value> {
     let in_path = path
         .split('{')
         .skip(1)
@@ -16,7 +16,7 @@ fn parameters(path: &str, asked: Option<&Value>) -> Vec<Value> {
             json!({ "name": name, "in": "path", "required": true, "schema": { "type": "string" } })
         })
         .collect();
-    let properties = asked.and_then(|schema| schema.get("properties")?.as_object());
+    let properties = query.and_then(|schema| schema.get("properties")?.as_object());
     for (name, schema) in properties.into_iter().flatten() {
         let mut schema = schema.clone();
         let about = schema.as_object_mut().and_then(|s| s.remove("description"));
@@ -25,7 +25,7 @@ fn parameters(path: &str, asked: Option<&Value>) -> Vec<Value> {
     out
 }
 
-fn operation(endpoint: &Endpoint, described: &Described, refusal: &Value) -> Value {
+fn operation(endpoint: &Endpoint, described: &Described, rejection: &Value) -> Value {
     let path = endpoint.path;
     let id: String = path
         .split(|c: char| !c.is_ascii_alphanumeric())
@@ -37,7 +37,7 @@ fn operation(endpoint: &Endpoint, described: &Described, refusal: &Value) -> Val
     if endpoint.method == "post" {
         parameters.push(json!({
             "name": "x-sinew", "in": "header", "required": true, "schema": { "type": "string" },
-            "description": "Any value: another site's form can't send it.",
+            "description": "Any value; protects against requests from other sites.",
         }));
     }
     let mut out = json!({
@@ -45,10 +45,10 @@ fn operation(endpoint: &Endpoint, described: &Described, refusal: &Value) -> Val
         "summary": endpoint.summary,
         "parameters": parameters,
         "responses": {
-            "200": { "description": "It was done.", "content": described.gives },
+            "200": { "description": "Executed.", "content": described.gives },
             "default": {
-                "description": "It was refused, and why.",
-                "content": { "application/json": { "schema": refusal } },
+                "description": "Rejected, with the reason.",
+                "content": { "application/json": { "schema": rejection } },
             },
         },
     });
@@ -62,14 +62,14 @@ fn operation(endpoint: &Endpoint, described: &Described, refusal: &Value) -> Val
     out
 }
 
-/// Makes the description.
+/// Generates the description.
 pub fn document() -> Value {
     let mut maker = Maker::new();
-    let refusal = maker.gives.subschema_for::<Refusal>().to_value();
+    let rejection = maker.gives.subschema_for::<ErrorBody>().to_value();
     let mut paths = Map::new();
     for endpoint in API {
         let described = (endpoint.describe)(&mut maker);
-        let operation = operation(endpoint, &described, &refusal);
+        let operation = operation(endpoint, &described, &rejection);
         let item = paths.entry(endpoint.path).or_insert_with(|| json!({}));
         item[endpoint.method] = operation;
     }
@@ -79,7 +79,7 @@ pub fn document() -> Value {
         "info": {
             "title": "Sinew watch",
             "version": "1",
-            "description": "What a monitor knows of rope tendons. SI units; …_deviation is one standard deviation. \
+            "description": "State of rope tendons in a monitor. SI units; …_std is one standard deviation. \
                             It never commands a robot.",
             "license": { "name": "MIT OR Apache-2.0" },
         },

@@ -1,8 +1,9 @@
-//! Records of sessions, as JSON, CSV and Parquet.
+//! Records of sessions as JSON, CSV and Parquet.
 
 use super::api::Records;
-use super::{App, Refused};
+use super::{App, ErrorResponse};
 use crate::store::{Reader, RecordQuery, StoreError, write_records, write_sessions};
+use crate::words::response;
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path as Named, Query, State};
@@ -18,12 +19,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tokio::sync::OwnedSemaphorePermit;
 
-/// Records in one answer of JSON: as usual, and at most.
+/// Number of records in one JSON response: default and limit.
 const RECORDS: [u64; 2] = [1000, 100_000];
-/// Files are sent in pieces of so many bytes.
+/// Length of the pieces in which files are sent, bytes.
 const PIECE: usize = 64 << 10;
 
-/// A form of records as a file.
+/// File format of records.
 struct Form {
     name: &'static str,
     kind: &'static str,
@@ -49,7 +50,7 @@ const SESSIONS: Form = Form {
 pub(super) async fn json(
     State(app): State<App>,
     Query(mut query): Query<RecordQuery>,
-) -> Result<Json<Records>, Refused> {
+) -> Result<Json<Records>, ErrorResponse> {
     let [usual, most] = RECORDS;
     query.most = Some(query.most.unwrap_or(usual).min(most));
     let records = app.read(move |reader| reader.records(&query)).await?;
@@ -62,18 +63,18 @@ pub(super) async fn json(
 pub(super) async fn csv(
     State(app): State<App>,
     Query(query): Query<RecordQuery>,
-) -> Result<Response, Refused> {
+) -> Result<Response, ErrorResponse> {
     file(app, query, &CSV).await
 }
 
-/// What `sinew trend` reads.
+/// Sends the session table for `sinew trend`.
 pub(super) async fn sessions(
     State(app): State<App>,
     Named(robot): Named<String>,
-) -> Result<Response, Refused> {
-    if app.board.get(&robot).is_none() {
-        let why = format!("there is no robot '{robot}'");
-        return Err(Refused::not_found(why));
+) -> Result<Response, ErrorResponse> {
+    if app.registry.get(&robot).is_none() {
+        let reason = format!("robot '{robot}' not found");
+        return Err(ErrorResponse::not_found(reason));
     }
     let of_robot = RecordQuery {
         robot: Some(robot),
@@ -85,16 +86,17 @@ pub(super) async fn sessions(
 pub(super) async fn parquet(
     State(app): State<App>,
     Query(query): Query<RecordQuery>,
-) -> Result<Response, Refused> {
+) -> Result<Response, ErrorResponse> {
     file(app, query, &PARQUET).await
 }
 
-/// A file of records: written as a whole first, so that a slow reader holds up nothing.
-async fn file(app: App, query: RecordQuery, form: &'static Form) -> Result<Response, Refused> {
-    let busy = |_| {
-        let why = "others are being written; ask again soon";
-        Refused::unavailable(why)
-    };
+/// Sends a file of records: written completely first, so that a slow client blocks nothing.
+async fn file(
+    app: App,
+    query: RecordQuery,
+    form: &'static Form,
+) -> Result<Response, ErrorResponse> {
+    let busy = |_| ErrorResponse::unavailable(response::EXPORTS_BUSY);
     let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
     let file = app.read(move |reader| write(reader, &query, form)).await?;
     let named = format!("attachment; filename=\"{}\"", form.name);
@@ -119,18 +121,18 @@ async fn piece((mut file, permit): Sending) -> std::io::Result<Option<(Bytes, Se
     Ok((!piece.is_empty()).then(|| (Bytes::from(piece), (file, permit))))
 }
 
-/// Writes a file that has no name any more when it is given back.
+/// Writes an unnamed temporary file.
 fn write(reader: &Reader, query: &RecordQuery, form: &Form) -> Result<File, StoreError> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
     let name = format!("sinew-watch-{}-{number}-{}", std::process::id(), form.name);
     let path: PathBuf = std::env::temp_dir().join(name);
-    let refuse = |source| StoreError::Folder {
+    let error = |source| StoreError::Folder {
         folder: path.clone(),
         source,
     };
     (form.write)(reader, query, &path)?;
-    let file = File::open(&path).map_err(refuse)?;
-    std::fs::remove_file(&path).map_err(refuse)?;
+    let file = File::open(&path).map_err(error)?;
+    std::fs::remove_file(&path).map_err(error)?;
     Ok(file)
 }

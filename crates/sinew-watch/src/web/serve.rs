@@ -1,4 +1,4 @@
-//! Connections: so many at most, and none that never says what it wants.
+//! HTTP connections with limits on number and duration.
 
 use axum::Router;
 use hyper::server::conn::http1;
@@ -9,16 +9,16 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
-/// Connections at one time, at most.
+/// Maximum number of simultaneous connections.
 const CONNECTIONS: usize = 1024;
-/// Who doesn't say within this time what is wanted is cut off.
+/// Maximum time until a request header is complete; then the connection is closed.
 const HEADERS_WITHIN: Duration = Duration::from_secs(10);
-/// Kept for a connection before it is sent, bytes: for a browser that doesn't read no more is made.
+/// Send buffer of a connection, bytes: no more is produced for a browser that does not read.
 const BUFFER: usize = 64 << 10;
-/// After a refused connection, such as for lack of file numbers.
+/// Pause after a failed accept, for example without free file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Answers until `ends` says so.
+/// Serves requests until `ends` is true.
 pub async fn serve(listener: TcpListener, router: Router, mut ends: watch::Receiver<bool>) {
     let room = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
@@ -30,11 +30,11 @@ pub async fn serve(listener: TcpListener, router: Router, mut ends: watch::Recei
             tokio::time::sleep(PAUSE).await;
             continue;
         };
-        // More are closed at once.
+        // Further connections are closed immediately.
         let Ok(permit) = Arc::clone(&room).try_acquire_owned() else {
             continue;
         };
-        // Small events at once; a connection that can't is slower.
+        // Sends small events immediately; otherwise the connection is slower.
         let _slower = stream.set_nodelay(true);
         let service = TowerToHyperService::new(router.clone());
         let connection = http1::Builder::new()
@@ -45,7 +45,7 @@ pub async fn serve(listener: TcpListener, router: Router, mut ends: watch::Recei
         let mut ends = ends.clone();
         tokio::spawn(async move {
             tokio::select! {
-                // Whoever asked has gone, or didn't speak HTTP.
+                // The client disconnected or did not speak HTTP.
                 _done = connection => {}
                 _ = ends.wait_for(|ends| *ends) => {}
             }

@@ -1,37 +1,37 @@
-//! Once a second: what all browsers are told, made once for all of them.
+//! Updates of all browsers, generated once a second for all of them.
 
-use super::api::{Fleet, NotWatched, RobotNow, RobotRow, StoreState};
-use crate::runtime::{Board, Health, Seen, lock};
+use super::api::{Fleet, NotMonitored, RobotNow, RobotRow, StoreState};
+use crate::runtime::{Health, RobotRegistry, RobotState, lock};
 use bytes::Bytes;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex};
 
-/// What all browsers are told in one second.
+/// Update of all browsers.
 pub struct Tick {
-    /// Number; who has seen the one before needs the changes only.
+    /// Number of the tick; a browser that has the previous one needs only the changes.
     pub number: u64,
     /// Time of the monitor, s since 1970 UTC.
     pub time_utc_s: f64,
     /// All robots, as JSON.
     pub fleet: Bytes,
-    /// What changed since the tick before, as JSON.
+    /// Changes since the previous tick, as JSON.
     pub change: Bytes,
-    /// Robots somebody looks at, as JSON, made when the first one asks.
+    /// Robots shown by a browser, as JSON, generated at the first request.
     robots: Mutex<HashMap<String, Option<Bytes>>>,
-    board: Arc<Board>,
+    registry: Arc<RobotRegistry>,
 }
 
 impl Tick {
-    /// A robot, as JSON; `None`: it isn't watched.
+    /// Returns a robot as JSON; `None`: not monitored.
     pub fn robot(&self, name: &str) -> Option<Bytes> {
         let mut robots = lock(&self.robots);
         if let Some(made) = robots.get(name) {
             return made.clone();
         }
-        let slot = self.board.get(name)?;
+        let slot = self.registry.get(name)?;
         let now = slot
-            .seen()
-            .watched()
+            .state()
+            .snapshot()
             .map(|robot| RobotNow::of(robot, &slot));
         let made = now
             .and_then(|now| serde_json::to_vec(&now).ok())
@@ -41,9 +41,9 @@ impl Tick {
     }
 }
 
-/// Makes a tick every second.
+/// Generator of one tick per second.
 pub struct Ticker {
-    board: Arc<Board>,
+    registry: Arc<RobotRegistry>,
     health: Arc<Health>,
     demo: Option<String>,
     rows: BTreeMap<String, RobotRow>,
@@ -51,10 +51,10 @@ pub struct Ticker {
 }
 
 impl Ticker {
-    /// Nothing was said yet.
-    pub fn new(board: Arc<Board>, health: Arc<Health>, demo: Option<String>) -> Self {
+    /// Creates the generator; its first tick contains everything.
+    pub fn new(registry: Arc<RobotRegistry>, health: Arc<Health>, demo: Option<String>) -> Self {
         Self {
-            board,
+            registry,
             health,
             demo,
             rows: BTreeMap::new(),
@@ -62,16 +62,19 @@ impl Ticker {
         }
     }
 
-    /// What is known at this time, s since 1970 UTC.
+    /// Generates the tick at this time, s since 1970 UTC.
     pub fn tick(&mut self, time_utc_s: f64) -> Tick {
         let mut waiting = 0;
-        let (mut changed, mut not_watched) = (Vec::new(), Vec::new());
+        let (mut changed, mut not_monitored) = (Vec::new(), Vec::new());
         let mut rows = BTreeMap::new();
-        for (name, slot) in self.board.all() {
-            match slot.seen() {
-                Seen::Nothing => {}
-                Seen::NotWatched(why) => not_watched.push(NotWatched { robot: name, why }),
-                Seen::Watched(robot) => {
+        for (name, slot) in self.registry.all() {
+            match slot.state() {
+                RobotState::Starting => {}
+                RobotState::NotMonitored(reason) => not_monitored.push(NotMonitored {
+                    robot: name,
+                    reason,
+                }),
+                RobotState::Monitored(robot) => {
                     waiting += robot.waiting_to_be_stored;
                     let row = RobotRow::of(&robot);
                     if self.rows.get(&name) != Some(&row) {
@@ -85,16 +88,16 @@ impl Ticker {
         let gone: Vec<String> = gone.cloned().collect();
         let store = match self.health.store_fails() {
             None => StoreState::Works,
-            Some(why) => StoreState::Failing { why, waiting },
+            Some(reason) => StoreState::Failing { reason, waiting },
         };
         let mut fleet = Fleet {
             version: env!("CARGO_PKG_VERSION"),
             demo: self.demo.clone(),
             time_utc_s,
             store,
-            doors: self.health.doors(),
+            transports: self.health.transports(),
             robots: changed,
-            not_watched,
+            not_monitored,
             gone,
         };
         let change = json(&fleet);
@@ -108,7 +111,7 @@ impl Ticker {
             fleet: json(&fleet),
             change,
             robots: Mutex::default(),
-            board: Arc::clone(&self.board),
+            registry: Arc::clone(&self.registry),
         }
     }
 }

@@ -1,69 +1,70 @@
-//! Alarms in words.
+//! Alarm texts: titles, observations and recommended actions.
 
 use super::{plus_minus, rounded, span, when};
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::Gaussian;
 use sinew_watch_core::alarm::{
-    Alarm, AlarmCause, AlarmState, Condition, JumpKind, LimitOrigin, StoreFault, Trouble,
+    Alarm, AlarmCause, AlarmState, Condition, DataFault, LimitOrigin, StepKind, StoreFault,
 };
 
-/// A condition in two or three words.
+/// Returns the condition in two or three words.
 pub(super) fn condition_name(condition: Condition) -> &'static str {
     match condition {
-        Condition::ReplaceLimit => "replace the rope",
-        Condition::StrandFailed => "a strand has failed",
-        Condition::Jump => "it jumped",
-        Condition::RetensionLimit => "tension it again",
-        Condition::LimitNear => "tension it again soon",
-        Condition::Suspicion => "look at it",
-        Condition::Data => "the data are wrong",
-        Condition::Store => "nothing can be stored",
-        Condition::Door => "the monitor can't listen to it",
-        Condition::NoData => "nothing is received",
+        Condition::ReplaceLimit => "Replace rope",
+        Condition::TransmissionLost => "Transmission lost",
+        Condition::StrandFailure => "Strand failure",
+        Condition::StepChange => "Step change",
+        Condition::RetensionLimit => "Re-tension",
+        Condition::LimitNear => "Maintenance due soon",
+        Condition::SuspectedStep => "Inspection advised",
+        Condition::Data => "Invalid data",
+        Condition::Store => "Storage failure",
+        Condition::Transport => "Transport disconnected",
+        Condition::NoData => "No data",
     }
 }
 
-/// What is the matter, as a heading.
+/// Returns the condition of an alarm as a heading.
 pub fn title(alarm: &Alarm) -> &'static str {
     match (&alarm.cause, alarm.key.condition) {
-        (AlarmCause::Jump { .. }, Condition::Suspicion) => "it may have jumped",
-        (AlarmCause::InDoubt { .. }, _) => "the offset stays provisional",
+        (AlarmCause::StepChange { .. }, Condition::SuspectedStep) => "Suspected step change",
+        (AlarmCause::Provisional { .. }, _) => "Estimate provisional",
         (_, condition) => condition_name(condition),
     }
 }
 
-/// Whether its condition is over.
-pub(super) fn is_over(alarm: &Alarm) -> bool {
+/// Whether the condition of the alarm has ended.
+pub(super) fn has_ended(alarm: &Alarm) -> bool {
     matches!(alarm.state, AlarmState::Cleared | AlarmState::Latched)
 }
 
-/// What was seen, in a sentence.
-pub fn said(alarm: &Alarm) -> String {
+/// Returns the observation as a sentence.
+pub fn observation(alarm: &Alarm) -> String {
     match &alarm.cause {
         AlarmCause::Limit {
             mean,
-            deviation,
+            std,
             limit,
             probability,
             origin,
         } => {
             let is_strain = alarm.key.condition == Condition::ReplaceLimit;
             let (what, factor, unit) = match is_strain {
-                true => ("strain", 100.0, "%"),
-                false => ("stretch", 1e3, "mm"),
+                true => ("Strain", 100.0, "%"),
+                false => ("Elongation", 1e3, "mm"),
             };
-            let value = plus_minus(Gaussian::new(*mean, *deviation), factor);
+            let value = plus_minus(Gaussian::new(*mean, *std), factor);
             let from = match origin {
                 LimitOrigin::RobotToml => "robot.toml",
-                LimitOrigin::Catalogue => "the rope's catalogue entry",
+                LimitOrigin::Catalogue => "the rope catalogue",
             };
-            let sure = match 100.0 * probability {
-                p if p > 99.0 => "over 99 %".into(),
-                p => format!("{p:.0} %"),
+            let probability = match *probability {
+                p if p > 0.99 => "> 0.99".into(),
+                p => format!("{p:.2}"),
             };
             let limit = rounded(factor * limit, 3);
             format!(
-                "{what} {value} {unit}; the limit of {from} is {limit} {unit}, passed with {sure}."
+                "{what} {value} {unit} exceeds the limit of {limit} {unit} from {from} (probability {probability})."
             )
         }
         AlarmCause::Soon {
@@ -71,67 +72,82 @@ pub fn said(alarm: &Alarm) -> String {
             after_s,
         } => {
             let day = |s: f64| sinew_files::date::day_of(alarm.raised_utc_s + s);
-            let middle = after_s.map_or("perhaps never".into(), |s| {
-                format!("likeliest on {}", day(s))
-            });
+            let median = after_s.map_or("beyond the forecast horizon".into(), day);
             format!(
-                "a limit may be passed on {} at the earliest, {middle}.",
+                "A limit may be exceeded from {} onwards (2.5 % quantile of the forecast; median {median}).",
                 day(*after_low_s)
             )
         }
-        AlarmCause::Jump {
+        AlarmCause::StepChange {
+            time_utc_s,
+            what: StepKind::TransmissionLost,
+            ..
+        } => format!(
+            "No torque transmitted since {}: tendon torn or off its pulley, or motor side detached.",
+            when(*time_utc_s)
+        ),
+        AlarmCause::StepChange {
             time_utc_s,
             size_rad,
-            deviation_rad,
+            std_rad,
             what,
             cause,
             stiffness_ratio,
         } => {
-            let size = plus_minus(Gaussian::new(*size_rad, *deviation_rad), 1e3);
+            let size = plus_minus(Gaussian::new(*size_rad, *std_rad), 1e3);
             let soft = stiffness_ratio.map_or(String::new(), |s| {
-                format!(", stiffness {} %", rounded(100.0 * s, 2))
+                format!(", stiffness change {} %", rounded(100.0 * s, 2))
             });
-            let if_so = match alarm.key.condition {
-                Condition::Suspicion => "if that lasts, ",
-                _ => "",
+            let condition = match alarm.key.condition {
+                Condition::SuspectedStep => "probable cause, if confirmed",
+                _ => "probable cause",
             };
-            let what = jump(*what, *cause);
+            let what = step_cause(*what, *cause);
             format!(
-                "it changed by {size} mrad at {}{soft}: {if_so}{what}.",
+                "Step change of {size} mrad at {}{soft}; {condition}: {what}.",
                 when(*time_utc_s)
             )
         }
-        AlarmCause::InDoubt { for_s } => format!(
-            "for {} of motion an offset has been provisional, or the data could not be solved.",
+        AlarmCause::Provisional { for_s } => format!(
+            "The estimate has been provisional, or the data inconsistent with the model, for {} of motion.",
             span(*for_s)
         ),
-        AlarmCause::Data { trouble } => format!("{}.", data(trouble)),
-        AlarmCause::Store { why, .. } => format!("{why}. The estimate goes on in memory."),
-        AlarmCause::Door { door, why } => format!("{door} is shut: {why}. It is tried again."),
+        AlarmCause::Data { trouble: fault } => format!("{}.", data(fault)),
+        AlarmCause::Store { reason, .. } => {
+            format!(
+                "Records cannot be stored: {reason}. Estimation continues, with the records in memory."
+            )
+        }
+        AlarmCause::Transport { transport, reason } => {
+            format!("Transport {transport} is disconnected: {reason}. The monitor is reconnecting.")
+        }
         AlarmCause::Silence { since_utc_s } => match since_utc_s {
-            Some(since) => format!("the last data came at {}.", when(*since)),
-            None => "no data came since the monitor began.".into(),
+            Some(since) => format!("The last data were received at {}.", when(*since)),
+            None => "No data have been received since the start of the monitor.".into(),
         },
     }
 }
 
-fn jump(what: JumpKind, cause: Option<Cause>) -> &'static str {
+fn step_cause(what: StepKind, cause: Option<Cause>) -> &'static str {
     match (what, cause) {
-        (_, Some(Cause::MotorEncoder)) => "the motor encoder's reading jumped, not the rope",
-        (_, Some(Cause::JointEncoder)) => "the joint encoder's reading jumped, not the rope",
-        (JumpKind::Slip, Some(Cause::Rope)) => "rope or clamp slipped; it is as stiff as before",
-        (JumpKind::Slip, Some(Cause::Unknown(UnknownCause::Both))) => {
-            "both readings jumped: an encoder homed anew, or a clamp slipped"
+        (_, Some(Cause::MotorEncoder)) => "slip of the motor encoder, not of the rope",
+        (_, Some(Cause::JointEncoder)) => "slip of the joint encoder, not of the rope",
+        (StepKind::Slip, Some(Cause::Rope)) => "slip of rope or clamp without stiffness loss",
+        (StepKind::Slip, Some(Cause::Unknown(UnknownCause::Both))) => {
+            "re-homed encoder, or slip of the clamp (both encoder signals stepped)"
         }
-        (JumpKind::Slip, _) => "rope, clamp or encoder slipped; it is as stiff as before",
-        (JumpKind::StrandFailure, _) => "it is softer, too: a strand has failed",
-        (JumpKind::SlipOrStrandFailure, _) => {
-            "something slipped or a strand failed; the stiffness doesn't tell"
+        (StepKind::Slip, _) => "slip of rope, clamp or encoder without stiffness loss",
+        (StepKind::TransmissionLost, _) => {
+            "no torque transmitted: tendon torn or off its pulley, or motor side detached"
         }
-        (JumpKind::WhileOff, _) => {
-            "it changed while nothing was heard: rope, clamp, or an encoder homed anew"
+        (StepKind::StrandFailure, _) => "strand failure (stiffness loss)",
+        (StepKind::SlipOrStrandFailure, _) => {
+            "slip or strand failure (stiffness change inconclusive)"
         }
-        (JumpKind::Retensioned, _) => "the offset went: it was tensioned, and nobody said so",
+        (StepKind::WhileOff, _) => {
+            "slip of rope or clamp, or re-homed encoder, while no data were received"
+        }
+        (StepKind::Retensioned, _) => "unrecorded re-tensioning (the offset decreased)",
     }
 }
 
@@ -142,97 +158,156 @@ fn side(motor: bool) -> &'static str {
     }
 }
 
-fn data(trouble: &Trouble) -> String {
+fn data(fault: &DataFault) -> String {
     let percent = super::percent;
-    match trouble {
-        Trouble::NotFinite { share } => {
+    match fault {
+        DataFault::NotFinite { share } => {
             format!(
-                "{} of the frames hold positions that are no numbers",
+                "{} of the frames have non-finite positions",
                 percent(*share)
             )
         }
-        Trouble::Lost { share } => format!("{} of the frames are lost", percent(*share)),
-        Trouble::Dead { motor } => format!(
-            "the {} position never changes while others do",
-            side(*motor)
+        DataFault::Lost { share } => format!("{} of the frames were lost", percent(*share)),
+        DataFault::Dead { motor } => format!(
+            "The {} position is constant while the {} position changes",
+            side(*motor),
+            side(!*motor)
         ),
-        Trouble::OneSignal => {
-            "motor and joint position are the same all the time: one encoder or one topic for both?"
-                .into()
-        }
-        Trouble::FarApart { apart_rad } => format!(
-            "motor and joint position are {} rad apart: degrees, or a missing gear ratio?",
+        DataFault::OneSignal => "Motor position and joint position are identical".into(),
+        DataFault::FarApart { apart_rad } => format!(
+            "Motor position and joint position differ by {} rad",
             rounded(*apart_rad, 2)
         ),
-        Trouble::Swapped { with } => {
-            format!("the motor position follows {with}: two channels are swapped")
+        DataFault::Swapped { with } => {
+            format!(
+                "The motor position follows the joint position of {with}: two channels are swapped"
+            )
         }
-        Trouble::StampsStand { share } => {
-            format!("the stamps of {} of the frames don't rise", percent(*share))
+        DataFault::NonMonotonicTime { share } => {
+            format!(
+                "The time stamps do not increase in {} of the frames",
+                percent(*share)
+            )
         }
-        Trouble::Qos {
+        DataFault::Qos {
             topic,
             offered,
             requested,
         } => format!(
-            "{topic}: a publisher offers {offered}, {requested} is asked for, so nothing comes of it"
+            "{topic}: no data are received because the quality of service is incompatible: offered {offered}, requested {requested}"
         ),
-        Trouble::Decode { topic, why } => format!("{topic}: nothing is taken of it: {why}"),
-        Trouble::Missing { joint, motor } => {
-            format!("the {} position of {joint} is never there", side(*motor))
+        DataFault::Decode { topic, reason } => format!("{topic}: not used: {reason}"),
+        DataFault::Missing { joint, motor } => {
+            format!("The {} position of {joint} is missing", side(*motor))
         }
-        Trouble::Refused { why } => format!("the estimator refuses them: {why}"),
+        DataFault::Rejected { reason } => format!("The estimator rejected the data: {reason}"),
     }
 }
 
-/// What to do; `None`: nothing, or it goes without saying.
+/// Returns the reason why a topic with messages of another type is not used.
+pub fn unsupported_type(found: &str) -> String {
+    format!("unsupported type {found}")
+}
+
+/// Returns the reason why a message that is too long is not used.
+pub fn message_too_long(bytes: impl std::fmt::Display, most: impl std::fmt::Display) -> String {
+    format!("message of {bytes} bytes discarded, limit {most} bytes")
+}
+
+/// Returns the reason why none of several matching topics is used; `key` selects one of them.
+pub fn ambiguous_topics(candidates: &str, key: &str) -> String {
+    format!("several topics match: {candidates}; set {key}")
+}
+
+/// Returns the reason why the topic selected by `key` is not used: it is not found.
+pub fn topic_not_found(wanted: &str, key: &str, others: &str) -> String {
+    format!("topic {wanted} of {key} not found; topics with joint states: {others}; correct {key}")
+}
+
+/// Returns the recommended action; `None`: none.
 pub fn advice(alarm: &Alarm) -> Option<&'static str> {
     Some(match (&alarm.cause, alarm.key.condition) {
-        (_, Condition::ReplaceLimit) => "Replace the rope, then press “replaced”.",
-        (_, Condition::StrandFailed) => "Take the arm out of work and look at the rope.",
+        (_, Condition::TransmissionLost) => {
+            "Stop the arm, inspect the tendon, and replace it or put it back on its pulley."
+        }
+        (_, Condition::ReplaceLimit) => "Replace the rope, then select “Record replacement”.",
+        (_, Condition::StrandFailure) => "Take the arm out of operation and inspect the rope.",
         (
-            AlarmCause::Jump {
+            AlarmCause::StepChange {
                 cause: Some(Cause::MotorEncoder | Cause::JointEncoder),
                 ..
             },
             _,
-        ) => "Look at the encoder, not at the rope.",
+        ) => "Inspect the encoder and its coupling.",
         (
-            AlarmCause::Jump {
-                what: JumpKind::Retensioned,
+            AlarmCause::StepChange {
+                what: StepKind::Retensioned,
                 ..
             },
             _,
-        ) => "If it was tensioned, press “tensioned”.",
-        (_, Condition::Jump) => "Look at rope, clamps and encoder.",
-        (_, Condition::RetensionLimit) => "Tension the rope, then press “tensioned”.",
-        (AlarmCause::Jump { .. }, Condition::Suspicion) => "The next session tells.",
-        (AlarmCause::InDoubt { .. }, _) => {
-            "Is something in the gripper, or is the arm held? If neither, let it work through more poses, or wait for the session's end."
+        ) => "If the tendon was re-tensioned, select “Record re-tensioning”.",
+        (_, Condition::StepChange) => "Inspect rope, clamps and encoders.",
+        (_, Condition::RetensionLimit) => {
+            "Re-tension the tendon, then select “Record re-tensioning”."
         }
-        (
-            AlarmCause::Data {
-                trouble: Trouble::Qos { .. },
-            },
-            _,
-        ) => "Change the publisher's quality of service.",
+        (_, Condition::LimitNear) => "Schedule the maintenance of the tendon before this date.",
+        (AlarmCause::StepChange { .. }, Condition::SuspectedStep) => {
+            "Inspect the tendon, or wait: the next session confirms or withdraws the step change."
+        }
+        (AlarmCause::Provisional { .. }, _) => {
+            "Check the gripper for a payload and the arm for contacts; otherwise move through more poses, or wait for the end of the session."
+        }
+        (AlarmCause::Data { trouble: fault }, _) => data_advice(fault),
         (AlarmCause::Store { fault, .. }, _) => match fault {
-            StoreFault::Full => "Make room on the disk.",
+            StoreFault::Full => "Free disk space.",
             StoreFault::ReadOnly => {
-                "Let the monitor's user write in the folder of [store] dir; is its disk mounted for reading alone?"
+                "Grant the user of the monitor write access to the folder of [store] dir; check whether its disk is mounted read-only."
             }
-            StoreFault::Disk => "Look at the disk: the system's log names its faults.",
+            StoreFault::Disk => "Check the disk; the system log contains the error.",
             StoreFault::Damaged => {
-                "Move watch.db away, keep it, and start the monitor again: `sqlite3 FILE .recover` may save its records."
+                "Move watch.db to another folder and restart the monitor; recover its records with `sqlite3 FILE .recover`."
             }
-            StoreFault::Other => "Look at the monitor's log.",
+            StoreFault::Other => "Check the log of the monitor: `journalctl -u sinew-watch`.",
         },
-        (_, Condition::Door) => {
-            "Look at the monitor's network and configuration, not at the robot: `sinew watch --check FILE`."
+        (_, Condition::Transport) => {
+            "Check the network and the configuration of the monitor with `sinew watch --check FILE`; the robot may be in order."
         }
-        (_, Condition::NoData) => "Is the robot on, and its driver running?",
+        (_, Condition::NoData) => {
+            "Check that the robot is switched on and that its driver is running."
+        }
         _ => return None,
     })
+}
+
+/// Returns the recommended action for a fault of the data.
+fn data_advice(fault: &DataFault) -> &'static str {
+    match fault {
+        DataFault::NotFinite { .. } => "Check the driver and the encoders of the robot.",
+        DataFault::Lost { .. } => "Check the network and the load of the robot's computer.",
+        DataFault::Dead { .. } => "Check the encoder and its cable.",
+        DataFault::OneSignal => {
+            "Check that the two positions come from two encoders, and the mapping of the topics."
+        }
+        DataFault::FarApart { .. } => {
+            "Check the unit of the positions (rad), the gear ratio, and the mapping of the topics."
+        }
+        DataFault::Swapped { .. } => "Correct the mapping of the channels to the joints.",
+        DataFault::NonMonotonicTime { .. } => {
+            "Check the clock of the driver; messages need the time stamp of the measurement."
+        }
+        DataFault::Qos { .. } => {
+            "Set the quality of service of the publisher to the requested policy."
+        }
+        DataFault::Decode { .. } => {
+            "Select another topic with joint_topic or motor_topic, or correct the publisher."
+        }
+        DataFault::Missing { .. } => {
+            "Check that the driver publishes this position, and the name of the joint in robot.toml and in the mapping file."
+        }
+        DataFault::Rejected { .. } => {
+            "Check that robot.toml and the mapping file describe this robot."
+        }
+    }
 }
 
 #[cfg(test)]
@@ -241,7 +316,7 @@ mod tests {
     use sinew_watch_core::alarm::AlarmKey;
 
     #[test]
-    fn what_to_do_about_a_store_follows_what_is_wrong_with_it() {
+    fn advice_matches_store_fault() {
         let alarm = |fault| Alarm {
             key: AlarmKey {
                 joint: None,
@@ -252,14 +327,14 @@ mod tests {
             raised_utc_s: 0.0,
             cause: AlarmCause::Store {
                 fault,
-                why: "the store can't be written".into(),
+                reason: "the store is read-only".into(),
             },
             shelved_until_utc_s: None,
             shelved_for_s: None,
         };
         let advice = |fault| advice(&alarm(fault)).unwrap();
-        assert!(advice(StoreFault::Full).contains("room on the disk"));
-        assert!(!advice(StoreFault::ReadOnly).contains("room"));
-        assert!(advice(StoreFault::ReadOnly).contains("mounted for reading alone"));
+        assert!(advice(StoreFault::Full).contains("disk space"));
+        assert!(!advice(StoreFault::ReadOnly).contains("space"));
+        assert!(advice(StoreFault::ReadOnly).contains("mounted read-only"));
     }
 }

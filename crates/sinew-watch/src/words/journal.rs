@@ -1,72 +1,77 @@
-//! Entries of the journal in words.
+//! Journal texts.
 
 use super::alarms::condition_name;
 use super::{rounded, span};
-use sinew_watch_core::alarm::{AlarmKey, AlarmState, Transition, TransitionWhy};
-use sinew_watch_core::command::{Command, What};
+use sinew_watch_core::alarm::{AlarmKey, AlarmState, Transition, TransitionReason};
+use sinew_watch_core::command::{Command, CommandKind};
 use sinew_watch_core::journal::{BaselineWaits, Event, SessionEnd};
 
-/// What happened, in a sentence.
+/// Returns the description of an event.
 pub fn entry(event: &Event) -> String {
     match event {
-        Event::Started { restored: true } => {
-            "the monitor began again, from what it had stored".into()
-        }
-        Event::Started { restored: false } => "the monitor began".into(),
-        Event::Back { after_s: Some(s) } => format!("data came again, after {}", span(*s)),
-        Event::Back { after_s: None } => "the first data came".into(),
-        Event::Silent => "data stopped".into(),
+        Event::Started { restored: true } => "Monitor restarted from its stored state".into(),
+        Event::Started { restored: false } => "Monitor started".into(),
+        Event::Back { after_s: Some(s) } => format!("Data resumed after {}", span(*s)),
+        Event::Back { after_s: None } => "First data received".into(),
+        Event::Silent => "No data are received any more".into(),
         Event::Session { duration_s, end } => {
-            let why = match end {
-                SessionEnd::Full => "it was long enough",
-                SessionEnd::Stood => "the robot stood",
-                SessionEnd::Lost => "data stopped",
-                SessionEnd::Shutdown => "the monitor stopped",
-                SessionEnd::ClockStep => "the clock stepped",
-                SessionEnd::Command => "somebody tensioned or replaced a rope",
-                SessionEnd::Baseline => "it was the motion a baseline needed",
+            let reason = match end {
+                SessionEnd::Full => "maximum duration of motion reached",
+                SessionEnd::Stood => "robot at rest",
+                SessionEnd::Lost => "no data received",
+                SessionEnd::Shutdown => "monitor stopped",
+                SessionEnd::ClockStep => "step of the host clock",
+                SessionEnd::Command => "rope tensioned or replaced",
+                SessionEnd::Baseline => "baseline acquired",
             };
             format!(
-                "a session of {} of motion was recorded: {why}",
+                "Session with {} of motion recorded (end: {reason})",
                 span(*duration_s)
             )
         }
-        Event::Baseline { poses } => format!("a new baseline was learned from {poses} poses"),
-        Event::BaselineWaits {
-            why: BaselineWaits::FewPoses,
-        } => "the new baseline waits for more poses".into(),
-        Event::BaselineWaits {
-            why: BaselineWaits::Refused,
-        } => "the new baseline waits: the estimator refused the motion so far".into(),
+        Event::Baseline { poses } => format!("Baseline acquired from {poses} poses"),
+        Event::BaselinePending {
+            reason: BaselineWaits::FewPoses,
+        } => "Baseline pending: more poses are required; move every joint through its range".into(),
+        Event::BaselinePending {
+            reason: BaselineWaits::Rejected,
+        } => {
+            "Baseline pending: the estimator has rejected the motion so far; keep the gripper empty and avoid contacts"
+                .into()
+        }
         Event::ClockStep { by_s } => {
-            format!("this computer's clock stepped by {} s", rounded(*by_s, 3))
+            format!("Clock of the host stepped by {} s", rounded(*by_s, 3))
         }
         Event::StampsNotTime { rate } => format!(
-            "the robot's stamps run at {} of time: a simulation or a recording, no part of a trend",
+            "Time stamps of the robot advance by {} s per second (simulation or recording); records are excluded from the trend",
             rounded(*rate, 2)
         ),
         Event::Dropped { messages } => {
-            format!("{messages} messages were dropped: the queue was full")
+            format!(
+                "{messages} messages dropped because the queue of the robot was full; check the load of the monitor host"
+            )
         }
         Event::Behind { motion_s } => format!(
-            "{} of motion were not estimated: estimates take longer than the motion",
+            "{} of motion not estimated because estimation is slower than real time; use a faster host or fewer robots per monitor",
             span(*motion_s)
         ),
-        Event::BeliefLeft { why } => format!("what was stored is left alone: {why}"),
-        Event::GivenUp { entries, records } => format!(
-            "{entries} older entries and {records} records were given up: they could not be stored for too long"
-        ),
+        Event::StoredStateIgnored { reason } => format!("Stored state not used: {reason}; the baseline of the configuration applies, if any"),
+        Event::GivenUp { entries, records } => {
+            format!(
+                "{entries} journal entries and {records} records discarded because they could not be stored; check the store"
+            )
+        }
         Event::Alarm { transition } => alarm(transition),
-        Event::Command { command } => told(command),
-        Event::Reloaded => "the configuration was read again".into(),
+        Event::Command { command } => operator_entry(command),
+        Event::Reloaded => "Configuration reloaded".into(),
     }
 }
 
 fn of(key: &AlarmKey) -> String {
     let what = condition_name(key.condition);
     match &key.joint {
-        Some(joint) => format!("{joint}, {what}"),
-        None => what.into(),
+        Some(joint) => format!("“{what}” of {joint}"),
+        None => format!("“{what}”"),
     }
 }
 
@@ -75,13 +80,13 @@ fn alarm(transition: &Transition) -> String {
         (AlarmState::Normal, AlarmState::Active) => "raised",
         (_, AlarmState::Active) => "raised again",
         (_, AlarmState::Acknowledged) => "acknowledged",
-        (_, AlarmState::Cleared) => "over, nobody has seen it",
-        (_, AlarmState::Latched) => "over, waits for somebody",
-        (_, AlarmState::Normal) => "cleared",
+        (_, AlarmState::Cleared) => "cleared, unacknowledged",
+        (_, AlarmState::Latched) => "cleared, latched",
+        (_, AlarmState::Normal) => "returned to normal",
     };
-    let by = match &transition.why {
-        TransitionWhy::Condition { .. } => String::new(),
-        TransitionWhy::Command { who, what, note } => {
+    let by = match &transition.reason {
+        TransitionReason::Condition { .. } => String::new(),
+        TransitionReason::Command { who, what, note } => {
             let note = if note.is_empty() {
                 String::new()
             } else {
@@ -89,43 +94,43 @@ fn alarm(transition: &Transition) -> String {
             };
             format!(" ({who}: {}{note})", verb(what))
         }
-        TransitionWhy::ShelfEnded => " (its shelf ended)".into(),
+        TransitionReason::ShelfEnded => " (shelving ended)".into(),
     };
-    format!("alarm {}: {step}{by}", of(&transition.key))
+    format!("Alarm {}: {step}{by}", of(&transition.key))
 }
 
-fn verb(what: &What) -> String {
+fn verb(what: &CommandKind) -> String {
     match what {
-        What::Tensioned { .. } => "tensioned".into(),
-        What::Replaced { .. } => "replaced".into(),
-        What::Acknowledge { .. } => "seen".into(),
-        What::Shelve { for_s, .. } => format!("shelved for {}", span(*for_s)),
-        What::Unshelve { .. } => "unshelved".into(),
-        What::Reset { .. } => "reset".into(),
-        What::Note => "note".into(),
+        CommandKind::Tensioned { .. } => "re-tensioned".into(),
+        CommandKind::Replaced { .. } => "replaced".into(),
+        CommandKind::Acknowledge { .. } => "acknowledged".into(),
+        CommandKind::Shelve { for_s, .. } => format!("shelved for {}", span(*for_s)),
+        CommandKind::Unshelve { .. } => "unshelved".into(),
+        CommandKind::Reset { .. } => "reset".into(),
+        CommandKind::Note => "note".into(),
     }
 }
 
-fn told(command: &Command) -> String {
+fn operator_entry(command: &Command) -> String {
     let Command { who, note, what } = command;
     let joints = |joints: &Vec<String>| match &joints[..] {
-        [] => "all ropes were".to_owned(),
-        [one] => format!("the rope of {one} was"),
-        many => format!("the ropes of {} were", many.join(", ")),
+        [] => "all ropes".to_owned(),
+        [one] => format!("rope of {one}"),
+        many => format!("ropes of {}", many.join(", ")),
     };
-    let did = match what {
-        What::Tensioned { joints: of } => format!("{} tensioned", joints(of)),
-        What::Replaced { joints: of } => format!("{} replaced", joints(of)),
-        What::Acknowledge { alarm } => format!("has seen the alarm {}", of(alarm)),
-        What::Shelve { alarm, for_s } => {
-            format!("shelved the alarm {} for {}", of(alarm), span(*for_s))
+    let action = match what {
+        CommandKind::Tensioned { joints: of } => format!("{} re-tensioned", joints(of)),
+        CommandKind::Replaced { joints: of } => format!("{} replaced", joints(of)),
+        CommandKind::Acknowledge { alarm } => format!("acknowledged alarm {}", of(alarm)),
+        CommandKind::Shelve { alarm, for_s } => {
+            format!("shelved alarm {} for {}", of(alarm), span(*for_s))
         }
-        What::Unshelve { alarm } => format!("unshelved the alarm {}", of(alarm)),
-        What::Reset { alarm } => format!("reset the alarm {}", of(alarm)),
-        What::Note => return format!("{who}: {note}"),
+        CommandKind::Unshelve { alarm } => format!("unshelved alarm {}", of(alarm)),
+        CommandKind::Reset { alarm } => format!("reset alarm {}", of(alarm)),
+        CommandKind::Note => return format!("{who}: {note}"),
     };
     match note.is_empty() {
-        true => format!("{who}: {did}"),
-        false => format!("{who}: {did}. “{note}”"),
+        true => format!("{who}: {action}"),
+        false => format!("{who}: {action}. “{note}”"),
     }
 }

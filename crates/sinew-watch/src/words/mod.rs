@@ -1,22 +1,32 @@
-//! What is said of a robot, in words: the same on pages, in `/diagnostics`, in webhooks and in the journal.
+//! Texts of the monitor, one file per result; texts about a robot are identical on pages, in `/diagnostics`, in
+//! webhooks and in the journal.
+//!
+//! `tests/golden/messages.txt` lists all of them with example values.
 
 mod alarms;
 mod journal;
+pub mod log;
+pub mod response;
 mod robots;
+#[cfg(test)]
+mod tests;
 
-pub use alarms::{advice, said, title};
+pub use alarms::{
+    advice, ambiguous_topics, message_too_long, observation, title, topic_not_found,
+    unsupported_type,
+};
 pub use journal::entry;
-pub use robots::{robot, tendon};
+pub use robots::{disconnected, is_being_stored, robot, tendon, waits_for_urdf};
 
 use sinew_files::number::rounded;
 use sinew_model::Gaussian;
 
-/// `12.3 ± 0.4` with half a 95 % interval, in a unit of which `factor` make one of SI.
+/// Formats `12.3 ± 0.4` with the half-width of the 95 % interval, scaled by `factor` from SI.
 fn plus_minus(value: Gaussian, factor: f64) -> String {
-    sinew_files::number::with_interval(factor * value.mean, factor * value.deviation)
+    sinew_files::number::with_interval(factor * value.mean, factor * value.std)
 }
 
-/// `2026-03-01 08:30 UTC`.
+/// Formats a time such as `2026-03-01 08:30 UTC`.
 fn when(utc_s: f64) -> String {
     let text = sinew_files::date::utc_text((utc_s * 1e9) as i64);
     text.map_or("–".into(), |text| match text.strip_suffix(" UTC") {
@@ -25,7 +35,7 @@ fn when(utc_s: f64) -> String {
     })
 }
 
-/// `40 s`, `12 min`, `3 h`, `12 days`.
+/// Formats a duration such as `40 s`, `12 min`, `3 h`, `12 days`.
 fn span(seconds: f64) -> String {
     match seconds {
         s if !s.is_finite() => "–".into(),

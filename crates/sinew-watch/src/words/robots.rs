@@ -1,30 +1,34 @@
-//! A robot and a tendon in one sentence.
+//! Summary texts of robots and tendons.
 
-use super::alarms::{is_over, title};
+use super::alarms::{has_ended, title};
 use super::{percent, plus_minus, span, when};
 use sinew_estimate::online::Provisional;
 use sinew_files::date::day_of;
 use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState};
 use sinew_watch_core::alarm::{Alarm, Level};
 use sinew_watch_core::record::NoOffset;
-use sinew_watch_core::snapshot::{Freshness, Learning, NotNow, RobotSnapshot, TendonSnapshot};
+use sinew_watch_core::snapshot::{
+    Freshness, Learning, NoEstimateReason, RobotSnapshot, TendonSnapshot,
+};
 
-/// The robot: what it needs, or that it needs nothing.
+/// Returns the required action of a robot, or its state.
 pub fn robot(robot: &RobotSnapshot) -> String {
     let mut pressing = robot.alarms.iter().filter(|a| a.level() == robot.level);
     if robot.level != Level::Ok
         && let Some(first) = pressing.next()
     {
-        let said = of_alarm(first);
+        let message = of_alarm(first);
         return match pressing.count() {
-            0 => said,
-            more => format!("{said}, and {more} more"),
+            0 => message,
+            more => format!("{message}, and {more} more"),
         };
     }
     match (robot.freshness, robot.learning) {
-        (Freshness::Never, _) => "nothing received yet".into(),
-        (Freshness::Stale { for_s }, _) => format!("nothing received for {}", span(for_s)),
-        (_, Learning::NoBaseline) => "no baseline yet: offsets are wide".into(),
+        (Freshness::Never, _) => "No data received yet".into(),
+        (Freshness::Stale { for_s }, _) => format!("No data for {}", span(for_s)),
+        (_, Learning::NoBaseline) => {
+            "No baseline: offsets refer to the encoder zero and have wide intervals".into()
+        }
         (
             _,
             Learning::Baseline {
@@ -33,12 +37,12 @@ pub fn robot(robot: &RobotSnapshot) -> String {
                 ..
             },
         ) => {
-            format!("learns a baseline: {poses} of {poses_needed} poses")
+            format!("Acquiring baseline: {poses} of {poses_needed} poses")
         }
-        _ if robot.level == Level::Stale => "begins: nothing is known yet".into(),
+        _ if robot.level == Level::Stale => "Starting: no estimate yet".into(),
         (Freshness::Fresh, Learning::Following) => match robot.tendons.len() {
-            1 => "its tendon is fine".into(),
-            n => format!("all {n} tendons are fine"),
+            1 => "Tendon OK".into(),
+            n => format!("{n} tendons OK"),
         },
     }
 }
@@ -51,31 +55,31 @@ fn of_alarm(alarm: &Alarm) -> String {
     }
 }
 
-/// A tendon: what it needs and when, with how sure that is.
+/// Returns the required action of a tendon with its forecast date and interval.
 pub fn tendon(tendon: &TendonSnapshot, alarms: &[Alarm]) -> String {
-    let own = alarms
+    let of_tendon = alarms
         .iter()
         .filter(|a| a.key.joint.as_deref() == Some(&tendon.joint));
-    let worst = own
+    let worst = of_tendon
         .filter(|a| a.level() != Level::Ok)
         .max_by_key(|a| (a.level().urgency(), a.key.condition.severity()));
     let now = match (tendon.offset_rad, tendon.elongation_m, tendon.reason) {
         (Some(offset), Some(length), _) => {
             format!(
-                "{} mm longer ({} mrad)",
+                "elongation {} mm ({} mrad)",
                 plus_minus(length, 1e3),
                 plus_minus(offset, 1e3)
             )
         }
-        (Some(offset), None, _) => format!("{} mrad", plus_minus(offset, 1e3)),
-        (None, _, reason) => why_not(reason).into(),
+        (Some(offset), None, _) => format!("offset {} mrad", plus_minus(offset, 1e3)),
+        (None, _, reason) => no_estimate(reason).into(),
     };
     let now = match tendon.provisional {
-        Some(why) => format!("{now}, provisional: {}", provisional(why)),
+        Some(reason) => format!("{now}, provisional: {}", provisional(reason)),
         None => now,
     };
-    let what = worst.map(|alarm| match is_over(alarm) {
-        true => format!("{}: over, waits for somebody", title(alarm)),
+    let what = worst.map(|alarm| match has_ended(alarm) {
+        true => format!("{} (cleared, latched)", title(alarm)),
         false => title(alarm).to_owned(),
     });
     let ahead = tendon.trend.as_deref().and_then(ahead);
@@ -83,69 +87,89 @@ pub fn tendon(tendon: &TendonSnapshot, alarms: &[Alarm]) -> String {
     parts.join("; ")
 }
 
-fn why_not(reason: Option<NotNow>) -> &'static str {
+fn no_estimate(reason: Option<NoEstimateReason>) -> &'static str {
     match reason {
-        Some(NotNow::NoData) => "no data",
-        Some(NotNow::LearnsBaseline) => "learns its baseline",
-        Some(NotNow::CannotTell {
-            why: NoOffset::TooShort,
-        }) => "moved too little to tell",
-        Some(NotNow::CannotTell {
-            why: NoOffset::Refused,
-        }) => "the data don't fit the robot",
-        Some(NotNow::CannotTell { .. }) => "too uncertain to tell",
-        Some(NotNow::Starting) | None => "not known yet: the newest data are being estimated",
+        Some(NoEstimateReason::NoData) => "no data",
+        Some(NoEstimateReason::BaselineAcquisition) => "acquiring baseline",
+        Some(NoEstimateReason::Inconclusive {
+            reason: NoOffset::TooShort,
+        }) => "inconclusive: insufficient motion",
+        Some(NoEstimateReason::Inconclusive {
+            reason: NoOffset::Rejected,
+        }) => "inconclusive: data inconsistent with robot.toml",
+        Some(NoEstimateReason::Inconclusive { .. }) => "inconclusive: interval too wide",
+        Some(NoEstimateReason::Starting) | None => "starting: the newest data are being estimated",
     }
 }
 
-/// Why an offset may still move by more than its interval says.
-fn provisional(why: Provisional) -> String {
-    match why {
-        Provisional::Starting => "the estimate begins".into(),
+/// Returns the reason why the offset may still change by more than its interval.
+fn provisional(reason: Provisional) -> String {
+    match reason {
+        Provisional::Starting => "converging".into(),
         Provisional::Step {
             since_s,
             probability,
         } => format!(
-            "a step at {} is {} probable",
+            "suspected step change at {} (probability {})",
             when(since_s),
             percent(probability)
         ),
-        Provisional::ChangeMayEnd { since_s } => {
-            format!("the change at {} may be a contact", when(since_s))
+        Provisional::ChangeNearEnd { since_s } => {
+            format!("the change at {} may be an ongoing contact", when(since_s))
         }
         Provisional::Rejected { share } => {
             format!("{} of the data are outliers", percent(share))
         }
-        Provisional::Refused => "the newest data do not fit the robot".into(),
+        Provisional::NotSolved => "newest data inconsistent with the model".into(),
     }
 }
 
-/// When its first limit is passed.
+/// Returns the forecast of the first limit exceedance.
 fn ahead(trend: &JointTrend) -> Option<String> {
     let limit = trend.limits.first()?;
-    let what = match limit.limit {
-        Limit::Retension { .. } => "tension it again",
-        Limit::Replace { .. } => "replace the rope",
-    };
-    Some(match limit.state {
-        LimitState::Passed => format!("{what}: its limit is passed"),
-        LimitState::Forecast => format!("{what} {}", days(limit, trend.last_utc_s)),
-        LimitState::NotBefore => format!(
-            "{what} not before {}",
-            day_of(trend.last_utc_s + limit.after_low_s.unwrap_or(0.0))
-        ),
-        LimitState::NotWithinHorizon => "no limit in sight".into(),
-        LimitState::TooFewSessions => "too few sessions for a forecast".into(),
-    })
+    Some(forecast(limit, trend.last_utc_s))
 }
 
-/// `about 2026-12-24 (95 %: 2026-12-01 to 2027-03-02)`.
+/// Returns the forecast of a limit exceedance.
+pub(super) fn forecast(limit: &LimitForecast, last_utc_s: f64) -> String {
+    let what = match limit.limit {
+        Limit::Retension { .. } => "re-tension",
+        Limit::Replace { .. } => "replace rope",
+    };
+    match limit.state {
+        LimitState::Passed => format!("{what}: limit exceeded"),
+        LimitState::Forecast => format!("{what} {}", days(limit, last_utc_s)),
+        LimitState::NotBefore => format!(
+            "{what} not before {} (95 %)",
+            day_of(last_utc_s + limit.after_low_s.unwrap_or(0.0))
+        ),
+        LimitState::NotWithinHorizon => "no limit exceedance within the forecast horizon".into(),
+        LimitState::TooFewSessions => "too few sessions for a forecast".into(),
+    }
+}
+
+/// Returns the reason why a robot without a URDF is not monitored.
+pub fn waits_for_urdf() -> String {
+    "waiting for a URDF on /robot_description, because robot.toml specifies none".into()
+}
+
+/// Returns the reason why a robot that waits for its URDF is not monitored if its transport is disconnected.
+pub fn disconnected(transport: &str, reason: &str) -> String {
+    format!("{transport} disconnected: {reason}")
+}
+
+/// Returns the reason why a robot whose last session is not stored yet is not monitored.
+pub fn is_being_stored() -> String {
+    "the previous session is still being stored; reload the configuration in a few seconds".into()
+}
+
+/// Formats `about 2026-12-24 (95 %: 2026-12-01 to 2027-03-02)`.
 fn days(limit: &LimitForecast, last_utc_s: f64) -> String {
     let day = |after_s: Option<f64>| after_s.map(|s| day_of(last_utc_s + s));
     let middle = day(limit.after_s).unwrap_or_default();
     let low = day(limit.after_low_s).unwrap_or_default();
     match day(limit.after_high_s) {
         Some(high) => format!("about {middle} (95 %: {low} to {high})"),
-        None => format!("about {middle} (95 %: {low}, perhaps never)"),
+        None => format!("about {middle} (95 %: {low} to beyond the forecast horizon)"),
     }
 }

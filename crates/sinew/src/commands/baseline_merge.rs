@@ -1,4 +1,4 @@
-//! `sinew baseline merge`: what several recordings or robots taught, together.
+//! `sinew baseline merge`: merges baselines of several recordings or robots.
 
 use crate::files::{Named, check_outputs};
 use crate::terminal::{Failure, Finish, answer_as};
@@ -10,41 +10,43 @@ use sinew_report::tables;
 use sinew_report::text::{paragraph, plain};
 use std::path::PathBuf;
 
-/// Put together what several baselines learned
+/// Merge baselines of several recordings or robots
 ///
-/// Recordings of one robot teach everything but its offsets together. Robots of one type (--fleet)
-/// teach only the masses of their links; stiffness, friction and encoders are each robot's own.
-/// The result is a start for sinew baseline LOG --start FILE.
+/// Recordings of one robot pool all parameters except offsets. Robots of one type (--fleet) pool the
+/// masses of their links only; stiffness, friction and encoders remain per robot. The result is a
+/// prior for sinew baseline LOG --start FILE.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
-    sinew baseline merge monday.baseline tuesday.baseline --robot robots/biorob-like --out arm.known\n  \
-    sinew baseline merge arm-1.baseline arm-2.baseline --fleet --robot robots/biorob-like --out type.known")]
+    sinew baseline merge monday.baseline tuesday.baseline --robot robots/biorob-like --out arm.prior\n  \
+    sinew baseline merge arm-1.baseline arm-2.baseline --fleet --robot robots/biorob-like --out type.prior")]
 pub(crate) struct Merge {
     /// Baselines, two or more
     #[arg(required = true, num_args = 2.., value_name = "BASELINE")]
     baselines: Vec<PathBuf>,
-    /// Robot's folder [default: the current folder]
+    /// Robot folder [default: current folder]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// The baseline all of them started from (estimate --save); none: each began with robot.toml
+    /// Common prior of all baselines (estimate --save) [default: robot.toml]
     #[arg(long, value_name = "START")]
     common: Option<PathBuf>,
-    /// The baselines are of several robots of one type
+    /// Baselines are of several robots of one type
     #[arg(long, conflicts_with = "common")]
     fleet: bool,
-    /// With --fleet: how far the masses of two robots may differ, % (one standard deviation)
+    /// Scatter of the masses between robots with --fleet, % (standard deviation)
     #[arg(long, value_name = "PERCENT", default_value_t = 1.0, requires = "fleet", value_parser = scatter)]
     scatter_percent: f64,
-    /// Where the result goes
+    /// Output file of the merged baseline
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Print one JSON document instead of the table (no value: null)
+    /// Print one JSON document instead of the table (missing values: null)
     #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
 fn scatter(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
+    let value: f64 = text
+        .parse()
+        .map_err(|_| format!("'{text}' is not a number"))?;
     if value > 0.0 && value <= 100.0 {
         Ok(value)
     } else {
@@ -59,12 +61,12 @@ impl Merge {
         let mut inputs: Vec<Named<'_>> = self.baselines.iter().map(named).collect();
         inputs.push(("--common", self.common.as_deref()));
         check_outputs(&[("--out", Some(&self.out))], &inputs, false)?;
-        let refused = |e: SessionError| Failure::Refused(e.to_string());
+        let failure = |e: SessionError| Failure::Error(e.to_string());
         let place = self.robot.clone().unwrap_or_else(|| PathBuf::from("."));
-        let loaded = robot_dir::load(&place, None).map_err(|e| Failure::Refused(e.to_string()))?;
+        let loaded = robot_dir::load(&place, None).map_err(|e| Failure::Error(e.to_string()))?;
         let read = |path: &PathBuf| -> Result<(Baseline, String), Failure> {
             Ok((
-                Baseline::read(path).map_err(refused)?,
+                Baseline::read(path).map_err(failure)?,
                 path.display().to_string(),
             ))
         };
@@ -82,7 +84,7 @@ impl Merge {
             common.as_ref().map(|(b, f)| (b, f.as_str())),
             &options,
         )
-        .map_err(refused)?;
+        .map_err(failure)?;
         baseline.write(&self.out)?;
         answer_as(self.json, &summary, |summary| {
             let written = format!("written to {}", self.out.display());

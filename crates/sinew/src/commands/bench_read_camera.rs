@@ -1,4 +1,4 @@
-//! `sinew bench read-camera`: elongation from pictures of a graduated scale.
+//! `sinew bench read-camera`: elongation from images of a graduated scale.
 
 use crate::args::positive;
 use crate::files::{check_outputs, write_text};
@@ -8,28 +8,28 @@ use sinew_camera::{Conditions, ReadOptions, Region, Request, Summary, Times};
 use sinew_report::text::plain;
 use std::path::PathBuf;
 
-/// Read the carriage's position from pictures of a half-millimetre scale
+/// Measure the carriage position in images of a half-millimetre scale
 ///
-/// The scale is found by itself, and its graduation is the measure: no calibration is needed.
-/// The first frame with a scale is the zero. Frames that can't be used (dark, blurred, covered,
-/// ambiguous, damaged) are left out and named; the exit code is then 3.
+/// The scale is detected automatically and measured by its graduation; no calibration is required.
+/// The first frame with a scale defines the zero. Unusable frames (dark, blurred, covered, ambiguous,
+/// damaged) are rejected and listed; the exit code is then 3.
 ///
-/// The recording (--out) has one row per frame used, with the columns time_s, elongation_mm,
-/// elongation_std_mm, quality, contrast, in_sight, residual_mm, lines, frame; creep analysis reads
-/// it. Look at the overlay before you trust a series.
+/// The recording (--out) has one row per used frame, with the columns time_s, elongation_mm,
+/// elongation_std_mm, quality, contrast, in_sight, residual_mm, lines, frame; it is an input of sinew
+/// creep. Check the overlay before using a series.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Times from file names: a number with a unit at the end (frame_12.5s.png; \
     also ms, us, ns), a date with time of day (20261121_143000_250.png, \
     2026-11-21T14-30-00.25.png), or s, ms, us, ns since 1970 (1795271400250.png).\n\n\
-    Steps between frames may be 2.5 mm where lines of 1, 5 and 10 mm are longer, and must stay \
-    below 0.2 mm where all lines look alike.\n\n\
+    The displacement between frames may reach 2.5 mm if the lines at 1, 5 and 10 mm are longer, and \
+    0.2 mm if all lines have equal length.\n\n\
     Example:\n  sinew bench read-camera frames --frame-rate 0.5 --out creep.csv --overlay check.png"
 )]
 pub(crate) struct ReadCamera {
     /// Folder of PNG or JPEG frames, or a video (needs ffmpeg)
     input: PathBuf,
-    /// Frames per second, in the order of the names
+    /// Frame rate, Hz, of frames in the order of their names
     #[arg(
         long,
         value_name = "HZ",
@@ -40,25 +40,25 @@ pub(crate) struct ReadCamera {
     /// CSV with the columns file,time_s
     #[arg(long, value_name = "FILE")]
     times: Option<PathBuf>,
-    /// Recording to write, CSV
+    /// Write the recording, CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Every frame with its reading or the reason why there is none, CSV
+    /// Write all frames with their measurement or the reason for rejection, CSV
     #[arg(long, value_name = "FILE")]
     frames: Option<PathBuf>,
-    /// Picture of the first frame used with what was found drawn on it, PNG
+    /// Write the first used frame with the detected scale drawn on it, PNG
     #[arg(long, value_name = "FILE")]
     overlay: Option<PathBuf>,
-    /// Another frame for the overlay
+    /// Frame of the overlay [default: first used frame]
     #[arg(long, value_name = "NAME", requires = "overlay")]
     overlay_frame: Option<String>,
-    /// HTML report
+    /// Write an HTML report
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Print one JSON document instead of a table
     #[arg(long)]
     json: bool,
-    /// No progress and no notes on stderr
+    /// Suppress notes and progress on stderr
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]
@@ -67,35 +67,34 @@ pub(crate) struct ReadCamera {
     test: TestOptions,
 }
 
-/// The scale and how it is seen.
+/// Properties of the scale in the image.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "The scale")]
+#[command(next_help_heading = "Scale")]
 struct ScaleOptions {
-    /// Distance from line to line, mm [default: 0.5, refused where the longer
-    /// lines say otherwise]
+    /// Distance between lines, mm [default: 0.5, rejected if inconsistent with the longer lines]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pitch_mm: Option<f64>,
-    /// Part of the picture to look at, px: left,top,width,height
+    /// Evaluated region of the image, px: left,top,width,height
     #[arg(long, value_name = "X,Y,W,H", value_parser = region)]
     region: Option<Region>,
-    /// The scale runs from top to bottom [default: found out]
+    /// Scale is vertical [default: detected]
     #[arg(long, conflicts_with = "lying")]
     upright: bool,
-    /// The scale runs from left to right [default: found out]
+    /// Scale is horizontal [default: detected]
     #[arg(long)]
     lying: bool,
-    /// Largest standard deviation of a frame that is used, mm
+    /// Maximum standard deviation of a used frame, mm
     #[arg(long, value_name = "MM", default_value = "0.02", value_parser = positive("mm"),
           allow_negative_numbers = true)]
     std_most_mm: f64,
 }
 
-/// What was tested.
+/// Conditions of the test.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "The test")]
+#[command(next_help_heading = "Test")]
 struct TestOptions {
-    /// Elongation per movement of the scale; negative where the rope stretches
-    /// while the scale moves left or up
+    /// Elongation per displacement of the scale; negative if the scale moves left or up during
+    /// elongation
     #[arg(
         long,
         value_name = "MM/MM",
@@ -103,18 +102,18 @@ struct TestOptions {
         allow_negative_numbers = true
     )]
     elongation_per_movement: f64,
-    /// Tension of the rope, N; becomes a column of the recording
+    /// Tension of the rope, N, written to the recording
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_n: Option<f64>,
-    /// Length of rope that stretches, mm; becomes a column of the recording
+    /// Gauge length of the rope, mm, written to the recording
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     gauge_length_mm: Option<f64>,
-    /// Temperature, °C; becomes a column of the recording
+    /// Temperature, °C, written to the recording
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     temperature_c: Option<f64>,
 }
 
-/// `X,Y,W,H`.
+/// Parses a region, `X,Y,W,H`.
 fn region(text: &str) -> Result<Region, String> {
     let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
     match numbers.as_deref() {
@@ -124,7 +123,7 @@ fn region(text: &str) -> Result<Region, String> {
             width: *width,
             height: *height,
         }),
-        _ => Err("write left,top,width,height in whole px, such as 0,400,1920,200".into()),
+        _ => Err("expected left,top,width,height in whole px, e.g. 0,400,1920,200".into()),
     }
 }
 
@@ -156,7 +155,7 @@ impl ReadCamera {
         }
         write_text(self.report.as_deref(), || {
             let name = self.input.file_name().unwrap_or(self.input.as_os_str());
-            let title = format!("Camera reading of {}", name.to_string_lossy());
+            let title = format!("Camera measurement of {}", name.to_string_lossy());
             sinew_camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"))
         })?;
         let summary = Summary::of(&outcome);
@@ -185,7 +184,7 @@ impl ReadCamera {
                 (_, true) => Some(false),
                 _ => None,
             },
-            deviation_most_m: 1e-3 * self.scale.std_most_mm,
+            std_most_m: 1e-3 * self.scale.std_most_mm,
         };
         request.elongation_per_movement = self.test.elongation_per_movement;
         request.conditions = Conditions {
@@ -204,7 +203,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn regions_are_four_whole_numbers() {
+    fn region_parses_four_integers() {
         let want = Region {
             x: 0,
             y: 400,

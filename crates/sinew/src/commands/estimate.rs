@@ -1,9 +1,9 @@
-//! `sinew estimate`: from a recording to each tendon's elongation.
+//! `sinew estimate`: elongation of each tendon from a recording.
 
 use super::session_args::{SessionArgs, read_baseline};
 use crate::args::{self, LAGS, Method, Opening, SOURCES, choice};
 use crate::files::{check_outputs, write_table};
-use crate::terminal::{Bar, Failure, Finish, Word, answer, complain, note};
+use crate::terminal::{Bar, Failure, Finish, Word, answer, complain_coded, note};
 use clap::Args;
 use sinew_estimate::feeder::Injection;
 use sinew_estimate::{EstimateDocument, Method as Answer, Plan, Progress, Request};
@@ -13,13 +13,13 @@ use sinew_report::text::plain;
 use sinew_report::{document_warnings, estimate_series, tables, topics};
 use std::path::{Path, PathBuf};
 
-/// Heading of the options that only the paper's method knows.
-const PAPER: &str = "Paper's method";
+/// Heading of the options of the uncorrected estimate.
+const PAPER: &str = "Uncorrected (paper) estimate";
 
-/// Estimate how far each tendon has stretched, from a recording
+/// Estimate the elongation of each tendon from a recording
 ///
-/// LOG is MCAP as ROS 2 writes it, CSV or Parquet, with motor and joint positions. The robot's
-/// folder holds robot.toml (stiffness, tendons) and the URDF.
+/// LOG is MCAP (ROS 2), CSV or Parquet with motor and joint positions. The robot folder contains
+/// robot.toml (stiffness, tendons) and the URDF.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
@@ -29,39 +29,39 @@ const PAPER: &str = "Paper's method";
     sinew estimate monday.mcap --mcap monday-tendons.mcap\n  \
     sinew estimate monday.mcap --inject elbow=0.010@20")]
 pub(crate) struct Estimate {
-    /// Recording: a file, the folder of a bag, or a pattern in quotes for the parts of one
+    /// Recording: a file, the folder of a bag, or a quoted pattern for its parts
     #[arg(required = true, value_name = "LOG")]
     pub(super) logs: Vec<PathBuf>,
-    /// Several recordings, each on its own: none knows of another. A pattern in quotes or a folder
-    /// stands for all recordings there. Exit code 3 where some fail, 1 where all do
-    #[arg(long, conflicts_with_all = ["csv", "series", "report", "mcap", "save", "reference", "nuisance"])]
+    /// Estimate several recordings independently; a quoted pattern or a folder means all recordings
+    /// there. Exit code 3: some failed, 1: all failed
+    #[arg(long, conflicts_with_all = ["csv", "series", "report", "plot", "mcap", "save", "reference", "nuisance"])]
     each: bool,
-    /// Robot's folder [default: beside LOG, then the current folder]
+    /// Robot folder [default: folder of LOG, then current folder]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// Baseline made by `sinew baseline`: offsets since then instead of since the encoders' zero
+    /// Baseline of `sinew baseline` to which offsets refer [default: encoder zero]
     #[arg(long, value_name = "FILE")]
     pub(super) baseline: Option<PathBuf>,
-    /// Earlier recording of like motion: the paper's difference since then
+    /// Earlier recording with comparable motion for the uncorrected difference
     #[arg(long, value_name = "LOG2")]
     reference: Option<PathBuf>,
     #[command(flatten)]
     pub(super) session: SessionArgs,
 
-    /// Say, too, what the online estimate says of it block by block, and when that is provisional
+    /// Add the online estimate, and the intervals in which it is provisional
     #[arg(long, conflicts_with = "each")]
-    live: bool,
-    /// Which estimate answers [default: absolute; paper with --reference or a setting of the paper's]
+    online: bool,
+    /// Method [default: absolute; paper with --reference or an option of the uncorrected estimate]
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Add an offset to a motor position, rad, from a time on, s (repeatable)
+    /// Add an offset to a motor position, rad, from a time on, s, for tests (repeatable)
     #[arg(long, value_name = "JOINT=RAD[@TIME]", value_parser = args::injection)]
     inject: Vec<Injection>,
 
-    /// Where the elastic torque comes from [default: observer]
+    /// Source of the elastic torque [default: observer]
     #[arg(long, value_parser = choice(&SOURCES), help_heading = PAPER)]
     source: Option<TorqueSource>,
-    /// How the lag of the observed torque is treated [default: matched]
+    /// Treatment of the lag of the observed torque [default: matched]
     #[arg(long, value_parser = choice(&LAGS), help_heading = PAPER)]
     comparison: Option<Comparison>,
     /// Observer gain K_I, 1/s [default: 20]
@@ -71,33 +71,35 @@ pub(crate) struct Estimate {
     /// [default: 40]
     #[arg(long, value_name = "RAD_PER_S", value_parser = args::velocity_filter, allow_negative_numbers = true, help_heading = PAPER)]
     velocity_filter: Option<VelocityFilter>,
-    /// Use the recorded external torque as known
+    /// Use the recorded external torque as exact
     #[arg(long, help_heading = PAPER)]
     tau_ext: bool,
 
     #[command(flatten)]
     pub(super) opening: Opening,
 
-    /// Print one JSON document instead of the table (no value: null)
+    /// Print one JSON document instead of the table (missing values: null)
     #[arg(long, help_heading = "Output")]
     pub(super) json: bool,
-    /// Write the paper's reading of every frame; .csv or .parquet
+    /// Write the uncorrected estimate of every frame; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
-    /// Write the estimate over time, of both methods; .csv or .parquet
+    /// Write the estimates of both methods over time; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     series: Option<PathBuf>,
-    /// Write the estimate over time as topics, to be opened beside the recording in Foxglove or
-    /// PlotJuggler
+    /// Write the estimate over time as ROS 2 topics for Foxglove or PlotJuggler
     #[arg(long, value_name = "FILE.mcap", help_heading = "Output")]
     mcap: Option<PathBuf>,
-    /// With --each: write a row per recording and joint; .csv or .parquet
+    /// Write one row per recording and joint, with --each; .csv or .parquet
     #[arg(long, value_name = "FILE", requires = "each", help_heading = "Output")]
     pub(super) table: Option<PathBuf>,
     /// Write a report with plots as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// No progress and no warnings on stderr
+    /// Write a plot of the offsets over time; .svg or .png
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    plot: Option<PathBuf>,
+    /// Suppress warnings and progress on stderr
     #[arg(long, help_heading = "Output")]
     pub(super) quiet: bool,
 }
@@ -106,7 +108,7 @@ impl Estimate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         if self.method() == Answer::Paper {
-            self.session.refuse_all(self.live)?;
+            self.session.check_unused(self.online)?;
         }
         if self.each {
             return self.run_each();
@@ -116,10 +118,10 @@ impl Estimate {
         let document = self.estimate(&self.request(log.to_path_buf())?)?;
         if !self.quiet && !self.json {
             for warning in document_warnings(&document) {
-                complain(Word::Warning, &plain(&warning));
+                complain_coded(Word::Warning, &warning);
             }
         }
-        for line in tables::taken(&document.reading) {
+        for line in tables::sources(&document.reading) {
             note(|| plain(&line));
         }
         write_table(self.series.as_deref(), || estimate_series(&document))?;
@@ -129,27 +131,30 @@ impl Estimate {
         if let Some(path) = &self.report {
             sinew_files::write_file(path, sinew_report::html(&document).as_bytes())?;
         }
+        if let Some(path) = &self.plot {
+            sinew_report::figure(&document).write(path)?;
+        }
         answer(&match self.json {
             true => document.to_json()?,
             false => tables::document(&document, self.session.nuisance),
         })?;
         Ok(Finish::lossy(
-            document.is_damaged() || document.lacks_encoder() || document.passes_limit(),
+            document.is_damaged() || document.lacks_encoder() || document.requires_action(),
         ))
     }
 
-    /// The one recording there is without `--each`.
+    /// Returns the recording, which must be a single one without `--each`.
     fn log(&self) -> Result<&Path, Failure> {
         match &self.logs[..] {
             [log] => Ok(log),
-            several => Err(Failure::Refused(format!(
-                "{} recordings: add --each to estimate each on its own; the parts of one recording are named by its folder or by a pattern in quotes",
+            several => Err(Failure::Error(format!(
+                "{} recordings specified, expected one: add --each to estimate them independently; for the parts of one recording specify its folder or a quoted pattern",
                 several.len()
             ))),
         }
     }
 
-    /// What is asked of a recording.
+    /// Returns the request for a recording.
     pub(super) fn request(&self, log: PathBuf) -> Result<Request, Failure> {
         let mut request = Request::new(log);
         request.robot.clone_from(&self.robot);
@@ -172,7 +177,7 @@ impl Estimate {
         Ok(request)
     }
 
-    /// Who answers: who is asked to, else whose settings are given.
+    /// Returns the specified method, else the method whose options are specified.
     pub(super) fn method(&self) -> Answer {
         let paper = self.reference.is_some()
             || self.source.is_some()
@@ -187,11 +192,11 @@ impl Estimate {
         }
     }
 
-    /// The answer, saved where asked to.
+    /// Computes the estimate, and saves the posterior if requested.
     fn estimate(&self, request: &Request) -> Result<EstimateDocument, Failure> {
         let bar = Bar::new("estimating", self.quiet);
         let mut progress = |at: Progress| {
-            bar.say(if at.reference {
+            bar.set_label(if at.reference {
                 "reference "
             } else {
                 "estimating"
@@ -204,12 +209,12 @@ impl Estimate {
             window: self.session.window()?,
             baseline: read.as_ref().map(|(b, name)| (b, name.as_str())),
             options: self.session.options(),
-            live: self.live,
+            online: self.online,
         };
         let (document, next) = sinew_estimate::estimate(request, &plan, &mut progress)?;
         let reading = &document.reading;
-        if let Some(why) = sinew_report::nothing_estimated(reading).filter(|_| next.is_none()) {
-            return Err(Failure::Refused(plain(&why)));
+        if let Some(reason) = sinew_report::nothing_estimated(reading).filter(|_| next.is_none()) {
+            return Err(Failure::Error(plain(&reason)));
         }
         if let (Some(path), Some(next)) = (&self.session.save, next) {
             next.write(path)?;
@@ -223,6 +228,7 @@ impl Estimate {
             ("--series", self.series.as_deref()),
             ("--mcap", self.mcap.as_deref()),
             ("--report", self.report.as_deref()),
+            ("--plot", self.plot.as_deref()),
             ("--save", self.session.save.as_deref()),
         ];
         let inputs = [

@@ -1,4 +1,4 @@
-//! `sinew estimate --each`: many recordings, a row per recording and joint.
+//! `sinew estimate --each`: several recordings, one row per recording and joint.
 
 use super::estimate::Estimate;
 use super::session_args::read_baseline;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 impl Estimate {
-    /// Every recording on its own. Exit code 1 where none could be estimated, 3 where some couldn't.
+    /// Estimates all recordings independently. Exit code 1 if all failed, 3 if some failed.
     pub(super) fn run_each(&self) -> Result<Finish, Failure> {
         let mut logs = Vec::new();
         for named in &self.logs {
@@ -31,7 +31,7 @@ impl Estimate {
             window: self.session.window()?,
             baseline: read.as_ref().map(|(b, name)| (b, name.as_str())),
             options: self.session.options(),
-            live: false,
+            online: false,
         };
         let bar = Bar::new("recordings", self.quiet);
         let finished = AtomicUsize::new(0);
@@ -44,13 +44,13 @@ impl Estimate {
         answer_as(self.json, &document, each_summary)?;
         let failed = document.failed();
         if failed == document.recordings.len() {
-            return Err(Failure::Refused(format!(
-                "none of {failed} recordings could be estimated"
+            return Err(Failure::Error(format!(
+                "no recording could be estimated ({failed} failed)"
             )));
         }
         let damaged = (document.recordings.iter())
             .filter_map(|r| r.estimate.as_ref())
-            .any(|e| e.is_damaged() || e.lacks_encoder() || e.passes_limit());
+            .any(|e| e.is_damaged() || e.lacks_encoder() || e.requires_action());
         Ok(Finish::lossy(failed > 0 || damaged))
     }
 }

@@ -1,4 +1,4 @@
-//! `sinew excitation`: poses that make the offsets show.
+//! `sinew excitation`: poses that make the offsets identifiable.
 
 use crate::args::positive;
 use crate::files::check_outputs;
@@ -6,41 +6,42 @@ use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
-use sinew_estimate::excitation::{Options, Proposal, Sensors, propose};
+use sinew_estimate::excitation::{ExcitationError, Options, Proposal, Sensors, propose};
 use sinew_estimate::robot_dir;
+use sinew_files::{Fault, Located};
 use std::path::{Path, PathBuf};
 
 /// Propose a short list of poses that makes the offsets identifiable
 ///
-/// Each list tried is visited in a synthetic recording of the nominal robot, and judged by the
-/// interval that sinew estimate --baseline would give. Collisions are not checked, and Sinew never
-/// commands the robot: run the poses with your own controller.
+/// Each candidate list is simulated with the nominal robot, and evaluated by the interval of sinew
+/// estimate --baseline. Collisions are not checked. Execute the poses with the robot controller;
+/// Sinew never commands the robot.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sinew excitation --robot robots/biorob-like --poses 6 --out check.toml")]
 pub(crate) struct Excitation {
-    /// Robot's folder
+    /// Robot folder
     #[arg(long, value_name = "DIR", default_value = ".")]
     robot: PathBuf,
-    /// Baseline to build on [default: what 25 random poses would teach]
+    /// Baseline of the later session [default: simulated baseline of 25 random poses]
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// Poses in the list
+    /// Number of poses
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(2..=100))]
     poses: u16,
-    /// Rest at each pose, s
+    /// Rest time at each pose, s
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive("s"), allow_negative_numbers = true)]
     pause: f64,
-    /// The gripper is known to be empty
+    /// Gripper is empty [default: unknown payload]
     #[arg(long)]
     no_payload: bool,
-    /// Bits of a turn of the joint encoders
+    /// Resolution of the joint encoders, bits per turn
     #[arg(long, value_name = "BITS", default_value_t = 13, value_parser = clap::value_parser!(u32).range(4..=40))]
     joint_bits: u32,
-    /// Poses tried in the place of each, per round of two
+    /// Candidates per pose and round (two rounds)
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000))]
     candidates: u16,
-    /// Seed of the poses drawn
+    /// Random seed of the candidates
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Write the poses; .toml (a motion for sinew simulate) or .csv
@@ -49,7 +50,7 @@ pub(crate) struct Excitation {
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// No progress and no warnings on stderr
+    /// Suppress warnings and progress on stderr
     #[arg(long, help_heading = "Output")]
     quiet: bool,
 }
@@ -87,7 +88,7 @@ impl Excitation {
             seed: self.seed,
             ..Options::default()
         };
-        let bar = Bar::new("trying poses", self.quiet);
+        let bar = Bar::new("evaluating poses", self.quiet);
         let proposal = propose(
             &loaded.robot,
             baseline.as_ref().map(|(b, file)| (b, file.as_str())),
@@ -95,7 +96,16 @@ impl Excitation {
             &mut |done, all| bar.set(done as f64, all as f64),
         );
         drop(bar);
-        let proposal = proposal?;
+        let proposal = proposal.map_err(|error| match error {
+            ExcitationError::JointEquations { .. } => {
+                let mut lines = (1..).zip(loaded.file_text.lines());
+                let first = lines.find(|(_, line)| line.trim_start().starts_with("[[tendons]]"));
+                let file = loaded.file.display().to_string();
+                let located = Located::new(&file, Fault::NotAllowed, error.to_string());
+                located.line(first.map_or(0, |(line, _)| line)).into()
+            }
+            error => Failure::from(error),
+        })?;
         if let Some((out, write)) = text {
             sinew_files::write_file(out, write(&proposal).as_bytes())?;
         }
@@ -104,13 +114,13 @@ impl Excitation {
     }
 }
 
-/// What makes a file's text, by its ending.
+/// Returns the writer for the extension of a file.
 fn writer(out: &Path) -> Result<fn(&Proposal) -> String, Failure> {
     match out.extension().and_then(|e| e.to_str()) {
         Some("toml") => Ok(Proposal::to_toml),
         Some("csv") => Ok(Proposal::to_csv),
-        _ => Err(Failure::Refused(format!(
-            "--out {}: the name must end in .toml or .csv",
+        _ => Err(Failure::Error(format!(
+            "--out {}: unsupported extension; expected .toml or .csv",
             out.display()
         ))),
     }

@@ -1,4 +1,4 @@
-//! `sinew init`: a first robot.toml.
+//! `sinew init`: template of robot.toml.
 
 use crate::args::Opening;
 use crate::terminal::{Failure, Finish, answer_as};
@@ -12,43 +12,43 @@ use sinew_report::init::{mapping_toml, render};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Write a first robot.toml from a recording or a URDF
+/// Write a template of robot.toml from a recording or a URDF
 ///
-/// Joints, sides, topics and rate come from the recording, masses and axes from its /robot_description
-/// or a URDF. What no file says stands as a comment with unit, usual range and where to find it. Where
-/// topics or columns must be chosen, a mapping.toml to fill in is written first (exit code 3).
+/// Joints, sides, topics and rate are read from the recording, masses and axes from its
+/// /robot_description or a URDF. Missing values are comments with unit, usual range and source. If
+/// topics or columns are ambiguous, a template of mapping.toml is written first (exit code 3).
 #[derive(Debug, Args)]
 #[command(
     name = "init",
     after_help = "Example:\n  sinew init monday.mcap --out my-robot\n  sinew init my-robot.urdf\n  sinew init my-robot.urdf --transmissions my-robot.urdf"
 )]
 pub(crate) struct InitCommand {
-    /// Recording, or URDF
+    /// Recording or URDF
     source: PathBuf,
-    /// Folder to write to, made where it isn't there [default: where the recording or URDF lies]
+    /// Output folder, created if missing [default: folder of the recording or URDF]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// URDF of the robot, where the recording holds none
+    /// URDF of the robot if the recording contains none
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
-    /// Couplings of motors and joints: URDF with `<transmission>`, MuJoCo model, or table of ratios
+    /// Coupling of motors and joints: URDF with `<transmission>`, MuJoCo model, or table of ratios
     ///
     /// Reads ros_control and ros2_control (simple, differential, four-bar linkage), fixed tendons of MuJoCo, and a CSV
-    /// with joints in its header and a motor in each row (rad of the motor per rad of the joint). Writes [motors.NAME]
-    /// and [[tendons]]; stiffness and radii stay to be filled in.
+    /// with joints in its header and one motor per row (motor rad per joint rad). Writes [motors.NAME] and [[tendons]];
+    /// stiffness and radii must be completed.
     #[arg(long, value_name = "FILE")]
     transmissions: Option<PathBuf>,
-    /// Replace files that are there already
+    /// Replace existing files
     #[arg(long)]
     force: bool,
-    /// Print one JSON document instead of sentences
+    /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     opening: Opening,
 }
 
-/// A file to write, and its text.
+/// Path and content of a file to write.
 type Planned = (PathBuf, String);
 
 impl InitCommand {
@@ -75,12 +75,16 @@ impl InitCommand {
         let there = planned.iter().filter(|(path, _)| path.exists());
         init.replaced = there.map(|(path, _)| path.display().to_string()).collect();
         if let (false, Some(file)) = (self.force, init.replaced.first()) {
-            return Err(Failure::Refused(format!(
-                "{file} is there already; --force replaces it, --out DIR writes elsewhere"
+            return Err(Failure::Error(format!(
+                "{file} already exists; replace it with --force, or use --out DIR"
             )));
         }
-        std::fs::create_dir_all(&folder)
-            .map_err(|e| Failure::Refused(format!("{}: can't make it: {e}", folder.display())))?;
+        std::fs::create_dir_all(&folder).map_err(|e| {
+            Failure::Error(format!(
+                "{}: cannot create the folder: {e}",
+                folder.display()
+            ))
+        })?;
         for (path, text) in &planned {
             write_file(path, text.as_bytes())?;
             init.written.push(path.display().to_string());
@@ -90,7 +94,7 @@ impl InitCommand {
         Ok(Finish::lossy(init.choice.is_some()))
     }
 
-    /// robot.toml, and the URDF where it isn't in the folder yet.
+    /// Returns robot.toml, and the URDF unless it is in the folder already.
     fn describe(
         &self,
         source: &str,
@@ -131,7 +135,7 @@ impl InitCommand {
     }
 }
 
-/// The mapping file for a choice that only a person can make.
+/// Returns the mapping template for ambiguous topics or columns.
 fn choose(source: &str, folder: &Path, error: LogError) -> Result<(Init, Vec<Planned>), Failure> {
     let init = Init::undecided(source, error)?;
     let text = init
@@ -142,7 +146,7 @@ fn choose(source: &str, folder: &Path, error: LogError) -> Result<(Init, Vec<Pla
     Ok((init, planned.into_iter().collect()))
 }
 
-/// Whether a file is a URDF, by its name or its first bytes.
+/// Whether a file is a URDF, by its extension or first bytes.
 fn is_urdf(path: &Path) -> bool {
     let named = path
         .extension()

@@ -1,4 +1,4 @@
-//! `sinew log`: what a recording holds.
+//! `sinew log`: content of a recording.
 
 use crate::args::Opening;
 use crate::terminal::{Bar, Failure, Finish, answer_as};
@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use sinew_log::{Progress, RecordingInfo};
 use std::path::PathBuf;
 
-/// Look into a recording
+/// Inspect a recording
 #[derive(Debug, Subcommand)]
 pub(crate) enum Log {
     Info(Info),
@@ -21,15 +21,15 @@ impl Log {
     }
 }
 
-/// Read a recording to its end and say what it holds: joints, channels, rate, gaps, damage
+/// Show the content of a recording: joints, channels, rate, gaps, damage
 ///
-/// Every topic with its type, count and rate, and what Sinew takes it for. Exit code 3 when data was
-/// lost, 1 when several topics could be one side.
+/// Lists all topics with type, number of messages, rate and role. Exit code 3: data lost, 1: topics
+/// ambiguous.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew log info monday.mcap\n  sinew log info monday_*.mcap")]
 pub(crate) struct Info {
-    /// Recording: MCAP, CSV or Parquet, packed with zstd or not; a folder, several files or a
-    /// pattern in quotes are its parts; - is standard input
+    /// Recording: MCAP, CSV or Parquet, optionally compressed with zstd; a folder, several files or a
+    /// quoted pattern for its parts; - for standard input
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub(crate) struct Info {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
-    /// No progress on stderr
+    /// Suppress progress on stderr
     #[arg(long)]
     quiet: bool,
 }
@@ -53,7 +53,7 @@ impl Info {
         answer_as(self.json, &info, sinew_report::log::render)?;
         Ok(match info.ambiguous.is_empty() {
             true => Finish::lossy(info.lossy),
-            false => Finish::Refused,
+            false => Finish::InvalidInput,
         })
     }
 }

@@ -5,11 +5,11 @@ mod baseline_merge;
 pub(crate) mod bench;
 #[cfg(feature = "camera")]
 mod bench_read_camera;
-pub(crate) mod beside;
 pub(crate) mod creep;
 pub(crate) mod estimate;
 mod estimate_each;
 pub(crate) mod excitation;
+pub(crate) mod external;
 pub(crate) mod init;
 pub(crate) mod log;
 pub(crate) mod robot;

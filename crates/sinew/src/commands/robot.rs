@@ -1,4 +1,4 @@
-//! `sinew robot`: what a robot's folder says, and code for that robot alone.
+//! `sinew robot`: check of a robot description, and code generation.
 
 use super::rope::Ropes;
 use crate::args;
@@ -12,7 +12,7 @@ use sinew_log::Mapping;
 use sinew_model::offset::{OffsetConfig, VelocityFilter};
 use std::path::PathBuf;
 
-/// Check a robot's description, or write code for it
+/// Check a robot description, or generate code for it
 #[derive(Debug, Subcommand)]
 pub(crate) enum Robot {
     Check(Check),
@@ -29,18 +29,17 @@ impl Robot {
     }
 }
 
-/// Read robot.toml and the URDF and show what Sinew understood
+/// Check robot.toml and the URDF
 ///
-/// Joints in the order Sinew uses, their stiffness and tendons, and what looks odd: units mistaken by
-/// 1000, masses, inertias, stiffness, friction, ropes, pulleys, limits. The column "mm per mrad" turns
-/// an offset into an elongation. Exit code 3 when something is odd or missing, 1 when something is
-/// impossible.
+/// Lists the joints in the order of Sinew with stiffness and tendons, and implausible values: unit
+/// errors, masses, inertias, stiffness, friction, ropes, pulleys, limits. The column "mm per mrad"
+/// converts an offset to an elongation. Exit code 3: implausible or missing values, 1: impossible values.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew robot check robots/biorob-like")]
 pub(crate) struct Check {
-    /// Robot's folder, or robot.toml itself
+    /// Robot folder, or robot.toml
     dir: PathBuf,
-    /// Mapping file to check too: gear ratios, scales, torque constants
+    /// Mapping file to check: gear ratios, scales, torque constants
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
     #[command(flatten)]
@@ -62,57 +61,58 @@ impl Check {
         answer_as(self.json, &check, sinew_report::robot::render)?;
         Ok(match check.worst() {
             None => Finish::Complete,
-            Some(Severity::Odd | Severity::Missing) => Finish::Lossy,
-            Some(Severity::Impossible) => Finish::Refused,
+            Some(Severity::Implausible | Severity::Missing) => Finish::Lossy,
+            Some(Severity::Impossible) => Finish::InvalidInput,
         })
     }
 }
 
-/// The language code is written in
+/// Language of the generated code
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Lang {
-    /// C99 that needs math.h alone: a header and a source
+    /// C99 with math.h only: header and source
     C,
-    /// Rust without the standard library that needs the crate libm: one module
+    /// Rust without the standard library, with the crate libm: one module
     Rust,
 }
 
-/// How exact the code's numbers are
+/// Precision of the generated code
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Exactness {
-    /// 64 bits: what `sinew` gives, to rounding
+    /// 64 bits: equal to `sinew` up to rounding
     Double,
-    /// 32 bits, for chips without more in hardware: offsets to some microradians
+    /// 32 bits, for processors without 64-bit hardware: offset error of some microradians
     Single,
 }
 
-/// Write code for this robot alone: its momentum pass and observer without loops
+/// Generate code for one robot: momentum pass and observer without loops
 ///
-/// The arm's structure, masses, stiffness and friction stand in the code as numbers, and what they make zero is gone.
-/// It allocates nothing and gives what `sinew` gives, to rounding. Write it anew when robot.toml or the URDF change.
+/// Structure, masses, stiffness and friction are constants of the code; zero terms are removed. The code does not
+/// allocate memory, and its results equal those of `sinew` up to rounding. Generate it again after changes of
+/// robot.toml or the URDF.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  sinew robot generate robots/biorob-like --lang c --out out/code"
 )]
 pub(crate) struct Generate {
-    /// Robot's folder, or robot.toml itself
+    /// Robot folder, or robot.toml
     dir: PathBuf,
-    /// Language
+    /// Language of the code
     #[arg(long, value_name = "LANGUAGE")]
     lang: Lang,
-    /// Precision of its numbers
+    /// Precision of the code
     #[arg(long, value_name = "PRECISION", default_value = "double")]
     precision: Exactness,
-    /// Folder to write to, made where it isn't there
+    /// Output folder, created if missing
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     out: PathBuf,
-    /// Gain of the observer, 1/s
+    /// Observer gain, 1/s
     #[arg(long, value_name = "PER_S", value_parser = args::positive("1/s"), allow_negative_numbers = true, default_value = "20")]
     gain: f64,
     /// Cut-off of the velocity filter, rad/s
     #[arg(long, value_name = "RAD_PER_S", value_parser = args::positive("rad/s"), allow_negative_numbers = true, default_value = "40")]
     velocity_filter: f64,
-    /// Replace files that are there already
+    /// Replace existing files
     #[arg(long)]
     force: bool,
 }
@@ -139,24 +139,28 @@ impl Generate {
         let planned = written.files.iter();
         let planned: Vec<_> = planned.map(|f| (self.out.join(&f.name), &f.text)).collect();
         if let (false, Some((file, _))) = (self.force, planned.iter().find(|(p, _)| p.exists())) {
-            return Err(Failure::Refused(format!(
-                "{} is there already; --force replaces it, --out FOLDER writes elsewhere",
+            return Err(Failure::Error(format!(
+                "{} already exists; replace it with --force, or use --out FOLDER",
                 file.display()
             )));
         }
-        std::fs::create_dir_all(&self.out)
-            .map_err(|e| Failure::Refused(format!("{}: can't make it: {e}", self.out.display())))?;
-        let mut said = String::new();
-        for (path, text) in planned {
-            write_file(&path, text.as_bytes())?;
-            said += &format!("wrote {}\n", path.display());
+        std::fs::create_dir_all(&self.out).map_err(|e| {
+            Failure::Error(format!(
+                "{}: cannot create the folder: {e}",
+                self.out.display()
+            ))
+        })?;
+        let mut text = String::new();
+        for (path, content) in planned {
+            write_file(&path, content.as_bytes())?;
+            text += &format!("wrote {}\n", path.display());
         }
         let count = written.operations;
-        said += &format!(
-            "A momentum pass takes {} sums, {} products and {} sines with their cosines.\n",
+        text += &format!(
+            "momentum pass: {} additions, {} multiplications, {} sine and cosine pairs\n",
             count.sums, count.products, count.turns
         );
-        answer(&said)?;
+        answer(&text)?;
         Ok(Finish::Complete)
     }
 }

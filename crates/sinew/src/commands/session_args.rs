@@ -1,4 +1,4 @@
-//! Options that `sinew baseline` and `sinew estimate --baseline` share.
+//! Options common to `sinew baseline` and `sinew estimate --baseline`.
 
 use crate::terminal::Failure;
 use clap::Args;
@@ -7,26 +7,31 @@ use sinew_estimate::session::{Payload, SessionError, SessionOptions, Touch, Wind
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 
-/// Which part of the recording.
+/// Evaluated part of the recording.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Part {
-    /// Use the recording from here on, s
+    /// Start of the evaluated interval, s
     #[arg(long = "from", value_name = "S", default_value_t = 0.0)]
     from_s: f64,
-    /// Use the recording up to here, s
+    /// End of the evaluated interval, s [default: end of the recording]
     #[arg(long = "to", value_name = "S")]
     to_s: Option<f64>,
-    /// A mark of robot.toml's anchors is passed then, s (repeatable); end stops are found by themselves
+    /// Time at which a joint passes an index mark of robot.toml, s (repeatable); stop contacts are
+    /// detected automatically
     #[arg(long = "touch", value_name = "JOINT@S", value_parser = crate::args::touch)]
     pub(crate) touches: Vec<Touch>,
 }
 
 impl Part {
-    /// The window, if it has a length.
+    /// Returns the evaluated interval.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the interval is empty or starts before the recording.
     pub(crate) fn window(&self) -> Result<Window, Failure> {
         stated::window(self.from_s, self.to_s).map_err(|_| {
-            Failure::Refused(format!(
-                "--from {} s --to {} s: the part must start at 0 s or later and end after its start",
+            Failure::Error(format!(
+                "--from {} s --to {} s: invalid interval; it must start at 0 s or later and end after its start",
                 self.from_s,
                 self.to_s.unwrap_or(f64::INFINITY)
             ))
@@ -38,59 +43,58 @@ impl Part {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Absolute estimate")]
 pub(crate) struct SessionArgs {
-    /// The gripper holds nothing (otherwise a payload is estimated along)
+    /// Gripper is empty [default: payload estimated]
     #[arg(long, conflicts_with = "payload_kg")]
     empty: bool,
-    /// The gripper holds this, kg, known to 2 % or as stated
-    #[arg(long, value_name = "KG[±KG]", value_parser = known_payload)]
+    /// Payload in the gripper, kg, ± standard deviation [default: 2 %]
+    #[arg(long, value_name = "KG[±KG]", value_parser = specified_payload)]
     payload_kg: Option<Payload>,
-    /// Temperature during the recording, where it isn't recorded; ± one standard deviation, 2 °C if
-    /// not stated
+    /// Temperature during the recording if not recorded, °C, ± standard deviation [default: 2 °C]
     #[arg(long, value_name = "C[±C]", value_parser = temperature, allow_negative_numbers = true)]
     temperature_c: Option<Gaussian>,
-    /// A constant force from outside at the tool, along x, y and z of the base; ± one standard deviation of each.
-    /// 0±2: there may be one. Otherwise one is estimated where the recording shows it
+    /// Constant external force at the tool along x, y and z of the base, N, ± standard deviation per
+    /// axis; 0±2 if unknown [default: estimated if detected]
     #[arg(long, value_name = "N[,N,N]±N", value_parser = external_force, allow_hyphen_values = true)]
     external_force_n: Option<Force>,
-    /// Leave a recorded motor torque out
+    /// Ignore a recorded motor torque
     #[arg(long)]
     no_motor_torque: bool,
-    /// Write what is known after this recording: the --baseline of the next one
+    /// Write the posterior as --baseline of the next session
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
-    /// List everything estimated along, believed before and after
+    /// List prior and posterior of all nuisance parameters
     #[arg(long)]
     pub(crate) nuisance: bool,
     #[command(flatten)]
     part: Part,
 }
 
-/// `0.5`, `0.5±0.02` or `0.5+-0.02`: mean and deviation, if one is given.
-fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
+/// Parses a mean with optional standard deviation: `0.5`, `0.5±0.02` or `0.5+-0.02`.
+fn with_std(text: &str) -> Result<(f64, Option<f64>), String> {
     let number = |text: &str| {
         let read = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        read.ok_or_else(|| format!("'{text}' is no number, as in 0.5±0.02"))
+        read.ok_or_else(|| format!("'{text}' is not a number; expected e.g. 0.5±0.02"))
     };
     match text.split_once('±').or_else(|| text.split_once("+-")) {
-        Some((mean, deviation)) => Ok((number(mean)?, Some(number(deviation)?))),
+        Some((mean, std)) => Ok((number(mean)?, Some(number(std)?))),
         None => Ok((number(text)?, None)),
     }
 }
 
-/// A force along the axes of the base, N. A type of its own: an argument's value is not an array's.
+/// Force along the axes of the base, N; a separate type, because clap does not parse arrays.
 #[derive(Debug, Clone, Copy)]
 struct Force([Gaussian; 3]);
 
-/// `0±2`, or `1,0,-3±0.5`: along all three axes alike only where that is nothing.
+/// Parses a force, `0±2` (all axes) or `1,0,-3±0.5`; a single mean must be zero.
 fn external_force(text: &str) -> Result<Force, String> {
-    let refuse = || format!("'{text}' is no force, as in 0±2 or 1,0,-3±0.5 (N)");
-    let (mean, deviation) = text
+    let error = || format!("'{text}' is not a force; expected e.g. 0±2 or 1,0,-3±0.5 (N)");
+    let (mean, std) = text
         .split_once('±')
         .or_else(|| text.split_once("+-"))
-        .ok_or_else(refuse)?;
+        .ok_or_else(error)?;
     let number = |text: &str| {
         let read = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        read.ok_or_else(refuse)
+        read.ok_or_else(error)
     };
     let means = mean
         .split(',')
@@ -99,27 +103,32 @@ fn external_force(text: &str) -> Result<Force, String> {
     let mean_n = match means[..] {
         [0.0] => [0.0; 3],
         [x, y, z] => [x, y, z],
-        _ => return Err(refuse()),
+        _ => return Err(error()),
     };
-    let force = stated::external_force(mean_n, number(deviation)?);
+    let force = stated::external_force(mean_n, number(std)?);
     force.map(Force).map_err(|e| e.to_string())
 }
 
-fn known_payload(text: &str) -> Result<Payload, String> {
-    let (mass_kg, deviation_kg) = with_deviation(text)?;
-    stated::payload(mass_kg, deviation_kg).map_err(|e| e.to_string())
+/// Parses a payload with optional standard deviation, kg.
+fn specified_payload(text: &str) -> Result<Payload, String> {
+    let (mass_kg, std_kg) = with_std(text)?;
+    stated::payload(mass_kg, std_kg).map_err(|e| e.to_string())
 }
 
-/// A temperature as a room thermometer tells it.
+/// Parses a temperature with optional standard deviation, °C.
 pub(crate) fn temperature(text: &str) -> Result<Gaussian, String> {
-    let (c, deviation_k) = with_deviation(text)?;
-    stated::temperature(c, deviation_k).map_err(|e| e.to_string())
+    let (c, std_k) = with_std(text)?;
+    stated::temperature(c, std_k).map_err(|e| e.to_string())
 }
 
 impl SessionArgs {
-    /// All of it is for the absolute estimate alone; nothing asked for is ignored.
-    pub(crate) fn refuse_all(&self, live: bool) -> Result<(), Failure> {
-        let asked = [
+    /// Checks that no option of the absolute estimate is specified for the uncorrected one.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] with the first such option.
+    pub(crate) fn check_unused(&self, online: bool) -> Result<(), Failure> {
+        let options = [
             ("--empty", self.empty),
             ("--payload-kg", self.payload_kg.is_some()),
             ("--temperature-c", self.temperature_c.is_some()),
@@ -130,32 +139,36 @@ impl SessionArgs {
             ("--from", self.part.from_s != 0.0),
             ("--to", self.part.to_s.is_some()),
             ("--touch", !self.part.touches.is_empty()),
-            ("--live", live),
+            ("--online", online),
         ];
-        match asked.into_iter().find(|(_, asked)| *asked) {
+        match options.into_iter().find(|(_, is_set)| *is_set) {
             None => Ok(()),
-            Some((option, _)) => Err(Failure::Refused(format!(
-                "{option} is for the absolute estimate, and the paper's knows nothing of it: add --method absolute, or leave {option} out"
+            Some((option, _)) => Err(Failure::Error(format!(
+                "{option} conflicts with the uncorrected (paper) estimate; add --method absolute, or remove {option}"
             ))),
         }
     }
 
-    /// The window, if it has a length.
+    /// Returns the evaluated interval.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the interval is empty or starts before the recording.
     pub(crate) fn window(&self) -> Result<Window, Failure> {
         self.part.window()
     }
 
-    /// Marks that are passed.
+    /// Index marks with their times.
     pub(crate) fn touches(&self) -> &[Touch] {
         &self.part.touches
     }
 
-    /// What is known of the session besides its recording.
+    /// Returns the options of the session estimate.
     pub(crate) fn options(&self) -> SessionOptions {
         SessionOptions {
             payload: match (self.empty, self.payload_kg) {
                 (true, _) => Payload::Empty,
-                (false, Some(known)) => known,
+                (false, Some(payload)) => payload,
                 (false, None) => Payload::Unknown,
             },
             motor_torque: !self.no_motor_torque,
@@ -166,7 +179,7 @@ impl SessionArgs {
     }
 }
 
-/// A baseline with its file's name, where one was given.
+/// Reads the baseline, if one is specified, and returns it with the name of its file.
 pub(crate) fn read_baseline(
     path: Option<&Path>,
 ) -> Result<Option<(Baseline, String)>, SessionError> {

@@ -1,18 +1,18 @@
-//! `sinew completions` and `sinew man`: what a shell and `man` know of Sinew.
+//! `sinew completions` and `sinew man`: shell completions and manual pages.
 
 use crate::terminal::{Failure, Finish, answer};
 use clap::{Args, Command};
 use clap_complete::Shell;
 use std::path::PathBuf;
 
-/// Print the completions for a shell
+/// Print shell completions
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew completions bash > ~/.local/share/bash-completion/completions/sinew\n  \
     sinew completions zsh > ~/.zfunc/_sinew\n  \
     sinew completions fish > ~/.config/fish/completions/sinew.fish")]
 pub(crate) struct Completions {
-    /// Shell
+    /// Shell for which completions are generated
     shell: Shell,
 }
 
@@ -26,13 +26,13 @@ impl Completions {
     }
 }
 
-/// Print the manual page, or write one for every command
+/// Print the manual page, or write one page per command
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew man | man -l -\n  \
     sinew man --out ~/.local/share/man/man1")]
 pub(crate) struct Man {
-    /// Write a page for each command into this folder
+    /// Folder for one manual page per command
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -45,8 +45,8 @@ impl Man {
             return Ok(Finish::Complete);
         };
         if !folder.is_dir() {
-            return Err(Failure::Refused(format!(
-                "--out {}: no such folder",
+            return Err(Failure::Error(format!(
+                "--out {}: folder not found",
                 folder.display()
             )));
         }
@@ -67,7 +67,7 @@ impl Man {
     }
 }
 
-/// A command's page.
+/// Renders the manual page of a command.
 fn page(command: Command) -> Result<Vec<u8>, Failure> {
     let mut page = Vec::new();
     clap_mangen::Man::new(command).render(&mut page)?;

@@ -1,4 +1,4 @@
-//! `sinew simulate`: recordings with a known truth.
+//! `sinew simulate`: simulated recordings with known truth.
 
 use super::simulate_control::render;
 use crate::args::{Choice, choice, positive};
@@ -13,39 +13,39 @@ use sinew_sim::control::{self, Comparison, Simulated};
 use sinew_sim::{Scenario, SimulateOptions, Summary, truth_path};
 use std::path::{Path, PathBuf};
 
-/// Make a recording of a joint-elastic arm whose tendons stretch
+/// Simulate a recording of a joint-elastic arm with elongating tendons
 ///
-/// The truth (offsets, stiffness, payload, contacts) is written beside the recording as
-/// NAME.truth.json. Same robot, scenario and seed: the same bytes.
+/// The truth (offsets, stiffness, payload, contacts) is written to NAME.truth.json next to the
+/// recording. Equal robot, scenario and seed give identical files.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sinew simulate examples/scenarios/stretched-arm.toml --out stretched.mcap --seed 7")]
 pub(crate) struct Simulate {
     /// Scenario, TOML
     scenario: PathBuf,
-    /// Robot's folder [default: the one the scenario names]
+    /// Robot folder [default: from the scenario]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// Recording to write; .mcap, .parquet or .csv
+    /// Output recording; .mcap, .parquet or .csv
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Seed of everything drawn [default: the scenario's]
+    /// Random seed [default: from the scenario]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Length, s [default: the scenario's]
+    /// Duration, s [default: from the scenario]
     #[arg(long, value_name = "S", value_parser = positive("s"), allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Compression of an MCAP
+    /// Compression of an MCAP file
     #[arg(long, value_parser = choice(&PACKINGS), default_value = "zstd")]
     compression: Compression,
-    /// Run it without and with its correction section, and say how far the joints are from where they
-    /// should be and which contacts are missed or false
+    /// Simulate without and with the correction of the scenario, and report position errors and
+    /// missed and false contacts
     #[arg(long)]
     control: bool,
-    /// Print one JSON document (the truth) instead of a line
+    /// Print one JSON document (the truth) instead of text
     #[arg(long)]
     json: bool,
-    /// No progress and no warnings on stderr
+    /// Suppress warnings and progress on stderr
     #[arg(long)]
     quiet: bool,
 }
@@ -53,7 +53,7 @@ pub(crate) struct Simulate {
 const PACKINGS: [Choice<Compression>; 3] = [
     ("zstd", "Smaller", Compression::Zstd),
     ("lz4", "Faster", Compression::Lz4),
-    ("none", "Not compressed", Compression::None),
+    ("none", "Uncompressed", Compression::None),
 ];
 
 impl Simulate {
@@ -76,7 +76,7 @@ impl Simulate {
         let mut options = SimulateOptions::new(&self.out);
         options.robot_description = Some(loaded.urdf_text.clone());
         options.compression = self.compression;
-        // Before anything is written: a scenario without a correction is refused.
+        // Checked before anything is written: a scenario without correction is invalid.
         let comparison = match self.control {
             true => Some(control::compare(&loaded.robot, &scenario)?),
             false => None,
@@ -91,7 +91,7 @@ impl Simulate {
         Ok(Finish::Complete)
     }
 
-    /// What is simulated, and the folder of its robot.
+    /// Reads the scenario, and returns it with its robot folder.
     fn opened(&self) -> Result<(Scenario, PathBuf), Failure> {
         let name = self.scenario.display().to_string();
         let mut scenario = Scenario::open(&self.scenario)?;
@@ -101,13 +101,13 @@ impl Simulate {
         if self.duration.is_some() {
             scenario.duration_s = self.duration;
         }
-        let beside = self.scenario.parent().unwrap_or(Path::new(""));
+        let folder = self.scenario.parent().unwrap_or(Path::new(""));
         let folder = match (&self.robot, &scenario.robot) {
             (Some(folder), _) => folder.clone(),
-            (None, Some(named)) => beside.join(named),
+            (None, Some(named)) => folder.join(named),
             (None, None) => {
-                return Err(Failure::Refused(format!(
-                    "{name} names no robot; name its folder with --robot DIR"
+                return Err(Failure::Error(format!(
+                    "{name}: robot missing; specify --robot DIR"
                 )));
             }
         };
@@ -126,7 +126,7 @@ impl Simulate {
                 answer(&(render(comparison) + "\n"))?;
             }
             answer(&format!(
-                "{}: {} s, {} frames, {:.1} MB; its truth is {}\n",
+                "{}: {} s, {} frames, {:.1} MB; truth: {}\n",
                 summary.out.display(),
                 summary.duration_s,
                 summary.frames.written,

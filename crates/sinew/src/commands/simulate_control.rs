@@ -1,27 +1,27 @@
-//! Joint position and contacts without and with correction, as text.
+//! Position errors and contacts without and with correction, as text.
 
 use sinew_report::text::{indented, plain, table};
 use sinew_sim::control::{Comparison, Score};
 
-/// Two tables of at most 80 columns.
+/// Renders the comparison as two tables of at most 80 columns.
 pub(super) fn render(comparison: &Comparison) -> String {
     let head = [
         "joint",
-        "stretch",
-        "at rest\nmrad",
-        "overall\nmrad",
-        "peak\nmrad",
-        "false torque\nN·m",
-        "threshold\nN·m",
+        "elongation",
+        "at rest\n(mrad)",
+        "overall\n(mrad)",
+        "peak\n(mrad)",
+        "torque error\n(N·m)",
+        "threshold\n(N·m)",
     ];
     let both = [
-        ("unknown", &comparison.without),
-        ("known", &comparison.with),
+        ("uncorrected", &comparison.without),
+        ("corrected", &comparison.with),
     ];
     let number = |v: f64| sinew_figure::rounded(v, 2);
     let mut rows = Vec::new();
     for (i, joint) in comparison.with.joints.iter().enumerate() {
-        for (k, (known, score)) in both.iter().enumerate() {
+        for (k, (correction, score)) in both.iter().enumerate() {
             let Some(j) = score.joints.get(i) else {
                 continue;
             };
@@ -31,7 +31,7 @@ pub(super) fn render(comparison: &Comparison) -> String {
                 } else {
                     String::new()
                 },
-                (*known).into(),
+                (*correction).into(),
                 number(1e3 * j.rest_rms_rad),
                 number(1e3 * j.rms_rad),
                 number(1e3 * j.peak_rad),
@@ -43,17 +43,17 @@ pub(super) fn render(comparison: &Comparison) -> String {
     let mut out = table(&head, rows, 2);
     out.push('\n');
     let head = [
-        "stretch",
+        "elongation",
         "contacts",
         "missed",
-        "delay\nms",
+        "delay\n(ms)",
         "false\nalarms",
-        "false alarm\n% of free time",
+        "false alarm time\n(% of contact-free time)",
     ];
-    let contacts = |known: &str, s: &Score| {
+    let contacts = |correction: &str, s: &Score| {
         let c = &s.contacts;
         vec![
-            known.into(),
+            correction.into(),
             c.contacts.to_string(),
             c.missed.to_string(),
             number(1e3 * c.delay_median_s()),
@@ -61,11 +61,14 @@ pub(super) fn render(comparison: &Comparison) -> String {
             number(100.0 * c.false_share()),
         ]
     };
-    let rows = both.iter().map(|(known, s)| contacts(known, s)).collect();
+    let rows = both
+        .iter()
+        .map(|(correction, s)| contacts(correction, s))
+        .collect();
     out.push_str(&table(&head, rows, 1));
     out.push('\n');
     out.push_str(&indented(
-        "RMS of q − q_d without contacts; at rest: asked to stand for 0.7 s. Missed: no alarm began during the contact. Median delay.",
+        "Position error: RMS of q − q_d without contacts; at rest: commanded rest of at least 0.7 s. Missed: no alarm started during the contact. Delay: median.",
         2,
         2,
     ));

@@ -52,7 +52,7 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
     motor_interface_ = parameter("motor_interface");
     robot_.emplace(sinew::robot::of(text_of(parameter("robot_toml")), get_robot_description()));
     offsets_.emplace(*robot_, text_of(parameter("baseline")));
-    // Solves beside the updates, in a thread that is no realtime one, as this is none.
+    // Solves concurrently with the updates, in a non-realtime thread, because the present thread is not a realtime thread.
     offsets_->start_worker();
   } catch (const std::exception & error) {
     RCLCPP_ERROR(get_node()->get_logger(), "%s", error.what());
@@ -66,7 +66,7 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
   for (std::size_t i = 0; i < joints; ++i) {
     message_.joint_names.push_back(robot_->joint_name(i));
     auto & values = message_.interface_values.emplace_back();
-    values.interface_names = {"offset", "offset_deviation", "elongation", "provisional", "age"};
+    values.interface_names = {"offset", "offset_std", "elongation", "provisional", "age"};
     values.values.assign(values.interface_names.size(), ABSENT);
   }
   publisher_ = get_node()->create_publisher<Message>("~/offsets", rclcpp::SystemDefaultsQoS());
@@ -81,7 +81,7 @@ InterfaceConfiguration OffsetBroadcaster::command_interface_configuration() cons
 
 InterfaceConfiguration OffsetBroadcaster::state_interface_configuration() const
 {
-  // A rigid joint has no motor side: what there is of both is lent.
+  // A rigid joint has no motor side, so available interfaces suffice.
   InterfaceConfiguration wanted{interface_configuration_type::INDIVIDUAL_BEST_EFFORT, {}};
   for (const auto & joint : message_.joint_names) {
     wanted.names.push_back(joint + "/" + joint_interface_);
@@ -113,12 +113,12 @@ CallbackReturn OffsetBroadcaster::on_activate(const rclcpp_lifecycle::State &)
       return CallbackReturn::ERROR;
     }
   }
-  // The arm may have been moved meanwhile.
+  // The arm may have moved while the controller was inactive.
   offsets_->interrupt();
   return CallbackReturn::SUCCESS;
 }
 
-// Realtime: nothing allocates; the message has its size since on_configure.
+// Realtime: no allocation; on_configure has set the size of the message.
 return_type OffsetBroadcaster::update(const rclcpp::Time & time, const rclcpp::Duration & period)
 {
   const auto value = [this](std::size_t place) {
@@ -128,11 +128,11 @@ return_type OffsetBroadcaster::update(const rclcpp::Time & time, const rclcpp::D
     q_rad_[i] = value(q_at_[i]);
     theta_rad_[i] = value(theta_at_[i]);
   }
-  sinew_stepped stepped = SINEW_STEPPED_TAKEN;
+  sinew_stepped stepped = SINEW_STEPPED_ACCEPTED;
   const sinew_status status =
     offsets_->step(period.seconds(), q_rad_.data(), theta_rad_.data(), nullptr, ABSENT, &stepped);
-  // A sample that lacks something is refused and harms nothing.
-  if (status != SINEW_STATUS_OK && status != SINEW_STATUS_REFUSED) {
+  // An incomplete sample is rejected and leaves the estimate unchanged.
+  if (status != SINEW_STATUS_OK && status != SINEW_STATUS_REJECTED) {
     return return_type::ERROR;
   }
   if (stepped != SINEW_STEPPED_BLOCK) {
@@ -142,7 +142,7 @@ return_type OffsetBroadcaster::update(const rclcpp::Time & time, const rclcpp::D
   if (offsets_->read(&answer, of_joints_.data()) != SINEW_STATUS_OK) {
     return return_type::ERROR;
   }
-  // Blocks that the answer does not contain yet add to its age.
+  // Blocks that are not yet in the answer add to its age.
   constexpr double BLOCK_S = 0.2;
   const double age_s = answer.time_s - answer.solved_s + BLOCK_S * static_cast<double>(answer.blocks_behind);
   message_.header.stamp = time;
@@ -150,7 +150,7 @@ return_type OffsetBroadcaster::update(const rclcpp::Time & time, const rclcpp::D
     const sinew_offset & offset = of_joints_[i];
     auto & values = message_.interface_values[i].values;
     values[0] = offset.offset_rad;
-    values[1] = offset.deviation_rad;
+    values[1] = offset.std_rad;
     values[2] = robot_->elongation_m(i, offset.offset_rad);
     values[3] = offset.provisional;
     values[4] = age_s;

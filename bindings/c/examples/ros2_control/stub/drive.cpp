@@ -41,7 +41,7 @@ int main(int count, char ** arguments)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   };
 
-  // The joint side and the motor side of a joint stand beside each other.
+  // The interfaces of the joint side and the motor side of a joint are adjacent.
   const auto wanted = broadcaster.state_interface_configuration().names;
   std::vector<double> values(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {

@@ -1,4 +1,4 @@
-//! The robots and what is known of them.
+//! Robots of the control study and the corrections specified for them.
 
 use super::super::PaperError;
 use super::super::row::{Knowledge, Range, RobotCase, Row, RowJoint};
@@ -10,22 +10,23 @@ use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_sim::control::{ContactScore, JointScore, Outcome, noise_nm, run_with_detectors};
 use sinew_sim::scenario::{
-    Bound, ContactDetection, Correction, Draw, Encoder, FrictionSpec, KnownOffset, Motion, Offset,
-    OffsetKind, PerJoint, RandomContacts, Scenario, SetPointKind, Shape, Truth,
+    Bound, ContactDetection, Correction, Draw, Encoder, FrictionSpec, Motion, Offset, OffsetKind,
+    PerJoint, RandomContacts, Scenario, SetPointKind, Shape, SpecifiedOffset, Truth,
 };
 
-/// Joints whose ropes have stretched.
+/// Joints with stretched ropes.
 pub(super) const STRETCHED: [&str; 2] = ["shoulder_pitch", "elbow"];
-/// By how much, rad.
+/// Offset of their ropes, rad.
 pub(super) const OFFSET_RAD: f64 = 0.010;
 /// Error of an estimated offset, rad (standard deviation): above the 0.30 and 0.32 mrad that
 /// `sinew estimate --baseline` reached in sixty work sessions.
 pub(super) const ESTIMATE_RAD: f64 = 0.000_35;
-/// Deviation of it that the detector has: intervals of `sinew estimate` are on the wide side.
+/// Standard deviation of the offset that the detector assumes, rad; it is larger than the error, as in `sinew
+/// estimate`, whose intervals are conservative.
 pub(super) const DETECTOR_DEVIATION_RAD: f64 = 0.000_5;
 /// Error of an estimated stiffness, share.
 pub(super) const STIFFNESS_ERROR: f64 = 0.02;
-/// Factors on the detection threshold, from nervous to deaf.
+/// Factors on the detection threshold, from the most sensitive to the least sensitive.
 pub(super) const FACTORS: [f64; 14] = [
     0.25, 0.35, 0.5, 0.7, 0.85, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0,
 ];
@@ -58,7 +59,7 @@ pub(super) const CASES: [(RobotCase, Knowledge); 20] = {
     ]
 };
 
-/// A working day's minute: random poses, contacts, real sensors.
+/// One minute of work: random poses, contacts, realistic sensors.
 pub(super) fn session(
     robot: &Robot,
     case: RobotCase,
@@ -110,7 +111,7 @@ pub(super) fn session(
         },
         random_contacts: Some(RandomContacts {
             fraction: 0.15,
-            // Behind the wrist: only joints with stretched ropes (and the yaw) can feel it.
+            // Behind the wrist: it acts only on joints with stretched ropes (and the yaw).
             link: "forearm".into(),
             line: 0,
             point_m: [0.0, 0.0, -0.31],
@@ -130,7 +131,7 @@ pub(super) fn session(
     }
 }
 
-/// A rope that is longer by [`OFFSET_RAD`] from the start.
+/// Offset of [`OFFSET_RAD`] from the start.
 pub(super) fn stretch(joint: &str) -> Offset {
     Offset {
         joint: joint.into(),
@@ -142,7 +143,7 @@ pub(super) fn stretch(joint: &str) -> Offset {
     }
 }
 
-/// Drawn anew for every joint and seed.
+/// Independent draw for every joint and seed.
 fn spread(std: f64) -> PerJoint {
     PerJoint {
         all: Some(Draw::Normal {
@@ -157,27 +158,27 @@ fn spread(std: f64) -> PerJoint {
 fn detection(knowledge: Knowledge) -> ContactDetection {
     let mut detection = ContactDetection::default();
     if knowledge == Knowledge::EstimateAndTolerances {
-        detection.mass_deviation = 0.05;
+        detection.mass_std = 0.05;
     }
     detection
 }
 
 fn correction(case: RobotCase, knowledge: Knowledge) -> Correction {
-    // Without an estimate the ropes are believed to be as they were.
+    // Without an estimate the ropes are assumed to be nominal.
     let mut out = Correction {
-        offset_deviation_rad: PerJoint::fixed(DETECTOR_DEVIATION_RAD),
+        offset_std_rad: PerJoint::fixed(DETECTOR_DEVIATION_RAD),
         ..Correction::default()
     };
     match knowledge {
         Knowledge::Nothing => return out,
         Knowledge::True => {
-            out.offset = KnownOffset::True;
-            out.offset_deviation_rad = PerJoint::fixed(0.0);
+            out.offset = SpecifiedOffset::True;
+            out.offset_std_rad = PerJoint::fixed(0.0);
             return out;
         }
         Knowledge::TrueAndDynamics => {
-            out.offset = KnownOffset::True;
-            out.offset_deviation_rad = PerJoint::fixed(0.0);
+            out.offset = SpecifiedOffset::True;
+            out.offset_std_rad = PerJoint::fixed(0.0);
             out.set_point = SetPointKind::Dynamic;
             return out;
         }
@@ -185,7 +186,7 @@ fn correction(case: RobotCase, knowledge: Knowledge) -> Correction {
         | Knowledge::EstimateAndStiffness
         | Knowledge::EstimateAndTolerances => {}
     }
-    out.offset = KnownOffset::True;
+    out.offset = SpecifiedOffset::True;
     out.offset_error_rad = spread(ESTIMATE_RAD);
     if knowledge == Knowledge::EstimateAndStiffness {
         out.stiffness_factor = PerJoint {
@@ -196,10 +197,10 @@ fn correction(case: RobotCase, knowledge: Knowledge) -> Correction {
             }),
             by_joint: Vec::new(),
         };
-        out.stiffness_deviation = PerJoint::fixed(STIFFNESS_ERROR * case.stiffness_factor());
+        out.stiffness_std = PerJoint::fixed(STIFFNESS_ERROR * case.stiffness_factor());
     }
     if knowledge == Knowledge::EstimateAndTolerances {
-        out.stiffness_deviation = PerJoint::fixed(0.1);
+        out.stiffness_std = PerJoint::fixed(0.1);
     }
     out
 }
@@ -243,7 +244,7 @@ fn row(robot: RobotCase, knowledge: Knowledge, outcomes: &[Outcome], joints: [us
         let all: Vec<f64> = outcomes.iter().map(|o| of(&o.score.joints[i])).collect();
         Gaussian {
             mean: mean(&all),
-            deviation: sample_std(&all),
+            std: sample_std(&all),
         }
     };
     let mut contacts = outcomes[0].score.contacts.clone();

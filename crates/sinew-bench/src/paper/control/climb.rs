@@ -1,4 +1,4 @@
-//! The paper's motion with a longer rope, and what closed forms say about it.
+//! The paper's motion with a longer rope, and its closed-form solution.
 
 use super::super::PaperError;
 use super::super::staircase::{LENGTH_S, REST_WINDOW_S, controller, motion, rest_end_s};
@@ -7,18 +7,18 @@ use super::cases::{DETECTOR_DEVIATION_RAD, OFFSET_RAD, STRETCHED, stretch};
 use sinew_model::robot::Robot;
 use sinew_sim::control::run_with_detectors;
 use sinew_sim::scenario::{
-    Contact, Correction, FrictionSpec, KnownOffset, PerJoint, Scenario, SetPointKind,
+    Contact, Correction, FrictionSpec, PerJoint, Scenario, SetPointKind, SpecifiedOffset,
 };
 
-/// How long the arm goes on standing at 90° after the motion, s.
+/// Time that the arm remains at 90° after the motion, s.
 const AFTER_S: f64 = 2.5;
 /// Length of a run, s.
 pub(super) const RUN_S: f64 = LENGTH_S + AFTER_S;
-/// A touch while it stands there: from, for, s, and how hard, N.
+/// Contact during the final rest: start and duration, s, and force, N.
 pub(super) const TOUCH_S: (f64, f64) = (LENGTH_S + 0.5, 0.5);
 pub(super) const TOUCH_N: f64 = 0.5;
 
-/// One run: of the shoulder over time, and of both joints at rest.
+/// Signals of one run: both joints over time and at rest.
 #[derive(Debug, Clone)]
 pub(super) struct Climb {
     pub(super) name: &'static str,
@@ -27,7 +27,7 @@ pub(super) struct Climb {
     pub(super) error_rad: [Vec<f64>; 2],
     /// Estimated external torque, N·m.
     pub(super) tau_ext_nm: [Vec<f64>; 2],
-    /// Its threshold, N·m.
+    /// Detection threshold of each joint, N·m.
     pub(super) threshold_nm: [Vec<f64>; 2],
 }
 
@@ -44,13 +44,17 @@ impl Climb {
     }
 }
 
-/// New ropes, stretched and uncorrected, stretched and corrected.
+/// Simulates the motion with new ropes, and with stretched ropes before and after correction.
 pub(super) fn climbs(robot: &Robot, joints: [usize; 2]) -> Result<[Climb; 3], PaperError> {
     let one = |name, stretched: bool, offset| climb(robot, joints, name, stretched, offset);
     Ok([
-        one("new ropes", false, KnownOffset::Nothing)?,
-        one("10 mrad longer, uncorrected", true, KnownOffset::Nothing)?,
-        one("10 mrad longer, corrected", true, KnownOffset::True)?,
+        one("new ropes", false, SpecifiedOffset::Nothing)?,
+        one(
+            "10 mrad longer, uncorrected",
+            true,
+            SpecifiedOffset::Nothing,
+        )?,
+        one("10 mrad longer, corrected", true, SpecifiedOffset::True)?,
     ])
 }
 
@@ -59,7 +63,7 @@ fn climb(
     joints: [usize; 2],
     name: &'static str,
     stretched: bool,
-    offset: KnownOffset,
+    offset: SpecifiedOffset,
 ) -> Result<Climb, PaperError> {
     let mut frictionless = robot.clone();
     for t in frictionless.transmissions.iter_mut().flatten() {
@@ -79,8 +83,8 @@ fn climb(
             .collect(),
         correction: Correction {
             offset,
-            offset_deviation_rad: PerJoint::fixed(DETECTOR_DEVIATION_RAD),
-            // Without it the arm swings after each move, and nothing here would damp that.
+            offset_std_rad: PerJoint::fixed(DETECTOR_DEVIATION_RAD),
+            // Without it the arm oscillates undamped after each move.
             set_point: SetPointKind::Dynamic,
             ..Correction::default()
         },
@@ -122,7 +126,7 @@ fn climb(
     Ok(out)
 }
 
-/// False torque an uncorrected offset makes, `−K delta_e`, N·m.
+/// False torque of an uncorrected offset, `−K delta_e`, N·m.
 pub(super) fn false_torque_nm(stiffness_nm_per_rad: f64) -> f64 {
     -stiffness_nm_per_rad * OFFSET_RAD
 }

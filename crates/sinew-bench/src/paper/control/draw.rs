@@ -40,7 +40,7 @@ pub(super) fn panels(climbs: &[Climb; 3]) -> Vec<PanelData> {
 }
 
 pub(super) fn figure(climbs: &[Climb; 3], rows: &[Row]) -> Figure {
-    Figure::new("Stretched ropes: what the controller and collision detection see")
+    Figure::new("Effect of stretched ropes on controller and collision detection")
         .subtitle("Ropes of shoulder pitch and elbow 10 mrad longer; before and after correction")
         .size(1120.0, 900.0)
         .columns(2)
@@ -99,8 +99,8 @@ fn trade_off(rows: &[Row]) -> Panel {
     ];
     let mut panel = Panel::new(
         "Contacts missed (solid), false alarm (dashed)",
-        "threshold (1: as it should be)",
-        "% of the contacts, % of the free time",
+        "threshold (1: nominal)",
+        "% of the contacts, % of the contact-free time",
     )
     .x_range(0.0, FACTORS.iter().fold(0.0, |a, f| f.max(a)))
     .y_range(-2.0, 102.0);
@@ -129,16 +129,16 @@ fn trade_off(rows: &[Row]) -> Panel {
 
 /// Error at rest of every row in which the set-point is another one.
 fn at_rest(rows: &[Row]) -> Panel {
-    // Tolerances of the detector don't move the arm.
+    // Tolerances of the detector do not affect the motion.
     let moves = |r: &&Row| r.knowledge != Knowledge::EstimateAndTolerances;
     let shown: Vec<&Row> = rows.iter().filter(moves).collect();
-    let spread_mrad = |r: &Row| 1e3 * r.joints[0].rest_rad.deviation;
+    let spread_mrad = |r: &Row| 1e3 * r.joints[0].rest_rad.std;
     let right = shown
         .iter()
         .map(|r| r.rest_mrad(0) + spread_mrad(r))
         .fold(0.0, f64::max);
     let mut panel = Panel::new(
-        "Error at rest, shoulder pitch (bars: one σ of the sessions either way)",
+        "Error at rest, shoulder pitch (bars: ± one σ of the sessions)",
         "RMS of q − q_{d} (mrad)",
         "row, from below",
     )

@@ -5,10 +5,10 @@ use sinew_figure::Table;
 use sinew_model::Gaussian;
 use std::fmt::Write as _;
 
-/// Headings of [`table`]; units stand in the last line.
+/// Headings of [`table`]; the last line contains the units.
 const HEAD: [&str; 9] = [
     "robot",
-    "known",
+    "correction",
     "pitch\nat rest\nmrad",
     "elbow\nat rest\nmrad",
     "pitch\noverall\nmrad",
@@ -39,7 +39,7 @@ pub fn table(rows: &[Row]) -> (Vec<&'static str>, Vec<Vec<String>>) {
     (HEAD.to_vec(), cells)
 }
 
-/// With so many decimals, without a minus before zeros; a dash for nothing.
+/// Formats a value with this number of decimals, without a minus before zeros; a dash for a missing value.
 fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "–".into();
@@ -57,12 +57,12 @@ fn number(value: f64, decimals: usize) -> String {
 pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
     let head = [
         "robot",
-        "known",
+        "correction",
         "at rest, mrad",
         "overall, mrad",
         "false torque, N·m",
         "threshold, N·m",
-        "false alarm, % of free time",
+        "false alarm, % of contact-free time",
         "false alarms per min",
         "missed, %",
         "delay, ms",
@@ -71,7 +71,7 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
     let spread = |r: &Row, of: fn(&RowJoint) -> Gaussian| {
         let [a, b] = [0, 1].map(|i| {
             let g = of(&r.joints[i]);
-            format!("{:.1} (σ {:.1})", 1e3 * g.mean, 1e3 * g.deviation)
+            format!("{:.1} (σ {:.1})", 1e3 * g.mean, 1e3 * g.std)
         });
         format!("{a}; {b}")
     };
@@ -100,8 +100,8 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
                     range(c.missed_share(), &r.missed_share, 0),
                     number(r.delay_median_ms(), 0),
                 ]
-            })).worded(&["known"]).captioned(format!(
-            "Before and after. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; σ: standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
+            })).worded(&["correction"]).captioned(format!(
+            "Before and after correction. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; σ: standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
         ))
 }
 
@@ -118,9 +118,9 @@ pub(in super::super) fn csv(rows: &[Row]) -> String {
             r.robot.name(),
             r.knowledge.name(),
             r.rest_mrad(0),
-            1e3 * r.joints[0].rest_rad.deviation,
+            1e3 * r.joints[0].rest_rad.std,
             r.rest_mrad(1),
-            1e3 * r.joints[1].rest_rad.deviation,
+            1e3 * r.joints[1].rest_rad.std,
             r.overall_mrad(0),
             r.overall_mrad(1),
             r.joints[0].false_torque_nm,

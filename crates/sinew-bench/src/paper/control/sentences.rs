@@ -1,4 +1,4 @@
-//! Sentences on stretched ropes, judged.
+//! Assessed statements on stretched ropes.
 
 use super::super::row::{Knowledge, RobotCase, Row};
 use super::super::sentence::{Sentence, Unit, below, near};
@@ -9,8 +9,11 @@ use super::climb::{Climb, false_torque_nm};
 
 const JOINTS: [&str; 2] = ["shoulder", "elbow"];
 
-/// What the paper says that elongation spoils.
-pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -> [Sentence; 2] {
+/// Returns the paper's statements on position and torque errors due to elongation.
+pub(in super::super) fn elongation_errors(
+    blind: &Climb,
+    stiffness_nm_per_rad: [f64; 2],
+) -> [Sentence; 2] {
     let least = |values: &[Vec<f64>; 2]| -> Vec<f64> {
         values
             .iter()
@@ -30,16 +33,16 @@ pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -
     let half = 0.5e3 * OFFSET_RAD;
     [
         Sentence::added(
-            "Elongation spoils the position of the joint.",
-            format!("with ropes 10 mrad longer shoulder and elbow each stop at least {half} mrad beside the wanted position at 90°"),
+            "Elongation causes an error of the joint position.",
+            format!("with ropes 10 mrad longer shoulder and elbow each stop at least {half} mrad from the desired position at 90°"),
             short,
             Unit::Rad,
             short >= half,
         )
         .of_paper(),
         Sentence::added(
-            "Elongation spoils the torque that the robot feels.",
-            "the shoulder's false torque; shoulder and elbow each feel at least half of K delta_e that isn't there, at rest at 90°",
+            "Elongation causes an error of the sensed torque.",
+            "the shoulder's false torque; shoulder and elbow each sense a false torque of at least half of K delta_e, at rest at 90°",
             torques[0],
             Unit::Nm,
             share >= 0.5,
@@ -62,18 +65,18 @@ pub(super) fn climbing(
     let as_new = difference(&positions, &rests(new, &new.error_rad));
     let torques = rests(corrected, &corrected.tau_ext_nm);
     let mut out = Vec::new();
-    out.extend(spoiled(blind, stiffness_nm_per_rad));
+    out.extend(elongation_errors(blind, stiffness_nm_per_rad));
     for (slot, (joint, k)) in JOINTS.into_iter().zip(stiffness_nm_per_rad).enumerate() {
         out.push(near(
-            format!("A rope 10 mrad longer leaves the {joint} 10 mrad short at 90°."),
-            "by hand: (1 + g'(1/K + 1/K_P)) e = −delta_e, and g' = 0 where the arm is level",
+            format!("A rope 10 mrad longer makes the {joint} stop 10 mrad short at 90°."),
+            "analytic: (1 + g'(1/K + 1/K_P)) e = −delta_e, and g' = 0 where the arm is level",
             1e3 * blind.at_rest(&blind.error_rad[slot], STEPS),
             -1e3 * OFFSET_RAD,
             0.02,
             Unit::Rad,
         ));
         out.push(near(
-            format!("The {joint} feels a contact of −K delta_e that isn't there."),
+            format!("The {joint} senses a false contact of −K delta_e."),
             &format!("{k} N·m/rad · 10 mrad; at rest at 90°"),
             blind.at_rest(&blind.tau_ext_nm[slot], STEPS),
             false_torque_nm(k),
@@ -82,21 +85,21 @@ pub(super) fn climbing(
         ));
     }
     out.push(below(
-        "With theta_set = q_d + x(tau_d) + delta_e the joints reach the wanted position",
-        "largest mean error over five rests and both joints, as in Fig. 6; what remains is the swing after a move",
+        "With theta_set = q_d + x(tau_d) + delta_e the joints reach the desired position",
+        "largest mean error over five rests and both joints, as in Fig. 6; the remainder is the oscillation after a move",
         1e3 * peak(&positions),
         0.1,
         Unit::Rad,
     ));
     out.push(below(
         "as they do with new ropes.",
-        "largest difference from new ropes; by hand: none at all",
+        "largest difference from new ropes; analytic: zero",
         1e3 * peak(&as_new),
         1e-3,
         Unit::Rad,
     ));
     out.push(below(
-        "With the corrected torque nothing seems to touch.",
+        "With the corrected torque there is no false contact.",
         "largest mean external torque over five rests and both joints",
         peak(&torques),
         0.001,
@@ -105,7 +108,7 @@ pub(super) fn climbing(
     out
 }
 
-/// What the table says.
+/// Returns the statements on the table.
 pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
     use Knowledge::{
         Estimate, EstimateAndStiffness, EstimateAndTolerances, Nothing, True, TrueAndDynamics,
@@ -116,7 +119,7 @@ pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
         rows.iter().find(is)
     };
     let mut out = Vec::new();
-    let (Some(new), Some(blind), Some(known), Some(dynamic), Some(estimate)) = (
+    let (Some(new), Some(blind), Some(corrected), Some(dynamic), Some(estimate)) = (
         row(NewRopes, Nothing),
         row(Stretched, Nothing),
         row(Stretched, True),
@@ -125,7 +128,7 @@ pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
     ) else {
         return out;
     };
-    position(&mut out, new, blind, known, dynamic, estimate);
+    position(&mut out, new, blind, corrected, dynamic, estimate);
     contacts(&mut out, new, blind, estimate);
     for robot in [Softer, Stiffer] {
         let deflection_mrad = 1e3 * deflection_rad / robot.stiffness_factor();
@@ -135,7 +138,7 @@ pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
         };
         let (robot, left) = (robot.name(), STIFFNESS_ERROR * deflection_mrad);
         out.push(Sentence::added(
-            format!("{robot}: correcting the offset alone is not enough; with the stiffness estimated along it is."),
+            format!("{robot}: correcting the offset alone is not enough; with the stiffness estimated jointly it is."),
             format!(
                 "rest error of the shoulder with both at most new ropes' {:.1} plus {left:.1} mrad ({:.0} % of the spring's largest deflection), and at most half of that with the offset alone ({:.1} mrad)",
                 new.rest_mrad(0), 100.0 * STIFFNESS_ERROR, offset.rest_mrad(0)
@@ -151,7 +154,7 @@ pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
             continue;
         };
         out.push(Sentence::added(
-            format!("{}: the wrong model and the stretch hide each other; correcting the offset alone uncovers the model's error.", robot.name()),
+            format!("{}: model error and elongation compensate each other; correcting the offset alone reveals the model error.", robot.name()),
             format!(
                 "rest error of the shoulder larger with the offset corrected than without ({:.1} mrad)",
                 before.rest_mrad(0)
@@ -170,8 +173,8 @@ pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
             continue;
         };
         out.push(Sentence::added(
-            format!("{}: the false contact stays when the offset is corrected; a threshold told of the tolerances stays quiet.", robot.name()),
-            format!("false alarm at most 2 % of the free time with tolerances (offset corrected without them: {:.1} %, uncorrected: {:.1} %)", after.false_percent(), before.false_percent()),
+            format!("{}: the false contact remains when the offset is corrected; a threshold that includes the tolerances gives no alarm.", robot.name()),
+            format!("false alarm for at most 2 % of the contact-free time with tolerances (offset corrected without them: {:.1} %, uncorrected: {:.1} %)", after.false_percent(), before.false_percent()),
             tolerant.false_percent(),
             Unit::ShareOfFreeTime,
             tolerant.false_percent() <= 2.0,
@@ -184,16 +187,16 @@ fn position(
     out: &mut Vec<Sentence>,
     new: &Row,
     blind: &Row,
-    known: &Row,
+    corrected: &Row,
     dynamic: &Row,
     estimate: &Row,
 ) {
     for (slot, joint) in ["shoulder pitch", "elbow"].into_iter().enumerate() {
         out.push(Sentence::added(
-            format!("At work, correcting with the estimate brings the {joint} at rest back to where it is with new ropes."),
+            format!("During work, correction with the estimate restores the {joint} position at rest to that with new ropes."),
             format!(
                 "RMS at rest within 0.5 mrad of new ropes' {:.2} mrad (joint friction, encoders); uncorrected {:.2} mrad, true offset {:.2} mrad",
-                new.rest_mrad(slot), blind.rest_mrad(slot), known.rest_mrad(slot)
+                new.rest_mrad(slot), blind.rest_mrad(slot), corrected.rest_mrad(slot)
             ),
             estimate.rest_mrad(slot),
             Unit::Rad,
@@ -201,22 +204,22 @@ fn position(
         ));
     }
     out.push(Sentence::added(
-        "While moving, inertia bends the springs more than the rope has stretched: there only the dynamic set-point helps.",
+        "During motion, inertia deflects the springs by more than the elongation; only the dynamic set-point reduces this error.",
         format!(
             "RMS over the whole session with the dynamic set-point at most half of that with the static one ({:.1} mrad; new ropes {:.1}, uncorrected {:.1}), shoulder pitch",
-            known.overall_mrad(0), new.overall_mrad(0), blind.overall_mrad(0)
+            corrected.overall_mrad(0), new.overall_mrad(0), blind.overall_mrad(0)
         ),
         dynamic.overall_mrad(0),
         Unit::Rad,
-        dynamic.overall_mrad(0) <= 0.5 * known.overall_mrad(0),
+        dynamic.overall_mrad(0) <= 0.5 * corrected.overall_mrad(0),
     ));
 }
 
 fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
     out.push(Sentence::added(
-        "It spoils collision detection: thresholds that fit new ropes alarm without a contact.",
+        "Elongation degrades collision detection: thresholds for new ropes cause alarms without a contact.",
         format!(
-            "false alarm for at least 20 % of the time without contact (new ropes: {:.2} %)",
+            "false alarm for at least 20 % of the contact-free time (new ropes: {:.2} %)",
             new.false_percent()
         ),
         blind.false_percent(),
@@ -224,8 +227,8 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
         blind.false_percent() >= 20.0,
     ));
     out.push(Sentence::added(
-        "Corrected with the estimate, they are as quiet as with new ropes,",
-        "false alarm at most 0.5 % of the free time more than with new ropes",
+        "Corrected with the estimate, they cause no more false alarms than with new ropes,",
+        "share of false alarms in the contact-free time exceeds that with new ropes by at most 0.5 percentage points",
         estimate.false_percent(),
         Unit::ShareOfFreeTime,
         estimate.false_percent() <= new.false_percent() + 0.5,
@@ -233,7 +236,7 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
     out.push(Sentence::added(
         "and miss no more contacts.",
         format!(
-            "missed at most 3 % of the contacts more than with new ropes ({:.1} % of {}); uncorrected {:.1} %",
+            "share of missed contacts exceeds that with new ropes by at most 3 percentage points ({:.1} % of {}); uncorrected {:.1} %",
             new.missed_percent(),
             new.contacts.contacts,
             blind.missed_percent()
@@ -243,7 +246,7 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
         estimate.missed_percent() <= new.missed_percent() + 3.0,
     ));
     out.push(Sentence::added(
-        "Their alarms come no later.",
+        "Their alarms are not delayed.",
         format!(
             "median delay within 10 ms of new ropes' {:.0} ms",
             new.delay_median_ms()
@@ -259,7 +262,7 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
     if let Some(quiet) = quiet {
         let missed_percent = 100.0 * quiet.contacts.missed_share();
         out.push(Sentence::added(
-            "Uncorrected, the threshold has to be opened until it is quiet,",
+            "Uncorrected, the threshold has to be raised until there are no false alarms,",
             format!(
                 "to at least twice the corrected one's {:.2} N·m at the shoulder, for at most 0.5 % false alarm",
                 estimate.joints[0].threshold_nm
@@ -269,9 +272,9 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
             quiet.threshold_factor >= 2.0,
         ));
         out.push(Sentence::added(
-            "which costs contacts.",
+            "which misses contacts.",
             format!(
-                "it then misses at least half again as many as corrected ({:.1} %)",
+                "it then misses at least 1.5 times as many contacts as after correction ({:.1} %)",
                 estimate.missed_percent()
             ),
             missed_percent,

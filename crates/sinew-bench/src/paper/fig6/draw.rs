@@ -1,4 +1,5 @@
-//! The drawing: three beliefs, the paper's comparison, the matched one, the difference.
+//! Plot of the figure: three assumed models in the comparison of the paper, in the matched comparison, and as
+//! difference.
 
 use super::super::data::{Curve, PanelData};
 use super::super::staircase::LENGTH_S;
@@ -38,7 +39,7 @@ pub(super) fn panels(trial: &Trial, shoulder: usize, cases: &[Case]) -> Vec<Pane
 
 pub(super) fn figure(panels: &[PanelData]) -> Figure {
     let mut figure = Figure::new("Offset estimate of the shoulder, simulated")
-        .subtitle("Offsets of 0, 10 and 15 mrad are added to the recorded motor position; dashed: what was added")
+        .subtitle("Offsets of 0, 10 and 15 mrad are added to the recorded motor position; dashed: the added offset")
         .size(1120.0, 860.0)
         .columns(3);
     let (low, high) = mrad_range(&panels[..panels.len().min(6)]);
@@ -70,7 +71,7 @@ pub(super) fn figure(panels: &[PanelData]) -> Figure {
                 .zip([Colour::Black, Colour::Blue, Colour::Orange])
         {
             let colour = if row == 2 { Colour::Green } else { colour };
-            // One legend is enough: it stands in the first column.
+            // The first column contains the only legend.
             let name = if column == 0 && row != 1 {
                 series.name.clone()
             } else {
@@ -88,7 +89,7 @@ pub(super) fn figure(panels: &[PanelData]) -> Figure {
     figure
 }
 
-/// Where all curves of some panels lie, with a tenth of room, mrad.
+/// Returns the range of all curves of some panels, with a margin of one tenth, mrad.
 fn mrad_range(panels: &[PanelData]) -> (f64, f64) {
     let values = panels
         .iter()

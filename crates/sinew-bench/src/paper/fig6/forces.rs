@@ -1,7 +1,7 @@
-//! Forces that nobody told the estimator of: a payload, pushes from all sides.
+//! External forces that are unknown to the estimator: a payload, and contact forces from all directions.
 
 use super::super::PaperError;
-use super::super::by_hand::ByHand;
+use super::super::analytic::Analytic;
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{STEPS, rest_angle_rad};
 use super::super::trial::{Estimator, Trial, mean};
@@ -15,23 +15,23 @@ use sinew_sim::scenario::{Contact, Draw, Payload};
 const TOOL: &str = "tool";
 const PAYLOAD_KG: f64 = 0.1;
 const PUSH_N: f64 = 2.0;
-/// m/s².
+/// Standard gravity, m/s².
 const STANDARD_GRAVITY: f64 = 9.81;
 /// Directions in the plane in which the joint moves, degrees from forward to up.
 const DIRECTIONS: usize = 8;
 
-/// One push, seen at the four rests.
+/// External force in one direction, with the estimates at the four rests.
 struct Push {
     degrees: f64,
-    /// What the estimate shows, rad.
+    /// Estimated offset, rad.
     found_rad: [f64; STEPS],
-    /// `−tau_ext/K`, rad.
-    by_hand_rad: [f64; STEPS],
+    /// Analytic value `−tau_ext/K`, rad.
+    analytic_rad: [f64; STEPS],
 }
 
 pub(super) struct Forces {
     payload_rad: f64,
-    payload_by_hand_rad: f64,
+    payload_analytic_rad: f64,
     pushes: Vec<Push>,
 }
 
@@ -39,7 +39,7 @@ impl Forces {
     pub(super) fn run(
         robot: &Robot,
         shoulder: usize,
-        by_hand: &ByHand<'_>,
+        analytic: &Analytic<'_>,
     ) -> Result<Self, PaperError> {
         let nominal = Estimator::of(robot, config());
         let mut loaded = scenario(robot);
@@ -57,17 +57,17 @@ impl Forces {
         let rests: Vec<f64> = (1..=STEPS).map(|k| trial.at_rest(&curve, k)).collect();
         let weight = [0.0, 0.0, -PAYLOAD_KG * STANDARD_GRAVITY];
         let held = (1..=STEPS)
-            .map(|k| by_hand.torque_of_force_nm(&trial.pose_at_rest(k), TOOL, weight))
+            .map(|k| analytic.torque_of_force_nm(&trial.pose_at_rest(k), TOOL, weight))
             .collect::<Result<Vec<f64>, _>>()?;
         let pushes = (0..DIRECTIONS)
             .into_par_iter()
-            .map(|i| push(robot, shoulder, &nominal, by_hand, i))
+            .map(|i| push(robot, shoulder, &nominal, analytic, i))
             .collect::<Vec<_>>()
             .into_iter()
             .collect::<Result<_, _>>()?;
         Ok(Self {
             payload_rad: mean(&rests),
-            payload_by_hand_rad: -mean(&held) / by_hand.stiffness_nm_per_rad,
+            payload_analytic_rad: -mean(&held) / analytic.stiffness_nm_per_rad,
             pushes,
         })
     }
@@ -78,7 +78,7 @@ impl Forces {
             cases().filter(holds).count() as f64 / cases().count().max(1) as f64
         };
         let over = share(&|(found, _)| *found > 0.0);
-        let as_by_hand = cases().map(|(found, hand)| (found - hand).abs());
+        let as_analytic = cases().map(|(found, hand)| (found - hand).abs());
         let largest = cases().map(|(_, hand)| hand.abs()).fold(0.0, f64::max);
         let agree = cases().all(|(found, hand)| {
             // Across the joint's axis nothing is left to have a sign.
@@ -87,7 +87,7 @@ impl Forces {
         vec![
             Sentence::added(
                 "If the external forces are not known, the position offset is overestimated.",
-                format!("in every one of {} pushes of {PUSH_N} N at the tool ({DIRECTIONS} directions, four rests). A force that pulls the joint back is overestimated, one that pushes it on is underestimated: the paper's sentence is right for loads that hang", cases().count()),
+                format!("for each of {} forces of {PUSH_N} N at the tool ({DIRECTIONS} directions, four rests). A force that pulls the joint back is overestimated, one that pushes it on is underestimated: the statement of the paper is correct for suspended loads", cases().count()),
                 100.0 * over,
                 Unit::ShareOfCases,
                 over == 1.0,
@@ -95,23 +95,23 @@ impl Forces {
             .of_paper(),
             Sentence::added(
                 "The sign of the error is that of −tau_ext.",
-                "in every one of these pushes whose torque is at least a fiftieth of the largest",
+                "for each of these forces whose torque is at least a fiftieth of the largest",
                 100.0 * f64::from(u8::from(agree)),
                 Unit::ShareOfCases,
                 agree,
             ),
             below(
-                "An unknown external torque looks like an offset of −tau_ext/K.",
-                "largest difference over these pushes, of torques at the pose the arm has given way to; a fiftieth of the largest",
-                1e3 * as_by_hand.fold(0.0, f64::max),
+                "An unknown external torque appears as an offset of −tau_ext/K.",
+                "largest difference over these forces, of torques at the deflected pose of the arm; a fiftieth of the largest",
+                1e3 * as_analytic.fold(0.0, f64::max),
                 0.02e3 * largest,
                 Unit::Rad,
             ),
             near(
-                format!("An unknown payload of {PAYLOAD_KG} kg looks like an offset of what it weighs on the joint, over K."),
-                "mean over the four rests; by hand: its weight at the pose the arm has given way to, over K. The heavier arm still swings a little at the end of a rest",
+                format!("An unknown payload of {PAYLOAD_KG} kg appears as an offset of its gravity torque over K."),
+                "mean over the four rests; analytic: its gravity torque at the deflected pose of the arm, over K. The heavier arm still oscillates slightly at the end of a rest",
                 1e3 * self.payload_rad,
-                1e3 * self.payload_by_hand_rad,
+                1e3 * self.payload_analytic_rad,
                 0.05,
                 Unit::Rad,
             ),
@@ -131,7 +131,7 @@ impl Forces {
         );
         Table {
             caption: format!(
-                "What an unknown push of {PUSH_N} N at the tool reads as, by its direction (0°: forward, 90°: up) and the shoulder's angle. The true offset is 0"
+                "Offset estimate due to an unknown force of {PUSH_N} N at the tool, by its direction (0°: forward, 90°: up) and the shoulder's angle. The true offset is 0"
             ),
             head,
             rows: rows.collect(),
@@ -142,7 +142,7 @@ impl Forces {
 
 impl Push {
     fn cases(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.found_rad.iter().copied().zip(self.by_hand_rad)
+        self.found_rad.iter().copied().zip(self.analytic_rad)
     }
 }
 
@@ -150,7 +150,7 @@ fn push(
     robot: &Robot,
     shoulder: usize,
     nominal: &Estimator,
-    by_hand: &ByHand<'_>,
+    analytic: &Analytic<'_>,
     i: usize,
 ) -> Result<Push, PaperError> {
     let degrees = 360.0 * i as f64 / DIRECTIONS as f64;
@@ -159,16 +159,16 @@ fn push(
     let trial = Trial::run(robot, &pushed(robot, force_n))?;
     let curve = nominal.estimate(&trial, shoulder, 0.0)?;
     let mut found_rad = [0.0; STEPS];
-    let mut by_hand_rad = [0.0; STEPS];
+    let mut analytic_rad = [0.0; STEPS];
     for k in 1..=STEPS {
         found_rad[k - 1] = trial.at_rest(&curve, k);
-        let tau = by_hand.torque_of_force_nm(&trial.pose_at_rest(k), TOOL, force_n)?;
-        by_hand_rad[k - 1] = -tau / by_hand.stiffness_nm_per_rad;
+        let tau = analytic.torque_of_force_nm(&trial.pose_at_rest(k), TOOL, force_n)?;
+        analytic_rad[k - 1] = -tau / analytic.stiffness_nm_per_rad;
     }
     Ok(Push {
         degrees,
         found_rad,
-        by_hand_rad,
+        analytic_rad,
     })
 }
 

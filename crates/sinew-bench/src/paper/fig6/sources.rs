@@ -1,7 +1,7 @@
 //! Other sources of the torque than the observer: a sensor, the motor's equation.
 
 use super::super::PaperError;
-use super::super::by_hand::ByHand;
+use super::super::analytic::Analytic;
 use super::super::sentence::{Sentence, Unit, below};
 use super::super::staircase::STEPS;
 use super::super::trial::{Estimator, Trial, peak};
@@ -16,11 +16,11 @@ pub(super) fn sentences(
     robot: &Robot,
     trial: &Trial,
     shoulder: usize,
-    by_hand: &ByHand<'_>,
+    analytic: &Analytic<'_>,
 ) -> Result<[Sentence; 2], PaperError> {
     Ok([
         sensor(robot, trial, shoulder)?,
-        motor(robot, shoulder, by_hand)?,
+        motor(robot, shoulder, analytic)?,
     ])
 }
 
@@ -47,7 +47,7 @@ fn sensor(robot: &Robot, trial: &Trial, shoulder: usize) -> Result<Sentence, Pap
 }
 
 /// Eq. (2) without the friction of the drive, which the robot has.
-fn motor(robot: &Robot, shoulder: usize, by_hand: &ByHand<'_>) -> Result<Sentence, PaperError> {
+fn motor(robot: &Robot, shoulder: usize, analytic: &Analytic<'_>) -> Result<Sentence, PaperError> {
     let mut rubbing = scenario(robot);
     rubbing.motor_friction = FrictionSpec::default();
     let trial = Trial::run(robot, &rubbing)?;
@@ -69,13 +69,13 @@ fn motor(robot: &Robot, shoulder: usize, by_hand: &ByHand<'_>) -> Result<Sentenc
     let coulomb_nm = robot.transmissions[shoulder]
         .as_ref()
         .map_or(0.0, |t| t.motor_friction.coulomb_nm);
-    let most_mrad = 1e3 * coulomb_nm / by_hand.stiffness_nm_per_rad;
+    let most_mrad = 1e3 * coulomb_nm / analytic.stiffness_nm_per_rad;
     let rule = format!(
-        "without it the estimate at one of four rests is off by at least a tenth of what the drive's {coulomb_nm} N·m can hide, {most_mrad:.1} mrad"
+        "without it the estimate at one of four rests has an error of at least a tenth of the deflection that the drive's {coulomb_nm} N·m can hide, {most_mrad:.1} mrad"
     );
     let holds = 1e3 * worst >= 0.1 * most_mrad && most_mrad > 0.0;
     Ok(Sentence::added(
-        "The motor's own equation (2) would need the motor's friction.",
+        "The motor equation (2) would require the friction of the motor.",
         rule,
         1e3 * worst,
         Unit::Rad,

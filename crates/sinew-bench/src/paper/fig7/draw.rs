@@ -24,7 +24,7 @@ pub(super) fn panels(
     vec![
         PanelData {
             title: "10 mrad added".into(),
-            series: of(&[("as it is", &paper.first), ("10 mrad added", &paper.added)]),
+            series: of(&[("unchanged", &paper.first), ("10 mrad added", &paper.added)]),
         },
         PanelData {
             title: "Difference".into(),
@@ -36,13 +36,13 @@ pub(super) fn panels(
         PanelData {
             title: "Rope relaxed by 0.5 mm, re-tensioned".into(),
             series: of(&[
-                ("as it is", &paper.first),
+                ("unchanged", &paper.first),
                 ("relaxed", &paper.relaxed),
                 ("re-tensioned", &paper.again),
             ]),
         },
         PanelData {
-            title: "Why it decreases (Sinew adds)".into(),
+            title: "Causes of the decrease (added by Sinew)".into(),
             series: tendency
                 .variants()
                 .iter()
@@ -54,7 +54,7 @@ pub(super) fn panels(
 
 pub(super) fn figure(panels: &[PanelData], relaxed_rad: f64) -> Figure {
     let mut figure = Figure::new("Offset estimate of a simulated “real” elbow")
-        .subtitle("Errors of the model, friction, quantisation and elasticity that the estimator doesn't know; the paper's comparison unless said")
+        .subtitle("Errors of the model, friction, quantisation and elasticity that the estimator does not model; the paper's comparison unless noted")
         .size(1120.0, 760.0)
         .columns(2);
     let colours: [&[Colour]; 4] = [

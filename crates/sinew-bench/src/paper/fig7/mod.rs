@@ -9,7 +9,7 @@ mod sentences;
 mod tendency;
 
 use super::PaperError;
-use super::by_hand::ByHand;
+use super::analytic::Analytic;
 use super::data::{FigureName, PaperFigure, given};
 use super::staircase::{MOVE_S, PAUSE_S, STEPS};
 use super::trial::{Estimator, Trial, joint};
@@ -22,9 +22,9 @@ const TITLE: &str = "Fig. 7: offset estimate of a simulated “real” elbow";
 const JOINT: &str = "elbow";
 /// The paper's artificial offset, rad.
 const ADDED_RAD: f64 = 0.010;
-/// By how much the tensioner relaxes the rope, m.
+/// Length by which the tensioner relaxes the rope, m.
 const RELAXED_M: f64 = 0.5e-3;
-/// How far from its old place the tensioner leaves the rope, m.
+/// Position error of the rope after re-tensioning, m.
 const RETENSION_ERROR_M: f64 = 0.01e-3;
 /// Pulley at the elbow of a robot whose description has no tendon, m.
 const FALLBACK_RADIUS_M: f64 = 0.025;
@@ -47,11 +47,11 @@ struct Trials {
 
 impl Trials {
     fn run(robot: &Robot, radius_m: f64) -> Result<Self, PaperError> {
-        let trial = |seed, friction_factor, warmer_k, relaxed_m: f64| {
+        let trial = |seed, friction_factor, temperature_difference_k, relaxed_m: f64| {
             let day = Day {
                 seed,
                 friction_factor,
-                warmer_k,
+                temperature_difference_k,
                 relaxed_rad: relaxed_m / radius_m,
                 ..Day::default()
             };
@@ -78,10 +78,10 @@ impl Trials {
 /// Reproduces Fig. 7 on `robot`, which needs a joint `elbow`.
 ///
 /// # Errors
-/// [`PaperError`] when the robot can't be simulated, hasn't the joint, or has it rigid.
+/// Returns a [`PaperError`] if the robot cannot be simulated, lacks the joint, or has it rigid.
 pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
     let elbow = joint(robot, JOINT, "fig7")?;
-    let by_hand = ByHand::new(robot, elbow)?;
+    let analytic = Analytic::new(robot, elbow)?;
     let radius_m = robot.transmissions[elbow]
         .as_ref()
         .and_then(|t| t.tendon.as_ref())
@@ -98,7 +98,7 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
     let matched = trials.estimate(&matching, elbow)?;
     let tendency = Tendency::run(robot, elbow, &estimator)?;
     let mut sentences = sentences::sentences(&trials.first, &paper, &matched, radius_m);
-    sentences.extend(tendency.sentences(&by_hand)?);
+    sentences.extend(tendency.sentences(&analytic)?);
     let panels = draw::panels(&trials.first, &paper, &matched, &tendency);
     let figure = draw::figure(&panels, RELAXED_M / radius_m);
     Ok(PaperFigure {
@@ -106,7 +106,7 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
         panels,
         sentences,
         given: given(&[
-            "0.01 rad added; the rope relaxed by about 0.5 mm. No estimate is given in numbers: that it decreases, and why, is said in words.",
+            "0.01 rad added; the rope relaxed by about 0.5 mm. The paper contains no values of the estimate; it only describes the decrease and its cause.",
         ]),
         assumptions: assumptions(),
         ..PaperFigure::new(FigureName::Fig7, TITLE, figure)
@@ -116,23 +116,23 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
 fn about(robot: &Robot, radius_m: f64) -> Vec<String> {
     vec![
         format!(
-            "The elbow of the {} arm climbs from 0 to 90° in {STEPS} moves of {MOVE_S} s with rests of {PAUSE_S} s, four times: as it is; with {:.0} mrad added to the recorded motor position; with the rope relaxed by {:.1} mm at the tensioner ({:.0} mrad on a pulley of {:.0} mm); and re-tensioned.",
+            "The elbow of the {} arm rises from 0 to 90° in {STEPS} moves of {MOVE_S} s with rests of {PAUSE_S} s, four times: unchanged; with {:.0} mrad added to the recorded motor position; with the rope relaxed by {:.1} mm at the tensioner ({:.0} mrad on a pulley of {:.0} mm); and re-tensioned.",
             robot.name,
             1e3 * ADDED_RAD,
             1e3 * RELAXED_M,
             1e3 * RELAXED_M / radius_m,
             1e3 * radius_m
         ),
-        "The plant is not the model. Its errors have the direction that the paper names and the size of those in Fig. 6: the described stiffness is a sixth too small, the described masses, and with them the joint torque, a ninth too large. Beside that it has a stiffening spring, 3 % of delayed elasticity, friction at joint and drive, 13-bit joint encoders with eccentricity, noisy motor angles. The estimator knows the description only, with joint friction set to zero.".into(),
-        "The last panel, added by Sinew, tries each explanation alone, and the errors the other way round.".into(),
+        "The plant differs from the model. The model errors have the direction given in the paper and the size of those in Fig. 6: the described stiffness is a sixth too small, the described masses, and with them the joint torque, a ninth too large. In addition, the plant has a stiffening spring, 3 % of delayed elasticity, friction at joint and drive, 13-bit joint encoders with eccentricity, noisy motor angles. The estimator uses only the description, with joint friction set to zero.".into(),
+        "The last panel, added by Sinew, shows each explanation alone, and the errors with opposite sign.".into(),
     ]
 }
 
 fn assumptions() -> Vec<String> {
     vec![
-        "The paper's robot is replaced by a simulation: what holds here is that the method survives these errors and that the paper's explanation gives the tendency it reports, not that they are the BioRob's.".into(),
-        "Observer at 20 1/s, velocities and positions through the state-variable filter at 40 rad/s: the paper doesn't say how its velocities were made.".into(),
+        "The paper's robot is replaced by a simulation: the result is that the method tolerates these errors and that the paper's explanation yields the reported tendency, not that they are the errors of the BioRob.".into(),
+        "Observer at 20 1/s, velocities and positions through the state-variable filter at 40 rad/s: the paper does not specify how velocities were computed.".into(),
         "From run to run joint friction differs by 5 %, temperature by up to 1 K (which moves stiffness by 0.2 %/K and the motor's zero by 0.05 mrad/K); the tensioner brings the rope back to within 0.01 mm.".into(),
-        "Relaxing the rope is physical: the spring feels it and the joint sags. Adding an offset to the recording isn't felt.".into(),
+        "Relaxing the rope is physical: it acts on the spring and the joint sags. An offset added to the recording has no effect on the robot.".into(),
     ]
 }

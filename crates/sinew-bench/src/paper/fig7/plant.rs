@@ -1,4 +1,4 @@
-//! The elbow as it truly is.
+//! True model of the elbow.
 
 use super::super::staircase::{LENGTH_S, controller, motion};
 use super::JOINT;
@@ -11,9 +11,9 @@ use sinew_sim::scenario::{
 /// One trial. From trial to trial the robot is the same, but its friction and temperature are not quite.
 pub(super) struct Day {
     pub(super) seed: u64,
-    /// On the joint's Coulomb friction.
+    /// Factor on the joint's Coulomb friction.
     pub(super) friction_factor: f64,
-    pub(super) warmer_k: f64,
+    pub(super) temperature_difference_k: f64,
     /// Length the rope has gained, as motor position, rad.
     pub(super) relaxed_rad: f64,
     /// True over described stiffness.
@@ -22,8 +22,9 @@ pub(super) struct Day {
     pub(super) mass_factor: f64,
 }
 
-/// Errors of the description of the size of those in Fig. 6, in the direction that the paper names: it knows too little
-/// stiffness, and too much torque.
+/// Errors of the description of the size of those in Fig. 6, in the direction given in the paper: the described
+/// stiffness
+/// is too small, and the described torque too large.
 pub(super) const STIFFER: f64 = 1.2;
 pub(super) const LIGHTER: f64 = 0.9;
 
@@ -32,7 +33,7 @@ impl Default for Day {
         Self {
             seed: 1,
             friction_factor: 1.0,
-            warmer_k: 0.0,
+            temperature_difference_k: 0.0,
             relaxed_rad: 0.0,
             stiffness_factor: STIFFER,
             mass_factor: LIGHTER,
@@ -40,7 +41,7 @@ impl Default for Day {
     }
 }
 
-/// The elbow as it truly is.
+/// True model of the elbow.
 pub(super) fn scenario(robot: &Robot, day: &Day) -> Scenario {
     let share = |value: f64| PerJoint::fixed(value);
     let coulomb = robot
@@ -92,7 +93,7 @@ pub(super) fn scenario(robot: &Robot, day: &Day) -> Scenario {
             ..Encoder::default()
         },
         temperature: Temperature {
-            change_k: Draw::Fixed(day.warmer_k),
+            change_k: Draw::Fixed(day.temperature_difference_k),
             stiffness_per_k: share(-0.002),
             zero_drift_rad_per_k: share(5e-5),
             ..Temperature::default()

@@ -1,4 +1,4 @@
-//! What the runs show of an added offset and of a relaxed rope.
+//! Statements on the runs with an added offset and a relaxed rope.
 
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{LENGTH_S, MOVE_S, STEPS, rest_end_s};
@@ -48,7 +48,7 @@ pub(super) fn sentences(
         relaxed(&grown, radius_m),
         below(
             "Re-tensioning restores the first estimate.",
-            "largest deviation from the first run over the four rests; one step of the joint encoder and what the tensioner leaves",
+            "largest deviation from the first run over the four rests; one step of the joint encoder and the position error of the tensioner",
             worst_mrad(&back, 0.0),
             ENCODER_STEP_MRAD + 1e3 * RETENSION_ERROR_M / radius_m,
             Unit::Rad,
@@ -62,15 +62,15 @@ pub(super) fn sentences(
             Unit::Rad,
         ),
         below(
-            "In the matched comparison it shows it during motion too.",
+            "In the matched comparison the difference shows the offset during motion too.",
             "largest deviation from 10 mrad from the end of the first move on; two steps of the joint encoder",
             1e3 * peak(&in_motion),
             2.0 * ENCODER_STEP_MRAD,
             Unit::Rad,
         ),
         near(
-            "Relaxing the rope raises the estimate by its share on the pulley.",
-            "mean over the four rests; by hand: 0.5 mm over the pulley's radius",
+            "Relaxing the rope raises the estimate by its length over the pulley radius.",
+            "mean over the four rests; analytic: 0.5 mm over the pulley radius",
             1e3 * mean(&grown),
             1e3 * RELAXED_M / radius_m,
             0.1,
@@ -79,13 +79,13 @@ pub(super) fn sentences(
     ]
 }
 
-/// The relaxed rope stands out of what changes from run to run.
+/// The effect of the relaxed rope exceeds the variation between runs.
 fn relaxed(grown: &[f64; STEPS], radius_m: f64) -> Sentence {
     let least = 1e3 * grown.iter().copied().fold(f64::INFINITY, f64::min);
     let half = 0.5e3 * RELAXED_M / radius_m;
     Sentence::added(
-        "The rope relaxed by about 0.5 mm at the tensioner shows.",
-        format!("smallest rise over the first run at the four rests is at least {half:.0} mrad, half of what 0.5 mm make on the pulley"),
+        "Relaxing the rope by about 0.5 mm at the tensioner is detected.",
+        format!("smallest rise over the first run at the four rests is at least {half:.0} mrad, half of 0.5 mm over the pulley radius"),
         least,
         Unit::Rad,
         least >= half,

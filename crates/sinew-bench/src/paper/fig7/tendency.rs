@@ -1,7 +1,8 @@
-//! Why the estimate decreases while the elbow climbs: each explanation alone, both, neither, and the other way round.
+//! Causes of the decrease of the estimate while the elbow rises: each model error alone, both, neither, and errors of
+//! the opposite sign.
 
 use super::super::PaperError;
-use super::super::by_hand::ByHand;
+use super::super::analytic::Analytic;
 use super::super::sentence::{Sentence, Unit, below};
 use super::super::staircase::STEPS;
 use super::super::trial::{Estimator, Trial};
@@ -10,16 +11,16 @@ use super::sentences::{ENCODER_STEP_MRAD, rests};
 use rayon::prelude::*;
 use sinew_model::robot::Robot;
 
-/// True over described stiffness and masses, and what that makes of the description.
+/// Ratios of true to described stiffness and masses, and the resulting description.
 const VARIANTS: [(&str, f64, f64); 5] = [
     ("both", STIFFER, LIGHTER),
     ("torque overestimated", 1.0, LIGHTER),
     ("stiffness underestimated", STIFFER, 1.0),
     ("neither", 1.0, 1.0),
-    ("the other way round", 1.0 / STIFFER, 1.0 / LIGHTER),
+    ("opposite sign", 1.0 / STIFFER, 1.0 / LIGHTER),
 ];
 
-/// One variant's first run.
+/// First run of a variant.
 pub(super) struct Variant {
     pub(super) name: &'static str,
     pub(super) curve: Vec<f64>,
@@ -32,7 +33,7 @@ impl Variant {
         self.rests.windows(2).all(|pair| pair[1] < pair[0])
     }
 
-    /// Last rest less first, mrad.
+    /// Estimate of the last rest minus the first, mrad.
     fn change_mrad(&self) -> f64 {
         1e3 * (self.rests[STEPS - 1] - self.rests[0])
     }
@@ -74,16 +75,16 @@ impl Tendency {
         &self.variants
     }
 
-    pub(super) fn sentences(&self, by_hand: &ByHand<'_>) -> Result<Vec<Sentence>, PaperError> {
+    pub(super) fn sentences(&self, analytic: &Analytic<'_>) -> Result<Vec<Sentence>, PaperError> {
         let [both, torque, stiffness, neither, opposite] = &self.variants[..] else {
             return Ok(Vec::new());
         };
         let explained = [torque, stiffness, both].iter().all(|v| v.falls());
-        let by_hand_mrad = self.opposite_by_hand_mrad(by_hand)?;
+        let analytic_mrad = self.opposite_analytic_mrad(analytic)?;
         Ok(vec![
             Sentence::added(
-                "The estimate decreases while the elbow climbs.",
-                "the first run's estimate falls from each of the four rests to the next; found: last less first",
+                "The estimate decreases while the elbow rises.",
+                "the first run's estimate falls from each of the four rests to the next; found: last minus first",
                 both.change_mrad(),
                 Unit::Rad,
                 both.falls(),
@@ -92,7 +93,7 @@ impl Tendency {
             Sentence::added(
                 "The joint torque is overestimated, the stiffness underestimated, or both.",
                 format!(
-                    "each of the three alone makes it fall from rest to rest: torque {}, stiffness {}, both {} mrad from the first to the last; found: the smallest of these falls",
+                    "each of the three alone makes the estimate fall from rest to rest: torque {}, stiffness {}, both {} mrad from the first to the last; found: the smallest of these falls",
                     number(torque.change_mrad()),
                     number(stiffness.change_mrad()),
                     number(both.change_mrad())
@@ -103,15 +104,15 @@ impl Tendency {
             )
             .of_paper(),
             Sentence::added(
-                "With the errors the other way round it increases.",
-                format!("the estimate rises from each rest to the next; last less first, by hand {} mrad and what friction adds", number(by_hand_mrad)),
+                "With errors of the opposite sign the estimate increases.",
+                format!("the estimate rises from each rest to the next; last minus first, analytic {} mrad and the effect of friction", number(analytic_mrad)),
                 opposite.change_mrad(),
                 Unit::Rad,
                 opposite.rests.windows(2).all(|pair| pair[1] > pair[0]),
             ),
             below(
-                "Which of the two it is can't be told from this motion: both go with the torque.",
-                "what is left at the four rests of one cause's part after the other's was scaled onto it; one step of the joint encoder",
+                "The two causes are not separable from this motion: both are proportional to the torque.",
+                "residual at the four rests of one cause's part after a fit of the other's by scaling; one step of the joint encoder",
                 left_mrad(torque, stiffness, neither),
                 ENCODER_STEP_MRAD,
                 Unit::Rad,
@@ -120,12 +121,12 @@ impl Tendency {
     }
 
     /// `Δ(τ/K_true − τ_described/K)` from the first rest to the last, mrad.
-    fn opposite_by_hand_mrad(&self, by_hand: &ByHand<'_>) -> Result<f64, PaperError> {
+    fn opposite_analytic_mrad(&self, analytic: &Analytic<'_>) -> Result<f64, PaperError> {
         use super::super::staircase::rest_angle_rad;
         let torque =
-            by_hand.gravity_nm(rest_angle_rad(STEPS))? - by_hand.gravity_nm(rest_angle_rad(1))?;
+            analytic.gravity_nm(rest_angle_rad(STEPS))? - analytic.gravity_nm(rest_angle_rad(1))?;
         let true_over_described = STIFFER / LIGHTER;
-        Ok(1e3 * torque / by_hand.stiffness_nm_per_rad * (true_over_described - 1.0))
+        Ok(1e3 * torque / analytic.stiffness_nm_per_rad * (true_over_described - 1.0))
     }
 }
 
@@ -133,7 +134,7 @@ fn number(mrad: f64) -> String {
     sinew_figure::rounded(mrad, 3)
 }
 
-/// What is left of one cause's part after the other's was scaled onto it (least squares), mrad.
+/// Residual of one cause's part after the other's was scaled onto it (least squares), mrad.
 fn left_mrad(a: &Variant, b: &Variant, neither: &Variant) -> f64 {
     let part = |v: &Variant| -> Vec<f64> {
         let pairs = v.rests.iter().zip(&neither.rests);

@@ -1,4 +1,4 @@
-//! How widely everything is drawn.
+//! Standard deviations of the draws.
 
 use super::OPEN_RAD;
 use super::truth::Truth;
@@ -7,7 +7,7 @@ use sinew_sim::protocol::Plan;
 use sinew_sim::scenario::{Draw, PerJoint};
 
 /// Standard deviations of the protocol's draws, in the order of a row.
-pub(super) fn deviations(plan: &Plan, truth: &Truth, robot: &Robot) -> Vec<f64> {
+pub(super) fn stds(plan: &Plan, truth: &Truth, robot: &Robot) -> Vec<f64> {
     let s = &plan.scenario;
     let names = robot.joint_names();
     let mut out = Vec::new();
@@ -43,8 +43,8 @@ pub(super) fn deviations(plan: &Plan, truth: &Truth, robot: &Robot) -> Vec<f64> 
             of(&s.truth.inertia_factor),
         ]);
     }
-    out.push(s.payloads.first().map_or(0.0, |p| deviation(p.mass_kg)));
-    out.push(deviation(s.temperature.reading_error_k));
+    out.push(s.payloads.first().map_or(0.0, |p| std(p.mass_kg)));
+    out.push(std(s.temperature.reading_error_k));
     out.extend(names.iter().map(|_| OPEN_RAD));
     out
 }
@@ -58,10 +58,10 @@ fn nominal(robot: &Robot, name: &str) -> f64 {
 
 fn spread(per: &PerJoint, name: &str) -> f64 {
     let own = per.by_joint.iter().find(|(n, _, _)| n == name);
-    own.map(|(_, _, d)| *d).or(per.all).map_or(0.0, deviation)
+    own.map(|(_, _, d)| *d).or(per.all).map_or(0.0, std)
 }
 
-fn deviation(draw: Draw) -> f64 {
+fn std(draw: Draw) -> f64 {
     match draw {
         Draw::Fixed(_) => 0.0,
         Draw::Uniform { min, max } => (max - min) / 12f64.sqrt(),

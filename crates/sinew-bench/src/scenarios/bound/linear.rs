@@ -54,7 +54,7 @@ pub(super) fn inverse_diagonal(a: &[f64], n: usize) -> Option<Vec<f64>> {
     Some(out)
 }
 
-/// Lower Cholesky factor; `None` where the matrix isn't positive definite.
+/// Returns the lower Cholesky factor; `None` if the matrix is not positive definite.
 fn factor(a: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut l = vec![0.0; n * n];
     for i in 0..n {
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn information_and_inverse_agree_with_two_by_two_by_hand() {
+    fn information_and_inverse_match_analytic_2x2() {
         // C = [[2, 1], [1, 2]], C⁻¹ = [[2, −1], [−1, 2]]/3; H = identity.
         let mut information = vec![0.0; 4];
         add_information(
@@ -92,8 +92,8 @@ mod tests {
             &mut information,
         )
         .unwrap();
-        for (found, by_hand) in information.iter().zip([2.0, -1.0, -1.0, 2.0]) {
-            assert!((found - by_hand / 3.0).abs() < 1e-15);
+        for (found, analytic) in information.iter().zip([2.0, -1.0, -1.0, 2.0]) {
+            assert!((found - analytic / 3.0).abs() < 1e-15);
         }
         let diagonal = inverse_diagonal(&information, 2).unwrap();
         assert!(diagonal.iter().all(|x| (x - 2.0).abs() < 1e-14));

@@ -1,7 +1,7 @@
-//! The Bayesian Cramér–Rao bound of the offset: what no estimator can beat on average.
+//! The Bayesian Cramér–Rao bound of the offset: a lower bound of the mean error of any estimator.
 //!
-//! At the truth of a recording the model of the estimator is differentiated by everything that is
-//! drawn, and the information of sessions A and B is added to that of the draws:
+//! The model of the estimator is linearised at the true parameters of a recording, with respect to all random
+//! parameters. The information of sessions A and B is added to the prior information:
 //!
 //! ```text
 //! J = P₀⁻¹ + Σ_(joint, session) Hᵀ C⁻¹ H,     bound of an offset = √(J⁻¹)_(offset, offset)
@@ -9,20 +9,19 @@
 //! τ = Φ π + F_c z + F_v dq + μ z |τ|
 //! ```
 //!
-//! * `P₀`: variances of the protocol's own draws (a uniform draw counts with its variance);
-//!   offsets of B open to 30 mrad, those of A zero. The encoder's once- and twice-per-turn errors
-//!   are parameters like the others, so are the payload's mass and what is not known of `ΔT`.
-//! * `C`: the sensors' own errors as they come through the filters: this recording's features with
-//!   quantisation and noise less those without, at the true parameters, so that what quantised
-//!   positions do to speeds and to the friction state is in. They are taken as stationary, with
-//!   the autocovariance they have over A and B; the motor torque is not used.
+//! * `P₀`: variances of the random parameters of the protocol (for a uniform draw, its variance). The offsets of B
+//!   have a standard deviation of 30 mrad, and those of A are zero. The harmonics of the encoder error, the payload
+//!   mass and the uncertain part of `ΔT` are parameters, too.
+//! * `C`: covariance of the filtered sensor errors: the difference of the features with and without quantisation and
+//!   noise, at the true parameters. It includes the effect of quantised positions on velocities and on the friction
+//!   state. The errors are assumed stationary, with their autocovariance over A and B. The motor torque is not used.
 //!
-//! Taken as known, which makes the bound lower than any estimator's error: the forms of friction
-//! and spring, the course of pre-sliding but for what quantisation spoils, where the payload is
-//! held, when contacts are (left out, with the second that the filters remember). What makes it
-//! higher than the very least: quantisation is white in motion and one number at rest, so that an
-//! estimator that knew this would trust motion more; with that, and with regressors free of error,
-//! the sensors alone would allow 0.01 mrad.
+//! The following are assumed exact, which makes the bound lower than any estimator's error: the forms of friction and
+//! spring, the pre-sliding trajectory except for the effect of quantisation, the grip position of the payload, and
+//! the contact times (excluded, with the one second that the filters remember). The following makes it higher than
+//! the attainable minimum: quantisation is white in motion and one number at rest, so that an estimator that modelled
+//! this would give motion more weight; with that, and with regressors free of error, the sensors alone would allow
+//! 0.01 mrad.
 
 mod draws;
 mod linear;
@@ -40,16 +39,16 @@ use truth::Truth;
 /// Parameters of a joint: compliance, stiffening, Coulomb, viscous, load, drift, thermal, and four
 /// harmonics of the encoder.
 const PER_JOINT: usize = 11;
-/// Draws of a body: mass, centre along and twice across, inertia.
+/// Number of random parameters of a body: mass, shift of the centre of mass along one axis and across two, inertia.
 const PER_BODY: usize = 5;
 /// Entries of a body in the regressor.
 const COLUMNS: usize = 10;
-/// What an offset may be, rad.
+/// Prior half-range of an offset, rad.
 const OPEN_RAD: f64 = 0.03;
 /// The filters remember a contact for about three of their time constants, s.
 const MEMORY_S: f64 = 1.0;
 
-/// Takes what the sensors would show without error.
+/// Receiver of the error-free sensor values.
 pub(super) struct BoundRecorder {
     recorders: Vec<Recorder>,
     frame: Frame,
@@ -63,7 +62,7 @@ impl BoundRecorder {
         }
     }
 
-    /// Takes what is behind the latest frame of session `k`; sessions after B don't count.
+    /// Receives the truth of the latest frame of session `k`; sessions after B are ignored.
     pub(super) fn push(&mut self, k: usize, simulation: &Simulation, time_ns: i64) {
         let Some(recorder) = self.recorders.get_mut(k) else {
             return;
@@ -75,7 +74,7 @@ impl BoundRecorder {
         recorder.push(&self.frame, simulation.true_state().time_s);
     }
 
-    /// Bound of every joint's offset in B, rad; `None` where the information can't be inverted.
+    /// Returns the bound of every joint's offset in B, rad; `None` if the information matrix is singular.
     /// `noisy`: sessions A and B as recorded.
     pub(super) fn finish(
         self,
@@ -97,8 +96,8 @@ fn bound(
     let robot = &plan.robot;
     let n = robot.arm.dof();
     let truth = Truth::of(plan, simulation)?;
-    let deviations = draws::deviations(plan, &truth, robot);
-    let total = deviations.len();
+    let stds = draws::stds(plan, &truth, robot);
+    let total = stds.len();
     // Scaled by the draws: the information of a draw is one.
     let mut information = vec![0.0; total * total];
     for k in 0..total {
@@ -126,7 +125,7 @@ fn bound(
                 .iter()
                 .flat_map(|block| {
                     let mut row = truth.row(block, i, session, n, total);
-                    for (x, s) in row.iter_mut().zip(&deviations) {
+                    for (x, s) in row.iter_mut().zip(&stds) {
                         *x *= s;
                     }
                     row
@@ -140,7 +139,7 @@ fn bound(
     let at = total - n;
     Some(
         (0..n)
-            .map(|i| deviations[at + i] * covariance[at + i].sqrt())
+            .map(|i| stds[at + i] * covariance[at + i].sqrt())
             .collect(),
     )
 }

@@ -1,6 +1,6 @@
-//! Errors of the sensors in the features, as this recording has them.
+//! Covariance of the sensor errors in the features of a recording.
 
-/// Correlations reach this far: a pause and what the filters remember, s.
+/// Maximum lag of the autocovariance, s: a rest phase plus the memory of the filters.
 const REACH_S: f64 = 3.0;
 
 /// Autocovariance of a stationary error in blocks of equal length.
@@ -12,11 +12,10 @@ pub(super) struct Autocovariance {
 }
 
 impl Autocovariance {
-    /// From series of errors in consecutive blocks, one per session, rad.
+    /// Estimates the autocovariance from the errors in consecutive blocks, one series per session, rad.
     ///
-    /// The mean isn't taken out: an error that happens to last is one. Lags are weighted by a
-    /// triangle (Bartlett), so that the spectrum can't be negative; the spread of a least
-    /// significant part in a million keeps the matrix invertible.
+    /// The mean is not subtracted, because a constant error is an error. Lags have the weights of Bartlett's triangle,
+    /// so that the spectrum is not negative; a relative variance of 1e-6 on the diagonal keeps the matrix invertible.
     pub(super) fn of(series: &[Vec<f64>], block_s: f64) -> Self {
         let reach = (REACH_S / block_s).ceil() as usize;
         let count: usize = series.iter().map(Vec::len).sum();
@@ -54,8 +53,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_error_that_stays_is_told_from_a_white_one() {
-        // Deterministic numbers in −1…1 that know nothing of each other.
+    fn noise_constant_and_white_errors_differ() {
+        // Deterministic, uncorrelated numbers in −1…1.
         let mut state = 1u64;
         let mut white = || {
             state = state

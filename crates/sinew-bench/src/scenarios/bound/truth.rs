@@ -1,4 +1,4 @@
-//! Where the model is differentiated, and its derivatives.
+//! Point at which the model is differentiated, and its derivatives.
 
 use super::noise::Autocovariance;
 use super::{COLUMNS, PER_BODY, PER_JOINT};
@@ -19,7 +19,7 @@ pub(super) struct Joint {
     thermal: f64,
 }
 
-/// Where the model is differentiated.
+/// Point at which the model is differentiated.
 pub(super) struct Truth {
     pub(super) joints: Vec<Joint>,
     /// Base parameters per session, `r`, payload included.
@@ -106,7 +106,7 @@ impl Truth {
         tau / joint.stiffness
     }
 
-    /// What the sensors' errors do to the residual of each joint, block by block.
+    /// Effect of the sensors' errors on the residual of each joint, per block.
     pub(super) fn errors(
         &self,
         clean: &[Recorded],
@@ -184,7 +184,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// How the inertial parameters of body `b` change per draw, by central differences: they are at
-/// most quadratic in each, so that the step doesn't matter.
+/// most quadratic in each, so that the result is independent of the step.
 fn per_draw(arm: &Arm, b: usize) -> Option<Vec<[f64; COLUMNS]>> {
     const STEP: f64 = 1e-2;
     let body = arm.body(b)?;

@@ -1,8 +1,8 @@
 //! Daily sessions through the whole chain: simulated recording, baseline, absolute estimate.
 //!
-//! The robot is drawn once as `docs/src/science/scenarios.md` says (masses, stiffness, friction, encoders) and is the
-//! same every day; its offsets creep by their rope's law, temperature drifts its zero by 0.1 mrad/K and
-//! softens it by 0.1 to 0.3 %/K, a failed strand takes its share of the stiffness along. Recordings stay in
+//! The robot is drawn once as in `docs/src/validation.md` (masses, stiffness, friction, encoders) and is the same
+//! every day. Its offsets creep by the creep law of their rope. Temperature shifts its zero by 0.1 mrad/K and lowers
+//! its stiffness by 0.1 to 0.3 %/K, and a failed strand removes its share of the stiffness. Recordings stay in
 //! memory.
 
 mod motion;
@@ -13,7 +13,7 @@ pub use motion::SessionKind;
 pub use session::{Session, SessionJoint};
 pub use statistics::{FailureSeen, JointErrors, LagCorrelation, statistics};
 
-use super::simulated_year::{SimulatedYear, WATCHED};
+use super::simulated_year::{DAYS_PER_YEAR, SimulatedYear};
 use crate::jobs;
 use crate::journal::{self, Journal, JournalError};
 use session::ChainRobot;
@@ -23,28 +23,30 @@ use sinew_sim::SimulateError;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Which sessions are simulated.
+/// Sessions to simulate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainRequest {
     /// Check or work.
     pub kind: SessionKind,
-    /// Sessions of each robot, one a day, at most those of a year. Part of a year shows the sessions'
-    /// errors; a trend of it would be judged unfairly, so that none is made.
+    /// Number of sessions of each robot, one a day, at most those of a year. Part of a year shows the errors of the
+    /// sessions; its trend would not be comparable and is not computed.
     pub days: usize,
-    /// Each session starts from the last one's posterior; else from the first day's baseline.
+    /// Whether each session starts from the posterior of the previous one; otherwise it starts from the baseline of
+    /// the first day.
     pub chained: bool,
-    /// Threads.
+    /// Number of threads.
     pub jobs: usize,
-    /// Where a line per session goes, and where a stopped run is taken up again.
+    /// File with a line per session, from which a stopped run resumes.
     pub out: Option<PathBuf>,
 }
 
 impl ChainRequest {
-    /// A year of sessions of a kind since the first day's baseline, on one thread, kept nowhere.
+    /// Creates a request for a year of sessions of a kind since the first day's baseline, on one thread, without a
+    /// file.
     pub fn new(kind: SessionKind) -> Self {
         Self {
             kind,
-            days: WATCHED,
+            days: DAYS_PER_YEAR,
             chained: false,
             jobs: 1,
             out: None,
@@ -52,33 +54,34 @@ impl ChainRequest {
     }
 }
 
-/// Another simulation or estimator: what older files hold can't go on.
+/// Format of the file of results; the version changes with simulation or estimator, because older files cannot be
+/// resumed.
 const SESSIONS: journal::Kind = journal::Kind {
     format: "sinew-sessions",
     version: 9,
     holds: "simulated sessions",
 };
 
-/// Why there are no sessions.
+/// Errors of the sessions.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChainError {
-    /// The simulation.
+    /// The simulation failed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// The estimate.
+    /// The estimate failed.
     #[error(transparent)]
     Session(#[from] SessionError),
-    /// There are no threads to work on.
-    #[error("can't start threads: {0}")]
+    /// The threads could not be started.
+    #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The file of sessions.
     #[error(transparent)]
     Journal(#[from] JournalError),
 }
 
-/// Simulates the sessions of every life that aren't kept yet; `progress` is told how many
-/// of how many are done. Returns all, by life and day.
+/// Simulates the sessions of every simulated year that are not in the file yet; calls `progress` with the number done
+/// and the total. Returns all, by year and day.
 pub(super) fn sessions(
     robot: &Robot,
     joints: &[String],
@@ -86,7 +89,7 @@ pub(super) fn sessions(
     request: &ChainRequest,
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Vec<Vec<Session>>, ChainError> {
-    let days = request.days.clamp(1, WATCHED);
+    let days = request.days.clamp(1, DAYS_PER_YEAR);
     let described = (
         &robot.arm,
         &robot.transmissions,
@@ -149,7 +152,7 @@ pub(super) fn sessions(
     Ok(out)
 }
 
-/// One robot's missing days; ends early where it is told to.
+/// Simulates the missing days of one robot; ends early on request.
 fn live(
     robot: &Robot,
     life: &SimulatedYear,
@@ -167,7 +170,7 @@ fn live(
         }
         return Ok(());
     }
-    // What days that are kept taught has to be learned again.
+    // The posteriors of stored days have to be estimated again.
     for day in 1..=days.last().copied().unwrap_or(0) {
         let (session, next) = own.session(day, &since)?;
         since = next;

@@ -1,4 +1,4 @@
-//! What a robot does while it is recorded: a check, or a minute of its work.
+//! Motion of a robot while it is recorded: a check, or a minute of its work.
 
 use super::ChainError;
 use serde::{Deserialize, Serialize};
@@ -13,16 +13,16 @@ const WORK_S: f64 = 60.0;
 const STEP_S: f64 = 1e-3;
 /// Poses of a check.
 const POSES: usize = 24;
-/// A check's move and rest, s.
+/// Duration of move and rest of a check, s.
 const MOVE_S: f64 = 1.25;
 const PAUSE_S: f64 = 0.85;
 
-/// What a robot does while it is recorded.
+/// Motion of a robot while it is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SessionKind {
-    /// The same 24 poses every day, the gripper empty, nobody touches the arm.
+    /// The same 24 poses every day, with an empty gripper and without contact.
     Check,
     /// Random poses for a minute, an unknown payload of up to 0.5 kg that is another every day,
     /// contacts a tenth of the time.
@@ -30,7 +30,7 @@ pub enum SessionKind {
 }
 
 impl SessionKind {
-    /// Its name.
+    /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             Self::Check => "check",
@@ -39,15 +39,15 @@ impl SessionKind {
     }
 }
 
-/// The work session of `examples/scenarios`, or the check within the same limits, for any robot: what it
-/// says of joints the robot doesn't have falls away.
+/// Returns the work session of `examples/scenarios`, or the check within the same limits, for any robot: values of
+/// joints that the robot does not have are removed.
 pub(super) fn scenario(robot: &Robot, kind: SessionKind) -> Result<Scenario, ChainError> {
     let mut out = Scenario::from_toml(WORK, "work-session.toml").map_err(SimulateError::from)?;
     out.duration_s = Some(WORK_S);
     out.integration_step_s = STEP_S;
     out.offsets.clear();
     out.sessions.clear();
-    keep_known(&mut out, robot);
+    keep_existing(&mut out, robot);
     for payload in &mut out.payloads {
         payload.attach_s = 0.0;
     }
@@ -75,9 +75,9 @@ pub(super) fn scenario(robot: &Robot, kind: SessionKind) -> Result<Scenario, Cha
     Ok(out)
 }
 
-/// Takes out joints and links that the robot doesn't have.
-fn keep_known(scenario: &mut Scenario, robot: &Robot) {
-    let known = |joint: &str| robot.arm.joint_index(joint).is_some();
+/// Removes joints and links that the robot does not have.
+fn keep_existing(scenario: &mut Scenario, robot: &Robot) {
+    let exists = |joint: &str| robot.arm.joint_index(joint).is_some();
     let (joint, motor) = (&mut scenario.joint_friction, &mut scenario.motor_friction);
     let lists = [
         &mut scenario.controller.stiffness_nm_per_rad,
@@ -88,10 +88,10 @@ fn keep_known(scenario: &mut Scenario, robot: &Robot) {
         &mut motor.viscous_nm_s_per_rad,
     ];
     for list in lists {
-        list.by_joint.retain(|(name, _, _)| known(name));
+        list.by_joint.retain(|(name, _, _)| exists(name));
     }
     if let Motion::Random { range_rad, .. } = &mut scenario.motion {
-        range_rad.by_joint.retain(|(name, _, _)| known(name));
+        range_rad.by_joint.retain(|(name, _, _)| exists(name));
     }
     let last = robot.arm.link_names().last().map(str::to_string);
     let links = scenario.payloads.iter_mut().map(|p| &mut p.link);
@@ -103,7 +103,8 @@ fn keep_known(scenario: &mut Scenario, robot: &Robot) {
     }
 }
 
-/// Where each joint may go, rad: as stated, else 80 % of its limits, half a turn where it has none.
+/// Returns the range of each joint, rad: as specified, otherwise 80 % of its limits, or half a revolution without
+/// limits.
 fn ranges(robot: &Robot, stated: &PerJoint) -> Vec<[f64; 2]> {
     let own = |i: usize| {
         let [low, high] = [robot.limits[i].lower, robot.limits[i].upper];

@@ -24,21 +24,21 @@ const PAYLOAD_KG: f64 = 0.5;
 /// Error of the thermometer, K.
 const THERMOMETER_K: f64 = 0.5;
 
-/// What a session said of a joint, and the truth behind it.
+/// Estimate of a session for a joint, and the truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SessionJoint {
-    /// Joint.
+    /// Name of the joint.
     pub name: String,
     /// True offset since the baseline, rad.
     pub truth_rad: f64,
-    /// Offset estimated; `None`: it couldn't tell.
+    /// Estimated offset; `None` if inconclusive.
     pub offset_rad: Option<Gaussian>,
-    /// What of its error other sessions have too, as stated.
-    pub shared_error: Option<SharedError>,
-    /// True stiffness over nominal less 1 at the baseline's temperature.
+    /// Reported part of its error that is common to several sessions.
+    pub systematic_error: Option<SharedError>,
+    /// Ratio of true to nominal stiffness minus 1, at the baseline's temperature.
     pub true_stiffness_ratio: f64,
-    /// The same estimated.
+    /// Estimated ratio of stiffness minus 1.
     pub stiffness_ratio: Gaussian,
     /// Sudden changes reported within the session; there were none.
     pub steps: usize,
@@ -48,23 +48,23 @@ pub struct SessionJoint {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// Robot.
+    /// Seed of the robot.
     pub seed: u64,
     /// Days since the baseline.
     pub day: usize,
     /// True temperature, °C.
     pub true_temperature_c: f64,
-    /// As read, °C.
+    /// Measured temperature, °C.
     pub temperature_c: f64,
-    /// Payload, kg.
+    /// Payload mass, kg.
     pub payload_kg: f64,
-    /// Share of it left out as contact or disturbance.
-    pub left_out_share: f64,
+    /// Share of the session rejected as contact or disturbance.
+    pub rejected_share: f64,
     /// One per elastic joint.
     pub joints: Vec<SessionJoint>,
 }
 
-/// A robot whose sessions are simulated: what is drawn for it and stays.
+/// Robot whose sessions are simulated, with its constant draws.
 pub(super) struct ChainRobot<'a> {
     robot: &'a Robot,
     life: &'a SimulatedYear,
@@ -74,7 +74,7 @@ pub(super) struct ChainRobot<'a> {
     stiffness: Vec<f64>,
 }
 
-/// What is another every day.
+/// Conditions that vary from day to day.
 struct Conditions {
     reading_error_k: f64,
     payload_kg: f64,
@@ -105,13 +105,14 @@ impl<'a> ChainRobot<'a> {
         })
     }
 
-    /// The baseline of the day it was tensioned, the gripper empty and nobody near.
+    /// Returns the baseline of the tensioning day, with an empty gripper and without contact.
     pub(super) fn baseline(&self) -> Result<Baseline, ChainError> {
         let (recorded, _) = self.record(0)?;
         Ok(learn_recorded(self.robot, &recorded, "day 0", &Learning::default())?.0)
     }
 
-    /// A day's session, estimated since `baseline`; the second answer is the next of the chain.
+    /// Simulates a day's session and estimates it with `baseline`; the second result is the next baseline of the
+    /// chain.
     pub(super) fn session(
         &self,
         day: usize,
@@ -135,13 +136,13 @@ impl<'a> ChainRobot<'a> {
             true_temperature_c,
             temperature_c: true_temperature_c + conditions.reading_error_k,
             payload_kg: conditions.payload_kg,
-            left_out_share: estimate.left_out_share,
-            joints: self.judged(day, &estimate),
+            rejected_share: estimate.rejected_share,
+            joints: self.assessed(day, &estimate),
         };
         Ok((session, next))
     }
 
-    fn judged(&self, day: usize, estimate: &SessionEstimate) -> Vec<SessionJoint> {
+    fn assessed(&self, day: usize, estimate: &SessionEstimate) -> Vec<SessionJoint> {
         let names = self.robot.joint_names();
         estimate
             .joints
@@ -149,12 +150,12 @@ impl<'a> ChainRobot<'a> {
             .map(|joint| {
                 let place = names.iter().position(|n| *n == joint.name);
                 let stiffness = place.map_or(1.0, |i| self.stiffness_on(i, day));
-                let can_tell = joint.verdict != Verdict::CannotTell;
+                let is_conclusive = joint.verdict != Verdict::Inconclusive;
                 SessionJoint {
                     name: joint.name.clone(),
                     truth_rad: self.life.offset_rad(&joint.name, day),
-                    offset_rad: can_tell.then_some(joint.offset_rad),
-                    shared_error: joint.shared_error.filter(|_| can_tell),
+                    offset_rad: is_conclusive.then_some(joint.offset_rad),
+                    systematic_error: joint.systematic_error.filter(|_| is_conclusive),
                     true_stiffness_ratio: stiffness - 1.0,
                     stiffness_ratio: joint.stiffness_change_ratio,
                     steps: joint.changes.len(),

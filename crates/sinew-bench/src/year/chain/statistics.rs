@@ -1,44 +1,43 @@
-//! How wrong sessions are: what the surrogate of the simulated years is set from.
+//! Errors of sessions, from which the surrogate of the simulated years is calibrated.
 
 use super::{Session, SessionJoint};
 use crate::numbers::{finite, line, mean, rms};
 use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 
-/// Sessions of a robot below which nothing is said of it.
-const FEWEST: usize = 6;
+/// Minimum number of sessions of a robot for its statistics.
+const MIN_SESSIONS: usize = 6;
 
-/// Errors of a joint's sessions before anything failed there, estimate less truth; over robots.
+/// Errors of a joint's sessions before a failure there, estimate minus truth; over robots.
 ///
-/// Per robot a straight line over the temperature read is taken off the errors: its value at the
-/// baseline's day is the bias, its slope the drift, what is left the scatter. `None` where there are too few
-/// sessions to say.
+/// Per robot a straight line over the measured temperature is subtracted from the errors: its value on the baseline's
+/// day is the bias, its slope the drift, the residual the scatter. `None` if there are too few sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointErrors {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// Robots.
+    /// Number of robots.
     pub robots: usize,
-    /// Sessions.
+    /// Number of sessions.
     pub sessions: usize,
-    /// Share of sessions that couldn't tell.
-    pub refused_share: Option<f64>,
+    /// Share of inconclusive sessions.
+    pub inconclusive_share: Option<f64>,
     /// RMS of all errors, rad.
     pub rms_rad: Option<f64>,
     /// RMS over robots of the mean error, rad.
     pub bias_rad: Option<f64>,
     /// RMS over robots of the drift, rad/K.
     pub drift_rad_per_k: Option<f64>,
-    /// RMS of what is left, rad.
+    /// RMS of the residual, rad.
     pub scatter_rad: Option<f64>,
-    /// Its 99 % quantile over its 68 % quantile; 2.6 of a normal distribution.
+    /// Ratio of the 99 % quantile to the 68 % quantile of its size; 2.6 for a normal distribution.
     pub tails_ratio: Option<f64>,
-    /// How alike what is left is between sessions some days apart.
+    /// Correlation of the residuals between sessions some days apart.
     pub correlation: Vec<LagCorrelation>,
-    /// Mean of the standard deviation stated, rad.
-    pub stated_rad: Option<f64>,
-    /// Share of errors inside the 95 % interval stated.
+    /// Mean reported standard deviation, rad.
+    pub reported_std_rad: Option<f64>,
+    /// Share of errors inside the reported 95 % interval.
     pub inside_95_share: Option<f64>,
     /// RMS scatter of the stiffness estimated, about each robot's straight line over temperature, as a
     /// fraction of nominal.
@@ -49,7 +48,7 @@ pub struct JointErrors {
     pub steps_share: Option<f64>,
 }
 
-/// Correlation of errors between sessions so many days apart.
+/// Correlation of the errors between sessions at a lag in days.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LagCorrelation {
@@ -59,22 +58,22 @@ pub struct LagCorrelation {
     pub correlation: f64,
 }
 
-/// What a failed strand did to the sessions after it, of one robot.
+/// Effect of a failed strand on the following sessions of one robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FailureSeen {
-    /// Robot.
+    /// Seed of the robot.
     pub seed: u64,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// True size, rad.
     pub size_rad: f64,
-    /// Offset's rise as estimated, means of up to ten sessions on either side, creep taken off, rad.
-    pub seen_rad: f64,
+    /// Estimated rise of the offset, means of up to ten sessions on either side, creep subtracted, rad.
+    pub estimated_rise_rad: f64,
     /// Stiffness really lost, as a fraction of nominal.
     pub lost_ratio: f64,
     /// Stiffness lost as estimated.
-    pub seen_lost_ratio: f64,
+    pub estimated_loss_ratio: f64,
 }
 
 /// The errors of every joint and the failures, over the sessions of many robots.
@@ -107,9 +106,10 @@ pub fn statistics(robots: &[Vec<Session>]) -> (Vec<JointErrors>, Vec<FailureSeen
 /// Index of the first session after joint `i` lost stiffness.
 fn failure(sessions: &[Session], i: usize) -> Option<usize> {
     /// Less than any failure takes.
-    const LEAST: f64 = 1e-3;
+    const MIN_STIFFNESS_LOSS_RATIO: f64 = 1e-3;
     let first = sessions.first()?.joints.get(i)?.true_stiffness_ratio;
-    (sessions.iter()).position(|s| s.joints[i].true_stiffness_ratio < first - LEAST)
+    (sessions.iter())
+        .position(|s| s.joints[i].true_stiffness_ratio < first - MIN_STIFFNESS_LOSS_RATIO)
 }
 
 /// Error of a session, rad.
@@ -119,10 +119,10 @@ fn error(joint: &SessionJoint) -> Option<f64> {
 
 fn seen(sessions: &[Session], i: usize, at: usize) -> Option<FailureSeen> {
     const SESSIONS: usize = 10;
-    const FEWEST: usize = 3;
+    const MIN_SESSIONS_PER_SIDE: usize = 3;
     let before = &sessions[at.saturating_sub(SESSIONS)..at];
     let after = &sessions[at..(at + SESSIONS).min(sessions.len())];
-    if before.len().min(after.len()) < FEWEST {
+    if before.len().min(after.len()) < MIN_SESSIONS_PER_SIDE {
         return None;
     }
     let of = |part: &[Session], f: &dyn Fn(&SessionJoint) -> Option<f64>| {
@@ -131,15 +131,15 @@ fn seen(sessions: &[Session], i: usize, at: usize) -> Option<FailureSeen> {
     };
     let change = |f: &dyn Fn(&SessionJoint) -> Option<f64>| Some(of(after, f)? - of(before, f)?);
     let (last, first) = (&sessions[at - 1].joints[i], &sessions[at].joints[i]);
-    // A day's creep is in both.
+    // Both contain the creep of a day.
     let size_rad = first.truth_rad - last.truth_rad;
     Some(FailureSeen {
         seed: sessions[at].seed,
         joint: first.name.clone(),
         size_rad,
-        seen_rad: size_rad + change(&error)?,
+        estimated_rise_rad: size_rad + change(&error)?,
         lost_ratio: last.true_stiffness_ratio - first.true_stiffness_ratio,
-        seen_lost_ratio: -change(&|j| Some(j.stiffness_ratio.mean))?,
+        estimated_loss_ratio: -change(&|j| Some(j.stiffness_ratio.mean))?,
     })
 }
 
@@ -150,7 +150,7 @@ const LAGS: [usize; 4] = [1, 3, 10, 30];
 #[derive(Default)]
 struct Tally {
     sessions: usize,
-    refused: usize,
+    inconclusive: usize,
     steps: usize,
     errors: Vec<f64>,
     inside: usize,
@@ -160,7 +160,7 @@ struct Tally {
     left: Vec<f64>,
     soft: Vec<f64>,
     soft_drift: Vec<f64>,
-    /// Products of what is left a lag apart, and squares.
+    /// Products of the residuals at a lag, and squares.
     pairs: [[f64; 2]; LAGS.len()],
 }
 
@@ -173,7 +173,7 @@ impl Tally {
             let joint = &session.joints[i];
             if let (Some(e), Some(offset)) = (error(joint), joint.offset_rad) {
                 self.errors.push(e);
-                self.stated += offset.deviation;
+                self.stated += offset.std;
                 self.inside += usize::from(e.abs() <= offset.half_width_95());
             }
         }
@@ -181,8 +181,8 @@ impl Tally {
             .iter()
             .filter_map(|s| Some((s.day, (s.temperature_c, error(&s.joints[i])?))))
             .collect();
-        self.refused += own.len() - points.len();
-        if points.len() < FEWEST {
+        self.inconclusive += own.len() - points.len();
+        if points.len() < MIN_SESSIONS {
             return;
         }
         let flat: Vec<(f64, f64)> = points.iter().map(|p| p.1).collect();
@@ -211,12 +211,12 @@ impl Tally {
         sizes.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| quantile(&sizes, share);
         let share = |n: usize, of: usize| finite(n as f64 / of as f64);
-        let judged = self.errors.len();
+        let assessed = self.errors.len();
         JointErrors {
             joint: joint.into(),
             robots: self.bias.len(),
             sessions: self.sessions,
-            refused_share: share(self.refused, self.sessions),
+            inconclusive_share: share(self.inconclusive, self.sessions),
             rms_rad: finite(rms(&self.errors)),
             bias_rad: finite(rms(&self.bias)),
             drift_rad_per_k: finite(rms(&self.drift)),
@@ -229,8 +229,8 @@ impl Tally {
                     correlation: product / square,
                 })
                 .collect(),
-            stated_rad: finite(self.stated / judged as f64),
-            inside_95_share: share(self.inside, judged),
+            reported_std_rad: finite(self.stated / assessed as f64),
+            inside_95_share: share(self.inside, assessed),
             stiffness_scatter_ratio: finite(rms(&self.soft)),
             stiffness_drift_ratio_per_k: finite(rms(&self.soft_drift)),
             steps_share: share(self.steps, self.sessions),

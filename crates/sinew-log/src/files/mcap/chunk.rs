@@ -61,7 +61,7 @@ impl Unpacker {
             }
             other => {
                 return Err(format!(
-                    "unknown compression '{}': zstd, lz4 and none are read",
+                    "unsupported compression '{}': zstd, lz4 and none are supported",
                     sinew_files::names::shorten(other, 40)
                 ));
             }
@@ -69,13 +69,13 @@ impl Unpacker {
         check_records(header, out)
     }
 
-    /// Checks a chunk that is not compressed and can be used where it lies.
+    /// Checks an uncompressed chunk, which is used in place.
     pub(super) fn check_plain(&self, header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
         self.check_size(header, records.len() as u64)?;
         check_records(header, records)
     }
 
-    /// Unpacks what a cut-off chunk still holds; no checksum can be checked.
+    /// Decompresses the complete blocks of a truncated chunk; its checksum cannot be verified.
     pub(super) fn salvage(&mut self, header: &ChunkHeader, packed: &[u8], out: &mut Vec<u8>) {
         out.clear();
         // The header's sizes belong to the whole chunk, so only the limit is checked.
@@ -121,7 +121,9 @@ impl Unpacker {
 fn check_records(header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
     let (held, size) = (records.len(), header.uncompressed_size);
     if held as u64 != size {
-        return Err(format!("chunk holds {held} bytes, its header says {size}"));
+        return Err(format!(
+            "chunk has {held} bytes, expected {size} by its header"
+        ));
     }
     let saved = header.uncompressed_crc;
     // Zero means "not calculated" in the format.
@@ -129,7 +131,7 @@ fn check_records(header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
         let calculated = crc32fast::hash(records);
         if calculated != saved {
             return Err(format!(
-                "chunk checksum is {calculated:08x}, its header says {saved:08x}"
+                "chunk checksum is {calculated:08x}, expected {saved:08x} by its header"
             ));
         }
     }

@@ -1,9 +1,9 @@
-//! The MCAP container: records and chunks, one message at a time, past damage.
+//! MCAP container: reads records and chunks message by message, and continues after damaged parts.
 //!
 //! The framing is read here rather than by `mcap::sans_io::LinearReader`, because
-//! recovery needs the offset of each record, the verdict on a chunk *before* its
-//! first message is used, and what is left of a cut-off chunk; the linear reader
-//! ends with an error instead. Record bodies are parsed by the `mcap` crate.
+//! recovery requires the offset of each record, the validity of a chunk *before* its first message is used, and the
+//! readable part of a truncated chunk. The linear reader stops with an error instead. Record bodies are parsed by the
+//! `mcap` crate.
 
 use mcap::records::{ChunkHeader, Record, op};
 
@@ -21,7 +21,7 @@ const MESSAGE_HEADER: usize = 2 + 4 + 8 + 8;
 const CHUNK_HEADER_LIMIT: usize = 4 << 10;
 const CHUNK_HEADER_FIXED: usize = 8 + 8 + 8 + 4 + 4 + 8;
 
-/// Which buffer the current message lies in.
+/// Buffer that contains the current message.
 #[derive(Clone, Copy)]
 enum Place {
     File,
@@ -34,12 +34,12 @@ pub(in crate::files) struct Container {
     limit: usize,
     /// The unpacked chunk.
     chunk: Vec<u8>,
-    /// Where the records of the chunk being read lie, how far they are read and where they
-    /// end: in `chunk`, or, when not compressed, in the file's own buffer.
+    /// Buffer of the records of the current chunk, read position and end: `chunk`, or the file's own buffer
+    /// if not compressed.
     chunk_place: Place,
     chunk_at: usize,
     chunk_end: usize,
-    /// File offset and packed size of the chunk being read, for messages.
+    /// File offset and compressed size of the current chunk, for messages.
     chunk_offset: u64,
     /// Records of a salvaged chunk end anywhere; of a whole one they do not.
     chunk_is_cut: bool,
@@ -96,7 +96,7 @@ impl Container {
         &mut self.source
     }
 
-    /// The payload of the message just met.
+    /// Payload of the latest message.
     #[inline]
     pub(super) fn payload(&self) -> &[u8] {
         let (place, start, end) = self.payload;
@@ -106,7 +106,7 @@ impl Container {
         }
     }
 
-    /// Reads on to the next thing of interest.
+    /// Reads up to the next item that the caller uses.
     pub(super) fn next(&mut self, health: &mut Health) -> std::io::Result<Item> {
         loop {
             if self.chunk_at < self.chunk_end {
@@ -151,7 +151,7 @@ impl Container {
         definition(opcode, &records[start..start + length], health)
     }
 
-    /// The chunk's records do not end where the chunk ends.
+    /// Error of a chunk whose records do not end with it.
     #[cold]
     fn end_broken_chunk(&mut self, health: &mut Health) {
         if !self.chunk_is_cut {
@@ -391,7 +391,7 @@ fn complete_records(bytes: &[u8]) -> usize {
     at
 }
 
-/// Splits the body of a chunk record into its header and the packed records; `None`: it can't be read.
+/// Splits the body of a chunk record into its header and the compressed records; `None`: it is invalid.
 fn chunk_header(mut body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
     let body = &mut body;
     let message_start_time = u64::from_le_bytes(take(body)?);
@@ -414,7 +414,7 @@ fn chunk_header(mut body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
     Some((header, body))
 }
 
-/// A schema or channel definition, or nothing.
+/// Parses a schema or channel definition; `None` for other records.
 fn definition(opcode: u8, body: &[u8], health: &mut Health) -> Option<Item> {
     if !matches!(opcode, op::SCHEMA | op::CHANNEL) {
         return None;

@@ -1,4 +1,4 @@
-//! Messages that somebody else read.
+//! Messages in memory, read by the caller.
 
 use std::collections::HashMap;
 use std::io::{Error, Result};
@@ -54,34 +54,34 @@ impl GivenMessages {
                 id
             }
             None => {
-                let why = format!("more than {TOPIC_LIMIT} topics");
-                return Err(LogError::request(topic, why));
+                let reason = format!("more than {TOPIC_LIMIT} topics");
+                return Err(LogError::request(topic, reason));
             }
         };
-        let known = &mut self.topics[usize::from(id)];
-        known.messages += 1;
-        if MessageKind::of_schema(kind).is_some() || is_description(known) {
+        let topic = &mut self.topics[usize::from(id)];
+        topic.messages += 1;
+        if MessageKind::of_schema(kind).is_some() || is_description(topic) {
             self.payloads.extend_from_slice(cdr);
             self.messages.push((id, log_time_ns, self.payloads.len()));
         }
         Ok(())
     }
 
-    /// Messages kept.
+    /// Number of stored messages.
     pub fn len(&self) -> usize {
         self.messages.len()
     }
 
-    /// Whether none was kept.
+    /// Whether no message is stored.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
     }
 }
 
-/// Messages being read.
+/// Reader of messages in memory.
 pub(in crate::files) struct Given {
     of: Arc<GivenMessages>,
-    /// Messages handed out.
+    /// Number of messages returned.
     done: usize,
 }
 
@@ -140,7 +140,7 @@ impl Messages for Given {
     }
 
     fn restart(&mut self, _offset: u64) -> Result<()> {
-        Err(Error::other("messages in memory have no places"))
+        Err(Error::other("messages in memory have no offsets"))
     }
 
     fn progress(&self) -> Progress {

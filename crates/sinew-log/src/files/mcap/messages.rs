@@ -1,4 +1,4 @@
-//! What a recorder's file hands out, whatever holds it.
+//! Interface to the messages of a recorder's file, for any container.
 
 use crate::files::reader::{Format, Progress};
 use crate::health::Health;
@@ -6,7 +6,7 @@ use crate::live::survey::Topic;
 use mcap::records::Channel;
 use std::collections::BTreeMap;
 
-/// What the file says it holds.
+/// Content of a file by its summary.
 #[derive(Default)]
 pub(in crate::files) struct Summary {
     pub(in crate::files) topics: BTreeMap<u16, Topic>,
@@ -14,7 +14,7 @@ pub(in crate::files) struct Summary {
     pub(in crate::files) chunks: Vec<(u64, Vec<u16>)>,
 }
 
-/// What was met.
+/// Item read from a file.
 pub(in crate::files) enum Item {
     /// A message; its payload is at [`Messages::payload`].
     Message { channel: u16, log_time_ns: u64 },
@@ -22,7 +22,7 @@ pub(in crate::files) enum Item {
     Channel(Channel),
     /// A schema was defined.
     Schema { id: u16, name: String },
-    /// Part of the file was skipped; what follows does not connect to what came before.
+    /// Part of the file was skipped; the following samples begin a new segment.
     Damage,
     /// The end of the data.
     End,
@@ -32,19 +32,19 @@ pub(in crate::files) enum Item {
 pub(in crate::files) trait Messages: Send {
     const FORMAT: Format;
 
-    /// Reads on to the next thing of interest.
+    /// Reads up to the next item that the caller uses.
     fn next(&mut self, health: &mut Health) -> std::io::Result<Item>;
 
-    /// The payload of the message just met.
+    /// Payload of the latest message.
     fn payload(&self) -> &[u8];
 
-    /// What the file says it holds, where it says so.
+    /// Reads the summary of the file, if it has one.
     fn summary(&mut self) -> std::io::Result<Option<Summary>>;
 
-    /// Starts anew from the first message.
+    /// Restarts from the first message.
     fn rewind(&mut self) -> std::io::Result<()>;
 
-    /// Goes on at a place that the summary named.
+    /// Continues at an offset of the summary.
     fn restart(&mut self, offset: u64) -> std::io::Result<()>;
 
     fn progress(&self) -> Progress;

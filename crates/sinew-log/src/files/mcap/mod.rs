@@ -14,10 +14,10 @@ use crate::decode::MessageKind;
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
 use crate::files::reader::{Format, Progress, Reader};
-use crate::frame::{Channels, DrivenJoint};
+use crate::frame::{AxisNames, Channels};
 use crate::health::Health;
 use crate::live::choose::{check_mapping, choose};
-use crate::live::joints::joints_of;
+use crate::live::joints::{Joints, joints_of};
 use crate::live::samples::Samples;
 use crate::live::seen::{Seen, topics_of};
 use crate::mapping::Mapping;
@@ -30,16 +30,17 @@ use messages::{Item, Messages};
 use scan::topic_of;
 use source::Source;
 
-/// A container of messages, and what becomes of them.
+/// Reader of a container of messages, with their conversion to samples.
 pub(in crate::files) struct BagReader<M> {
     file: String,
     container: M,
     samples: Samples,
     joints: Vec<String>,
+    tendons: Vec<String>,
     channels: Channels,
     robot_description: Option<String>,
     schemas: BTreeMap<u16, String>,
-    /// Every channel, at its number.
+    /// Channels by their numbers.
     seen: Vec<Seen>,
     /// Channels known from the start: a damaged chunk may hold their definition.
     announced: Vec<(u16, String, MessageKind)>,
@@ -74,7 +75,12 @@ impl<M: Messages> BagReader<M> {
         let empty = Mapping::default();
         let mapping = options.mapping.as_ref().unwrap_or(&empty);
         check_mapping(mapping)?;
-        let (joints, channels, known) = joints_of(&survey, &names, mapping, file)?;
+        let Joints {
+            joints,
+            channels,
+            tendons,
+            recorded,
+        } = joints_of(&survey, &names, mapping, file)?;
         let announced = survey.topics.iter().filter_map(|(id, topic)| {
             let kind = MessageKind::of_schema(&topic.schema)?;
             Some((*id, topic.name.clone(), kind))
@@ -82,9 +88,10 @@ impl<M: Messages> BagReader<M> {
         let mut reader = BagReader {
             file: file.to_owned(),
             container,
-            samples: Samples::new(names, mapping, known),
+            samples: Samples::new(names, mapping, recorded),
             announced: announced.collect(),
             joints,
+            tendons,
             channels,
             schemas: BTreeMap::new(),
             seen: Vec::new(),
@@ -96,11 +103,11 @@ impl<M: Messages> BagReader<M> {
             reader.saw(*id).describe(topic);
         }
         let all = reader.joints.clone();
-        reader.select(&DrivenJoint::of_joints(&all));
+        reader.select(&AxisNames::of_joints(&all));
         Ok(reader)
     }
 
-    /// What is noted of a channel.
+    /// Statistics of a channel.
     fn saw(&mut self, id: u16) -> &mut Seen {
         let id = usize::from(id);
         if self.seen.len() <= id {
@@ -141,15 +148,19 @@ impl<M: Messages> Reader for BagReader<M> {
         (self.joints.clone(), self.channels.clone())
     }
 
-    fn select(&mut self, joints: &[DrivenJoint]) {
-        self.samples.select(joints);
+    fn tendons(&self) -> &[String] {
+        &self.tendons
+    }
+
+    fn select(&mut self, axes: &[AxisNames]) {
+        self.samples.select(axes);
         for (id, topic, kind) in &self.announced {
             self.samples.stream(*id, topic, *kind);
         }
     }
 
-    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
-        self.samples.joiner(joints, options)
+    fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
+        self.samples.joiner(axes, options)
     }
 
     fn progress(&self) -> Progress {

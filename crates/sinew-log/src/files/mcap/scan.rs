@@ -1,4 +1,4 @@
-//! What an MCAP recording holds, from its start and, where there is one, its summary.
+//! Content of an MCAP recording, from its start and from its summary, if there is one.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use crate::files::reader::{Format, Progress};
 use crate::health::Health;
 use crate::live::survey::{NAMED_MESSAGES, Survey, Topic, description, is_description};
 
-/// Bytes of the file looked at for what the summary announces.
+/// Number of bytes that are scanned for topics of the summary.
 const SCAN_BYTES: u64 = 16 << 20;
-/// Bytes looked at where no summary says what there is.
+/// Bytes scanned in a file without a summary.
 const BLIND_SCAN_BYTES: u64 = 2 << 20;
-/// Largest summary section read, bytes.
+/// Maximum size of a summary section, bytes.
 const SUMMARY_LIMIT: u64 = sinew_files::limits::SUMMARY.most;
-/// Magic bytes at both ends of the file.
+/// Length of the magic bytes at both ends of the file.
 const MAGIC_BYTES: u64 = 8;
 /// Footer record and closing magic, bytes.
 const TAIL_BYTES: u64 = 9 + 20 + MAGIC_BYTES;
@@ -74,13 +74,13 @@ pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Survey> {
 
 fn note_channel(survey: &mut Survey, channel: &mcap::records::Channel) {
     let topic = topic_of(channel, &survey.schemas);
-    let known = survey.topics.entry(channel.id).or_default();
-    if known.name != topic.name || known.schema.is_empty() {
-        *known = topic;
+    let entry = survey.topics.entry(channel.id).or_default();
+    if entry.name != topic.name || entry.schema.is_empty() {
+        *entry = topic;
     }
 }
 
-/// Whether everything of interest that the summary announces was met.
+/// Whether all relevant topics of the summary have been read.
 fn has_met(survey: &Survey, announced: &BTreeMap<u16, Topic>) -> bool {
     announced.iter().all(|(id, topic)| {
         let met = survey.topics.get(id).map_or(0, |topic| topic.messages);
@@ -94,7 +94,7 @@ fn has_met(survey: &Survey, announced: &BTreeMap<u16, Topic>) -> bool {
     })
 }
 
-/// Looks a robot description up in the chunks the summary says it is in.
+/// Finds a robot description in the chunks that the summary lists for it.
 fn find_description(
     container: &mut impl Messages,
     survey: &Survey,
@@ -123,7 +123,7 @@ fn find_description(
             }
             _ => {}
         }
-        // One chunk is enough: the summary said so.
+        // One chunk is sufficient by the summary.
         let position = container.progress().bytes_done;
         if *last_position.get_or_insert(position) != position {
             return Ok(None);
@@ -173,7 +173,7 @@ impl Messages for Container {
     }
 }
 
-/// The summary section, if the file has a readable one; never an error of its own.
+/// Reads the summary section, if the file has a valid one; never an error.
 fn read_summary(container: &mut Container) -> std::io::Result<Option<Summary>> {
     let length = container.bytes_total();
     if length < TAIL_BYTES + MAGIC_BYTES {

@@ -1,10 +1,10 @@
-//! Buffered bytes of a file with a known position, grown only by what was really read.
+//! Buffered reader of a file with its position; the buffer grows only with the bytes read.
 
 use std::io::{Read, Seek, SeekFrom};
 
 use crate::files::read_seek::ReadSeek;
 
-/// One read of the operating system, bytes.
+/// Size of one read of the operating system, bytes.
 const READ_BYTES: usize = 256 << 10;
 
 /// A window over the file: `unread` bytes start at file offset `position`.
@@ -41,7 +41,7 @@ impl Source {
         self.position
     }
 
-    /// Continues at another place of the file.
+    /// Continues at another offset of the file.
     pub(super) fn seek(&mut self, position: u64) -> std::io::Result<()> {
         self.reader.seek(SeekFrom::Start(position))?;
         self.position = position;
@@ -62,7 +62,7 @@ impl Source {
 
     /// Has `bytes` bytes ready in [`Self::unread`], or as many as the file still has.
     ///
-    /// The caller has checked `bytes` against its limit; memory follows what is read.
+    /// The caller has checked `bytes` against its limit; memory grows with the bytes read.
     pub(super) fn fill(&mut self, bytes: usize) -> std::io::Result<usize> {
         while self.end - self.start < bytes {
             if self.start > 0 && (self.start == self.end || self.buffer.len() - self.start < bytes)
@@ -72,7 +72,7 @@ impl Source {
                 self.start = 0;
             }
             if self.buffer.len() - self.end < READ_BYTES {
-                // Doubling keeps copies linear; never more than was asked plus one read.
+                // Doubling keeps copies linear; at most the requested bytes plus one read.
                 let wanted = (self.buffer.len() * 2)
                     .clamp(READ_BYTES, bytes + READ_BYTES)
                     .max(self.end + READ_BYTES);

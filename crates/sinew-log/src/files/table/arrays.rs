@@ -1,4 +1,4 @@
-//! Rows of numbers that somebody else holds in memory.
+//! Rows of numbers in memory of the caller.
 
 use super::columns::Columns;
 use super::{Row, Rows, Table};
@@ -11,29 +11,29 @@ use crate::options::OpenOptions;
 /// Rows copied at a time.
 const BLOCK_ROWS: usize = 1024;
 
-/// Numbers that somebody else holds, one row an instant: read block by block, never copied whole.
+/// Numbers in memory of the caller, one row per time stamp: read in blocks, never copied whole.
 ///
-/// What the columns of a CSV file are, these are in memory. NaN means "not recorded".
+/// They correspond to the columns of a CSV file. NaN means "not recorded".
 pub trait Arrays: Send {
     /// Names of the `n` joints, in the order of the values.
     fn joints(&self) -> &[String];
 
-    /// Which quantities there are.
+    /// Recorded quantities of the joints.
     fn quantities(&self) -> Quantities;
 
-    /// Rows there are.
+    /// Number of rows.
     fn rows(&self) -> u64;
 
     /// Copies the times of the rows from `from` on, ns.
     ///
     /// # Errors
-    /// Why they can't be had, in words.
+    /// Returns a description of the error.
     fn times_ns(&mut self, from: u64, into: &mut [i64]) -> Result<(), String>;
 
     /// Copies a quantity's values of the rows from `from` on: `n` a row, SI; one a row of the temperature, °C.
     ///
     /// # Errors
-    /// Why they can't be had, in words.
+    /// Returns a description of the error.
     fn values(&mut self, quantity: Quantity, from: u64, into: &mut [f64]) -> Result<(), String>;
 }
 
@@ -50,10 +50,10 @@ pub(crate) struct ArrayRows {
     arrays: Box<dyn Arrays>,
     file: String,
     blocks: Vec<Block>,
-    /// Of every column but the time: its block and its place in a row of that.
+    /// Block and index in the row of that block, for every column but the time.
     places: Vec<(usize, usize)>,
     times_ns: Vec<i64>,
-    /// Rows handed out, and how many of them were before this block.
+    /// Number of rows returned, and that number before this block.
     done: u64,
     before: u64,
 }
@@ -87,7 +87,7 @@ impl ArrayReader {
             });
             names.extend(columns);
         }
-        // Names are ours: no mapping says what they mean.
+        // The names are fixed: no mapping applies.
         let options = OpenOptions {
             mapping: None,
             ..options.clone()
@@ -112,16 +112,16 @@ impl ArrayRows {
         let left = self.arrays.rows() - self.done;
         let rows = left.min(BLOCK_ROWS as u64) as usize;
         self.before = self.done;
-        let refuse = |why: String| LogError::request(&self.file, why);
+        let to_error = |reason: String| LogError::request(&self.file, reason);
         self.times_ns.resize(rows, 0);
         (self.arrays)
             .times_ns(self.done, &mut self.times_ns)
-            .map_err(refuse)?;
+            .map_err(to_error)?;
         for block in &mut self.blocks {
             block.values.resize(rows * block.width, ABSENT);
             (self.arrays)
                 .values(block.quantity, self.done, &mut block.values)
-                .map_err(refuse)?;
+                .map_err(to_error)?;
         }
         Ok(rows > 0)
     }

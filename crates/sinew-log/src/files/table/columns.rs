@@ -1,8 +1,8 @@
-//! Which column is which quantity of which joint.
+//! Assignment of columns to quantities and joints.
 
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::error::LogError;
-use crate::frame::{ABSENT, BLOCKS, Channels, DrivenJoint, Quantities, Quantity};
+use crate::frame::{ABSENT, AxisNames, Channels, Quantities, Quantity, blocks};
 use crate::mapping::{Mapping, Source, Wrap};
 use crate::options::OpenOptions;
 use crate::options::to_ns;
@@ -13,7 +13,7 @@ use sinew_files::{Fault, Located};
 /// Most columns a table may have.
 pub(crate) const COLUMN_LIMIT: usize = sinew_files::limits::COLUMNS.length();
 
-/// One addend of a value: `scale · cell + offset`.
+/// Addend of a value: `scale · cell + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Addend {
     pub(crate) column: usize,
@@ -21,31 +21,47 @@ pub(crate) struct Addend {
     pub(crate) offset: f64,
 }
 
-/// One signal of one joint: a sum of columns.
+impl Addend {
+    /// A column that is recorded in SI.
+    fn si(column: usize) -> Self {
+        Self {
+            column,
+            scale: 1.0,
+            offset: 0.0,
+        }
+    }
+}
+
+/// Signal of one joint, motor or tendon: a sum of columns.
 #[derive(Debug, Clone)]
 struct SignalPlan {
-    joint: usize,
+    /// Place among the joints; of a tension, among the tendons.
+    owner: usize,
     quantity: Quantity,
     addends: Vec<Addend>,
     period: Option<f64>,
 }
 
-/// What the columns of a table mean.
+/// Column mapping of a table.
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     /// Headers, empty where a column cannot be read.
     pub(crate) names: Vec<String>,
     joints: Vec<String>,
+    /// Names that a tension is recorded of.
+    tendons: Vec<String>,
     channels: Channels,
     signals: Vec<SignalPlan>,
     pub(crate) time_column: usize,
     /// Power of ten from the time column's unit to nanoseconds.
     pub(crate) time_exponent: i32,
-    /// Columns that are read, ascending, with the place of their value in the row of cells.
+    /// Used columns, ascending, with the index of their value in the row of cells.
     pub(crate) used: Vec<usize>,
     /// Signals of the joints selected: place in the wide row, range of `addends`.
     selected: Vec<(usize, usize, usize)>,
     addends: Vec<Addend>,
+    /// Values of a wide row.
+    pub(super) width: usize,
 }
 
 /// A column name of DESIGN.md taken apart: quantity, joint, factor to SI, unwrapped.
@@ -53,6 +69,7 @@ fn parse_name(name: &str) -> Option<(Quantity, &str, bool)> {
     let (symbol, rest) = name.split_once('.')?;
     let quantity = Quantity::PER_JOINT
         .into_iter()
+        .chain([Quantity::Tension])
         .find(|quantity| quantity.symbol() == symbol)?;
     // Prismatic joints: metres and newtons, which do not wrap.
     let straight = match quantity {
@@ -76,7 +93,7 @@ impl Columns {
         let header = |reason: String| LogError::from(Located::new(file, Fault::NotAllowed, reason));
         if names.len() > COLUMN_LIMIT {
             return Err(header(format!(
-                "{} columns, at most {COLUMN_LIMIT} are read",
+                "{} columns; at most {COLUMN_LIMIT} are supported",
                 names.len()
             )));
         }
@@ -84,7 +101,7 @@ impl Columns {
         for name in names.iter().filter(|name| !name.is_empty()) {
             if !seen.insert(name.as_str()) {
                 return Err(header(format!(
-                    "column '{}' is there twice; remove or rename one",
+                    "duplicate column '{}'; remove or rename one",
                     sinew_files::names::shorten(name, 80)
                 )));
             }
@@ -94,6 +111,7 @@ impl Columns {
         let mut columns = Columns {
             names: names.to_vec(),
             joints: Vec::new(),
+            tendons: Vec::new(),
             channels: Channels::default(),
             signals: Vec::new(),
             time_column,
@@ -101,6 +119,7 @@ impl Columns {
             used: Vec::new(),
             selected: Vec::new(),
             addends: Vec::new(),
+            width: 0,
         };
         match mapping {
             Some(mapping) if !mapping.joints.is_empty() => {
@@ -112,9 +131,15 @@ impl Columns {
             let reason = "no column like q.<joint>_rad or theta.<joint>_rad; a mapping can name other columns";
             return Err(LogError::columns(file, reason, names));
         }
+        match mapping {
+            Some(mapping) if !mapping.tendons.is_empty() => {
+                columns.map_tendons(names, mapping, file)?;
+            }
+            _ => columns.find_tendons(names),
+        }
         columns.map_temperature(names, mapping, file)?;
         let all = columns.joints.clone();
-        columns.select(&DrivenJoint::of_joints(&all));
+        columns.select(&AxisNames::of_joints(&all));
         Ok(columns)
     }
 
@@ -123,6 +148,9 @@ impl Columns {
             let Some((quantity, joint, wraps)) = parse_name(name) else {
                 continue;
             };
+            if quantity == Quantity::Tension {
+                continue;
+            }
             let index = match self.joints.iter().position(|known| known == joint) {
                 Some(index) => index,
                 None => {
@@ -137,16 +165,46 @@ impl Columns {
             }
             self.channels.joints[index].insert(quantity);
             self.signals.push(SignalPlan {
-                joint: index,
+                owner: index,
                 quantity,
-                addends: vec![Addend {
-                    column,
-                    scale: 1.0,
-                    offset: 0.0,
-                }],
+                addends: vec![Addend::si(column)],
                 period: Signal::si(quantity).period.filter(|_| wraps),
             });
         }
+    }
+
+    /// Tensions by the usual names of their columns.
+    fn find_tendons(&mut self, names: &[String]) {
+        for (column, name) in names.iter().enumerate() {
+            if let Some((Quantity::Tension, tendon, _)) = parse_name(name) {
+                self.add_tendon(tendon, vec![Addend::si(column)]);
+            }
+        }
+    }
+
+    fn map_tendons(
+        &mut self,
+        names: &[String],
+        mapping: &Mapping,
+        file: &str,
+    ) -> Result<(), LogError> {
+        for tendon in &mapping.tendons {
+            if let Some(source) = &tendon.tension {
+                let addends = addends_of(source, names, mapping, file)?;
+                self.add_tendon(&tendon.name, addends);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_tendon(&mut self, name: &str, addends: Vec<Addend>) {
+        self.tendons.push(name.to_owned());
+        self.signals.push(SignalPlan {
+            owner: self.tendons.len() - 1,
+            quantity: Quantity::Tension,
+            addends,
+            period: None,
+        });
     }
 
     fn map_joints(
@@ -158,7 +216,7 @@ impl Columns {
         for joint in &mapping.joints {
             let [q, theta] = [Quantity::Q, Quantity::Theta].map(|q| &joint.sources[q.index()]);
             if let (Some(q), Some(theta)) = (q, theta)
-                && q.reads_as(theta)
+                && q.is_equivalent(theta)
             {
                 let problem = "joint side and motor side are the same column";
                 return Err(Located::new(&mapping.file, Fault::Contradiction, problem)
@@ -180,7 +238,7 @@ impl Columns {
                 let addends = addends_of(source, names, mapping, file)?;
                 self.channels.joints[index].insert(quantity);
                 self.signals.push(SignalPlan {
-                    joint: index,
+                    owner: index,
                     quantity,
                     addends,
                     period: match source.wrap {
@@ -203,11 +261,7 @@ impl Columns {
             Some((mapping, source)) => addends_of(source, names, mapping, file)?,
             None => match names.iter().position(|name| name == "temperature_c") {
                 None => return Ok(()),
-                Some(column) => vec![Addend {
-                    column,
-                    scale: 1.0,
-                    offset: 0.0,
-                }],
+                Some(column) => vec![Addend::si(column)],
             },
         };
         self.channels.temperature = true;
@@ -215,7 +269,7 @@ impl Columns {
             joint.temperature = true;
         }
         self.signals.push(SignalPlan {
-            joint: 0,
+            owner: 0,
             quantity: Quantity::Temperature,
             addends,
             period: None,
@@ -227,11 +281,23 @@ impl Columns {
         (self.joints.clone(), self.channels.clone())
     }
 
-    /// Where each quantity is read from.
+    /// Names that a tension is recorded of.
+    pub(super) fn tendons(&self) -> &[String] {
+        &self.tendons
+    }
+
+    /// Name of the joint, motor or tendon that a signal is of.
+    fn owner(&self, signal: &SignalPlan) -> Option<&str> {
+        let names = match signal.quantity {
+            Quantity::Tension => &self.tendons,
+            _ => &self.joints,
+        };
+        names.get(signal.owner).map(String::as_str)
+    }
+
+    /// Source of each quantity.
     pub(super) fn sources(&self) -> Vec<SignalSource> {
-        let all = Quantity::PER_JOINT
-            .into_iter()
-            .chain([Quantity::Temperature]);
+        let all = Quantity::ALL.into_iter();
         all.filter_map(|quantity| {
             let own = self.signals.iter().filter(|s| s.quantity == quantity);
             let columns = own
@@ -247,7 +313,7 @@ impl Columns {
         .collect()
     }
 
-    /// Columns that nothing is read from.
+    /// Columns that are not used.
     pub(super) fn unused(&self) -> Vec<String> {
         let used = |column| {
             let mut read = self.signals.iter().flat_map(|s| &s.addends);
@@ -260,8 +326,9 @@ impl Columns {
             .collect()
     }
 
-    /// Which joints the rows hold from now on, in which order.
-    pub(crate) fn select(&mut self, joints: &[DrivenJoint]) {
+    /// Sets the axes of the rows from now on, in this order.
+    pub(crate) fn select(&mut self, axes: &[AxisNames]) {
+        self.width = blocks(axes).len() * axes.len();
         self.selected.clear();
         self.addends.clear();
         let mut used = vec![self.time_column];
@@ -269,19 +336,19 @@ impl Columns {
             let place = if signal.quantity == Quantity::Temperature {
                 Some(0)
             } else {
-                let name = &self.joints[signal.joint];
-                let mut joints = joints.iter();
-                joints.position(|joint| joint.recorded(signal.quantity) == name)
+                let name = self.owner(signal);
+                let mut axes = axes.iter();
+                axes.position(|axis| name.is_some() && axis.recorded(signal.quantity) == name)
             };
-            // A selection of no joints has no place for a temperature either.
-            let Some(place) = place.filter(|place| *place < joints.len()) else {
+            // A selection of no axes has no place for a temperature either.
+            let Some(place) = place.filter(|place| *place < axes.len()) else {
                 continue;
             };
             let from = self.addends.len();
             self.addends.extend_from_slice(&signal.addends);
             used.extend(signal.addends.iter().map(|addend| addend.column));
             self.selected.push((
-                signal.quantity.index() * joints.len() + place,
+                signal.quantity.index() * axes.len() + place,
                 from,
                 self.addends.len(),
             ));
@@ -317,37 +384,24 @@ impl Columns {
         }
     }
 
-    pub(crate) fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
-        let mut signals = Vec::with_capacity(6 * joints.len());
-        for quantity in Quantity::PER_JOINT {
-            for joint in joints {
-                let plan = self.signals.iter().find(|plan| {
-                    let name = joint.recorded(quantity);
-                    plan.quantity == quantity && self.joints[plan.joint] == name
-                });
-                signals.push(Signal {
-                    scale: 1.0,
-                    offset: 0.0,
-                    period: plan.and_then(|plan| plan.period),
-                });
+    pub(crate) fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
+        let signal = |axis: &AxisNames, quantity| {
+            let name = axis.recorded(quantity);
+            let mut plans = self.signals.iter();
+            let plan = plans.find(|plan| plan.quantity == quantity && self.owner(plan) == name);
+            Signal {
+                scale: 1.0,
+                offset: 0.0,
+                period: plan.and_then(|plan| plan.period),
             }
-        }
-        let blocks: [Quantity; BLOCKS] = [
-            Quantity::Q,
-            Quantity::Theta,
-            Quantity::Dq,
-            Quantity::TauEl,
-            Quantity::TauM,
-            Quantity::TauExt,
-            Quantity::Temperature,
-        ];
+        };
         Joiner::new(
-            joints.len(),
-            &blocks,
+            axes.len(),
+            blocks(axes),
             &[],
             to_ns(options.reorder_s),
             to_ns(options.interpolate_s),
-            Conditioner::new(joints, signals, to_ns(options.gap_s)),
+            Conditioner::new(axes, to_ns(options.gap_s), signal),
         )
     }
 }
@@ -367,7 +421,7 @@ fn addends_of(
             };
             let wanted = term.column.as_ref().ok_or_else(|| {
                 error(format!(
-                    "a 'column' is needed to read {file}, which is a table"
+                    "'column' is missing; it is required because {file} is a table"
                 ))
             })?;
             let column = names
@@ -454,6 +508,11 @@ mod tests {
             Some((Quantity::Dq, "a.b", true))
         );
         assert_eq!(parse_name("q.slide_m"), Some((Quantity::Q, "slide", false)));
+        assert_eq!(
+            parse_name("tension.flexor_n"),
+            Some((Quantity::Tension, "flexor", true))
+        );
+        assert_eq!(parse_name("tension.flexor_nm"), None);
         assert_eq!(parse_name("q._rad"), None);
         assert_eq!(parse_name("q.elbow"), None);
         assert_eq!(parse_name("position"), None);

@@ -20,20 +20,20 @@ use crate::health::Health;
 use crate::options::OpenOptions;
 use sinew_files::names::shorten;
 
-/// Longest line (header or row) that is read, bytes.
+/// Maximum length of a line (header or row), bytes.
 const ROW_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
 /// Bytes of the start in which the header line must end.
 const HEADER_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
-/// What a line that holds no row begins with.
+/// First character of a line without a row.
 const COMMENT: u8 = b'#';
-/// One read of the operating system, bytes.
+/// Size of one read of the operating system, bytes.
 const BUFFER_BYTES: usize = 256 << 10;
 
 /// Hands the file to the CSV parser and stops it before an unclosed quote or a
 /// file without line ends is collected in memory.
 struct Meter {
     reader: Box<dyn Read + Send>,
-    /// Bytes handed out.
+    /// Number of bytes returned.
     given: u64,
     /// Bytes up to which rows were complete, set by the row loop.
     done: Arc<AtomicU64>,
@@ -80,14 +80,14 @@ impl CsvReader {
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
         let io = |source| LogError::io(file, "read", source);
-        let refuse = |reason: String| LogError::refused(file, reason);
+        let to_error = |reason: String| LogError::not_a_recording(file, reason);
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
         let head = read_head(&mut reader).map_err(io)?;
         let (encoding, mark) = Encoding::of(&head);
         let wide = matches!(encoding, Encoding::Utf16Le | Encoding::Utf16Be);
         if head.contains(&0) && !wide {
-            return Err(refuse(
-                "it holds zero bytes, so it is not text; MCAP, Parquet and delimited text are read"
+            return Err(to_error(
+                "it contains zero bytes and is not text; supported are MCAP, Parquet and delimited text"
                     .to_owned(),
             ));
         }
@@ -144,7 +144,7 @@ impl CsvReader {
             false => reader.read_byte_record(&mut record),
         };
         if !found.map_err(|error| csv_error(file, error))? {
-            return Err(refuse("it has no header line".to_owned()));
+            return Err(to_error("it has no header line".to_owned()));
         }
         let names_in = if is_comment { Encoding::Utf8 } else { names_in };
         let names: Vec<String> = record
@@ -217,7 +217,7 @@ impl Rows for CsvRows {
                         start,
                         last_ns,
                         health,
-                        "its last cell is no number",
+                        "its last cell is not a number",
                     ));
                 }
                 None => return Err(self.bad_cell(columns, column, "is not a number")),
@@ -237,7 +237,7 @@ impl Rows for CsvRows {
                 return Ok(Row::Skipped);
             }
             None if cut_off && columns.time_column + 1 == self.record.len() => {
-                return Ok(self.lost_tail(start, last_ns, health, "its last cell is no time"));
+                return Ok(self.lost_tail(start, last_ns, health, "its last cell is not a time"));
             }
             None => {
                 return Err(self.bad_cell(
@@ -262,12 +262,18 @@ impl CsvRows {
         })
     }
 
-    fn lost_tail(&self, start: u64, last_ns: Option<i64>, health: &mut Health, why: &str) -> Row {
+    fn lost_tail(
+        &self,
+        start: u64,
+        last_ns: Option<i64>,
+        health: &mut Health,
+        reason: &str,
+    ) -> Row {
         health.damaged(
             start,
             self.length.saturating_sub(start),
             last_ns,
-            format!("the last line is cut off: {why}"),
+            format!("the last line is truncated: {reason}"),
         );
         Row::Skipped
     }
@@ -299,7 +305,7 @@ fn end_of(mut text: impl Read) -> std::io::Result<(u64, u8)> {
     }
 }
 
-/// The first line that isn't empty, or as much of it as the limit allows.
+/// First line that is not empty, up to the limit.
 fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
     for byte in BufReader::new(reader.take(HEADER_LIMIT_BYTES)).bytes() {
@@ -346,7 +352,7 @@ fn csv_error(file: &str, error: csv::Error) -> LogError {
     let line = error.position().map(csv::Position::line);
     match error.into_kind() {
         csv::ErrorKind::Io(source) if source.kind() == std::io::ErrorKind::InvalidData => {
-            LogError::refused(file, source.to_string())
+            LogError::not_a_recording(file, source.to_string())
         }
         csv::ErrorKind::Io(source) => LogError::io(file, "read", source),
         other => Located::new(file, Fault::Syntax, format!("{other:?}"))

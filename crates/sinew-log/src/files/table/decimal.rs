@@ -11,8 +11,8 @@ pub(crate) fn parse_ns(text: &[u8], exponent: i32) -> Option<i64> {
         (b'+', rest) => (false, rest),
         _ => (false, text),
     };
-    // 10^28 < i128::MAX / 10: digits beyond that cannot change a time in range.
-    const KEPT: i128 = 10_i128.pow(28);
+    // Digits beyond 10^28 < i128::MAX / 10 cannot change a time in range.
+    const MAX_MANTISSA: i128 = 10_i128.pow(28);
     let mut mantissa: i128 = 0;
     let mut scale: i32 = 0;
     let mut digits = 0_usize;
@@ -22,7 +22,7 @@ pub(crate) fn parse_ns(text: &[u8], exponent: i32) -> Option<i64> {
         match byte {
             b'0'..=b'9' => {
                 digits += 1;
-                if mantissa < KEPT {
+                if mantissa < MAX_MANTISSA {
                     mantissa = mantissa * 10 + i128::from(byte - b'0');
                     scale -= i32::from(point);
                 } else {
@@ -60,7 +60,7 @@ pub(crate) fn parse_ns(text: &[u8], exponent: i32) -> Option<i64> {
 }
 
 #[cfg(feature = "parquet")]
-/// Nanoseconds of a floating-point time, without losing what the double holds.
+/// Converts a floating-point time to nanoseconds with the full resolution of the double.
 pub(crate) fn float_ns(value: f64, exponent: i32) -> Option<i64> {
     if !value.is_finite() {
         return None;

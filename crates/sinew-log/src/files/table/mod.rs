@@ -18,7 +18,7 @@ pub(super) use parquet_read::ParquetReader;
 use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
 use crate::error::LogError;
-use crate::frame::{ABSENT, BLOCKS, Channels, DrivenJoint};
+use crate::frame::{ABSENT, AxisNames, Channels};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::SignalSource;
@@ -26,13 +26,13 @@ use columns::Columns;
 use sinew_files::{Fault, Located};
 use std::cmp::Ordering;
 
-/// What the next row of a table is.
+/// Next row of a table.
 enum Row {
-    /// Its time, ns; its cells are filled in.
+    /// Row with its time, ns; its cells are filled in.
     At(i64),
-    /// Lost, or without a time.
+    /// Row that is lost or has no time.
     Skipped,
-    /// There is none.
+    /// End of the table.
     End,
 }
 
@@ -52,7 +52,7 @@ trait Rows: Send {
     fn progress(&self) -> Progress;
 }
 
-/// Rows and what their columns mean.
+/// Rows with their column mapping.
 pub(super) struct Table<R> {
     rows: R,
     columns: Columns,
@@ -63,10 +63,10 @@ pub(super) struct Table<R> {
     clock: Clock,
 }
 
-/// Why times are equal that were not.
-const ROUNDED: &str = "a float of 32 bits rounds so: write times as float64 or integer ns";
+/// Cause and remedy of equal times.
+const ROUNDED: &str = "probably rounded to 32-bit floats; write times as float64 or integer ns";
 
-/// How the times of rows follow each other.
+/// Counts of the steps between the times of rows.
 #[derive(Default)]
 struct Clock {
     rising: u64,
@@ -77,10 +77,10 @@ struct Clock {
 impl Clock {
     /// Steps after which a clock is known.
     const STEPS: u64 = 64;
-    /// A share of equal times above one in so many is told.
-    const TOLD: u64 = 20;
-    /// Steps of a table from which on its clock can be judged.
-    const FEWEST: u64 = 2;
+    /// Minimum share of equal times that is reported: one in this many.
+    const EQUAL_TIMES_RATIO: u64 = 20;
+    /// Minimum number of steps for a check of the clock.
+    const MIN_STEPS: u64 = 2;
 
     fn steps(&self) -> u64 {
         self.rising + self.falling + self.equal
@@ -94,9 +94,9 @@ impl Clock {
         }
     }
 
-    /// What no clock does, and the cure.
+    /// Fault of the times, with its remedy.
     fn fault(&self) -> Option<(&'static str, &'static str)> {
-        if self.steps() < Self::FEWEST {
+        if self.steps() < Self::MIN_STEPS {
             None
         } else if self.rising == 0 && self.falling > self.equal {
             Some((
@@ -123,7 +123,7 @@ impl<R> Table<R> {
             wide: Vec::new(),
             last_ns: None,
         };
-        table.resize(table.columns.found().0.len());
+        table.resize();
         table
     }
 
@@ -136,9 +136,9 @@ impl<R> Table<R> {
         Err(located.column(time).cure(cure).into())
     }
 
-    fn resize(&mut self, joints: usize) {
+    fn resize(&mut self) {
         self.cells = vec![ABSENT; self.columns.used.len()];
-        self.wide = vec![ABSENT; BLOCKS * joints];
+        self.wide = vec![ABSENT; self.columns.width];
     }
 }
 
@@ -152,9 +152,9 @@ impl<R: Rows> Reader for Table<R> {
     }
 
     fn starts_ns(&mut self) -> Result<Option<i64>, LogError> {
-        let mut unseen = Health::default();
+        let mut unobservable = Health::default();
         loop {
-            match (self.rows).next(&self.columns, &mut self.cells, None, &mut unseen)? {
+            match (self.rows).next(&self.columns, &mut self.cells, None, &mut unobservable)? {
                 Row::At(time_ns) => return Ok(Some(time_ns)),
                 Row::Skipped => {}
                 Row::End => return Ok(None),
@@ -166,13 +166,17 @@ impl<R: Rows> Reader for Table<R> {
         self.columns.found()
     }
 
-    fn select(&mut self, joints: &[DrivenJoint]) {
-        self.columns.select(joints);
-        self.resize(joints.len());
+    fn tendons(&self) -> &[String] {
+        self.columns.tendons()
     }
 
-    fn joiner(&self, joints: &[DrivenJoint], options: &OpenOptions) -> Joiner {
-        self.columns.joiner(joints, options)
+    fn select(&mut self, axes: &[AxisNames]) {
+        self.columns.select(axes);
+        self.resize();
+    }
+
+    fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
+        self.columns.joiner(axes, options)
     }
 
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError> {
@@ -194,9 +198,9 @@ impl<R: Rows> Reader for Table<R> {
             Row::End => {
                 if self.clock.steps() < Clock::STEPS {
                     self.check_clock()?;
-                } else if Clock::TOLD * self.clock.equal > self.clock.steps() {
-                    health.suspicion(format!(
-                        "{} of {} rows have the {} of the row before and are dropped: {ROUNDED}",
+                } else if Clock::EQUAL_TIMES_RATIO * self.clock.equal > self.clock.steps() {
+                    health.implausible_signal(format!(
+                        "{} of {} rows have the same {} as the row before and are discarded: {ROUNDED}",
                         self.clock.equal,
                         self.clock.steps() + 1,
                         self.columns.names[self.columns.time_column],

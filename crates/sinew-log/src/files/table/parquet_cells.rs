@@ -10,12 +10,12 @@ use crate::frame::ABSENT;
 /// Rows decoded at a time.
 const BATCH_ROWS: usize = 1024;
 
-/// How a column's cells become numbers.
+/// Conversion of the cells of a column to numbers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
-    /// Which column of the file.
+    /// Index of the column in the file.
     pub(super) column: usize,
-    /// Which element, where it holds lists.
+    /// Index of the element in a list, if the column has lists.
     pub(super) element: Option<usize>,
     /// Definition level at which a value is present.
     pub(super) present: i16,
@@ -23,12 +23,12 @@ pub(super) struct Leaf {
     pub(super) timestamp: Option<i32>,
 }
 
-/// One column of the row group being read.
+/// Column of the current row group.
 pub(super) struct Cells {
     reader: ColumnReader,
     levels: Vec<i16>,
     repeated: Vec<i16>,
-    /// Decoded batch: values, and integers where the column is one.
+    /// Decoded batch: values, or integers for an integer column.
     pub(super) values: Vec<f64>,
     pub(super) exact: Vec<i64>,
     pub(super) is_integer: bool,
@@ -62,7 +62,7 @@ impl Cells {
         }
     }
 
-    /// Keeps one element of each row's list; what a list lacks becomes absent.
+    /// Selects one element of each row's list; missing elements are absent.
     fn pick(&mut self, element: usize, present: i16, rows: usize) {
         let (mut picked, mut exact) = (vec![ABSENT; rows], vec![0; rows]);
         let (mut row, mut place, mut from) = (0, 0, 0);
@@ -165,7 +165,7 @@ impl Cells {
     }
 }
 
-/// How many elements the first row's list has.
+/// Number of elements in the list of the first row.
 pub(super) fn first_length(
     reader: &SerializedFileReader<impl ChunkReader + 'static>,
     column: usize,

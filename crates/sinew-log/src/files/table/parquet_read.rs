@@ -23,7 +23,7 @@ use crate::options::OpenOptions;
 /// Largest piece (page, footer) taken into memory, bytes.
 const PIECE_LIMIT_BYTES: usize = sinew_files::limits::PARQUET_PIECE.length();
 
-/// A file shared by the column readers, each with its own position.
+/// File that the column readers share, each with its own position.
 #[derive(Clone)]
 struct Shared {
     reader: Arc<Mutex<Box<dyn ReadSeek>>>,
@@ -71,7 +71,7 @@ impl ChunkReader for Shared {
         let there = self.length.saturating_sub(start);
         if length as u64 > there || length > PIECE_LIMIT_BYTES {
             return Err(ParquetError::EOF(format!(
-                "{length} bytes announced at byte {start}, {there} there, {PIECE_LIMIT_BYTES} allowed"
+                "{length} bytes announced at byte {start}, {there} available, {PIECE_LIMIT_BYTES} permitted"
             )));
         }
         let mut bytes = vec![0; length];
@@ -114,9 +114,9 @@ impl ParquetReader {
             reader: Arc::new(Mutex::new(reader)),
             length,
         };
-        let refuse = |reason: String| LogError::refused(file, reason);
+        let to_error = |reason: String| LogError::not_a_recording(file, reason);
         let reader = guarded(|| SerializedFileReader::new(shared)).map_err(|reason| {
-            refuse(format!(
+            to_error(format!(
                 "its Parquet footer cannot be read ({reason}); a Parquet file that was cut off cannot be recovered"
             ))
         })?;
@@ -153,9 +153,9 @@ impl ParquetReader {
             // Each element of a list is a column: `state.elbow`, or `state.2`.
             let path = column.path().parts();
             let list = path[..path.len().saturating_sub(2).max(1)].join(".");
-            let known = list_names.get(&list);
+            let elements = list_names.get(&list);
             for element in 0..guarded(|| first_length(&reader, index)).unwrap_or(0) {
-                let name = known.and_then(|names| names.get(element));
+                let name = elements.and_then(|elements| elements.get(element));
                 let name = name.map_or_else(|| element.to_string(), Clone::clone);
                 names.push(format!("{list}.{name}"));
                 leaves.push(Leaf {

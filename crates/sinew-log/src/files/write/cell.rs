@@ -1,6 +1,6 @@
-//! What the cells of a table hold.
+//! Cells of a table.
 
-/// What a column holds.
+/// Type of the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
     /// Numbers; NaN is an empty cell.
@@ -13,12 +13,12 @@ pub enum CellKind {
     Flag,
 }
 
-/// A cell. One of another kind than its column's is written as empty.
+/// Cell of a table. A cell of another kind than its column is written as empty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// Nothing is known.
+    /// Cell without a value.
     Empty,
-    /// A number; one that isn't finite is written as empty.
+    /// Number; a non-finite one is written as empty.
     Number(f64),
     /// A whole number.
     Integer(i64),

@@ -1,21 +1,24 @@
 //! Recordings as MCAP, as ROS 2 writes it.
 
 use super::FrameWriter;
-use super::refuse;
 use super::row_write::check_lengths;
 use super::topic_write::{Compression, Packing, Topic, TopicWriter};
+use super::write_error;
 use crate::encode::{DynamicJointState, Header, InterfaceValue, JointState, Text};
 use crate::error::LogError;
 use crate::frame::{Frame, Quantities, Quantity};
 use std::path::{Path, PathBuf};
 
-/// What an MCAP recording shall hold.
+/// Content of an MCAP recording.
 #[derive(Debug, Clone)]
 pub struct McapOptions {
     /// Joint names, in the order of the frames.
     pub joints: Vec<String>,
-    /// Motor that stands beside each joint, whose names the motor-side topic has; empty where they are the joints'.
+    /// Motor of each joint, which names its values in the motor-side topic; empty if the motors have the
+    /// names of the joints. Further entries belong to axes without a joint.
     pub motors: Vec<String>,
+    /// Name of the tendon of each axis in the topic of the tensions; empty if no axis has a tendon.
+    pub tendons: Vec<Option<String>>,
     /// Quantities written; a frame's NaN is written as NaN.
     pub quantities: Quantities,
     /// URDF for `/robot_description`.
@@ -24,22 +27,31 @@ pub struct McapOptions {
     pub compression: Compression,
     /// Size of a chunk before compression, bytes.
     pub chunk_size: u64,
-    /// Whether records are put into chunks at all.
+    /// Whether records are written in chunks.
     pub chunked: bool,
     /// Whether index and summary are written.
     pub indexed: bool,
     /// Frame id of the headers.
     pub frame_id: String,
-    /// Joint-side topic.
+    /// Name of the joint-side topic.
     pub joint_state_topic: String,
-    /// Motor-side topic.
+    /// Name of the motor-side topic.
     pub motor_topic: String,
     /// Interface of the motor position.
     pub motor_interface: String,
     /// Interface of the motor torque.
     pub motor_effort_interface: String,
-    /// External-torque topic.
+    /// Name of the external-torque topic.
     pub external_torque_topic: String,
+    /// Topic of the tensions, to be named as `mcap.tension_topic` in a mapping.
+    pub tension_topic: String,
+}
+
+impl McapOptions {
+    /// Entries of a frame's arrays.
+    fn axes(&self) -> usize {
+        self.joints.len().max(self.motors.len())
+    }
 }
 
 impl Default for McapOptions {
@@ -48,6 +60,7 @@ impl Default for McapOptions {
         McapOptions {
             joints: Vec::new(),
             motors: Vec::new(),
+            tendons: Vec::new(),
             quantities: Quantities::positions(),
             robot_description: None,
             compression: packing.compression,
@@ -60,6 +73,7 @@ impl Default for McapOptions {
             motor_interface: "motor_position".to_owned(),
             motor_effort_interface: "motor_effort".to_owned(),
             external_torque_topic: "/external_joint_torques".to_owned(),
+            tension_topic: "/tendon_states".to_owned(),
         }
     }
 }
@@ -69,9 +83,10 @@ impl Default for McapOptions {
 /// * joint side: `sensor_msgs/msg/JointState`, `position` = q, `velocity` = dq, `effort` = tau_el;
 /// * motor side: `control_msgs/msg/DynamicJointState`, interfaces for theta, tau_m and temperature;
 /// * external torque: `JointState` with `effort` = tau_ext;
+/// * tensions: `JointState` with the names of the tendons and `effort` = tension, N;
 /// * `/robot_description`: `std_msgs/msg/String`, first message.
 ///
-/// Log, publish and header time are the frame's. The same frames give the same bytes.
+/// Log, publish and header time are those of the frame. Equal frames give equal bytes.
 pub struct McapWriter {
     out: TopicWriter,
     path: PathBuf,
@@ -79,6 +94,11 @@ pub struct McapWriter {
     joint_side: Topic,
     motor_side: Option<Topic>,
     external: Option<Topic>,
+    tensions: Option<Topic>,
+    /// Axes that have a tendon.
+    pulled: Vec<usize>,
+    /// Tendons of the axes.
+    tendons: Vec<String>,
     description: Option<Topic>,
     sequence: u32,
 }
@@ -87,24 +107,36 @@ impl McapWriter {
     /// Creates the file.
     ///
     /// # Errors
-    /// No joints, two of one name, or the system refuses.
+    /// Returns [`LogError`] for no joints, duplicate names, or an error of the system.
     pub fn create(path: &Path, options: &McapOptions) -> Result<Self, LogError> {
         if options.joints.is_empty() {
-            let why = "a recording needs at least one joint";
-            return Err(refuse(path, why.to_owned()));
+            let reason = "a recording needs at least one joint";
+            return Err(write_error(path, reason.to_owned()));
         }
-        for (what, names) in [("joint", &options.joints), ("motor", &options.motors)] {
+        let pulled = options.tendons.iter().enumerate();
+        let pulled = pulled.filter_map(|(axis, tendon)| Some((axis, tendon.clone()?)));
+        let (pulled, tendons): (Vec<usize>, Vec<String>) = pulled.unzip();
+        for (what, names) in [
+            ("joint", &options.joints),
+            ("motor", &options.motors),
+            ("tendon", &tendons),
+        ] {
             for (place, name) in names.iter().enumerate() {
                 if name.is_empty() || names[..place].contains(name) {
-                    let why = format!("{what} name '{name}' is empty or there twice");
-                    return Err(refuse(path, why));
+                    let reason = format!("{what} name '{name}' is empty or a duplicate");
+                    return Err(write_error(path, reason));
                 }
             }
         }
         let (joints, motors) = (options.joints.len(), options.motors.len());
-        if motors != 0 && motors != joints {
-            let why = format!("{joints} joints have {motors} motors: each has one");
-            return Err(refuse(path, why));
+        if motors != 0 && motors < joints {
+            let reason = format!("{joints} joints and {motors} motors: each joint needs one motor");
+            return Err(write_error(path, reason));
+        }
+        let (axes, found) = (options.axes(), options.tendons.len());
+        if found != 0 && found != axes {
+            let reason = format!("{axes} axes and {found} tendons: specify one per axis, or none");
+            return Err(write_error(path, reason));
         }
         let packing = Packing {
             compression: options.compression,
@@ -126,6 +158,9 @@ impl McapWriter {
         let external = (q.tau_ext)
             .then(|| out.topic::<JointState<'_>>(&options.external_torque_topic))
             .transpose()?;
+        let tensions = (q.tension && !tendons.is_empty())
+            .then(|| out.topic::<JointState<'_>>(&options.tension_topic))
+            .transpose()?;
         Ok(McapWriter {
             out,
             path: path.to_path_buf(),
@@ -133,6 +168,9 @@ impl McapWriter {
             joint_side,
             motor_side,
             external,
+            tensions,
+            pulled,
+            tendons,
             description,
             sequence: 0,
         })
@@ -152,7 +190,8 @@ impl McapWriter {
 
 impl FrameWriter for McapWriter {
     fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
-        check_lengths(frame, self.options.joints.len(), &self.path)?;
+        let axes = self.options.axes();
+        check_lengths(frame, axes, &self.path)?;
         self.write_description(frame.time_ns)?;
         let McapOptions {
             joints,
@@ -167,7 +206,7 @@ impl FrameWriter for McapWriter {
         };
         let joint_state = |values: [(bool, Quantity); 3]| {
             let [position, velocity, effort] = values.map(|(wanted, quantity)| match wanted {
-                true => frame.get(quantity),
+                true => &frame.get(quantity)[..joints.len()],
                 false => &[],
             });
             JointState {
@@ -201,7 +240,7 @@ impl FrameWriter for McapWriter {
             let of = |joint| {
                 wanted().map(move |(.., values)| *values.get(joint).unwrap_or(&frame.temperature_c))
             };
-            let values: Vec<f64> = (0..joints.len()).flat_map(of).collect();
+            let values: Vec<f64> = (0..axes).flat_map(of).collect();
             let of_joint = |values| InterfaceValue {
                 interface_names: &names,
                 values,
@@ -216,6 +255,17 @@ impl FrameWriter for McapWriter {
         if let Some(topic) = self.external {
             let (none, known) = ((false, Quantity::Q), (true, Quantity::TauExt));
             (self.out).send(topic, time_ns, sequence, &joint_state([none, none, known]))?;
+        }
+        if let Some(topic) = self.tensions {
+            let tension = |axis: &usize| frame.tension.get(*axis).copied().unwrap_or(f64::NAN);
+            let message = JointState {
+                header,
+                name: &self.tendons,
+                position: &[],
+                velocity: &[],
+                effort: &Vec::from_iter(self.pulled.iter().map(tension)),
+            };
+            self.out.send(topic, time_ns, sequence, &message)?;
         }
         self.sequence = self.sequence.wrapping_add(1);
         Ok(())

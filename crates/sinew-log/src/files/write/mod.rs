@@ -1,4 +1,4 @@
-//! Writing recordings: to a temporary file beside the target, renamed when finished.
+//! Writers of recordings: to a temporary file next to the target, renamed when finished.
 
 mod cell;
 mod csv_table;
@@ -19,26 +19,27 @@ use crate::error::LogError;
 use crate::frame::Frame;
 use std::path::Path;
 
-/// A recording being written.
+/// Recording that is being written.
 ///
-/// Frames are written to a temporary file beside the target, renamed by `finish`;
-/// a writer dropped before that removes what it wrote.
+/// Frames are written to a temporary file next to the target, renamed by `finish`; a writer dropped before
+/// that removes its file.
 pub trait FrameWriter {
     /// Appends a frame.
     ///
     /// # Errors
-    /// The frame has another number of joints, its time cannot be stored, or the system refuses.
+    /// Returns [`LogError`] for another number of joints, a time that cannot be stored, or an error of the
+    /// system.
     fn write(&mut self, frame: &Frame) -> Result<(), LogError>;
 
-    /// Completes the file and gives it its name.
+    /// Completes the file and renames it to its final name.
     ///
     /// # Errors
-    /// The system refuses; no file is left.
+    /// Returns [`LogError`] if the system fails to write; no file remains.
     fn finish(self: Box<Self>) -> Result<(), LogError>;
 }
 
-/// An error of a file being written.
-fn refuse(path: &Path, reason: String) -> LogError {
+/// Error of a file that is being written.
+fn write_error(path: &Path, reason: String) -> LogError {
     LogError::Write {
         file: path.display().to_string(),
         reason,

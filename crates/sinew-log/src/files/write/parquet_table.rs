@@ -1,6 +1,6 @@
 //! A table as Parquet.
 
-use super::{Cell, CellKind, Column, refuse};
+use super::{Cell, CellKind, Column, write_error};
 use crate::error::LogError;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
@@ -12,10 +12,10 @@ use sinew_files::AtomicFile;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Rows of a group: what is kept in memory at once.
+/// Number of rows per row group, which is kept in memory.
 const GROUP_ROWS: usize = 1 << 16;
 
-/// Values of a column, and for every row whether there is one.
+/// Values of a column, and the definition level of every row.
 struct Buffer<T> {
     values: Vec<T>,
     levels: Vec<i16>,
@@ -102,7 +102,7 @@ pub(super) struct ParquetTable {
 
 impl ParquetTable {
     pub(super) fn create(path: &Path, columns: &[Column]) -> Result<Self, LogError> {
-        let fail = |error: ParquetError| refuse(path, error.to_string());
+        let fail = |error: ParquetError| write_error(path, error.to_string());
         let fields = columns.iter().map(|(name, kind)| {
             let (physical, logical) = match kind {
                 CellKind::Number => (Physical::DOUBLE, None),
@@ -152,7 +152,7 @@ impl ParquetTable {
             }
             group.close().map(|_| ())
         });
-        written.map_err(|error| refuse(&self.path, error.to_string()))
+        written.map_err(|error| write_error(&self.path, error.to_string()))
     }
 
     pub(super) fn finish(mut self) -> Result<(), LogError> {
@@ -160,7 +160,7 @@ impl ParquetTable {
             self.flush()?;
         }
         let file = self.writer.into_inner();
-        let file = file.map_err(|error| refuse(&self.path, error.to_string()))?;
+        let file = file.map_err(|error| write_error(&self.path, error.to_string()))?;
         Ok(file.finish()?)
     }
 }

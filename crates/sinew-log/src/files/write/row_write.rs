@@ -1,16 +1,16 @@
 //! Recordings as tables, with the column names of the design.
 
-use super::{Cell, CellKind, Column, FrameWriter, TableWriter, refuse};
+use super::{Cell, CellKind, Column, FrameWriter, TableWriter, write_error};
 use crate::error::LogError;
-use crate::frame::{DrivenJoint, Frame, Quantities, Quantity};
+use crate::frame::{Axis, AxisNames, Frame, Quantities, Quantity};
 use std::path::{Path, PathBuf};
 
 /// Names in a recording, in the order of the frames.
 #[derive(Debug, Clone, Copy)]
 pub struct RecordedNames<'a> {
-    /// Joints.
+    /// Names of the joints.
     pub joints: &'a [String],
-    /// Motor that stands beside each joint, under whose name its position and torque are recorded.
+    /// Motor of each joint, under whose name its position and torque are recorded.
     pub motors: &'a [String],
 }
 
@@ -25,15 +25,20 @@ impl<'a, T: AsRef<[String]> + ?Sized> From<&'a T> for RecordedNames<'a> {
 }
 
 impl RecordedNames<'_> {
-    pub(super) fn driven(&self, path: &Path) -> Result<Vec<DrivenJoint>, LogError> {
+    pub(super) fn driven(&self, path: &Path) -> Result<Vec<AxisNames>, LogError> {
         if self.joints.len() != self.motors.len() {
             let (joints, motors) = (self.joints.len(), self.motors.len());
-            let why = format!("{joints} joints have {motors} motors: each has one");
-            return Err(refuse(path, why));
+            let reason = format!("{joints} joints and {motors} motors: each joint needs one motor");
+            return Err(write_error(path, reason));
         }
         let pairs = self.joints.iter().zip(self.motors);
         Ok(pairs
-            .map(|(joint, motor)| DrivenJoint::new(joint, Some(motor)))
+            .map(|(joint, motor)| {
+                AxisNames::new(Axis {
+                    motor: Some(motor),
+                    ..Axis::of_joint(joint)
+                })
+            })
             .collect())
     }
 }
@@ -44,9 +49,10 @@ impl RecordedNames<'_> {
 pub struct RowWriter {
     table: TableWriter,
     path: PathBuf,
-    joints: usize,
-    quantities: Quantities,
-    /// How a time is written.
+    axes: usize,
+    /// Quantity and axis of each column besides the time.
+    columns: Vec<(Quantity, usize)>,
+    /// Representation of the time.
     time: fn(i64) -> Cell,
     row: Vec<Cell>,
 }
@@ -55,20 +61,23 @@ impl RowWriter {
     /// Creates a CSV file and writes the header.
     ///
     /// # Errors
-    /// No joints, two of one name, or the system refuses.
+    /// Returns [`LogError`] for no joints, duplicate names, or an error of the system.
     pub fn create<'a>(
         path: &Path,
         names: impl Into<RecordedNames<'a>>,
         quantities: Quantities,
     ) -> Result<Self, LogError> {
-        let joints = names.into().driven(path)?;
-        if joints.is_empty() {
-            let why = "a recording needs at least one joint";
-            return Err(refuse(path, why.into()));
+        Self::csv(path, &names.into().driven(path)?, quantities)
+    }
+
+    fn csv(path: &Path, axes: &[AxisNames], quantities: Quantities) -> Result<Self, LogError> {
+        if axes.is_empty() {
+            let reason = "a recording needs at least one joint";
+            return Err(write_error(path, reason.into()));
         }
-        let columns = columns("time_s", CellKind::Text, &joints, quantities);
+        let columns = columns("time_s", CellKind::Text, axes, quantities);
         let table = TableWriter::csv(path, &columns)?;
-        Ok(Self::of(table, path, &joints, quantities, |time_ns| {
+        Ok(Self::of(table, path, axes, quantities, |time_ns| {
             let sign = if time_ns < 0 { "-" } else { "" };
             let time = time_ns.unsigned_abs();
             let (seconds, nanos) = (time / 1_000_000_000, time % 1_000_000_000);
@@ -76,37 +85,61 @@ impl RowWriter {
         }))
     }
 
-    /// Creates a Parquet file, whose name ends in `.parquet`.
+    /// Creates a file whose rows contain these axes: Parquet if its name ends in `.parquet`, otherwise CSV.
+    /// An axis without a joint has no column `q`, one without a tendon no column `tension`. A motor that is
+    /// omitted for a joint has the name of the joint.
     ///
     /// # Errors
-    /// No joints, two of one name, another ending, a build without Parquet, or the system refuses.
+    /// Returns [`LogError`] for no axes, two columns of one name, a build without Parquet, or an error of the
+    /// system.
+    pub fn create_axes(
+        path: &Path,
+        axes: &[Axis<'_>],
+        quantities: Quantities,
+    ) -> Result<Self, LogError> {
+        let axes = Vec::from_iter(axes.iter().copied().map(AxisNames::new));
+        match super::is_parquet(path) {
+            true => Self::parquet(path, &axes, quantities),
+            false => Self::csv(path, &axes, quantities),
+        }
+    }
+
+    /// Creates a Parquet file with the extension `.parquet`.
+    ///
+    /// # Errors
+    /// Returns [`LogError`] for no joints, duplicate names, another extension, a build without Parquet, or an
+    /// error of the system.
     pub fn create_parquet<'a>(
         path: &Path,
         names: impl Into<RecordedNames<'a>>,
         quantities: Quantities,
     ) -> Result<Self, LogError> {
-        let joints = names.into().driven(path)?;
-        if joints.is_empty() || !super::is_parquet(path) {
-            let why = "a recording as Parquet needs a joint and a name that ends in .parquet";
-            return Err(refuse(path, why.into()));
+        Self::parquet(path, &names.into().driven(path)?, quantities)
+    }
+
+    fn parquet(path: &Path, axes: &[AxisNames], quantities: Quantities) -> Result<Self, LogError> {
+        if axes.is_empty() || !super::is_parquet(path) {
+            let reason = "a recording as Parquet needs a joint and a name that ends in .parquet";
+            return Err(write_error(path, reason.into()));
         }
-        let columns = columns("time_ns", CellKind::Integer, &joints, quantities);
+        let columns = columns("time_ns", CellKind::Integer, axes, quantities);
         let table = TableWriter::create(path, &columns)?;
-        Ok(Self::of(table, path, &joints, quantities, Cell::Integer))
+        Ok(Self::of(table, path, axes, quantities, Cell::Integer))
     }
 
     fn of(
         table: TableWriter,
         path: &Path,
-        joints: &[DrivenJoint],
+        axes: &[AxisNames],
         quantities: Quantities,
         time: fn(i64) -> Cell,
     ) -> Self {
+        let columns = value_columns(axes, quantities);
         Self {
             table,
             path: path.to_path_buf(),
-            joints: joints.len(),
-            quantities,
+            axes: axes.len(),
+            columns: columns.into_iter().map(|(place, _)| place).collect(),
             time,
             row: Vec::new(),
         }
@@ -115,12 +148,12 @@ impl RowWriter {
 
 impl FrameWriter for RowWriter {
     fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
-        check_lengths(frame, self.joints, &self.path)?;
+        check_lengths(frame, self.axes, &self.path)?;
         self.row.clear();
         self.row.push((self.time)(frame.time_ns));
-        for quantity in self.quantities.iter() {
-            let values = frame.get(quantity).iter();
-            self.row.extend(values.map(|value| Cell::Number(*value)));
+        for (quantity, axis) in &self.columns {
+            let value = frame.get(*quantity).get(*axis);
+            self.row.push(Cell::Number(*value.unwrap_or(&f64::NAN)));
         }
         self.table.row(&self.row)
     }
@@ -130,40 +163,38 @@ impl FrameWriter for RowWriter {
     }
 }
 
-fn columns(
-    time: &str,
-    kind: CellKind,
-    joints: &[DrivenJoint],
-    quantities: Quantities,
-) -> Vec<Column> {
-    let values = value_columns(joints, quantities).into_iter();
-    let values = values.map(|name| (name, CellKind::Number));
+fn columns(time: &str, kind: CellKind, axes: &[AxisNames], quantities: Quantities) -> Vec<Column> {
+    let values = value_columns(axes, quantities).into_iter();
+    let values = values.map(|(_, name)| (name, CellKind::Number));
     std::iter::once((time.into(), kind)).chain(values).collect()
 }
 
-/// Names of the columns besides the time.
-fn value_columns(joints: &[DrivenJoint], quantities: Quantities) -> Vec<String> {
+/// Quantity and axis of the columns besides the time, with their names.
+fn value_columns(axes: &[AxisNames], quantities: Quantities) -> Vec<((Quantity, usize), String)> {
     let of = |quantity: Quantity| match quantity {
-        Quantity::Temperature => vec!["temperature_c".to_owned()],
+        Quantity::Temperature => vec![((quantity, 0), "temperature_c".to_owned())],
         _ => {
-            let name = |joint: &DrivenJoint| {
-                let owner = joint.recorded(quantity);
-                format!("{}.{owner}{}", quantity.symbol(), quantity.suffix())
+            let name = |(place, axis): (usize, &AxisNames)| {
+                let owner = axis.recorded(quantity)?;
+                let name = format!("{}.{owner}{}", quantity.symbol(), quantity.suffix());
+                Some(((quantity, place), name))
             };
-            joints.iter().map(name).collect()
+            axes.iter().enumerate().filter_map(name).collect()
         }
     };
     quantities.iter().flat_map(of).collect()
 }
 
-/// Every vector of the frame must have one value per joint.
-pub(super) fn check_lengths(frame: &Frame, joints: usize, path: &Path) -> Result<(), LogError> {
-    for quantity in Quantity::PER_JOINT {
+/// Every vector of the frame must have one value per axis; that of the tensions may be empty.
+pub(super) fn check_lengths(frame: &Frame, axes: usize, path: &Path) -> Result<(), LogError> {
+    let no_tension = frame.tension.is_empty();
+    let all = Quantity::PER_JOINT.into_iter();
+    for quantity in all.chain((!no_tension).then_some(Quantity::Tension)) {
         let found = frame.get(quantity).len();
-        if found != joints {
+        if found != axes {
             let symbol = quantity.symbol();
-            let why = format!("the frame has {found} values of {symbol} for {joints} joints");
-            return Err(refuse(path, why));
+            let reason = format!("the frame has {found} values of {symbol} for {axes} joints");
+            return Err(write_error(path, reason));
         }
     }
     Ok(())

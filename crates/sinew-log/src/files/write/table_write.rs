@@ -1,23 +1,23 @@
-//! Tables: CSV, or Parquet where the file's name ends so. One set of columns for both.
+//! Tables as CSV, or as Parquet by the extension of the file; the columns are the same.
 
 use super::csv_table::CsvTable;
 #[cfg(feature = "parquet")]
 use super::parquet_table::ParquetTable;
-use super::{Cell, CellKind, Column, is_parquet, refuse};
+use super::{Cell, CellKind, Column, is_parquet, write_error};
 use crate::error::LogError;
 use std::path::{Path, PathBuf};
 
 /// A table in memory.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Its columns.
+    /// Columns of the table.
     pub columns: Vec<Column>,
-    /// Its rows, a cell per column.
+    /// Rows of the table, one cell per column.
     pub rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
-    /// No rows yet.
+    /// Table without rows.
     pub fn new(columns: &[(&str, CellKind)]) -> Self {
         let named = columns.iter().map(|(name, kind)| ((*name).into(), *kind));
         Self {
@@ -44,10 +44,10 @@ impl Table {
     }
 }
 
-/// A table on its way into a file: Parquet where the name ends in `.parquet`, else CSV.
+/// Writer of a table: Parquet if the name ends in `.parquet`, otherwise CSV.
 ///
 /// Both have the same columns and the same numbers: CSV writes the shortest text that reads back as
-/// the same number. What isn't known is an empty cell in CSV and null in Parquet.
+/// the same number. A missing value is an empty cell in CSV and null in Parquet.
 pub struct TableWriter {
     sink: Sink,
     path: PathBuf,
@@ -70,7 +70,7 @@ impl TableWriter {
             return Self::csv(path, columns);
         }
         #[cfg(not(feature = "parquet"))]
-        return Err(refuse(
+        return Err(write_error(
             path,
             "Parquet is written by a build with the feature parquet; name a .csv".into(),
         ));
@@ -80,7 +80,7 @@ impl TableWriter {
         })
     }
 
-    /// Starts a CSV file, whatever its name.
+    /// Creates a CSV file, independent of the file extension.
     pub(super) fn csv(path: &Path, columns: &[Column]) -> Result<Self, LogError> {
         Self::of(path, columns, |path, columns| {
             CsvTable::create(path, columns).map(Sink::Csv)
@@ -95,7 +95,7 @@ impl TableWriter {
         let mut names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
         names.sort_unstable();
         if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(refuse(path, format!("two columns '{}'", twice[0])));
+            return Err(write_error(path, format!("two columns '{}'", twice[0])));
         }
         Ok(Self {
             sink: create(path, columns)?,
@@ -107,12 +107,12 @@ impl TableWriter {
     /// Appends a row, a cell per column.
     ///
     /// # Errors
-    /// Another number of cells, or the system refuses.
+    /// Returns [`LogError`] for another number of cells, or an error of the system.
     pub fn row(&mut self, cells: &[Cell]) -> Result<(), LogError> {
         if cells.len() != self.columns {
             let (found, columns) = (cells.len(), self.columns);
-            let why = format!("a row of {found} cells for {columns} columns");
-            return Err(refuse(&self.path, why));
+            let reason = format!("a row has {found} cells, expected {columns}");
+            return Err(write_error(&self.path, reason));
         }
         match &mut self.sink {
             Sink::Csv(table) => table.row(cells),
@@ -121,10 +121,10 @@ impl TableWriter {
         }
     }
 
-    /// Completes the file and gives it its name.
+    /// Completes the file and renames it to its final name.
     ///
     /// # Errors
-    /// The system refuses; no file is left.
+    /// Returns [`LogError`] if the system fails to write; no file remains.
     pub fn finish(self) -> Result<(), LogError> {
         match self.sink {
             Sink::Csv(table) => table.finish(),

@@ -1,6 +1,6 @@
 //! Topics of ROS 2 in an MCAP.
 
-use super::refuse;
+use super::write_error;
 use crate::encode::{Message, Stamp};
 use crate::error::LogError;
 use mcap::records::MessageHeader;
@@ -14,7 +14,7 @@ const LATCHED: &str = "- history: 1\n  depth: 1\n  reliability: 1\n  durability:
 /// Compression of the chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Compression {
-    /// Not compressed.
+    /// Chunks without compression.
     None,
     /// Zstandard, the default of ROS 2 recorders.
     #[default]
@@ -23,7 +23,7 @@ pub enum Compression {
     Lz4,
 }
 
-/// How an MCAP is packed.
+/// Compression and layout of an MCAP file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Packing {
     /// Compression of the chunks.
@@ -51,7 +51,7 @@ impl Default for Packing {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Topic(u16);
 
-/// An MCAP of ROS 2 messages being written; the same messages give the same bytes.
+/// Writer of ROS 2 messages to an MCAP file; equal messages give equal bytes.
 pub struct TopicWriter {
     out: mcap::Writer<AtomicFile>,
     path: PathBuf,
@@ -62,7 +62,7 @@ impl TopicWriter {
     /// Creates the file.
     ///
     /// # Errors
-    /// The system refuses.
+    /// Returns an error if the operating system reports one.
     pub fn create(path: &Path, packing: Packing) -> Result<Self, LogError> {
         let file = AtomicFile::create(path)?;
         let out = mcap::WriteOptions::new()
@@ -93,15 +93,15 @@ impl TopicWriter {
     /// Adds a topic for messages of one type.
     ///
     /// # Errors
-    /// The system refuses.
+    /// Returns an error if the operating system reports one.
     pub fn topic<M: Message>(&mut self, name: &str) -> Result<Topic, LogError> {
         self.add::<M>(name, &BTreeMap::new())
     }
 
-    /// Adds a topic whose last message late listeners get too.
+    /// Adds a topic whose last message late subscribers receive, too.
     ///
     /// # Errors
-    /// The system refuses.
+    /// Returns an error if the operating system reports one.
     pub fn latched<M: Message>(&mut self, name: &str) -> Result<Topic, LogError> {
         let quality = ("offered_qos_profiles".to_owned(), LATCHED.to_owned());
         self.add::<M>(name, &BTreeMap::from([quality]))
@@ -121,18 +121,18 @@ impl TopicWriter {
     /// The stamp of a time.
     ///
     /// # Errors
-    /// A stamp can't hold it.
+    /// Returns [`LogError`] if the time does not fit a stamp.
     pub fn stamp(&self, time_ns: i64) -> Result<Stamp, LogError> {
         Stamp::new(time_ns).ok_or_else(|| {
-            let why = format!("time {time_ns} ns does not fit a ROS 2 stamp (1901 to 2038)");
-            refuse(&self.path, why)
+            let reason = format!("time {time_ns} ns does not fit a ROS 2 stamp (1901 to 2038)");
+            write_error(&self.path, reason)
         })
     }
 
     /// Writes a message, logged and published at `time_ns`.
     ///
     /// # Errors
-    /// The message can't be encoded, or the system refuses.
+    /// Returns [`LogError`] if the message cannot be encoded, or the system fails to write.
     pub fn send<M: Message>(
         &mut self,
         Topic(channel_id): Topic,
@@ -141,8 +141,8 @@ impl TopicWriter {
         message: &M,
     ) -> Result<(), LogError> {
         let encoded = message.encode(&mut self.payload);
-        encoded.map_err(|error| refuse(&self.path, error.to_string()))?;
-        // Before 1970 only the stamp tells the time: log times have no sign.
+        encoded.map_err(|error| write_error(&self.path, error.to_string()))?;
+        // Before 1970 only the stamp gives the time: log times have no sign.
         let log_time = u64::try_from(time_ns).unwrap_or(0);
         let header = MessageHeader {
             channel_id,
@@ -154,10 +154,10 @@ impl TopicWriter {
         written.map_err(|error| to_error(&self.path, error))
     }
 
-    /// Completes the file and gives it its name.
+    /// Completes the file and renames it to its final name.
     ///
     /// # Errors
-    /// The system refuses; no file is left.
+    /// Returns [`LogError`] if the system fails to write; no file remains.
     pub fn finish(mut self) -> Result<(), LogError> {
         self.out.finish().map_err(|e| to_error(&self.path, e))?;
         Ok(self.out.into_inner().finish()?)
@@ -171,6 +171,6 @@ fn to_error(path: &Path, error: mcap::McapError) -> LogError {
             source,
         }
         .into(),
-        other => refuse(path, other.to_string()),
+        other => write_error(path, other.to_string()),
     }
 }

@@ -1,4 +1,4 @@
-//! Mass and friction of links and joints, and what is odd about them.
+//! Mass and friction of links and joints, and warnings about implausible values.
 
 use super::super::{ArmError, BodyInertia, Pose};
 use super::{JointLimits, Reader, UrdfError, xml};
@@ -7,9 +7,9 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Names of what is odd, gathered so that one warning speaks of all.
+/// Names of links and joints with implausible values, collected for one warning per kind.
 #[derive(Default)]
-pub(super) struct Odd {
+pub(super) struct ImplausibleValues {
     inertia_without_mass: Vec<String>,
     not_definite: Vec<String>,
     triangle: Vec<String>,
@@ -30,13 +30,13 @@ impl Reader<'_> {
         let pose = urdf_pose(&link.origin);
         let placed = body.seen_from(&pose);
         super::super::build::check_body(&place, &placed)?;
-        let odd = &mut self.odd;
+        let implausible = &mut self.implausible;
         if body.mass == 0.0 && body.inertia != [[0.0; 3]; 3] {
-            odd.inertia_without_mass.push(link.name.clone());
+            implausible.inertia_without_mass.push(link.name.clone());
         } else if !is_positive_semidefinite(&body.inertia) {
-            odd.not_definite.push(link.name.clone());
+            implausible.not_definite.push(link.name.clone());
         } else if !obeys_triangle(&body.inertia) {
-            odd.triangle.push(link.name.clone());
+            implausible.triangle.push(link.name.clone());
         }
         Ok(placed)
     }
@@ -57,7 +57,7 @@ impl Reader<'_> {
             .into());
         }
         if value < 0.0 {
-            self.odd
+            self.implausible
                 .negative_friction
                 .push(format!("{joint} ({what} {value:.3} {unit})"));
         }
@@ -65,7 +65,7 @@ impl Reader<'_> {
     }
 }
 
-impl Odd {
+impl ImplausibleValues {
     pub(super) fn sentences(&self) -> Vec<String> {
         [
             (
@@ -74,15 +74,15 @@ impl Odd {
             ),
             (
                 &self.not_definite,
-                "link with an inertia that is not positive definite, which no body has; used as it stands, a simulation may refuse it",
+                "link with an inertia that is not positive definite, impossible for a rigid body; used unchanged, a simulation may reject it",
             ),
             (
                 &self.triangle,
-                "link with principal inertias that break the triangle inequality, which no body has (identified models do); used as they stand",
+                "link with principal inertias that break the triangle inequality, impossible for a rigid body (identified models contain such values); used unchanged",
             ),
             (
                 &self.negative_friction,
-                "joint with a negative friction in the URDF; it counts as 0",
+                "joint with a negative friction in the URDF; 0 is used",
             ),
         ]
         .iter()

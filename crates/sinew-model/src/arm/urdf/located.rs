@@ -1,4 +1,4 @@
-//! What is wrong with a URDF, with its place in the file.
+//! Errors of a URDF with their location in the file.
 
 use super::{EXPAND, UrdfError};
 use crate::arm::ArmError;
@@ -50,7 +50,7 @@ impl UrdfError {
     }
 }
 
-/// Line, from 1, of `joint 'NAME'` or `link 'NAME'`; 0 where it isn't found.
+/// Returns the line, from 1, of `joint 'NAME'` or `link 'NAME'`; 0 if it is not found.
 pub fn line_of(text: &str, element: &str) -> u64 {
     let Some((tag, name)) = element.split_once(" '") else {
         return 0;

@@ -1,21 +1,21 @@
 //! Arms from URDF text.
 //!
-//! What becomes of each joint type:
+//! Treatment of each joint type:
 //!
-//! | URDF | here |
+//! | URDF | treatment |
 //! |---|---|
-//! | `revolute`, `continuous` | revolute (limits are kept aside, the dynamics don't know them) |
+//! | `revolute`, `continuous` | revolute (limits are stored, the dynamics do not use them) |
 //! | `prismatic` | prismatic |
 //! | `fixed`, or named in [`UrdfOptions::locked`] | welded: its child's mass joins the parent's body |
-//! | any of these with `<mimic>` | a joint of its own, with a warning: the recording has its position too |
-//! | `floating`, `planar`, `spherical` | refused: lock it, or cut the description at the arm's base |
+//! | any of these with `<mimic>` | an independent joint, with a warning: the recording contains its position |
+//! | `floating`, `planar`, `spherical` | error: lock it, or cut the description at the arm's base |
 //!
-//! Visuals, collisions, sensors, transmissions and tags of vendors are left alone, whatever they hold. Xacro is
-//! refused by its name.
+//! Visuals, collisions, sensors, transmissions and tags of vendors are ignored. Xacro files are rejected with
+//! an error that names xacro.
 //!
-//! What becomes of odd numbers: a negative mass, NaN or infinity is refused; an inertia that no
-//! body can have (identified models contain such), a joint that carries no mass and a negative
-//! friction are accepted with a warning. A negative friction counts as none.
+//! Treatment of implausible values: a negative mass, NaN or infinity is an error; an inertia that is impossible
+//! for a rigid body (identified models contain such values), a joint that carries no mass and a negative
+//! friction are accepted with a warning. A negative friction is replaced by 0.
 
 mod links;
 mod located;
@@ -27,7 +27,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use links::{Odd, joint_limits, urdf_pose};
+use links::{ImplausibleValues, joint_limits, urdf_pose};
 use sinew_files::limits;
 
 pub use links::{is_positive_semidefinite, obeys_triangle};
@@ -39,7 +39,7 @@ pub use xml::{JointType, Origin, UrdfJoint, UrdfLink, UrdfRobot, read as outline
 pub struct UrdfOptions {
     /// Gravitational acceleration in the world frame, m/s².
     pub gravity_m_s2: Vec3,
-    /// How the base stands in the world, roll, pitch, yaw, rad.
+    /// Orientation of the base in the world, roll, pitch, yaw, rad.
     pub base_rpy_rad: Vec3,
     /// Joints held at a position (rad or m), which makes them fixed ones.
     pub locked: Vec<(String, f64)>,
@@ -68,7 +68,7 @@ pub struct JointLimits {
     pub velocity: f64,
 }
 
-/// An arm and what else its URDF says of the joints.
+/// An arm and the joint properties of its URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfArm {
     /// Name of the robot.
@@ -81,23 +81,23 @@ pub struct UrdfArm {
     pub coulomb_nm: Vec<f64>,
     /// Viscous friction of each joint (`<dynamics damping>`), N·m·s/rad, never negative.
     pub viscous_nm_s_per_rad: Vec<f64>,
-    /// What was odd, in sentences.
+    /// Warnings about implausible values, in sentences.
     pub warnings: Vec<String>,
 }
 
-/// What makes a URDF of a xacro file.
+/// Command that converts a xacro file to URDF.
 pub(crate) const EXPAND: &str = "xacro FILE > robot.urdf";
 
-/// Why a URDF was refused.
+/// Error of reading a URDF.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UrdfError {
-    /// Not URDF at all, or broken XML.
+    /// Text that is not URDF, or invalid XML.
     #[error("not a readable URDF: line {line}: {problem}")]
     Xml {
         /// Line, from 1.
         line: u32,
-        /// What is wrong there.
+        /// Description of the problem.
         problem: String,
     },
     /// Xacro, from which URDF is made.
@@ -105,10 +105,10 @@ pub enum UrdfError {
     Xacro {
         /// Line, from 1.
         line: u32,
-        /// What gives it away.
+        /// Text that identifies the file as xacro.
         what: String,
     },
-    /// A tree it isn't.
+    /// The links and joints do not form a tree.
     #[error("{0}")]
     Tree(String),
     /// A joint type no estimate can be made with.
@@ -118,20 +118,20 @@ pub enum UrdfError {
     JointType {
         /// Joint at fault.
         joint: String,
-        /// Its type in the file.
+        /// Type of the joint in the file.
         kind: &'static str,
     },
-    /// A locked joint that isn't there.
+    /// A locked joint does not exist.
     #[error(
-        "can't lock joint '{joint}': the URDF has no moving joint of that name; it has {known}"
+        "cannot lock joint '{joint}': no moving joint of that name in the URDF; moving joints: {available}"
     )]
     UnknownLocked {
-        /// Name asked for.
+        /// Requested joint name.
         joint: String,
-        /// Names there are.
-        known: String,
+        /// Names of the moving joints.
+        available: String,
     },
-    /// Impossible numbers.
+    /// Invalid numbers of the arm.
     #[error(transparent)]
     Arm(#[from] ArmError),
 }
@@ -139,7 +139,7 @@ pub enum UrdfError {
 /// Reads a URDF.
 ///
 /// # Errors
-/// [`UrdfError`]; nothing is half-built.
+/// Returns a [`UrdfError`] for an invalid description.
 pub fn parse(text: &str, options: &UrdfOptions) -> Result<UrdfArm, UrdfError> {
     if text.trim().is_empty() {
         return Err(UrdfError::Xml {
@@ -160,7 +160,7 @@ struct Branch {
     pose: Pose,
 }
 
-/// What a URDF joint does to its child.
+/// Motion of the child relative to its parent.
 enum Motion {
     /// Fixed, or locked at this displacement.
     Welded(Pose),
@@ -175,7 +175,7 @@ struct Reader<'a> {
     children: Vec<Vec<usize>>,
     root: usize,
     warnings: Vec<String>,
-    odd: Odd,
+    implausible: ImplausibleValues,
 }
 
 impl<'a> Reader<'a> {
@@ -187,7 +187,7 @@ impl<'a> Reader<'a> {
         let mut link_index = BTreeMap::new();
         for (i, link) in robot.links.iter().enumerate() {
             if link_index.insert(link.name.as_str(), i).is_some() {
-                return tree(format!("link '{}' is there twice", link.name));
+                return tree(format!("link '{}' is defined twice", link.name));
             }
         }
         let mut children = alloc::vec![Vec::new(); robot.links.len()];
@@ -195,7 +195,7 @@ impl<'a> Reader<'a> {
         let find = |joint: &xml::UrdfJoint, link: &str| {
             link_index.get(link).copied().ok_or_else(|| {
                 UrdfError::Tree(format!(
-                    "joint '{}' names link '{link}', which the URDF doesn't have",
+                    "joint '{}' refers to link '{link}', which is missing in the URDF",
                     joint.name
                 ))
             })
@@ -205,7 +205,7 @@ impl<'a> Reader<'a> {
             let child = find(joint, &joint.child)?;
             if let Some(other) = carried_by[child] {
                 return tree(format!(
-                    "link '{}' hangs on two joints, '{other}' and '{}'; closed chains are not supported",
+                    "link '{}' has two parent joints, '{other}' and '{}'; closed chains are not supported",
                     joint.child, joint.name
                 ));
             }
@@ -217,7 +217,7 @@ impl<'a> Reader<'a> {
             .collect();
         let [root] = roots[..] else {
             return tree(if roots.is_empty() {
-                "the joints form a ring: no link is the base".to_string()
+                "the joints form a closed loop: no link is the base".to_string()
             } else {
                 let names: Vec<&str> = roots
                     .iter()
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
                     .map(|&l| robot.links[l].name.as_str())
                     .collect();
                 format!(
-                    "{} links hang on no joint ('{}'{}); a robot has one base",
+                    "{} links have no parent joint ('{}'{}); a robot has one base",
                     roots.len(),
                     names.join("', '"),
                     if roots.len() > names.len() {
@@ -246,7 +246,7 @@ impl<'a> Reader<'a> {
             if !moving.contains(&name.as_str()) {
                 return Err(UrdfError::UnknownLocked {
                     joint: name.clone(),
-                    known: moving.join(", "),
+                    available: moving.join(", "),
                 });
             }
         }
@@ -257,7 +257,7 @@ impl<'a> Reader<'a> {
             children,
             root,
             warnings: Vec::new(),
-            odd: Odd::default(),
+            implausible: ImplausibleValues::default(),
         })
     }
 
@@ -316,7 +316,7 @@ impl<'a> Reader<'a> {
         }
         if entered != self.robot.links.len() {
             return Err(UrdfError::Tree(
-                "some joints form a ring that does not hang on the base".to_string(),
+                "some joints form a closed loop that is not connected to the base".to_string(),
             ));
         }
         for spec in specs {
@@ -326,7 +326,7 @@ impl<'a> Reader<'a> {
         for (i, name) in arm.names.iter().enumerate() {
             if arm.joints[i].subtree_mass == 0.0 {
                 self.warnings.push(format!(
-                    "joint '{name}' carries no mass (0 kg): its torque can't be observed, so its offset only shows theta − q"
+                    "joint '{name}' carries no mass (0 kg): its torque is not observable, and its offset equals theta − q"
                 ));
             }
         }
@@ -344,7 +344,7 @@ impl<'a> Reader<'a> {
                 "N·m·s/rad",
             )?);
         }
-        self.warnings.extend(self.odd.sentences());
+        self.warnings.extend(self.implausible.sentences());
         Ok(UrdfArm {
             name: self.robot.name.clone(),
             arm,
@@ -356,7 +356,7 @@ impl<'a> Reader<'a> {
     }
 
     fn motion(&mut self, joint: &xml::UrdfJoint) -> Result<Motion, UrdfError> {
-        let refused = |kind| {
+        let unsupported = |kind| {
             Err(UrdfError::JointType {
                 joint: joint.name.clone(),
                 kind,
@@ -366,16 +366,16 @@ impl<'a> Reader<'a> {
             JointType::Fixed => return Ok(Motion::Welded(Pose::IDENTITY)),
             JointType::Revolute | JointType::Continuous => JointKind::Revolute,
             JointType::Prismatic => JointKind::Prismatic,
-            JointType::Floating => return refused("floating"),
-            JointType::Planar => return refused("planar"),
-            JointType::Spherical => return refused("spherical"),
+            JointType::Floating => return unsupported("floating"),
+            JointType::Planar => return unsupported("planar"),
+            JointType::Spherical => return unsupported("spherical"),
         };
         if let Some((_, at)) = self.options.locked.iter().find(|(n, _)| *n == joint.name) {
             return self.locked(joint, kind, *at).map(Motion::Welded);
         }
         if let Some(other) = &joint.mimics {
             self.warnings.push(format!(
-                "joint '{}' mimics '{}' in the URDF; it is read as a joint of its own, with its own position in the recording (lock it otherwise)",
+                "joint '{}' mimics '{}' in the URDF; treated as an independent joint with its own position in the recording (lock it otherwise)",
                 joint.name, other
             ));
         }

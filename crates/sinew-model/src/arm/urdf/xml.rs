@@ -1,4 +1,4 @@
-//! The part of URDF that dynamics need, as it stands in the file.
+//! The part of a URDF that the dynamics need, unchanged.
 
 use super::UrdfError;
 use alloc::borrow::Cow;
@@ -8,21 +8,21 @@ use alloc::vec::Vec;
 use roxmltree::{Document, Error, Node, ParsingOptions};
 use sinew_files::limits;
 
-/// A URDF as it stands in the file: links and joints in the file's order.
+/// Content of a URDF file: links and joints in the file's order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfRobot {
-    /// Its name.
+    /// Name of the robot.
     pub name: String,
-    /// All links.
+    /// Links in the file's order.
     pub links: Vec<UrdfLink>,
-    /// All joints.
+    /// Joints in the file's order.
     pub joints: Vec<UrdfJoint>,
 }
 
 /// A link of a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfLink {
-    /// Its name.
+    /// Name of the link.
     pub name: String,
     /// Mass, kg; 0 without `<inertial>`.
     pub mass_kg: f64,
@@ -32,27 +32,27 @@ pub struct UrdfLink {
     pub origin: Origin,
 }
 
-/// `<origin>`.
+/// Pose of an `<origin>` element.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Origin {
-    /// m.
+    /// Translation along x, y and z, m.
     pub xyz: [f64; 3],
     /// Roll, pitch, yaw, rad.
     pub rpy: [f64; 3],
 }
 
-/// `<joint type>`.
+/// Type of a `<joint>` element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointType {
     /// Turns between its limits.
     Revolute,
     /// Turns without end.
     Continuous,
-    /// Slides.
+    /// Translation along an axis.
     Prismatic,
-    /// Doesn't move.
+    /// Fixed to its parent.
     Fixed,
-    /// Free.
+    /// Free in six directions.
     Floating,
     /// Slides in a plane.
     Planar,
@@ -80,9 +80,9 @@ impl JointType {
 /// A joint of a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Its type.
+    /// Type of the joint.
     pub joint_type: JointType,
     /// Frame of the joint in the parent link's.
     pub origin: Origin,
@@ -90,9 +90,9 @@ pub struct UrdfJoint {
     pub parent: String,
     /// Link it carries.
     pub child: String,
-    /// Its axis, as written.
+    /// Axis as written in the file.
     pub axis: [f64; 3],
-    /// `lower upper effort velocity`; 0 where the file states none.
+    /// Values of `lower upper effort velocity`; 0 for missing values.
     pub limit: [f64; 4],
     /// Whether the file states both ends of the range.
     pub range_stated: bool,
@@ -107,10 +107,10 @@ pub struct UrdfJoint {
 /// Prefixes of vendors' tags that may be used without being declared.
 const PREFIXES_MOST: usize = 32;
 
-/// Links and joints of a URDF as they stand in `text`, unchecked but for their form.
+/// Reads the links and joints of a URDF text. Only the form of the file is checked.
 ///
 /// # Errors
-/// [`UrdfError::Xml`], [`UrdfError::Xacro`].
+/// Returns [`UrdfError::Xml`] for invalid XML and [`UrdfError::Xacro`] for a xacro file.
 pub fn read(text: &str) -> Result<UrdfRobot, UrdfError> {
     robot(&parsed(&declared(text)).map_err(|error| UrdfError::Xml {
         line: error.pos().row,
@@ -139,7 +139,7 @@ pub(crate) fn parsed(text: &str) -> Result<Document<'_>, Error> {
     Document::parse_with_options(text, options)
 }
 
-/// The text with a prefix declared that it uses without: other readers of URDF know no namespaces.
+/// Adds declarations of undeclared prefixes: other readers of URDF ignore namespaces.
 fn undeclared(text: &str) -> Option<String> {
     let Err(Error::UnknownNamespace(prefix, _)) = parsed(text) else {
         return None;
@@ -179,7 +179,7 @@ fn robot(document: &Document<'_>) -> Result<UrdfRobot, UrdfError> {
     })
 }
 
-/// What `<robot version>` changes.
+/// Changes with the version in `<robot version>`.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 struct Version(u32, u32);
 
@@ -197,7 +197,7 @@ impl Version {
         self >= Self(1, 1)
     }
 
-    /// Limits that aren't stated are none, not zero.
+    /// Whether unspecified limits mean no limit instead of zero.
     fn has_open_limits(self) -> bool {
         self >= Self(1, 2)
     }
@@ -296,7 +296,7 @@ fn origin(node: Node<'_, '_>, version: Version) -> Result<Origin, UrdfError> {
         && let Some(quaternion) = numbers::<4>(origin, "quat_xyzw")?
     {
         if rpy.is_some() {
-            return Err(fault(origin, "has both rpy and quat_xyzw; leave one out"));
+            return Err(fault(origin, "has both rpy and quat_xyzw; remove one"));
         }
         rpy = Some(rpy_of(quaternion));
     }
@@ -410,9 +410,9 @@ fn fault(node: Node<'_, '_>, problem: &str) -> UrdfError {
 mod tests {
     use super::*;
 
-    /// A quaternion's rotation matrix by its own closed form, and by the angles that it is turned into.
+    /// Compares a quaternion's rotation matrix in closed form with that of the angles it is converted to.
     #[test]
-    fn a_quaternion_and_its_angles_turn_alike() {
+    fn quaternion_and_its_angles_give_same_rotation() {
         let half = 0.5 * core::f64::consts::FRAC_PI_2;
         let r = libm::sqrt(0.5);
         for q in [

@@ -1,6 +1,6 @@
-//! When a change came.
+//! Time of a change.
 
-use super::candidates::SAME_S;
+use super::candidates::MIN_SEPARATION_S;
 use super::cost::{cost_at, cost_by_block};
 use super::gauss_newton::solve_from;
 use super::problem::Problem;
@@ -11,7 +11,7 @@ use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 
-/// Every slip's time once more, now that the other changes are known.
+/// Refines the time of every slip again, given the other changes.
 pub(super) fn retimed(
     problem: &Problem<'_>,
     mut best: Solution,
@@ -27,7 +27,11 @@ pub(super) fn retimed(
             .iter()
             .filter(|c| c.kind == change.kind && **c != change);
         let others: Vec<f64> = others.map(|c| c.at_s).collect();
-        let free = |at_s: f64| others.iter().all(|other| (other - at_s).abs() >= SAME_S);
+        let free = |at_s: f64| {
+            others
+                .iter()
+                .all(|other| (other - at_s).abs() >= MIN_SEPARATION_S)
+        };
         let possible = |at_s: f64| free(at_s) && problem.is_possible(change.kind, at_s, scope);
         if let Some(trial) = at_best_time(problem, &best, k, possible)?
             && trial.cost() < cost_at(problem, &best.estimate, &trial.estimate)
@@ -38,19 +42,20 @@ pub(super) fn retimed(
     Ok(best)
 }
 
-/// The estimate with change `k`, and the stiffness that goes with it, at the time that costs least;
-/// `None` where that is where it is. Between two times that differ by a block the state hardly
-/// moves: what the block costs before and after the change decides.
+/// Returns the estimate with change `k`, and the stiffness change that accompanies it, at the time
+/// of lowest cost;
+/// `None` where that is where it is. The state is nearly equal for two times that differ by one block, so the cost of
+/// the block before and after the change determines the better time.
 pub(super) fn at_best_time(
     problem: &Problem<'_>,
     at: &Solution,
     k: usize,
     possible: impl Fn(f64) -> bool,
 ) -> Result<Option<Solution>, MapError> {
-    let known = &at.estimate;
-    let change = known.changes[k];
+    let estimate = &at.estimate;
+    let change = estimate.changes[k];
     let (mut is, mut least) = (None, None);
-    for (b, sum) in costs_by_time(problem, known, k).into_iter().enumerate() {
+    for (b, sum) in costs_by_time(problem, estimate, k).into_iter().enumerate() {
         let at_s = problem.start_of(b);
         if is.is_none() && problem.blocks[b].time_s >= change.at_s {
             is = Some(sum);
@@ -61,21 +66,21 @@ pub(super) fn at_best_time(
     }
     match (is, least) {
         (Some(is), Some((least, at_s))) if least < is => {
-            let changes = moved(&known.changes, k, at_s);
-            solve_from(problem, &changes, &known.state, known, WARM_START).map(Some)
+            let changes = moved(&estimate.changes, k, at_s);
+            solve_from(problem, &changes, &estimate.state, estimate, WARM_START).map(Some)
         }
         _ => Ok(None),
     }
 }
 
-/// What all blocks cost if change `k`, with the stiffness that goes with it, came with each of them:
-/// those before it as if it had not come, those from there on as if it had; over what they cost if
-/// it came with the first.
-pub(super) fn costs_by_time(problem: &Problem<'_>, known: &MapEstimate, k: usize) -> Vec<f64> {
+/// Returns the cost of all blocks if change `k`, with the stiffness change that accompanies it,
+/// occurred at each of them: earlier blocks without the change, later blocks with it; relative to
+/// the cost if it occurred at the first block.
+pub(super) fn costs_by_time(problem: &Problem<'_>, estimate: &MapEstimate, k: usize) -> Vec<f64> {
     let cost = |at_s: f64| {
         let there = MapEstimate {
-            changes: moved(&known.changes, k, at_s),
-            ..known.clone()
+            changes: moved(&estimate.changes, k, at_s),
+            ..estimate.clone()
         };
         cost_by_block(problem, &there)
     };
@@ -93,16 +98,18 @@ pub(super) fn costs_by_time(problem: &Problem<'_>, known: &MapEstimate, k: usize
 mod tests {
     use super::*;
     use crate::offset::batch::gauss_newton::solve;
-    use crate::offset::belief::{Payload, TENSIONED_OFFSET_RAD};
     use crate::offset::change::ChangePoint;
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{SLIPS_AT, slipping, turntable};
+    use crate::offset::state_estimate::{Payload, TENSIONED_OFFSET_RAD};
 
     #[test]
-    fn a_slip_moves_to_the_block_it_came_with() {
+    fn slip_time_moves_to_true_block() {
         let model = turntable();
         let blocks = slipping(&model, 5e-3, 4);
-        let believed = model.prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, TENSIONED_OFFSET_RAD);
         let problem =
             Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
         let slip = |b: usize| ChangePoint {

@@ -1,4 +1,4 @@
-//! What an estimate costs: how far it is from the prior, and from the blocks.
+//! Cost of an estimate: its deviation from the prior and from the blocks.
 
 use super::problem::{Problem, chi, noise_of};
 use super::schedule::Sampling;
@@ -32,7 +32,7 @@ pub(super) fn cost_over(
     prior_cost(problem, at) + blocks.sum::<f64>()
 }
 
-/// What every block adds to the cost of `at`.
+/// Returns the contribution of every block to the cost of `at`.
 pub(super) fn cost_by_block(problem: &Problem<'_>, at: &MapEstimate) -> Vec<f64> {
     let mut equations = Equations::new(problem.layout(), &at.changes);
     let mut cost = |b: usize| {
@@ -42,7 +42,7 @@ pub(super) fn cost_by_block(problem: &Problem<'_>, at: &MapEstimate) -> Vec<f64>
     (0..problem.blocks.len()).map(&mut cost).collect()
 }
 
-/// What the prior adds to it.
+/// Returns the contribution of the prior to the cost.
 fn prior_cost(problem: &Problem<'_>, at: &MapEstimate) -> f64 {
     let gradient = problem.prior_gradient(at);
     let origin = problem.origin(at.state.len());
@@ -73,7 +73,7 @@ impl ThinnedResiduals {
             problem.equations(at, b, Content::Residuals, &mut equations);
             blocks.push((equations.list.len(), every as f64 / problem.inflation[b]));
             let squares = equations.list.iter();
-            residuals.extend(squares.map(|e| (e.joint, e.side, e.residual, e.added_deviation)));
+            residuals.extend(squares.map(|e| (e.joint, e.side, e.residual, e.added_std)));
         }
         Self {
             prior: prior_cost(problem, at),
@@ -82,7 +82,7 @@ impl ThinnedResiduals {
         }
     }
 
-    /// What `other`, by a thinned schedule, takes off the cost.
+    /// Returns the decrease of the cost by `other`, which uses a thinned schedule.
     pub(super) fn gain(&self, other: &Solution) -> f64 {
         let mut rest = self.residuals.as_slice();
         let blocks = self.blocks.iter().map(|(count, weight)| {

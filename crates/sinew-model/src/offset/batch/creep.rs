@@ -1,7 +1,8 @@
-//! Ropes that creep while a recording goes on: offsets that move evenly from its first block to its last.
+//! Ropes that creep during a recording: offsets that change linearly in time from its first block to its last.
 //!
-//! A slip takes what creep leaves for a few steps of its own, and creep takes a slip for a slope. So both are tried: creep
-//! beside the slips that were found without it, and slips looked for beside creep. What costs least stays.
+//! A slip estimate absorbs part of a creep rate, and a creep rate absorbs part of a slip. Both orders are tried: creep
+//! in addition to the slips found without it, and slips searched for in addition to creep. The solution of lowest cost
+//! is kept.
 
 use super::cost::cost_at;
 use super::gauss_newton::solve_from;
@@ -15,73 +16,73 @@ use crate::offset::estimate::{CreepEstimate, MapEstimate};
 use crate::offset::mixture::{self, CREEP, Mixture};
 use alloc::vec::Vec;
 
-/// Creep that is less likely than this at every joint is left out. It was less likely in six recordings of S6, where
-/// nothing creeps.
-const UNLIKELY: f64 = 0.05;
-/// Creep that two steps say is less likely than this stays so.
-const SUSPECTED: f64 = 0.03;
-/// What creep must be for slips to be looked for anew beside it.
-const LIKELY: f64 = 0.5;
-/// What a slip must take off the cost, as the search for slips has it.
-const SLIP_GAIN: f64 = 13.0;
+/// Minimum probability of creep at the most probable joint; below it creep is excluded. Six recordings of S6, without
+/// creep, stay below it.
+const MIN_CREEP_PROBABILITY: f64 = 0.05;
+/// Minimum probability of creep from two steps for a full estimate.
+const MIN_SCREENED_PROBABILITY: f64 = 0.03;
+/// Minimum probability of creep for a new search for slips in addition to it.
+const SEARCH_PROBABILITY: f64 = 0.5;
+/// Minimum decrease of the cost by a slip, the same as in the search for slips.
+const MIN_SLIP_GAIN: f64 = 13.0;
 
-/// What creep says of a recording: with the slips found without it, or with those found beside it.
+/// Estimates creep in a recording: with the slips found without it, or with those found in addition to it.
 ///
 /// * `first`: the estimate without any change within the recording; `found`: with all that were found.
-/// * `search`: looks for slips beside what an estimate has.
+/// * `search`: searches for slips in addition to the changes of an estimate.
 ///
 /// # Errors
-/// [`MapError`].
-pub(super) fn told_apart(
+/// Returns a [`MapError`] if a linear system cannot be solved.
+pub(super) fn separate_creep_and_slips(
     problem: &Problem<'_>,
     first: &Solution,
     found: Solution,
     search: impl FnOnce(Solution) -> Result<Solution, MapError>,
 ) -> Result<Solution, MapError> {
-    let beside = opened(problem, &found)?;
-    let is_likely = probability(problem, &beside)? > LIKELY;
+    let with_slips = with_free_creep(problem, &found)?;
+    let is_likely = probability(problem, &with_slips)? > SEARCH_PROBABILITY;
     let slips = |s: &Solution| {
         let is_slip = |c: &&ChangePoint| matches!(c.kind, ChangeKind::Offset(_));
         s.estimate.changes.iter().filter(is_slip).count()
     };
     let before = slips(&found);
     let alone = match before {
-        0 => beside.clone(),
-        _ => opened(problem, first)?,
+        0 => with_slips.clone(),
+        _ => with_free_creep(problem, first)?,
     };
     // Creep alone may do what several slips were needed for.
     let dearer = cost_at(problem, &alone.estimate, &found.estimate) - found.cost();
-    let spared = before > 0 && dearer < SLIP_GAIN * before as f64;
-    let mut best = beside;
+    let spared = before > 0 && dearer < MIN_SLIP_GAIN * before as f64;
+    let mut best = with_slips;
     if is_likely || spared {
-        let anew = search(alone)?;
-        let dearer = cost_at(problem, &anew.estimate, &best.estimate) - best.cost();
-        let fewer = before as f64 - slips(&anew) as f64;
-        if dearer < SLIP_GAIN * fewer {
-            best = anew;
+        let searched_again = search(alone)?;
+        let dearer = cost_at(problem, &searched_again.estimate, &best.estimate) - best.cost();
+        let fewer = before as f64 - slips(&searched_again) as f64;
+        if dearer < MIN_SLIP_GAIN * fewer {
+            best = searched_again;
         }
     }
-    match probability(problem, &best)? > UNLIKELY {
+    match probability(problem, &best)? > MIN_CREEP_PROBABILITY {
         true => Ok(best),
         false => Ok(found),
     }
 }
 
-/// `known` with every tendon's creep open, from the first block on.
-fn opened(problem: &Problem<'_>, known: &Solution) -> Result<Solution, MapError> {
-    let known = &known.estimate;
+/// Returns `solution` with a free creep rate of every tendon, from the first block on.
+fn with_free_creep(problem: &Problem<'_>, solution: &Solution) -> Result<Solution, MapError> {
+    let estimate = &solution.estimate;
     let prior = &problem.model.prior;
     let elastic = (0..prior.joints()).filter(|&i| prior.is_elastic(i));
     let creeps = elastic.map(|i| ChangePoint {
         kind: ChangeKind::Creep(i),
         at_s: problem.start_of(0),
     });
-    let mut changes = known.changes.clone();
+    let mut changes = estimate.changes.clone();
     changes.extend(creeps);
-    let mut state = known.state.clone();
+    let mut state = estimate.state.clone();
     state.resize(problem.total(&changes), 0.0);
-    let warm = solve_from(problem, &changes, &state, known, WARM_START)?;
-    if probability(problem, &warm)? < SUSPECTED {
+    let warm = solve_from(problem, &changes, &state, estimate, WARM_START)?;
+    if probability(problem, &warm)? < MIN_SCREENED_PROBABILITY {
         return Ok(warm);
     }
     // Much of it was taken for noise.
@@ -89,13 +90,13 @@ fn opened(problem: &Problem<'_>, known: &Solution) -> Result<Solution, MapError>
     solve_from(problem, &near.changes, &near.state, near, ROUGH_START)
 }
 
-/// Probability of creep at the joint where that is likeliest.
+/// Returns the probability of creep at the most probable joint.
 fn probability(problem: &Problem<'_>, with: &Solution) -> Result<f64, MapError> {
-    let known = &with.estimate;
-    let total = known.state.len();
-    let columns = columns(&known.changes, problem.total(&[]));
+    let estimate = &with.estimate;
+    let total = estimate.state.len();
+    let columns = columns(&estimate.changes, problem.total(&[]));
     let covariance = covariance(&with.information, total)?;
-    let rates: Vec<f64> = columns.iter().map(|(_, c)| known.state[*c]).collect();
+    let rates: Vec<f64> = columns.iter().map(|(_, c)| estimate.state[*c]).collect();
     let own: Vec<f64> = (columns.iter())
         .flat_map(|(_, i)| columns.iter().map(move |(_, k)| i * total + k))
         .map(|at| covariance[at])
@@ -142,18 +143,18 @@ mod tests {
     use super::*;
     use crate::offset::batch::gauss_newton::solve;
     use crate::offset::batch::search::searched;
-    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
     use crate::offset::block::Block;
     use crate::offset::equations::estimation_model::EstimationModel;
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{BLOCKS, SLIPS_AT, slipping, turntable};
+    use crate::offset::state_estimate::{Payload, UNKNOWN_OFFSET_RAD};
 
     /// 6 mrad a minute: 1.6 mrad over the blocks.
     const RATE_RAD_PER_S: f64 = 1e-4;
-    const LONG_S: f64 = 0.2 * BLOCKS as f64;
+    const DURATION_S: f64 = 0.2 * BLOCKS as f64;
     const SLIP: ChangeKind = ChangeKind::Offset(0);
-    /// Of the fixture.
-    const AT_FIRST_RAD: f64 = 1e-3;
+    /// Offset at the start of the fixture's recording, rad.
+    const INITIAL_OFFSET_RAD: f64 = 1e-3;
 
     /// Blocks of a joint that slips and creeps.
     fn moving(
@@ -170,26 +171,27 @@ mod tests {
         blocks
     }
 
-    /// What is found where a joint slips and creeps, with the offset at the start and at the end less the truth, over its
-    /// deviation.
+    /// Returns the estimate for a joint that slips and creeps, with the errors of the offset at the start and at the
+    /// end, divided by their standard deviations.
     fn found(slip_rad: f64, rate_rad_per_s: f64, seed: u64) -> (MapEstimate, [f64; 2]) {
         let model = turntable();
         let blocks = moving(&model, slip_rad, rate_rad_per_s, seed);
         let map = searched(&model, UNKNOWN_OFFSET_RAD, &blocks);
-        let off = [(0.0, 0.0), (LONG_S, slip_rad)].map(|(at_s, slipped)| {
+        let off = [(0.0, 0.0), (DURATION_S, slip_rad)].map(|(at_s, slipped)| {
             let read = map.offset_at(&model.prior, 0, at_s);
-            let truth = AT_FIRST_RAD + slipped + rate_rad_per_s * at_s;
-            (read.mean - truth) / read.deviation
+            let truth = INITIAL_OFFSET_RAD + slipped + rate_rad_per_s * at_s;
+            (read.mean - truth) / read.std
         });
         assert_eq!(
             map.offset(&model.prior, 0),
-            map.offset_at(&model.prior, 0, LONG_S)
+            map.offset_at(&model.prior, 0, DURATION_S)
         );
         (map, off)
     }
 
-    /// What is told of a recording in which changes were found at some blocks; `search` looks for slips beside creep alone.
-    fn told(
+    /// Returns the estimate of a recording in which changes were found at some blocks; `search` searches for slips in
+    /// addition to creep.
+    fn estimate_with_changes(
         (slip_rad, rate_rad_per_s): (f64, f64),
         kind: ChangeKind,
         found_at: &[usize],
@@ -197,7 +199,9 @@ mod tests {
     ) -> MapEstimate {
         let model = turntable();
         let blocks = moving(&model, slip_rad, rate_rad_per_s, 3);
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let problem =
             Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
         let change = |b: &usize| ChangePoint {
@@ -206,16 +210,16 @@ mod tests {
         };
         let found: Vec<ChangePoint> = found_at.iter().map(change).collect();
         let (first, found) = (solve(&problem, &[]), solve(&problem, &found));
-        told_apart(&problem, &first.unwrap(), found.unwrap(), |s| Ok(search(s)))
+        separate_creep_and_slips(&problem, &first.unwrap(), found.unwrap(), |s| Ok(search(s)))
             .unwrap()
             .estimate
     }
 
-    /// Eight slips of 0.1 mrad each look as a creep does, which needs one number where they need eight.
+    /// Eight slips of 0.1 mrad each look like creep, which needs one parameter instead of eight.
     #[test]
-    fn creep_that_was_taken_for_many_slips_is_told_from_them() {
+    fn creep_replaces_staircase_of_slips() {
         let staircase: Vec<usize> = (1..9).map(|k| k * BLOCKS / 9).collect();
-        let map = told((0.0, 0.5 * RATE_RAD_PER_S), SLIP, &staircase, |alone| {
+        let map = estimate_with_changes((0.0, 0.5 * RATE_RAD_PER_S), SLIP, &staircase, |alone| {
             assert!(slips(&alone.estimate).is_empty());
             alone
         });
@@ -224,12 +228,12 @@ mod tests {
         assert!(map.changes.iter().any(creeps), "{:?}", map.changes);
     }
 
-    /// What was found beside slips is none of creep's business: it is still there when slips are looked for anew.
+    /// A change found in addition to slips is independent of creep: it is kept when slips are searched for again.
     #[test]
-    fn a_loss_of_stiffness_that_was_found_stays_beside_creep() {
+    fn stiffness_loss_is_kept_with_creep() {
         let softer = ChangeKind::Compliance(0);
         let mut searched = false;
-        let map = told((0.0, RATE_RAD_PER_S), softer, &[SLIPS_AT], |alone| {
+        let map = estimate_with_changes((0.0, RATE_RAD_PER_S), softer, &[SLIPS_AT], |alone| {
             searched = true;
             assert!(alone.estimate.changes.iter().any(|c| c.kind == softer));
             alone
@@ -237,10 +241,10 @@ mod tests {
         assert!(searched && map.changes.iter().any(|c| c.kind == softer));
     }
 
-    /// No creep does what a slip of 3 mrad did: nothing is looked for anew, and it stays.
+    /// No creep explains a slip of 3 mrad: there is no new search, and the slip is kept.
     #[test]
-    fn a_slip_that_creep_cannot_stand_for_stays() {
-        let map = told((3e-3, 0.0), SLIP, &[SLIPS_AT], |_| {
+    fn slip_not_explained_by_creep_is_kept() {
+        let map = estimate_with_changes((3e-3, 0.0), SLIP, &[SLIPS_AT], |_| {
             panic!("nothing speaks for it")
         });
         assert_eq!(slips(&map), [0.2 * SLIPS_AT as f64]);
@@ -253,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_that_moves_evenly_creeps_and_is_told_at_the_end() {
+    fn linear_drift_is_creep_offset_at_end() {
         for seed in 1..6 {
             let (map, off) = found(0.0, RATE_RAD_PER_S, seed);
             assert!(slips(&map).is_empty(), "{seed}: {:?}", map.changes);
@@ -261,16 +265,16 @@ mod tests {
             assert!(creep.probability > 0.99, "{seed}: {creep:?}");
             let rate = creep.rate_rad_per_s;
             assert!(
-                (rate.mean - RATE_RAD_PER_S).abs() < 3.0 * rate.deviation,
+                (rate.mean - RATE_RAD_PER_S).abs() < 3.0 * rate.std,
                 "{seed}: {rate:?}"
             );
-            assert!(rate.deviation < 0.2 * RATE_RAD_PER_S, "{seed}: {rate:?}");
+            assert!(rate.std < 0.2 * RATE_RAD_PER_S, "{seed}: {rate:?}");
             assert!(off.iter().all(|z| z.abs() < 3.0), "{seed}: {off:?}");
         }
     }
 
     #[test]
-    fn a_slip_is_no_creep_and_an_offset_that_stays_is_neither() {
+    fn slip_and_constant_offset_are_not_creep() {
         for seed in 1..6 {
             let (map, off) = found(3e-3, 0.0, seed);
             assert_eq!(slips(&map).len(), 1, "{seed}: {:?}", map.changes);
@@ -285,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_joint_that_creeps_may_slip() {
+    fn creeping_joint_slip_is_detected() {
         for seed in 1..6 {
             let (map, off) = found(3e-3, RATE_RAD_PER_S, seed);
             let [at_s] = slips(&map)[..] else {

@@ -1,8 +1,8 @@
-//! A constant force from outside, from the first block on.
+//! A constant external force, from the first block on.
 //!
-//! Held for nothing, it bends offsets, masses and stiffness, and what they can't take up is left as noise. So it is opened
-//! before changes are looked for: a step over one block in three tells whether the recording speaks for it, and in most it
-//! doesn't.
+//! If it is ignored, it biases offsets, masses and stiffness, and the remainder is treated as noise. The force is
+//! therefore freed before changes are searched for: a step over one block in three determines whether the recording
+//! supports it, which most recordings do not.
 
 use super::gauss_newton::solve_from;
 use super::problem::Problem;
@@ -19,39 +19,42 @@ use crate::offset::mixture::{self, Mixture};
 use crate::statistics::upper_median;
 use alloc::vec::Vec;
 
-/// A force that is less likely than this is left out.
-const UNLIKELY: f64 = 0.05;
-/// One that the first step says is less likely than this stays so.
-const SUSPECTED: f64 = 0.03;
+/// Minimum probability of a force; below it the force is excluded.
+const MIN_FORCE_PROBABILITY: f64 = 0.05;
+/// Minimum probability of a force after the first step for a full estimate.
+const MIN_SCREENED_PROBABILITY: f64 = 0.03;
 
-/// `found` with a force open, where one is stated or the recording speaks for it.
+/// Returns `found` with a free force if one is specified or supported by the recording.
 ///
 /// # Errors
-/// [`MapError`].
-pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution, MapError> {
+/// Returns a [`MapError`] if a linear system cannot be solved.
+pub(super) fn with_free_force(
+    problem: &Problem<'_>,
+    found: Solution,
+) -> Result<Solution, MapError> {
     let Some(force) = &problem.model.force else {
         return Ok(found);
     };
-    if !force.is_asked_for(in_its_place(problem.blocks.iter())) {
+    if !force.is_identifiable(in_its_place(problem.blocks.iter())) {
         return Ok(found);
     }
-    let known = &found.estimate;
-    let mut changes = known.changes.clone();
+    let estimate = &found.estimate;
+    let mut changes = estimate.changes.clone();
     changes.push(ChangePoint {
         kind: ChangeKind::Force,
         at_s: problem.start_of(0),
     });
-    let mut state = known.state.clone();
+    let mut state = estimate.state.clone();
     state.resize(problem.total(&changes), 0.0);
-    let stated = force.believed.is_stated;
-    let screened = solve_from(problem, &changes, &state, known, SCREENING)?;
-    if !stated && probability(problem, &screened) < SUSPECTED {
+    let stated = force.prior.is_specified;
+    let screened = solve_from(problem, &changes, &state, estimate, SCREENING)?;
+    if !stated && probability(problem, &screened) < MIN_SCREENED_PROBABILITY {
         return Ok(found);
     }
     // Much of it was taken for noise.
     let at = &screened.estimate;
     let with = solve_from(problem, &changes, &at.state, at, ROUGH_START)?;
-    match stated || probability(problem, &with) > UNLIKELY {
+    match stated || probability(problem, &with) > MIN_FORCE_PROBABILITY {
         true => Ok(with),
         false => Ok(found),
     }
@@ -76,24 +79,24 @@ fn in_its_place<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -> f64 {
 /// Whether an estimate has a force open that is too unlikely to be one.
 pub(super) fn is_none(problem: &Problem<'_>, with: &Solution) -> bool {
     let force = problem.model.force.as_ref();
-    let is_stated = force.is_some_and(|f| f.believed.is_stated);
+    let is_specified = force.is_some_and(|f| f.prior.is_specified);
     let is_open = first_column(&with.estimate.changes, 0).is_some();
-    is_open && !is_stated && probability(problem, with) <= UNLIKELY
+    is_open && !is_specified && probability(problem, with) <= MIN_FORCE_PROBABILITY
 }
 
-/// Probability of the force that is open in an estimate.
+/// Returns the probability of the free force of an estimate.
 fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
-    let known = &with.estimate;
-    let total = known.state.len();
+    let estimate = &with.estimate;
+    let total = estimate.state.len();
     let (Some(first), Some(force)) = (
-        first_column(&known.changes, problem.total(&[])),
+        first_column(&estimate.changes, problem.total(&[])),
         &problem.model.force,
     ) else {
         return 0.0;
     };
-    let [x, y, z] = [0, 1, 2].map(|k| known.state[first + k]);
-    // Where nothing fits but what the arm does in its place, contacts speak for it that took the arm elsewhere.
-    let fitting = problem.blocks.iter().zip(&known.weights);
+    let [x, y, z] = [0, 1, 2].map(|k| estimate.state[first + k]);
+    // If only the data in one pose fit the model, the evidence for a force comes from contacts that moved the arm away.
+    let fitting = problem.blocks.iter().zip(&estimate.weights);
     let fitting = fitting.filter(|(_, weight)| **weight > OUTLIER_WEIGHT);
     if !force.is_credible([x, y, z], in_its_place(fitting.map(|(block, _)| block))) {
         return 0.0;
@@ -112,7 +115,7 @@ fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
     mixture.probability.into_iter().fold(0.0, f64::max)
 }
 
-/// Where a force is in a state whose changes begin at `first`.
+/// Returns the column of a force in a state whose changes begin at `first`.
 fn first_column(changes: &[ChangePoint], first: usize) -> Option<usize> {
     let mut column = first;
     for change in changes {
@@ -124,10 +127,10 @@ fn first_column(changes: &[ChangePoint], first: usize) -> Option<usize> {
     None
 }
 
-/// Averages a complete estimate over whether the force that is open in it acts; a stated one does.
+/// Averages a complete estimate over whether its free force acts; a specified force always acts.
 ///
 /// # Errors
-/// [`MapError`].
+/// Returns a [`MapError`] if a covariance is not positive definite.
 pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<(), MapError> {
     let prior = &problem.model.prior;
     let (Some(first), Some(force)) = (
@@ -139,10 +142,10 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
     let total = out.state.len();
     let force_n = core::array::from_fn(|k| {
         let variance = out.covariance[(first + k) * (total + 1)];
-        let mean = force.believed.force_n[k].mean + out.state[first + k];
+        let mean = force.prior.force_n[k].mean + out.state[first + k];
         Gaussian::new(mean, libm::sqrt(variance))
     });
-    let probability = if force.believed.is_stated {
+    let probability = if force.prior.is_specified {
         1.0
     } else {
         let columns = [first, first + 1, first + 2];
@@ -150,7 +153,7 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
         each.into_iter().fold(0.0, f64::max)
     };
     out.force = Some(ForceEstimate {
-        is_stated: force.believed.is_stated,
+        is_specified: force.prior.is_specified,
         probability,
         force_n,
     });
@@ -161,43 +164,51 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
 mod tests {
     use super::*;
     use crate::offset::batch::search::searched;
-    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
     use crate::offset::external_force::ExternalForce;
     use crate::offset::fixtures::{pushable, pushed};
+    use crate::offset::state_estimate::UNKNOWN_OFFSET_RAD;
 
-    const ACTS_N: [f64; 3] = [2.4, -1.2, 4.0];
+    const TRUE_FORCE_N: [f64; 3] = [2.4, -1.2, 4.0];
 
-    /// About a vertical axis nothing is learned of what pulls along it: that part stays as stated.
+    /// About a vertical axis the vertical component is not identifiable: it keeps its specified value.
     #[test]
-    fn a_stated_force_is_corrected_as_far_as_the_joints_feel_it() {
+    fn specified_force_corrected_in_observable_axes() {
         let stated = [2.0, -1.6, 5.0].map(|mean| Gaussian::new(mean, 0.5));
         let model = pushable(ExternalForce {
             force_n: stated,
-            is_stated: true,
+            is_specified: true,
         });
         for seed in 1..4 {
-            let map = searched(&model, UNKNOWN_OFFSET_RAD, &pushed(&model, ACTS_N, seed));
+            let map = searched(
+                &model,
+                UNKNOWN_OFFSET_RAD,
+                &pushed(&model, TRUE_FORCE_N, seed),
+            );
             let force = map.force.unwrap();
-            assert!(force.is_stated && force.probability == 1.0, "{force:?}");
+            assert!(force.is_specified && force.probability == 1.0, "{force:?}");
             let [across @ .., along] = force.force_n;
-            for (is, should) in across.into_iter().zip(ACTS_N) {
-                assert!(is.deviation < 0.4, "{is:?}");
-                assert!((is.mean - should).abs() < 3.0 * is.deviation, "{is:?}");
+            for (is, should) in across.into_iter().zip(TRUE_FORCE_N) {
+                assert!(is.std < 0.4, "{is:?}");
+                assert!((is.mean - should).abs() < 3.0 * is.std, "{is:?}");
             }
             assert!((along.mean - 5.0).abs() < 1e-6, "{along:?}");
-            assert!((along.deviation - 0.5).abs() < 1e-6, "{along:?}");
+            assert!((along.std - 0.5).abs() < 1e-6, "{along:?}");
         }
     }
 
     #[test]
-    fn a_force_that_nobody_stated_is_found_where_one_acts_and_only_there() {
+    fn unspecified_force_found_only_if_present() {
         let model = pushable(ExternalForce::possible(2.0).unwrap());
         for seed in 1..4 {
-            let map = searched(&model, UNKNOWN_OFFSET_RAD, &pushed(&model, ACTS_N, seed));
+            let map = searched(
+                &model,
+                UNKNOWN_OFFSET_RAD,
+                &pushed(&model, TRUE_FORCE_N, seed),
+            );
             let force = map.force.unwrap();
-            assert!(!force.is_stated && force.probability > 0.99, "{force:?}");
-            for (is, should) in force.force_n.into_iter().zip(ACTS_N).take(2) {
-                assert!((is.mean - should).abs() < 3.0 * is.deviation, "{is:?}");
+            assert!(!force.is_specified && force.probability > 0.99, "{force:?}");
+            for (is, should) in force.force_n.into_iter().zip(TRUE_FORCE_N).take(2) {
+                assert!((is.mean - should).abs() < 3.0 * is.std, "{is:?}");
             }
             let map = searched(&model, UNKNOWN_OFFSET_RAD, &pushed(&model, [0.0; 3], seed));
             let probability = map.force.map_or(0.0, |force| force.probability);

@@ -14,7 +14,7 @@ use crate::offset::estimate::{Convergence, MapEstimate};
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// What some blocks say.
+/// Normal equations of a range of blocks.
 struct Part {
     blocks: Range<usize>,
     normal: NormalEquations,
@@ -24,7 +24,7 @@ struct Part {
     weights: Vec<f64>,
 }
 
-/// The estimate with changes at known times.
+/// Computes the estimate with changes at fixed times.
 pub(super) fn solve(problem: &Problem<'_>, changes: &[ChangePoint]) -> Result<Solution, MapError> {
     descend(problem, changes, COLD_START, None)
 }
@@ -34,10 +34,10 @@ pub(super) fn solve_from(
     problem: &Problem<'_>,
     changes: &[ChangePoint],
     state: &[f64],
-    known: &MapEstimate,
+    estimate: &MapEstimate,
     schedule: &[Step],
 ) -> Result<Solution, MapError> {
-    descend(problem, changes, schedule, Some((state, known)))
+    descend(problem, changes, schedule, Some((state, estimate)))
 }
 
 /// To the end from a coarse solution.
@@ -46,8 +46,8 @@ pub(super) fn refine(problem: &Problem<'_>, coarse: &Solution) -> Result<Solutio
     solve_from(problem, &at.changes, &at.state, at, REFINE)
 }
 
-/// The estimate without the changes of `with`: two steps from what that says of it, which is all
-/// of it where equations are linear.
+/// Computes the estimate without the changes of `with`: two steps from its conditional mean, which
+/// is exact for linear equations.
 pub(super) fn solve_without(problem: &Problem<'_>, with: &Solution) -> Result<Solution, MapError> {
     let state = with.state_without(problem.total(&[]));
     solve_from(problem, &[], &state, &with.estimate, WARM_START)
@@ -71,17 +71,21 @@ fn descend(
         end_s: problem.end_s(),
         noise_rad: alloc::vec![1e-3; n],
         motor_noise_nm: (0..n).map(|i| model.motor_floor(i)).collect(),
+        tension_noise_nm: (0..n).map(|i| model.tension_floor(i)).collect(),
         weights: Vec::with_capacity(problem.blocks.len()),
         convergence: Convergence::new(0, f64::INFINITY, f64::INFINITY),
         stiffness_changes: alloc::vec![None; n],
         creep: alloc::vec![None; n],
         force: None,
         posteriors: Vec::new(),
+        encoder_slips: Vec::new(),
     };
-    if let Some((state, known)) = warm {
+    if let Some((state, estimate)) = warm {
         at.state.copy_from_slice(state);
-        at.noise_rad.copy_from_slice(&known.noise_rad);
-        at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
+        at.noise_rad.copy_from_slice(&estimate.noise_rad);
+        at.motor_noise_nm.copy_from_slice(&estimate.motor_noise_nm);
+        at.tension_noise_nm
+            .copy_from_slice(&estimate.tension_noise_nm);
     }
     let mut last_step = f64::INFINITY;
     let mut parts = parts(problem, changes, schedule);
@@ -115,6 +119,9 @@ fn descend(
                 if let Some(noise) = noise(Side::Motor) {
                     at.motor_noise_nm[i] = noise.max(model.motor_floor(i));
                 }
+                if let Some(noise) = noise(Side::Tension) {
+                    at.tension_noise_nm[i] = noise.max(model.tension_floor(i));
+                }
             }
         }
     }
@@ -138,8 +145,8 @@ fn descend(
     })
 }
 
-/// All blocks, by halves where a schedule goes to the end: screening is short, and one candidate
-/// is screened beside others.
+/// Divides all blocks into halves if the schedule runs to the end; screening is short, and
+/// candidates are screened in parallel.
 fn parts(problem: &Problem<'_>, changes: &[ChangePoint], schedule: &[Step]) -> Vec<Part> {
     let count = problem.blocks.len();
     let all_near = schedule
@@ -163,7 +170,7 @@ fn parts(problem: &Problem<'_>, changes: &[ChangePoint], schedule: &[Step]) -> V
     ranges.into_iter().map(part).collect()
 }
 
-/// Adds up what the blocks of a part say for a step from `at`.
+/// Adds the equations of a part's blocks for a step from `at`.
 fn sum(problem: &Problem<'_>, at: &MapEstimate, step: &Step, part: &mut Part) {
     let [every, informing] =
         [step.gradient, step.information].map(|s| s.every(problem.blocks.len()));

@@ -12,25 +12,25 @@ use crate::offset::estimate::{MapEstimate, StiffnessChange};
 use crate::offset::mixture::{self, LOST_STIFFNESS};
 use alloc::vec::Vec;
 
-/// A stiffness' change above this is no failed strand but something that isn't modelled, such as a
-/// load where none was stated: it is left unexplained.
-pub(super) const MOST_SOFTER: f64 = 0.25;
-/// What opening it must take off the cost for the search to start from it. Without such a
-/// change it is below 3 in a minute of many poses, up to 6 in a quarter of a minute of six; with 8 %
-/// less stiffness at two joints above 12.
-const LEAST_GAIN: f64 = 8.0;
+/// Maximum relative stiffness change that is interpreted as a strand failure. A larger one is an
+/// unmodelled effect, such as an unspecified load, and remains unexplained.
+pub(super) const MAX_STIFFNESS_LOSS: f64 = 0.25;
+/// Minimum decrease of the cost by free stiffness for the search to start from it. Without a
+/// stiffness change it is below 3 in one minute of many poses, and up to 6 in 15 s of six poses;
+/// with 8 % less stiffness at two joints it is above 12.
+const MIN_GAIN: f64 = 8.0;
 
-/// The estimate with every stiffness opened since the recording began: between two recordings
-/// strands may have failed at several joints, and opening one at a time leaves the others to
-/// look like slips and loads. `None` where no stiffness was known, or no strand does what it
-/// finds.
-pub(super) fn opened(problem: &Problem<'_>) -> Result<Option<Solution>, MapError> {
+/// Returns the estimate with every stiffness free since the start of the recording: between two
+/// recordings strands may have failed at several joints, and freeing one stiffness at a time makes
+/// the others appear as slips and loads. `None` if no stiffness has an informative prior, or if the
+/// estimated change is impossible for a strand failure.
+pub(super) fn with_free_stiffness(problem: &Problem<'_>) -> Result<Option<Solution>, MapError> {
     if problem.blocks.is_empty() {
         return Ok(None);
     }
     let reduced = &problem.model.reduced;
-    let known = reduced.known_stiffness(&problem.start, LOST_STIFFNESS.deviation);
-    let changes: Vec<ChangePoint> = (known.into_iter())
+    let stiffnesses = reduced.stiffness_with_prior(&problem.start, LOST_STIFFNESS.std);
+    let changes: Vec<ChangePoint> = (stiffnesses.into_iter())
         .map(|i| ChangePoint {
             kind: ChangeKind::Compliance(i),
             at_s: problem.start_of(0),
@@ -41,39 +41,39 @@ pub(super) fn opened(problem: &Problem<'_>) -> Result<Option<Solution>, MapError
     }
     let trial = solve(problem, &changes)?;
     let mut sizes = trial.estimate.state.iter().skip(reduced.layout.dimension());
-    let possible = sizes.all(|size| size.abs() < MOST_SOFTER);
+    let possible = sizes.all(|size| size.abs() < MAX_STIFFNESS_LOSS);
     Ok(possible.then_some(trial))
 }
 
-/// Whether stiffness is so surely lost that the search starts from there.
-pub(super) fn is_sure(problem: &Problem<'_>, best: &Solution, softer: &Solution) -> bool {
-    let before = cost_at(problem, &best.estimate, &softer.estimate);
-    before - softer.cost() > LEAST_GAIN
+/// Whether the evidence for a stiffness loss is high enough for the search to start from it.
+pub(super) fn is_significant(problem: &Problem<'_>, best: &Solution, with_loss: &Solution) -> bool {
+    let before = cost_at(problem, &best.estimate, &with_loss.estimate);
+    before - with_loss.cost() > MIN_GAIN
 }
 
 /// The estimate averaged over the joints whose stiffness has changed since the recording before.
 pub(super) fn averaged(
     problem: &Problem<'_>,
     best: Solution,
-    softer: Solution,
+    with_loss: Solution,
 ) -> Result<MapEstimate, MapError> {
     let found = best.estimate.changes.clone();
-    let is_softer = |c: &ChangePoint| {
+    let is_stiffness_loss = |c: &ChangePoint| {
         matches!(c.kind, ChangeKind::Compliance(_)) && problem.is_before_recording(c)
     };
-    let is_opened = found.iter().any(is_softer);
-    let opened = if is_opened {
+    let is_free = found.iter().any(is_stiffness_loss);
+    let with_free_stiffness = if is_free {
         best
     } else if found.is_empty() {
-        softer
+        with_loss
     } else {
-        let known = &best.estimate;
-        let changes = [&found[..], &softer.estimate.changes].concat();
-        let mut state = known.state.clone();
+        let estimate = &best.estimate;
+        let changes = [&found[..], &with_loss.estimate.changes].concat();
+        let mut state = estimate.state.clone();
         state.resize(problem.total(&changes), 0.0);
-        solve_from(problem, &changes, &state, known, ROUGH_START)?
+        solve_from(problem, &changes, &state, estimate, ROUGH_START)?
     };
-    let mut out = problem.complete(opened)?;
+    let mut out = problem.complete(with_free_stiffness)?;
     let prior = &problem.model.prior;
     let (mut joints, mut columns) = (Vec::new(), Vec::new());
     let mut column = prior.dimension();
@@ -97,16 +97,16 @@ pub(super) fn averaged(
         // Mean and square over both: without a change both are zero.
         let likely = probability.max(f64::MIN_POSITIVE);
         let (mean, variance) = (out.state[column], out.covariance[column * (total + 1)]);
-        let softer = mean / likely;
+        let size = mean / likely;
         let square = (variance + mean * mean) / likely;
-        let deviation = libm::sqrt((square - softer * softer).max(0.0));
+        let std = libm::sqrt((square - size * size).max(0.0));
         out.stiffness_changes[joint] = Some(StiffnessChange {
             probability,
-            softening: Gaussian::new(softer, deviation),
+            compliance_increase: Gaussian::new(size, std),
         });
     }
-    if !is_opened {
-        out.fold(prior, is_softer);
+    if !is_free {
+        out.fold(prior, is_stiffness_loss);
     }
     Ok(out)
 }

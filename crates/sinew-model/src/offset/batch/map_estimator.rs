@@ -1,9 +1,8 @@
-//! Robust maximum-a-posteriori estimate of offsets and of what disguises itself as them.
+//! Robust maximum-a-posteriori estimate of offsets and of similar effects.
 //!
-//! All joints are estimated together: a wrong mass shows at several joints, a stretched rope at
-//! one. Every nuisance parameter has a prior from a data sheet's tolerance; a baseline recording,
-//! taken right after tensioning, turns the prior into a posterior that later recordings start
-//! from.
+//! All joints are estimated jointly: a wrong mass affects several joints, an elongated rope one. Every nuisance
+//! parameter has a prior from the tolerance of a data sheet. A baseline recording directly after tensioning turns the
+//! prior into a posterior from which later recordings start.
 //!
 //! ```text
 //! LP[x + η x³] = τ (1 + δκ + c_K ΔT) / K,   x = theta_measured − q − delta_e − encoder(q) − α_T ΔT
@@ -11,15 +10,14 @@
 //! u = (1 + k)(τ + J ddtheta + F_m z_m + F_vm dtheta + μ_m z_m |τ|) + b + noise
 //! ```
 //!
-//! Gauss–Newton on the whole posterior with a redescending weight on the joint normalised
-//! residual of each block (all joints of a block share one weight: a contact shows at several),
-//! annealed from a wide scale so that the start doesn't matter.
+//! Gauss–Newton on the whole posterior with a redescending weight on the joint normalised residual of each block (all
+//! joints of a block share one weight, because a contact affects several joints), annealed from a wide scale so that
+//! the result does not depend on the initial value.
 
 use super::gauss_newton;
 use super::problem::Problem;
 use super::search::ChangePointSearch;
 use crate::arm::Arm;
-use crate::offset::belief::{Belief, Payload};
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
 use crate::offset::config::FeatureConfig;
@@ -33,6 +31,7 @@ use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::{Executor, Sequential};
 use crate::offset::external_force::{ExternalForce, ForceModel};
 use crate::offset::prior::Prior;
+use crate::offset::state_estimate::{Payload, StateEstimate};
 use alloc::vec::Vec;
 
 /// Solves for offsets and nuisance parameters together.
@@ -51,14 +50,14 @@ impl MapEstimator {
         }
     }
 
-    /// Whether a recorded motor torque is used; it is unless this says otherwise.
+    /// Specifies whether a recorded motor torque is used; the default is true.
     #[must_use]
     pub fn with_motor_torque(mut self, used: bool) -> Self {
         self.model.motor_torque = used;
         self
     }
 
-    /// Who runs what can be done at once; sequential unless this says otherwise.
+    /// Sets the executor of parallel tasks; the default is sequential.
     #[must_use]
     pub fn with_executor(mut self, executor: &'static dyn Executor) -> Self {
         self.executor = executor;
@@ -70,13 +69,13 @@ impl MapEstimator {
         self.model.motor_torque
     }
 
-    /// The priors.
+    /// Prior of the estimator.
     pub fn prior(&self) -> &Prior {
         &self.model.prior
     }
 
-    /// A constant force from outside that may act on `arm` where a payload is expected: searches look for it, or take it
-    /// for true. None is sought unless this says so.
+    /// Adds a constant external force that may act on `arm` where a payload is expected: searches for it, or estimates
+    /// it if it is specified. The default is no force.
     #[must_use]
     pub fn with_external_force(mut self, arm: &Arm, force: Option<ExternalForce>) -> Self {
         let prior = &self.model.prior;
@@ -87,7 +86,7 @@ impl MapEstimator {
         self
     }
 
-    /// What its equations rest on.
+    /// Returns the model of the estimator.
     pub(super) fn model(&self) -> &EstimationModel {
         &self.model
     }
@@ -99,20 +98,25 @@ impl MapEstimator {
         (self.model.inflation - 1.0) / (self.model.inflation + 1.0)
     }
 
-    /// How much of a block's information counts, 0 to 1: by how far the arm travels in it.
+    /// Length of the blocks, s.
+    pub fn block_s(&self) -> f64 {
+        self.model.block_s
+    }
+
+    /// Returns the share of a block's information that is used, 0 to 1, by the distance that the arm travels in it.
     pub fn information_share(&self, block: &Block) -> f64 {
         self.model.share(block)
     }
 
-    /// The estimate from `blocks` with changes at known times.
+    /// Computes the estimate from `blocks` with changes at specified times.
     ///
-    /// `payload` is what was opened in `start`; it sets what a change of payload may be.
+    /// `payload` is the payload prior in `start`; it determines the prior of a payload change.
     ///
     /// # Errors
-    /// [`MapError`].
+    /// Returns a [`MapError`].
     pub fn solve(
         &self,
-        start: &Belief,
+        start: &StateEstimate,
         changes: &[ChangePoint],
         payload: Payload,
         blocks: &[Block],
@@ -121,19 +125,19 @@ impl MapEstimator {
         problem.complete(gauss_newton::solve(&problem, changes)?)
     }
 
-    /// The estimate from `blocks`, sudden changes found on the way.
+    /// Computes the estimate from `blocks`, with a search for sudden changes.
     ///
-    /// The score of every possible change at every time is computed from the estimate that knows of
-    /// none: its gradient against what the rest of the state can't take up, in fits whose weights
-    /// neither let a contact count by its size nor throw a true change away as a contact. The best
-    /// times of every kind are put into the estimate, and the one that takes most off the robust cost
-    /// stays, if that is enough; changes it made needless go; so on until nothing is left.
+    /// The score of every possible change at every time is computed from the estimate without changes: its gradient
+    /// projected on the complement of the rest of the state, in fits whose weights neither let a contact dominate by
+    /// its size nor reject a true change as a contact. The best times of every kind are added to the estimate, and the
+    /// one with the largest decrease of the robust cost is kept if the decrease is sufficient. Changes that become
+    /// unnecessary are removed; the search repeats until no change qualifies.
     ///
     /// # Errors
-    /// [`MapError`].
+    /// Returns a [`MapError`] if a linear system cannot be solved.
     pub fn search(
         &self,
-        start: &Belief,
+        start: &StateEstimate,
         blocks: &[Block],
         payload: Payload,
         scope: SearchScope,
@@ -146,7 +150,7 @@ impl MapEstimator {
         .run()
     }
 
-    /// What the link equations of blocks that follow each other leave, `n` a block, rad; 0 for a rigid joint.
+    /// Returns the residuals of the link equations of consecutive blocks, `n` per block, rad; 0 for a rigid joint.
     pub fn residuals(&self, at: &MapEstimate, blocks: &[Block]) -> Vec<f64> {
         let model = &self.model;
         let reduced = &model.reduced;
@@ -188,24 +192,26 @@ impl MapEstimator {
 mod tests {
     use super::*;
     use crate::Gaussian;
-    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
     use crate::offset::fixtures::{pushable, pushed};
+    use crate::offset::state_estimate::UNKNOWN_OFFSET_RAD;
 
-    /// What the force does is in no joint's residuals; without it that is all they are.
+    /// The force does not appear in any residual; without the force the residuals are the same.
     #[test]
-    fn residuals_know_of_the_force_of_their_estimate() {
-        const ACTS_N: [f64; 3] = [2.0, -1.5, 0.0];
+    fn residuals_exclude_estimated_force() {
+        const TRUE_FORCE_N: [f64; 3] = [2.0, -1.5, 0.0];
         const NOISE_RAD: f64 = 0.1e-3;
         let model = pushable(ExternalForce {
-            force_n: ACTS_N.map(|mean| Gaussian::new(mean, 0.1)),
-            is_stated: true,
+            force_n: TRUE_FORCE_N.map(|mean| Gaussian::new(mean, 0.1)),
+            is_specified: true,
         });
-        let blocks = pushed(&model, ACTS_N, 5);
+        let blocks = pushed(&model, TRUE_FORCE_N, 5);
         let mut estimator = MapEstimator {
             model,
             executor: &Sequential,
         };
-        let believed = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = estimator
+            .prior()
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let acts = ChangePoint {
             kind: ChangeKind::Force,
             at_s: 0.0,

@@ -1,9 +1,9 @@
-//! The estimate from a whole recording, with the sudden changes in it.
+//! Offline estimate from a recording, including its change points.
 //!
-//! Reading order: `map_estimator` (the way in), `problem` (a recording and the belief before
-//! it), `schedule`, `normal` and `gauss_newton` (one descent), `cost` and `solution` (what it ends
-//! with), `search` (change points), `candidates` and `score` (where to look for them),
-//! `changepoint_time`, `posterior`, `lost_stiffness`, `stuck_friction`, `prediction` (what the next block should be).
+//! Reading order: `map_estimator` (the entry point), `problem` (a recording and its prior), `schedule`, `normal` and
+//! `gauss_newton` (one minimisation), `cost` and `solution` (its result), `search` (change points), `candidates` and
+//! `score` (screening of change points), `changepoint_time`, `posterior`, `lost_stiffness`, `initial_friction`,
+//! `prediction` (prediction of the next block).
 
 mod candidates;
 mod changepoint_time;
@@ -11,6 +11,7 @@ mod cost;
 mod creep;
 mod force;
 mod gauss_newton;
+mod initial_friction;
 mod lost_stiffness;
 mod map_estimator;
 mod normal;
@@ -21,7 +22,6 @@ mod schedule;
 mod score;
 mod search;
 mod solution;
-mod stuck_friction;
 
 pub use map_estimator::MapEstimator;
 pub use prediction::{Innovation, MotorInnovation, Prediction};

@@ -1,7 +1,7 @@
-//! Normal equations, residuals and what correlates them.
+//! Normal equations, residuals and their correlations.
 
 use crate::cholesky::{self, Factor};
-use crate::offset::block::{Block, STAND_RAD};
+use crate::offset::block::{Block, REST_RAD};
 use crate::offset::change::ChangePoint;
 use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::gram::Gram;
@@ -18,9 +18,9 @@ pub(super) struct NormalEquations {
     pub(super) information: Vec<f64>,
     pub(super) factor: Factor,
     pub(super) gradient: Vec<f64>,
-    /// Of blocks that are not in `information` yet.
+    /// Sums of blocks that are not in `information` yet.
     gram: Gram,
-    /// A whole row, where equations know the parameters of several joints.
+    /// Complete row, if the equations contain the parameters of several joints.
     row: Option<Vec<f64>>,
 }
 
@@ -36,19 +36,19 @@ impl NormalEquations {
         }
     }
 
-    /// What the prior says, and nothing else: its information and negative gradient.
+    /// Sets the information and the negative gradient to those of the prior.
     pub(super) fn start(&mut self, prior: &[f64], gradient: &[f64]) {
         self.information.copy_from_slice(prior);
         self.gradient.copy_from_slice(gradient);
     }
 
-    /// Nothing yet.
+    /// Sets all sums to zero.
     pub(super) fn clear(&mut self) {
         self.information.fill(0.0);
         self.gradient.fill(0.0);
     }
 
-    /// Adds what `other` has been given.
+    /// Adds the equations of `other`.
     pub(super) fn merge(&mut self, other: &mut Self) {
         other.flush();
         let own = self.information.chunks_exact_mut(self.total);
@@ -65,7 +65,7 @@ impl NormalEquations {
         }
     }
 
-    /// Adds what the equations of a block say, each with the information it carries.
+    /// Adds the equations of a block, each with its information.
     pub(super) fn add_information(
         &mut self,
         equations: &Equations,
@@ -138,6 +138,7 @@ pub(super) struct Residuals {
     first: usize,
     link: Vec<f64>,
     motor: Vec<f64>,
+    tension: Vec<f64>,
 }
 
 impl Residuals {
@@ -147,19 +148,25 @@ impl Residuals {
             first: blocks.start,
             link: alloc::vec![f64::NAN; n * blocks.len()],
             motor: alloc::vec![f64::NAN; n * blocks.len()],
+            tension: Vec::new(),
         }
     }
 
-    /// Keeps those of block `b`, unless it doesn't count: noise is that of the blocks which do. Contacts for a
-    /// tenth of the time would make the median a sixth larger, and what stands long says nothing about noise.
+    /// Keeps the residuals of block `b` unless the block is rejected: noise is estimated from accepted blocks.
+    /// Contacts for a tenth of the time would increase the median by a sixth, and long rest phases provide no
+    /// information on noise.
     pub(super) fn keep(&mut self, b: usize, equations: &Equations, counts: bool) {
-        /// A drive or a joint that stood longer says nothing about the noise of one that moves.
+        /// Maximum share of rest of a drive or joint that still provides information on the noise.
         const STATIONARY: f64 = 0.2;
         for e in &equations.list {
             let k = (b - self.first) * self.n + e.joint;
             let to = match e.side {
                 Side::Link => &mut self.link[k],
                 Side::Motor => &mut self.motor[k],
+                Side::Tension => {
+                    self.tension.resize(self.motor.len(), f64::NAN);
+                    &mut self.tension[k]
+                }
             };
             let counts = counts && e.stationary_share < STATIONARY;
             *to = if counts { e.residual } else { f64::NAN };
@@ -171,12 +178,13 @@ impl Residuals {
         let all = match side {
             Side::Link => &self.link,
             Side::Motor => &self.motor,
+            Side::Tension => &self.tension,
         };
         let own = all.iter().skip(i).step_by(self.n);
         own.filter(|r| r.is_finite()).map(|r| r.abs())
     }
 
-    /// Noise by the median size, of all parts; `None` where no block shows any.
+    /// Noise by the median size, of all parts; `None` if no block has residuals.
     pub(super) fn noise<'a>(
         parts: impl Iterator<Item = &'a Self>,
         i: usize,
@@ -187,10 +195,10 @@ impl Residuals {
     }
 }
 
-/// For each block, how many blocks the arm stood at the same pose around it.
+/// Returns for each block the number of blocks around it in which the arm was at rest at the same pose.
 ///
-/// What is wrong at a pose (quantisation, stuck friction, an encoder's error) is the same for as
-/// long as the arm stands there: a stand counts as one block, however long.
+/// Errors at a pose (quantisation, stiction, encoder error) are constant for as long as the arm is at rest
+/// there: a rest phase counts as one block, independent of its duration.
 pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
     let mut runs = alloc::vec![1.0; blocks.len()];
     let mut from = 0;
@@ -200,7 +208,7 @@ pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
                 .q
                 .iter()
                 .zip(&now.q)
-                .any(|(a, b)| (a - b).abs() > STAND_RAD),
+                .any(|(a, b)| (a - b).abs() > REST_RAD),
             _ => true,
         };
         if moved {
@@ -224,14 +232,9 @@ mod tests {
     use alloc::vec;
 
     #[test]
-    fn it_is_the_sum_of_the_rows_squared() {
+    fn normal_equations_equal_sum_of_squared_rows() {
         const JOINTS: usize = 2;
-        let layout = Layout {
-            joints: JOINTS,
-            bodies: 11,
-            arms: 0,
-            is_coupled: false,
-        };
+        let layout = Layout::diagonal(JOINTS, 11);
         // A load picked up before, a slip of the first joint, creep of the second, and a force on both.
         let changes = [
             ChangePoint {
@@ -281,7 +284,7 @@ mod tests {
                     own: own(side, &mut seed),
                     torque_gain,
                     residual: random(&mut seed),
-                    added_deviation: 0.0,
+                    added_std: 0.0,
                     stationary_share: 0.0,
                 });
             }

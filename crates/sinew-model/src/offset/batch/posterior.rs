@@ -12,21 +12,21 @@ use crate::offset::error::MapError;
 use crate::offset::estimate::ChangePosterior;
 use alloc::vec::Vec;
 
-/// Prior odds that a joint slips or loses a strand within a recording: a starting guess.
+/// Prior odds that a joint slips or loses a strand within a recording; an assumed value.
 const SLIP_ODDS: f64 = 0.02;
-/// Prior odds that a payload is picked up or put down: a starting guess.
+/// Prior odds that a payload is picked up or put down; an assumed value.
 const PAYLOAD_ODDS: f64 = 0.3;
-/// Prior odds that something else in a recording looks like a change and lasts, of each joint: false
-/// alarms of the scenario bench.
+/// Prior odds, per joint and recording, of a persistent effect that resembles a change; from the false detections in
+/// simulated recordings.
 const LOOKALIKE_ODDS: f64 = 0.001;
-/// More than this is certain; its exponential is finite.
-const MOST: f64 = 100.0;
-/// Half of what lies outside the interval of the time.
+/// Maximum exponent of a gain: beyond it a change is certain and the exponential would overflow.
+const MAX_LOG_ODDS: f64 = 100.0;
+/// Probability on each side outside the interval of the time.
 const TAIL: f64 = 0.025;
-/// A change so many standard deviations from zero need not be held against none.
-pub(super) const SURE: f64 = 12.0;
+/// Number of standard deviations beyond which a change is not compared with no change.
+pub(super) const CERTAIN_SIGMA: f64 = 12.0;
 
-/// Posterior of every change within the recording; a loss of stiffness that came with a slip is part
+/// Posterior of every change within the recording; a stiffness loss that accompanies a slip is part
 /// of the slip.
 ///
 /// Of `M` times each is as likely before; with the cost `S_b` of a change at block `b`, its
@@ -37,8 +37,8 @@ pub(super) const SURE: f64 = 12.0;
 /// B = (1/M) Σ_b e^(S − S_b) · e^(S₀ − S) · √|C| / Π s,    S₀: without it,   S: with it
 /// ```
 ///
-/// and the time has the probabilities `e^(−S_b)`. What looks like it explains as much: with the
-/// odds `o` of a change and `l` of that, it happened with the probability `o B / (1 + (o + l) B)`.
+/// and the time has the probabilities `e^(−S_b)`. An effect that resembles a change has the same likelihood: with the
+/// prior odds `o` of a change and `l` of such an effect, the probability of the change is `o B / (1 + (o + l) B)`.
 pub(super) fn posteriors(
     problem: &Problem<'_>,
     best: &Solution,
@@ -62,16 +62,16 @@ fn posterior(
     k: usize,
     scope: SearchScope,
 ) -> Result<ChangePosterior, MapError> {
-    let known = &best.estimate;
-    let change = known.changes[k];
-    let costs = costs_by_time(problem, known, k);
+    let estimate = &best.estimate;
+    let change = estimate.changes[k];
+    let costs = costs_by_time(problem, estimate, k);
     let times: Vec<(f64, f64)> = (costs.iter().enumerate())
         .map(|(b, cost)| (problem.start_of(b), *cost))
         .filter(|(at_s, _)| problem.is_possible(change.kind, *at_s, scope))
         .collect();
     let here = problem.blocks.iter().position(|b| b.time_s >= change.at_s);
     let here = here.and_then(|b| costs.get(b)).copied().unwrap_or_default();
-    // Over the likeliest, which may be another where a time was not settled.
+    // Over the most probable time, which may differ if a time was not refined.
     let least = times.iter().fold(here, |least, (_, cost)| least.min(*cost));
     let odds: Vec<f64> = (times.iter())
         .map(|(_, cost)| libm::exp(least - cost))
@@ -87,11 +87,11 @@ fn posterior(
     let ln_explains = here - least
         + libm::log(all / times.len().max(1) as f64)
         + gain(problem, best, k)?
-        + ln_narrowed(problem, best, k)?;
-    let explains = libm::exp(ln_explains.min(MOST));
+        + ln_volume_ratio(problem, best, k)?;
+    let explains = libm::exp(ln_explains.min(MAX_LOG_ODDS));
     let or_else = (happens + LOOKALIKE_ODDS) * explains;
     let half_block_s = 0.5 * problem.model.block_s;
-    // The blocks lag, but nothing came before the first.
+    // The blocks are delayed by the low-pass, but no block precedes the first.
     let happened = |at_s: f64| (at_s - problem.model.delay_s).max(problem.start_of(0));
     let at = |share: f64| {
         let mut sum = 0.0;
@@ -114,30 +114,30 @@ fn posterior(
     })
 }
 
-/// What change `k`, with the stiffness it took along, takes off the cost; where it is many standard
-/// deviations from zero, what that makes at least.
+/// Returns the decrease of the cost by change `k` with its stiffness loss; for a change of many standard deviations a
+/// lower bound.
 fn gain(problem: &Problem<'_>, best: &Solution, k: usize) -> Result<f64, MapError> {
-    let known = &best.estimate;
-    if best.significance(problem.total(&known.changes[..k])) > SURE {
-        return Ok(0.5 * SURE * SURE);
+    let estimate = &best.estimate;
+    if best.significance(problem.total(&estimate.changes[..k])) > CERTAIN_SIGMA {
+        return Ok(0.5 * CERTAIN_SIGMA * CERTAIN_SIGMA);
     }
-    let other = solve(problem, &without(&known.changes, k))?;
-    Ok(cost_at(problem, &other.estimate, known) - best.cost())
+    let other = solve(problem, &without(&estimate.changes, k))?;
+    Ok(cost_at(problem, &other.estimate, estimate) - best.cost())
 }
 
-/// `½ ln |C| − Σ ln s` of its entries.
-fn ln_narrowed(problem: &Problem<'_>, best: &Solution, k: usize) -> Result<f64, MapError> {
+/// Returns `½ ln |C| − Σ ln s` of its entries.
+fn ln_volume_ratio(problem: &Problem<'_>, best: &Solution, k: usize) -> Result<f64, MapError> {
     let changes = &best.estimate.changes;
     let total = best.estimate.state.len();
     let (mut columns, mut ln_before) = (Vec::new(), 0.0);
     let mut column = problem.total(&[]);
     for (j, change) in changes.iter().enumerate() {
-        let deviations = problem.deviations(change);
+        let stds = problem.stds(change);
         if j == k || change.accompanies(&changes[k]) {
-            columns.extend(column..column + deviations.len());
-            ln_before += deviations.iter().map(|s| libm::log(*s)).sum::<f64>();
+            columns.extend(column..column + stds.len());
+            ln_before += stds.iter().map(|s| libm::log(*s)).sum::<f64>();
         }
-        column += deviations.len();
+        column += stds.len();
     }
     let through: Vec<Vec<f64>> = (columns.iter())
         .map(|&column| {
@@ -161,11 +161,11 @@ fn ln_narrowed(problem: &Problem<'_>, best: &Solution, k: usize) -> Result<f64, 
 mod tests {
     use super::*;
     use crate::offset::batch::changepoint_time::at_best_time;
-    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
     use crate::offset::block::Block;
     use crate::offset::equations::estimation_model::EstimationModel;
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{BLOCKS, SLIPS_AT, random, slipping, turntable};
+    use crate::offset::state_estimate::{Payload, UNKNOWN_OFFSET_RAD};
 
     const SCOPE: SearchScope = SearchScope {
         offsets: true,
@@ -175,13 +175,15 @@ mod tests {
         onset: None,
     };
 
-    /// What `of` says of a recording.
+    /// Evaluates `of` on a recording.
     fn of_recording<T>(
         model: &EstimationModel,
         blocks: &[Block],
         of: impl FnOnce(Problem<'_>) -> T,
     ) -> T {
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         of(Problem::new(model, &Sequential, &believed, Payload::Empty, blocks).unwrap())
     }
 
@@ -205,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_is_surer_the_larger_and_nothing_is_not_one() {
+    fn slip_probability_increases_with_size() {
         let model = turntable();
         let mut last = 0.0;
         for (slip_rad, least, most) in [(0.0, 0.0, 0.02), (0.5e-3, 0.02, 0.94), (5e-3, 0.95, 0.96)]
@@ -223,9 +225,9 @@ mod tests {
         }
     }
 
-    /// What isn't noise is a slip or what looks like one, as 20 to 1 however large it is; where nothing happened it is noise.
+    /// A significant change is a slip or an effect similar to a slip, at most 20 to 1; without a change it is noise.
     #[test]
-    fn what_is_no_noise_is_a_slip_or_looks_like_one() {
+    fn significant_change_is_slip_or_similar() {
         let model = turntable();
         for (slip_rad, least, most) in [(0.0, 0.0, 0.02), (0.5e-3, 0.02, 0.98), (5e-3, 0.999, 1.0)]
         {
@@ -243,12 +245,14 @@ mod tests {
         }
     }
 
-    /// The width of `C` against the determinants of all information with and without the change.
+    /// The width of `C` is compared with the determinants of the information with and without the change.
     #[test]
-    fn what_a_change_narrows_is_what_the_determinants_differ_by() {
+    fn volume_ratio_equals_determinant_ratio() {
         let model = turntable();
         let blocks = slipping(&model, 5e-3, 4);
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let problem =
             Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
         let softer = ChangePoint {
@@ -276,17 +280,17 @@ mod tests {
         }
         let ln_prior: f64 = [slip, softer]
             .iter()
-            .flat_map(|c| problem.deviations(c))
+            .flat_map(|c| problem.stds(c))
             .map(libm::log)
             .sum();
         let expected = ln_root(&without, kept) - ln_root(&with.information, total) - ln_prior;
-        let narrowed = ln_narrowed(&problem, &with, 0).unwrap();
+        let narrowed = ln_volume_ratio(&problem, &with, 0).unwrap();
         assert!((narrowed - expected).abs() < 1e-9, "{narrowed} {expected}");
         assert!(narrowed < -3.0, "{narrowed}");
     }
 
     #[test]
-    fn the_time_lies_in_its_interval_and_small_slips_have_wide_ones() {
+    fn change_time_interval_covers_truth() {
         let model = turntable();
         let mut mean_width = [0.0, 0.0];
         for (slip_rad, width) in [0.6e-3, 3e-3].into_iter().zip(&mut mean_width) {

@@ -15,6 +15,7 @@ use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::linearise::{Linearisation, linearise};
 use crate::offset::equations::loaded::Content;
 use crate::offset::estimate::MapEstimate;
+use crate::routings::Routings;
 use alloc::vec::Vec;
 
 /// A posterior in the parameters that blocks can identify, from which blocks are predicted.
@@ -31,9 +32,9 @@ pub struct Prediction {
 pub struct Innovation {
     /// `e = y − h(x̂)`, rad.
     pub residual_rad: f64,
-    /// `H P Hᵀ`, what the posterior leaves unknown of it, rad²; the noise is not in it.
+    /// Variance `H P Hᵀ` due to the posterior, without the noise, rad².
     pub parameter_variance_rad2: f64,
-    /// Deviation of what friction may hold in a long stand, rad: it stays for as long as the arm does.
+    /// Standard deviation of the stiction in a long rest phase, rad: it is constant until the arm moves.
     pub held_rad: f64,
     /// `∂h/∂δ_e`: 1 but where the spring stiffens.
     pub offset_gain: f64,
@@ -43,15 +44,16 @@ pub struct Innovation {
 
 /// Innovation of a joint's motor equation in one block, N·m.
 ///
-/// A torque that acts on the link and that the model does not know moves the innovations of both equations: the link's by
-/// `rad_per_nm` times as much as the motor's. A step of the offset moves the link's alone.
+/// An unmodelled torque on the link changes the innovations of both equations, that of the link equation by
+/// `rad_per_nm` times that of the motor equation. A step of the offset changes only the innovation of the link
+/// equation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorInnovation {
     /// Recorded less predicted torque, N·m.
     pub residual_nm: f64,
-    /// What the posterior and friction in a stand leave unknown of it, (N·m)²; the noise is not in it.
+    /// Variance of the prediction by the posterior and stiction, (N·m)²; the noise is not included.
     pub variance_nm2: f64,
-    /// What a torque of 1 N·m at the motor is in the link equation, rad/(N·m).
+    /// Effect of a torque of 1 N·m at the motor in the link equation, rad/(N·m).
     pub rad_per_nm: f64,
 }
 
@@ -80,6 +82,7 @@ impl MapEstimator {
         let mut out = alloc::vec![None; n * blocks.len()];
         let mut row = alloc::vec![0.0; from.state.len()];
         let mut link_gain = 0.0;
+        let pulling = model.reduced.routes.as_ref();
         for (b, block) in blocks.iter().enumerate() {
             let how = Linearisation {
                 reference_c: from.temperature_c,
@@ -98,28 +101,35 @@ impl MapEstimator {
                 &mut equations,
             );
             for e in &equations.list {
-                let own = &mut out[b * n + e.joint];
                 let unknown = variance(&equations, e, &from.covariance, &mut row);
+                if let Some(routes) = pulling.filter(|routes| routes.pulled(e.joint).is_some()) {
+                    if e.side == Side::Link {
+                        let of_block = &mut out[b * n..(b + 1) * n];
+                        of_tendons(routes, &equations, e, unknown, of_block);
+                    }
+                    continue;
+                }
+                let own = &mut out[b * n + e.joint];
                 match (e.side, own) {
                     (Side::Link, own) => {
                         *own = Some(Innovation {
                             residual_rad: e.residual,
                             parameter_variance_rad2: unknown,
-                            held_rad: e.added_deviation,
+                            held_rad: e.added_std,
                             offset_gain: equations.entry(e, ChangeKind::Offset(e.joint), 0),
                             motor: None,
                         });
                         link_gain = e.torque_gain;
                     }
                     // It follows on the link equation of its joint.
-                    (Side::Motor, Some(own)) => {
+                    (Side::Motor, Some(own)) if e.torque_gain != 0.0 => {
                         own.motor = Some(MotorInnovation {
                             residual_nm: e.residual,
-                            variance_nm2: unknown + e.added_deviation * e.added_deviation,
+                            variance_nm2: unknown + e.added_std * e.added_std,
                             rad_per_nm: link_gain / e.torque_gain,
                         });
                     }
-                    (Side::Motor, None) => {}
+                    (Side::Motor | Side::Tension, _) => {}
                 }
             }
         }
@@ -127,7 +137,32 @@ impl MapEstimator {
     }
 }
 
-/// `H P Hᵀ` of an equation; `row` is room for `H`.
+/// Innovation of a joint that several tendons pull, for each tendon whose offset it shows most, in rad of that.
+fn of_tendons(
+    routes: &Routings,
+    equations: &Equations,
+    e: &Equation,
+    unknown_rad2: f64,
+    out: &mut [Option<Innovation>],
+) {
+    for (i, own) in out.iter_mut().enumerate() {
+        let (joint, share) = routes.shown_at(i);
+        if routes.pull(i).is_none() || joint != e.joint || share == 0.0 {
+            continue;
+        }
+        *own = Some(Innovation {
+            residual_rad: e.residual / share,
+            parameter_variance_rad2: unknown_rad2 / (share * share),
+            held_rad: e.added_std / share.abs(),
+            // A slack strand contains no step.
+            offset_gain: equations.entry(e, ChangeKind::Offset(i), 0) / share,
+            motor: None,
+        })
+        .filter(|own| own.offset_gain != 0.0);
+    }
+}
+
+/// Returns `H P Hᵀ` of an equation; `row` is a buffer for `H`.
 fn variance(equations: &Equations, e: &Equation, covariance: &[f64], row: &mut [f64]) -> f64 {
     row.fill(0.0);
     equations.add_to(e, 1.0, row);
@@ -144,19 +179,19 @@ fn variance(equations: &Equations, e: &Equation, covariance: &[f64], row: &mut [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
     use crate::offset::config::FeatureConfig;
     use crate::offset::fixtures::{random, slipping, turntable};
     use crate::offset::prior::Prior;
+    use crate::offset::state_estimate::{Payload, UNKNOWN_OFFSET_RAD};
 
-    /// A state is drawn from the posterior many times: residuals around the mean spread as the prediction says.
+    /// The state is drawn from the posterior many times: residuals around the mean spread as predicted.
     #[test]
-    fn innovations_spread_by_what_the_posterior_leaves_unknown() {
+    fn innovations_spread_by_posterior_variance() {
         const DRAWS: usize = 4000;
         let prior: Prior = turntable().prior;
         let estimator = MapEstimator::new(prior.clone(), &FeatureConfig::default());
         let blocks = slipping(&turntable(), 0.0, 4);
-        let believed = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = prior.state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let map = estimator
             .solve(&believed, &[], Payload::Empty, &blocks)
             .unwrap();
@@ -194,9 +229,9 @@ mod tests {
         assert!((ratio - 1.0).abs() < tolerance, "{ratio}");
     }
 
-    /// A torque on the link that the model does not know is in both innovations, by the factor that is given.
+    /// An unmodelled torque on the link appears in both innovations, scaled by the returned factor.
     #[test]
-    fn a_torque_on_the_link_moves_both_innovations() {
+    fn link_torque_changes_both_innovations() {
         const TORQUE_NM: f64 = 0.3;
         let mut prior: Prior = turntable().prior;
         for joint in prior.joints.iter_mut().flatten() {
@@ -206,7 +241,7 @@ mod tests {
         let estimator = MapEstimator::new(prior.clone(), &FeatureConfig::default());
         let mut blocks = slipping(&turntable(), 0.0, 4);
         blocks.iter_mut().for_each(|b| b.motor_torque[0] = 0.0);
-        let believed = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = prior.state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let map = estimator
             .solve(&believed, &[], Payload::Empty, &blocks)
             .unwrap();
@@ -223,9 +258,9 @@ mod tests {
         let (motor, motor_before) = (after.motor.unwrap(), before.motor.unwrap());
         let moved_nm = motor.residual_nm - motor_before.residual_nm;
         assert!((moved_nm - TORQUE_NM).abs() < 1e-12, "{moved_nm}");
-        // But for what is known of stiffness, scale and stiffening.
-        let moved_rad = after.residual_rad - before.residual_rad;
-        let ratio = moved_rad / (motor.rad_per_nm * moved_nm);
+        // Except for the posterior corrections of stiffness, scale and stiffening.
+        let drift_rad = after.residual_rad - before.residual_rad;
+        let ratio = drift_rad / (motor.rad_per_nm * moved_nm);
         assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
         assert!(motor.variance_nm2 > 0.0);
     }

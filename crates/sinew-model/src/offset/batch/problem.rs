@@ -1,9 +1,8 @@
-//! A recording, and the belief before it.
+//! Recording with its prior.
 
 use super::normal::{NormalEquations, pose_runs};
 use super::solution::{Solution, covariance};
 use crate::cholesky;
-use crate::offset::belief::{Belief, Payload, UNKNOWN_OFFSET_RAD};
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
 use crate::offset::effects::Measured;
@@ -17,33 +16,35 @@ use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::Executor;
 use crate::offset::layout::Layout;
 use crate::offset::mixture::{CREEP, LOST_STIFFNESS};
+use crate::offset::state_estimate::{Payload, StateEstimate, UNKNOWN_OFFSET_RAD};
 use alloc::vec::Vec;
 
-/// Stiffness is opened by this at a suspected event, relative: what a failed strand takes along.
+/// Relative standard deviation of the stiffness change at a suspected event, as of a strand failure.
 const STRAND: f64 = 0.05;
-/// Least data before and after a change, s: a contact doesn't last as long.
+/// Minimum data before and after a change, s: contacts are shorter.
 const EDGE_S: f64 = 5.0;
-/// Least data after a step that is known from elsewhere, s: six time constants of the low-pass, in which it appears.
+/// Minimum data after a step with an independent indication, s: six time constants of the low-pass, in which it
+/// appears.
 const ONSET_EDGE_S: f64 = 2.0;
 
-/// A recording, and the belief before it.
+/// Recording with its prior.
 pub(super) struct Problem<'a> {
     pub(super) model: &'a EstimationModel,
     pub(super) executor: &'a dyn Executor,
     /// Prior of all bodies' parameters.
-    before: &'a Belief,
+    before: &'a StateEstimate,
     /// Prior of the reduced model's.
-    pub(super) start: Belief,
+    pub(super) start: StateEstimate,
     /// Inverse of the covariance of `start`.
     information: Vec<f64>,
-    /// What was opened in `before`; it sets what a change of payload may be.
+    /// Payload prior that was freed in `before`; it determines the prior of a payload change.
     pub(super) payload: Payload,
     pub(super) blocks: &'a [Block],
-    /// What they say of every joint, `n` a block.
+    /// Measurements of every joint, `n` per block.
     measured: Vec<Option<Measured>>,
-    /// What a force from outside would do to every joint, `n` a block; empty where none is looked for.
+    /// Torques of an external force on every joint, `n` per block; empty if none is searched for.
     forces: Vec<ForceTorque>,
-    /// Variance of a block's mean over that of independent noise, per block.
+    /// Ratio of the variance of a block mean to that of independent noise, per block.
     pub(super) inflation: Vec<f64>,
 }
 
@@ -51,7 +52,7 @@ impl<'a> Problem<'a> {
     pub(super) fn new(
         model: &'a EstimationModel,
         executor: &'a dyn Executor,
-        before: &'a Belief,
+        before: &'a StateEstimate,
         payload: Payload,
         blocks: &'a [Block],
     ) -> Result<Self, MapError> {
@@ -60,7 +61,7 @@ impl<'a> Problem<'a> {
             return Err(MapError::NoData);
         }
         let reduced = &model.reduced;
-        let start = reduced.believed(before);
+        let start = reduced.reduced_estimate(before);
         let joints = reduced.layout.joints;
         Ok(Self {
             model,
@@ -96,12 +97,12 @@ impl<'a> Problem<'a> {
         Ok(estimate)
     }
 
-    /// Of the reduced model's state.
+    /// Layout of the reduced model's state.
     pub(super) fn layout(&self) -> Layout {
         self.model.reduced.layout
     }
 
-    /// Length of the state with so many changes.
+    /// Length of the state with these changes.
     pub(super) fn total(&self, changes: &[ChangePoint]) -> usize {
         let more: usize = changes.iter().map(|c| c.kind.columns()).sum();
         self.start.mean.len() + more
@@ -151,7 +152,7 @@ impl<'a> Problem<'a> {
         1.0 / (variance(e, at) * self.inflation[b])
     }
 
-    /// Inverse of the covariance before the recording, and of what each change may be.
+    /// Inverse of the prior covariance, extended by the prior of each change.
     pub(super) fn prior_information(&self, changes: &[ChangePoint], total: usize) -> Vec<f64> {
         let d = self.start.mean.len();
         let mut information = alloc::vec![0.0; total * total];
@@ -163,8 +164,8 @@ impl<'a> Problem<'a> {
         }
         let mut k = d;
         for change in changes {
-            for deviation in self.deviations(change) {
-                information[k * total + k] = 1.0 / (deviation * deviation);
+            for std in self.stds(change) {
+                information[k * total + k] = 1.0 / (std * std);
                 k += 1;
             }
         }
@@ -182,12 +183,12 @@ impl<'a> Problem<'a> {
             .collect();
         let rows = self.information.chunks_exact(d);
         let mut gradient: Vec<f64> = rows.map(|row| cholesky::dot(row, &from)).collect();
-        let deviations = at.changes.iter().flat_map(|c| self.deviations(c));
-        gradient.extend(changes.iter().zip(deviations).map(|(x, s)| -x / (s * s)));
+        let stds = at.changes.iter().flat_map(|c| self.stds(c));
+        gradient.extend(changes.iter().zip(stds).map(|(x, s)| -x / (s * s)));
         gradient
     }
 
-    /// Normal equations around `at`, with nothing but the prior in them yet.
+    /// Normal equations around `at` that contain only the prior.
     pub(super) fn prior_equations(&self, at: &MapEstimate) -> NormalEquations {
         let total = at.state.len();
         let mut normal = NormalEquations::new(total, self.layout(), &at.changes);
@@ -196,35 +197,33 @@ impl<'a> Problem<'a> {
         normal
     }
 
-    /// What a change may be before the recording: standard deviations of its entries.
-    pub(super) fn deviations(&self, change: &ChangePoint) -> Vec<f64> {
+    /// Returns the prior standard deviations of the entries of a change.
+    pub(super) fn stds(&self, change: &ChangePoint) -> Vec<f64> {
         match change.kind {
             ChangeKind::Compliance(_) if self.is_before_recording(change) => {
-                alloc::vec![LOST_STIFFNESS.deviation]
+                alloc::vec![LOST_STIFFNESS.std]
             }
-            kind => self.deviations_within(kind),
+            kind => self.stds_within(kind),
         }
     }
 
-    /// The same of a change within the recording.
-    pub(super) fn deviations_within(&self, kind: ChangeKind) -> Vec<f64> {
+    /// Returns the prior standard deviations of a change within the recording.
+    pub(super) fn stds_within(&self, kind: ChangeKind) -> Vec<f64> {
         match kind {
             ChangeKind::Offset(_) => alloc::vec![UNKNOWN_OFFSET_RAD],
             ChangeKind::Compliance(_) => alloc::vec![STRAND],
-            ChangeKind::Creep(_) => alloc::vec![CREEP.deviation],
+            ChangeKind::Creep(_) => alloc::vec![CREEP.std],
             ChangeKind::Force => {
                 let force = self.model.force.as_ref();
-                force.map_or_else(Vec::new, |force| force.deviations().to_vec())
+                force.map_or_else(Vec::new, |force| force.stds().to_vec())
             }
             ChangeKind::Payload => {
                 let prior = &self.model.prior;
-                let open = prior.payload_belief(Payload::Unknown);
-                let stated = prior.payload_belief(self.payload);
+                let open = prior.payload_prior(Payload::Unknown);
+                let stated = prior.payload_prior(self.payload);
                 open.iter()
                     .zip(&stated)
-                    .map(|(open, known)| {
-                        libm::hypot(libm::hypot(open.mean, open.deviation), known.mean)
-                    })
+                    .map(|(open, known)| libm::hypot(libm::hypot(open.mean, open.std), known.mean))
                     .collect()
             }
         }
@@ -236,9 +235,9 @@ impl<'a> Problem<'a> {
         first.is_some_and(|first| change.at_s <= first.time_s)
     }
 
-    /// Whether a change at a time can be identified. A strand may have failed before the recording began,
-    /// and what goes on from a belief may have changed with its first block; an offset or a payload
-    /// that is open anyway may not.
+    /// Whether a change at a time can be identified. A strand may have failed before the recording began, and a
+    /// recording that continues a posterior may have a change at its first block; an offset or a payload that is
+    /// free anyway may not.
     pub(super) fn is_possible(&self, kind: ChangeKind, at_s: f64, scope: SearchScope) -> bool {
         let early = scope.continues || matches!(kind, ChangeKind::Compliance(_));
         let from_s = if early { 0.0 } else { EDGE_S };
@@ -249,14 +248,15 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// What the model gets wrong of a motion returns whenever the arm goes through it again, and says nothing
-/// new. A few times are as good as independent: contacts and noise differ.
+/// Returns the factor by which repeated motion reduces the information of a block. Model errors repeat when the arm
+/// repeats a motion, and provide no new information. A few repetitions are nearly independent: contacts and noise
+/// differ.
 fn same_again(block: &Block) -> f64 {
-    const FEW: f64 = 3.0;
-    (block.visits / FEW).max(1.0)
+    const INDEPENDENT_VISITS: f64 = 3.0;
+    (block.visits / INDEPENDENT_VISITS).max(1.0)
 }
 
-/// Mean square of a block's residuals over what they may be.
+/// Mean squared residual of a block, normalised by its expected variance.
 pub(super) fn chi(equations: &Equations, at: &MapEstimate) -> f64 {
     let squares = equations
         .list
@@ -268,7 +268,7 @@ pub(super) fn chi(equations: &Equations, at: &MapEstimate) -> f64 {
 /// Variance of an equation's residual.
 fn variance(e: &Equation, at: &MapEstimate) -> f64 {
     let noise = noise_of(e.joint, e.side, at);
-    noise * noise + e.added_deviation * e.added_deviation
+    noise * noise + e.added_std * e.added_std
 }
 
 /// Robust noise of a joint's equations.
@@ -276,6 +276,7 @@ pub(super) fn noise_of(joint: usize, side: Side, at: &MapEstimate) -> f64 {
     match side {
         Side::Link => at.noise_rad[joint],
         Side::Motor => at.motor_noise_nm[joint],
+        Side::Tension => at.tension_noise_nm[joint],
     }
 }
 
@@ -286,13 +287,15 @@ mod tests {
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{SLIPS_AT, random, slipping, turntable};
 
-    /// Three blocks where the fast arm has one, a third as fast.
+    /// Three blocks for each block of the fast arm, at a third of the speed.
     #[test]
-    fn an_arm_that_is_slower_says_no_more_on_the_same_way() {
+    fn slower_motion_on_same_path_adds_no_information() {
         const FAST_RAD_PER_S: f64 = 0.3;
         let model = turntable();
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
-        let deviation = |times: usize| {
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let std = |times: usize| {
             let passed = slipping(&model, 0.0, 4).into_iter();
             let blocks: Vec<Block> = passed
                 .flat_map(|mut block| {
@@ -303,18 +306,20 @@ mod tests {
             let problem =
                 Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
             let map = problem.complete(solve(&problem, &[]).unwrap()).unwrap();
-            map.offset(&model.prior, 0).deviation
+            map.offset(&model.prior, 0).std
         };
-        let [fast, slow] = [1, 3].map(deviation);
+        let [fast, slow] = [1, 3].map(std);
         assert!((slow / fast - 1.0).abs() < 0.05, "{slow} {fast}");
     }
 
-    /// From anywhere, changes included: before anything is measured the first step leads there.
+    /// From any state, changes included: without measurements the first step leads back to the prior.
     #[test]
-    fn without_data_one_step_leads_back_to_what_was_believed() {
+    fn without_data_one_step_returns_to_prior() {
         let model = turntable();
         let blocks = slipping(&model, 1e-3, 4);
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let problem =
             Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
         let at_s = problem.start_of(SLIPS_AT);

@@ -20,7 +20,7 @@ impl Step {
     }
 }
 
-/// Blocks that a step goes through.
+/// Blocks that a step uses.
 #[derive(Clone, Copy)]
 pub(super) enum Sampling {
     All,
@@ -28,22 +28,22 @@ pub(super) enum Sampling {
     Thinned,
 }
 
-/// Neighbours say much the same: their noise is correlated over half a second.
+/// Stride over correlated neighbours: the noise is correlated over half a second.
 pub(super) const THIN: usize = 3;
 
 impl Sampling {
-    /// Stride through so many blocks.
+    /// Returns the stride through `blocks` blocks.
     pub(super) fn every(self, blocks: usize) -> usize {
-        /// Fewer blocks than this are all taken.
-        const MANY: usize = 90;
+        /// Number of blocks below which all are used.
+        const MAX_DENSE_BLOCKS: usize = 90;
         match self {
-            Self::Thinned if blocks >= MANY => THIN,
+            Self::Thinned if blocks >= MAX_DENSE_BLOCKS => THIN,
             _ => 1,
         }
     }
 }
 
-/// A step that only has to come near.
+/// Creates a step of coarse accuracy.
 const fn near(scale: f64) -> Step {
     Step {
         scale,
@@ -88,7 +88,7 @@ pub(super) const ROUGH_START: &[Step] =
     &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
 /// Enough to see whether a candidate deserves [`COARSE`], by one block in three.
 pub(super) const SCREENING: &[Step] = &[near(3.0)];
-/// Enough to see what a candidate takes off the cost of these blocks.
+/// Schedule that suffices to estimate the decrease of the cost of these blocks by a candidate.
 pub(super) const COARSE: &[Step] = &[near(12.0), near(6.0), near(3.0)];
 /// From there to the end.
 pub(super) const REFINE: &[Step] = &[towards(3.5), towards(3.0), onto(3.0)];

@@ -1,4 +1,4 @@
-//! Score of a change: how much it would explain at every time, without fitting it.
+//! Score of a change: the expected decrease of the cost at every time, without fitting the change.
 
 use super::problem::{Problem, chi};
 use crate::cholesky::{self, Factor};
@@ -10,12 +10,12 @@ use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 
-/// How blocks that don't fit count while changes are looked for.
+/// Weighting of outlying blocks during the search for changes.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Weighing {
     /// Up to any size, but by their square root: a load is as large as a contact, and only lasts.
     Huber,
-    /// Less than a slip's size, not at all beyond: contacts don't count.
+    /// Redescending weight, which reaches zero at the size of a slip, so that contacts are ignored.
     Redescending,
 }
 
@@ -43,19 +43,19 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// The fit around a known estimate.
+    /// Computes the fit around an estimate.
     pub(super) fn of(
         problem: &Problem<'_>,
-        known: &MapEstimate,
+        estimate: &MapEstimate,
         weighing: Weighing,
     ) -> Result<Self, MapError> {
-        let mut equations = Equations::new(problem.layout(), &known.changes);
-        let mut normal = problem.prior_equations(known);
+        let mut equations = Equations::new(problem.layout(), &estimate.changes);
+        let mut normal = problem.prior_equations(estimate);
         let mut weights = Vec::with_capacity(problem.blocks.len());
         for b in 0..problem.blocks.len() {
-            problem.equations(known, b, Content::Rows, &mut equations);
-            let whole = weighing.weight(chi(&equations, known));
-            let information = |e: &_| whole * problem.information_of(e, known, b);
+            problem.equations(estimate, b, Content::Rows, &mut equations);
+            let whole = weighing.weight(chi(&equations, estimate));
+            let information = |e: &_| whole * problem.information_of(e, estimate, b);
             normal.add_gradient(&equations, information);
             normal.add_information(&equations, information);
             weights.push(equations.list.iter().map(information).collect());
@@ -70,11 +70,11 @@ impl Fit {
     }
 }
 
-/// What the blocks after a time say of one kind of change.
+/// Score sums of the blocks after a time for one kind of change.
 pub(super) struct ScoreSum {
     columns: usize,
     total: usize,
-    /// Gradient, `columns`.
+    /// Gradient of the cost, `columns`.
     gradient: Vec<f64>,
     /// Own information, `columns × columns`.
     own: Vec<f64>,
@@ -82,8 +82,7 @@ pub(super) struct ScoreSum {
     shared: Vec<f64>,
     /// `L⁻¹` times that, of the fit's factor `L`; scratch.
     through: Vec<f64>,
-    /// Cholesky factor of what was left of the information when that was last computed, and how many
-    /// times ago that was.
+    /// Latest Cholesky factor of the remaining information, and the number of tested times since its computation.
     left: Option<(Vec<f64>, usize)>,
 }
 
@@ -102,7 +101,7 @@ impl ScoreSum {
 
     pub(super) fn add(&mut self, equations: &Equations, kind: ChangeKind, weights: &[f64]) {
         for (e, weight) in equations.list.iter().zip(weights) {
-            if !e.moves_with(kind) {
+            if !equations.moves_with(e, kind) {
                 continue;
             }
             for (c, shared) in self.shared.chunks_exact_mut(self.total).enumerate() {
@@ -116,7 +115,8 @@ impl ScoreSum {
         }
     }
 
-    /// `−L⁻¹ shared size`: what the state takes up of a change of this size, but for `L⁻ᵀ`.
+    /// Computes `−L⁻¹ shared size`: the part of a change of this size that the state explains, without the factor
+    /// `L⁻ᵀ`.
     pub(super) fn taken_up(&self, size: &[f64]) -> Vec<f64> {
         let mut out = alloc::vec![0.0; self.total];
         for (size, through) in size.iter().zip(self.through.chunks_exact(self.total)) {
@@ -127,20 +127,14 @@ impl ScoreSum {
         out
     }
 
-    /// Half the chi-square a change here would take off, and its size: `½ gᵀ A⁻¹ g` with gradient
-    /// and information less what the state would take up, `A = own − (L⁻¹ shared)ᵀ (L⁻¹ shared)`.
-    /// `None` where that is far from `least`: `A` is most of the work, and nearly what it was at the
-    /// time before.
-    pub(super) fn gain(
-        &mut self,
-        fit: &Fit,
-        deviations: &[f64],
-        least: f64,
-    ) -> Option<(f64, Vec<f64>)> {
-        /// It is computed for one in so many times at least …
-        const AGE: usize = 4;
-        /// … and where the last one says that a change is worth this share of what it must be.
-        const NEAR: f64 = 0.5;
+    /// Returns half the chi-square decrease by a change here, and its size: `½ gᵀ A⁻¹ g` with gradient and information
+    /// less the part explained by the state, `A = own − (L⁻¹ shared)ᵀ (L⁻¹ shared)`. `None` if the result is far from
+    /// `least`: `A` is most of the computation, and nearly equal to that of the previous time.
+    pub(super) fn gain(&mut self, fit: &Fit, stds: &[f64], least: f64) -> Option<(f64, Vec<f64>)> {
+        /// Maximum number of times between two computations …
+        const MAX_AGE: usize = 4;
+        /// … and share of the minimum gain above which it is always computed.
+        const NEAR_SHARE: f64 = 0.5;
         let (m, total) = (self.columns, self.total);
         let mut g = self.gradient.clone();
         for (g, shared) in g.iter_mut().zip(self.shared.chunks_exact(total)) {
@@ -153,7 +147,7 @@ impl ScoreSum {
         };
         if let Some((l, age)) = &mut self.left {
             *age += 1;
-            if *age < AGE && solved(l).0 < NEAR * least {
+            if *age < MAX_AGE && solved(l).0 < NEAR_SHARE * least {
                 return None;
             }
         }
@@ -167,7 +161,7 @@ impl ScoreSum {
                 a[c * m + k] -= cholesky::dot(other, through);
             }
             a[c * m + c] -= cholesky::dot(through, through);
-            a[c * m + c] += 1.0 / (deviations[c] * deviations[c]);
+            a[c * m + c] += 1.0 / (stds[c] * stds[c]);
         }
         let mut l = alloc::vec![0.0; m * m];
         if cholesky::factorise(&a, &mut l, m).is_err() {
@@ -191,26 +185,21 @@ mod tests {
     use crate::offset::fixtures::{own, random};
     use crate::offset::layout::Layout;
 
-    /// Of a load, whose four entries go together: what the score says without fitting it against fits with and without it.
+    /// For a load with four coupled entries, compares the score with the difference of fits with and without it.
     #[test]
-    fn a_load_would_explain_what_fits_with_and_without_it_differ_by() {
+    fn load_score_equals_difference_of_fits() {
         const BLOCKS: usize = 60;
         const PICKED_UP: usize = 25;
         const DEVIATIONS: [f64; 4] = [2.0, 0.7, 0.5, 1.1];
-        let layout = Layout {
-            joints: 2,
-            bodies: 5,
-            arms: 0,
-            is_coupled: false,
-        };
+        let layout = Layout::diagonal(2, 5);
         let kind = ChangeKind::Payload;
         let change = [ChangePoint { kind, at_s: 1.0 }];
         let d = layout.dimension();
         let total = d + DEVIATIONS.len();
         let mut prior = alloc::vec![0.0; total * total];
         for k in 0..total {
-            let deviation = k.checked_sub(d).map_or(1.0, |k| DEVIATIONS[k]);
-            prior[k * (total + 1)] = 1.0 / (deviation * deviation);
+            let std = k.checked_sub(d).map_or(1.0, |k| DEVIATIONS[k]);
+            prior[k * (total + 1)] = 1.0 / (std * std);
         }
         let prior_without: Vec<f64> = prior
             .chunks_exact(total)
@@ -238,7 +227,7 @@ mod tests {
                     own: own(Side::Link, &mut seed),
                     torque_gain,
                     residual: torque_gain * held * load[0] + 0.3 * random(&mut seed),
-                    added_deviation: 0.0,
+                    added_std: 0.0,
                     stationary_share: 0.0,
                 });
             }
@@ -253,7 +242,7 @@ mod tests {
             with.add_gradient(&equations, information);
             with.add_information(&equations, information);
         }
-        // Half the square of its length is what a step takes off the cost.
+        // Half the square of its length is the decrease of the cost by a step.
         let explained = |length: f64| 0.5 * length * length;
         let expected = explained(with.solve().unwrap()) - explained(without.solve().unwrap());
         let fit = Fit {
@@ -278,19 +267,14 @@ mod tests {
         }
     }
 
-    /// A slip of one joint among many blocks, by a score that computes everything at every time.
+    /// A slip of one joint among many blocks, compared with a score that is computed completely at every time.
     #[test]
-    fn a_time_that_is_passed_over_would_explain_little() {
+    fn skipped_time_has_small_gain() {
         const BLOCKS: usize = 300;
         const NOISE: f64 = 0.3;
-        const LEAST: f64 = 9.0;
+        const MIN_GAIN: f64 = 9.0;
         const DEVIATIONS: [f64; 1] = [10.0];
-        let layout = Layout {
-            joints: 1,
-            bodies: 7,
-            arms: 0,
-            is_coupled: false,
-        };
+        let layout = Layout::diagonal(1, 7);
         let total = layout.dimension();
         let mut passed = 0;
         for slip in [0.0, 0.2, 1.0] {
@@ -311,7 +295,7 @@ mod tests {
                         own,
                         torque_gain: 1.0,
                         residual: slipped + NOISE * random(&mut seed),
-                        added_deviation: 0.0,
+                        added_std: 0.0,
                         stationary_share: 0.0,
                     });
                     equations
@@ -344,8 +328,8 @@ mod tests {
                 }
                 let [every, some] = &mut sums;
                 let (gain, size) = every.gain(&fit, &DEVIATIONS, 0.0).unwrap();
-                let found = some.gain(&fit, &DEVIATIONS, LEAST);
-                if gain > LEAST {
+                let found = some.gain(&fit, &DEVIATIONS, MIN_GAIN);
+                if gain > MIN_GAIN {
                     telling += 1;
                     assert_eq!(found, Some((gain, size)));
                 } else if found.is_none() {

@@ -6,12 +6,12 @@ use super::cost::{ThinnedResiduals, cost_at};
 use super::creep;
 use super::force;
 use super::gauss_newton::{refine, solve, solve_from, solve_without};
-use super::lost_stiffness::{self, MOST_SOFTER};
-use super::posterior::{SURE, posteriors};
+use super::initial_friction;
+use super::lost_stiffness::{self, MAX_STIFFNESS_LOSS};
+use super::posterior::{CERTAIN_SIGMA, posteriors};
 use super::problem::Problem;
 use super::schedule::{COARSE, ROUGH_START, SCREENING};
 use super::solution::Solution;
-use super::stuck_friction;
 use crate::offset::change::{ChangeKind, ChangePoint, SearchScope, without};
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
@@ -19,48 +19,48 @@ use crate::offset::executor::map_each;
 use alloc::vec::Vec;
 #[cfg(test)]
 use {
-    crate::offset::belief::Payload, crate::offset::block::Block,
-    crate::offset::equations::estimation_model::EstimationModel,
-    crate::offset::executor::Sequential,
+    crate::offset::block::Block, crate::offset::equations::estimation_model::EstimationModel,
+    crate::offset::executor::Sequential, crate::offset::state_estimate::Payload,
 };
 
-/// What a change must take off the cost to be kept, beyond one per unknown: about five standard
-/// deviations, because every time of every joint is a chance to be fooled.
-const LEAST_GAIN: f64 = 12.0;
-/// A candidate that takes less than this off the cost when it is screened is left: on recordings
-/// without a change 6 of 127 take more, at most 4.4, and a change is kept from 13 on.
+/// Minimum decrease of the cost for a change to be kept, in addition to one per unknown: about five standard
+/// deviations, because every time and every joint is a separate chance of a false detection.
+const MIN_GAIN: f64 = 12.0;
+/// Minimum decrease of the cost in the screening of a candidate. On recordings without a change, 6 of 127 candidates
+/// exceed it, and none exceeds 4.4; a change is accepted from 13.
 const LEAST_SCREENED: f64 = 3.0;
-/// One whose coarse solution takes less is not fitted to the end, nor one that takes less than this
-/// share of what the best takes: of 55 rounds the best fit was within a fifth of the best coarse
-/// solution in all.
+/// Minimum decrease of the cost in the coarse solution of a candidate that is iterated to convergence, and minimum
+/// share of the largest decrease. In all of 55 rounds the best candidate was within a fifth of the best coarse
+/// solution.
 const LEAST_COARSE: f64 = 6.0;
 const NEAR_THE_BEST: f64 = 0.7;
-/// What a loss of stiffness with a slip must take off it: two and a half standard deviations.
-const LEAST_SOFTER_GAIN: f64 = 3.0;
+/// Minimum decrease of the cost by a stiffness loss together with a slip: two and a half standard deviations.
+const MIN_STIFFNESS_GAIN: f64 = 3.0;
 /// An offset's change below this is not reported, rad.
 const LEAST_STEP_RAD: f64 = 1e-3;
 /// A loss of stiffness below this is not reported.
-const LEAST_SOFTER: f64 = 0.01;
+const MIN_STIFFNESS_LOSS: f64 = 0.01;
 /// A payload's change below this is not reported, kg.
 const LEAST_PAYLOAD_KG: f64 = 0.01;
-/// A change must be so many standard deviations from zero.
-const LEAST_SIGNIFICANCE: f64 = 4.0;
-/// At most this many changes are kept in one recording.
-const MOST: usize = 8;
+/// Minimum size of a change, in standard deviations.
+const MIN_SIGNIFICANCE: f64 = 4.0;
+/// Maximum number of changes in one recording.
+const MAX_CHANGES: usize = 8;
 
 /// A change put into the estimate.
 struct Trial {
-    /// What it takes off the cost.
+    /// Decrease of the cost by the change.
     gain: f64,
     change: ChangePoint,
     solution: Solution,
 }
 
 impl Trial {
-    /// A slip that may have taken stiffness along is likelier than a strand that failed without one.
+    /// Prior preference: a slip, possibly with stiffness loss, is more probable than a strand failure without
+    /// slip.
     fn likely(&self) -> f64 {
         match self.change.kind {
-            ChangeKind::Compliance(_) => self.gain - LEAST_SOFTER_GAIN,
+            ChangeKind::Compliance(_) => self.gain - MIN_STIFFNESS_GAIN,
             _ => self.gain,
         }
     }
@@ -77,23 +77,23 @@ impl ChangePointSearch<'_> {
     pub(super) fn run(&self) -> Result<MapEstimate, MapError> {
         let problem = self.problem;
         let sought = self.scope.offsets && !self.scope.continues;
-        let softer = if sought {
-            lost_stiffness::opened(problem)?
+        let with_stiffness = if sought {
+            lost_stiffness::with_free_stiffness(problem)?
         } else {
             None
         };
-        let mut best = match &softer {
-            // What holds with every stiffness opened is nearly right without.
-            Some(softer) => solve_without(problem, softer)?,
+        let mut best = match &with_stiffness {
+            // The solution with free stiffness is a good starting point for the one without.
+            Some(with_stiffness) => solve_without(problem, with_stiffness)?,
             None => solve(problem, &[])?,
         };
-        let sure = |s: &&Solution| lost_stiffness::is_sure(problem, &best, s);
-        if let Some(softer) = softer.as_ref().filter(sure) {
-            best = softer.clone();
+        let is_significant = |s: &&Solution| lost_stiffness::is_significant(problem, &best, s);
+        if let Some(with_stiffness) = with_stiffness.as_ref().filter(is_significant) {
+            best = with_stiffness.clone();
         }
         let alone = best.clone();
         if self.scope.offsets {
-            best = force::opened(problem, best)?;
+            best = force::with_free_force(problem, best)?;
         }
         best = self.with_slips_and_creep(best)?;
         if force::is_none(problem, &best) {
@@ -101,8 +101,8 @@ impl ChangePointSearch<'_> {
             best = self.with_slips_and_creep(alone)?;
         }
         let posteriors = posteriors(problem, &best, self.scope)?;
-        let mut estimate = match softer {
-            Some(softer) => lost_stiffness::averaged(problem, best, softer)?,
+        let mut estimate = match with_stiffness {
+            Some(with_stiffness) => lost_stiffness::averaged(problem, best, with_stiffness)?,
             None => problem.complete(best)?,
         };
         creep::average(problem, &mut estimate)?;
@@ -113,18 +113,21 @@ impl ChangePointSearch<'_> {
         })
     }
 
-    /// With the changes that are found beside those of `first`, and creep where there is any.
+    /// Adds the changes that are found in addition to those of `first`, and creep if there is any.
     fn with_slips_and_creep(&self, first: Solution) -> Result<Solution, MapError> {
         let best = self.with_changes(first.clone())?;
         match self.scope.offsets && self.scope.creep {
-            true => creep::told_apart(self.problem, &first, best, |s| self.with_changes(s)),
+            true => creep::separate_creep_and_slips(self.problem, &first, best, |s| {
+                self.with_changes(s)
+            }),
             false => Ok(best),
         }
     }
 
-    /// With the changes that are found beside those there are, and without those that makes needless.
+    /// Adds the changes that are found in addition to the present ones, and removes those that become
+    /// unnecessary.
     fn with_changes(&self, mut best: Solution) -> Result<Solution, MapError> {
-        for _ in 0..MOST {
+        for _ in 0..MAX_CHANGES {
             let Some(found) = self.most_likely(&best.estimate)? else {
                 break;
             };
@@ -177,7 +180,7 @@ impl ChangePointSearch<'_> {
         Ok(found)
     }
 
-    /// An estimate with `change` more than in `best`, and what that takes off the cost.
+    /// Returns an estimate with `change` in addition to those of `best`, and the resulting decrease of the cost.
     fn trial(&self, best: &MapEstimate, change: ChangePoint, solution: Solution) -> Trial {
         Trial {
             gain: cost_at(self.problem, best, &solution.estimate) - solution.cost(),
@@ -193,11 +196,11 @@ impl ChangePointSearch<'_> {
         while k < best.estimate.changes.len() {
             let changes = &best.estimate.changes;
             let change = changes[k];
-            // A stiffness that was opened with a slip stays and goes with it; those opened since
-            // before the recording hide behind each other one by one.
+            // A stiffness change that accompanies a slip is kept or removed with it; stiffness changes since
+            // before the recording mask each other.
             if problem.is_before_recording(&change)
                 || changes.iter().any(|c| change.accompanies(c))
-                || best.significance(problem.total(&changes[..k])) > SURE
+                || best.significance(problem.total(&changes[..k])) > CERTAIN_SIGMA
             {
                 k += 1;
                 continue;
@@ -208,7 +211,7 @@ impl ChangePointSearch<'_> {
             }
             let trial = solve(problem, &kept)?;
             let gain = cost_at(problem, &trial.estimate, &best.estimate) - best.cost();
-            if gain < LEAST_GAIN + change.kind.columns() as f64 {
+            if gain < MIN_GAIN + change.kind.columns() as f64 {
                 best = trial;
                 k = 0;
             } else {
@@ -218,7 +221,7 @@ impl ChangePointSearch<'_> {
         Ok(best)
     }
 
-    /// The best change with its time and its stiffness settled, if it is sure.
+    /// Returns the best change with refined time and stiffness, if it is significant.
     fn settled(&self, best: &MapEstimate, mut found: Trial) -> Result<Option<Solution>, MapError> {
         let change = found.change;
         // The score finds the time to a block or two; the cost decides.
@@ -232,7 +235,7 @@ impl ChangePointSearch<'_> {
                 found = other;
             }
         }
-        if found.gain < LEAST_GAIN + change.kind.columns() as f64 {
+        if found.gain < MIN_GAIN + change.kind.columns() as f64 {
             return Ok(None);
         }
         let at_s = found.change.at_s;
@@ -241,14 +244,14 @@ impl ChangePointSearch<'_> {
             return Ok(None);
         }
         match change.kind {
-            // So little data can't tell what a step took along.
+            // With so little data the stiffness loss of a step is not identifiable.
             ChangeKind::Offset(_) if self.is_onset(change) => Ok(Some(solution)),
             ChangeKind::Offset(joint) => {
-                let softer = self.with_softer(&solution, joint, at_s, 0.0)?;
-                Ok(Some(softer.unwrap_or(solution)))
+                let with_stiffness = self.with_stiffness_loss(&solution, joint, at_s, 0.0)?;
+                Ok(Some(with_stiffness.unwrap_or(solution)))
             }
-            // A rope that loses a strand gives way: strand and slip are separable as far as stretch
-            // and load differ, and the offset holds what isn't.
+            // A rope that loses a strand elongates: strand failure and slip are separable as far as offset and
+            // load differ, and the offset contains the remainder.
             ChangeKind::Compliance(joint)
                 if self
                     .problem
@@ -263,7 +266,7 @@ impl ChangePointSearch<'_> {
         }
     }
 
-    /// Whether a change is possible only because it is known from elsewhere.
+    /// Whether a change is possible only because of an independent indication.
     fn is_onset(&self, change: ChangePoint) -> bool {
         let scope = SearchScope {
             onset: None,
@@ -272,81 +275,79 @@ impl ChangePointSearch<'_> {
         !self.problem.is_possible(change.kind, change.at_s, scope)
     }
 
-    /// Whether the last change is large enough to be one.
+    /// Whether the latest change is significant.
     fn is_significant(&self, solution: &Solution) -> bool {
-        let known = &solution.estimate;
-        let Some((change, before)) = known.changes.split_last() else {
+        let estimate = &solution.estimate;
+        let Some((change, before)) = estimate.changes.split_last() else {
             return false;
         };
         let place = self.problem.total(before);
-        let friction = stuck_friction::deviation_of(self.problem, solution, place);
-        let size = known.state[place].abs();
-        let deviation = libm::hypot(solution.deviation(place), friction);
+        let friction = initial_friction::deviation_of(self.problem, solution, place);
+        let size = estimate.state[place].abs();
+        let std = libm::hypot(solution.std(place), friction);
         let (least, most) = match change.kind {
             ChangeKind::Payload => (LEAST_PAYLOAD_KG, f64::INFINITY),
             ChangeKind::Offset(_) => (LEAST_STEP_RAD, f64::INFINITY),
-            ChangeKind::Compliance(_) => (LEAST_SOFTER, MOST_SOFTER),
+            ChangeKind::Compliance(_) => (MIN_STIFFNESS_LOSS, MAX_STIFFNESS_LOSS),
             ChangeKind::Creep(_) | ChangeKind::Force => (0.0, f64::INFINITY),
         };
-        size >= least && size >= LEAST_SIGNIFICANCE * deviation && size <= most
+        size >= least && size >= MIN_SIGNIFICANCE * std && size <= most
     }
 
-    /// A slip with a loss of stiffness, looked for from `size` on, if that explains enough more.
-    fn with_softer(
+    /// Returns a slip with a stiffness loss, searched from `size` on, if it explains the data significantly
+    /// better.
+    fn with_stiffness_loss(
         &self,
         slip: &Solution,
         joint: usize,
         at_s: f64,
         size: f64,
     ) -> Result<Option<Solution>, MapError> {
-        let known = &slip.estimate;
-        let softer = ChangePoint {
+        let estimate = &slip.estimate;
+        let with_stiffness = ChangePoint {
             kind: ChangeKind::Compliance(joint),
             at_s,
         };
-        let changes = [&known.changes[..], &[softer]].concat();
-        let mut state = known.state.clone();
+        let changes = [&estimate.changes[..], &[with_stiffness]].concat();
+        let mut state = estimate.state.clone();
         state.push(size);
-        let with = solve_from(self.problem, &changes, &state, known, ROUGH_START)?;
-        let with = self.trial(known, softer, with);
+        let with = solve_from(self.problem, &changes, &state, estimate, ROUGH_START)?;
+        let with = self.trial(estimate, with_stiffness, with);
         let found = with.solution.estimate.state.last();
-        let possible = found.is_some_and(|size| size.abs() < MOST_SOFTER);
-        Ok((with.gain > LEAST_SOFTER_GAIN && possible).then_some(with.solution))
+        let possible = found.is_some_and(|size| size.abs() < MAX_STIFFNESS_LOSS);
+        Ok((with.gain > MIN_STIFFNESS_GAIN && possible).then_some(with.solution))
     }
 
-    /// A slip in the place of the loss of stiffness that came last, or both.
+    /// Replaces the last stiffness loss by a slip, or combines both.
     fn with_slip(
         &self,
-        softer: &Solution,
+        with_stiffness: &Solution,
         joint: usize,
         at_s: f64,
     ) -> Result<Option<Solution>, MapError> {
-        let known = &softer.estimate;
+        let estimate = &with_stiffness.estimate;
         let slip = ChangePoint {
             kind: ChangeKind::Offset(joint),
             at_s,
         };
-        let (mut changes, mut state) = (known.changes.clone(), known.state.clone());
+        let (mut changes, mut state) = (estimate.changes.clone(), estimate.state.clone());
         if let (Some(change), Some(size)) = (changes.last_mut(), state.last_mut()) {
             (*change, *size) = (slip, 0.0);
         }
-        let alone = solve_from(self.problem, &changes, &state, known, ROUGH_START)?;
-        let size = known.state.last().copied().unwrap_or_default();
-        if let Some(both) = self.with_softer(&alone, joint, at_s, size)? {
+        let alone = solve_from(self.problem, &changes, &state, estimate, ROUGH_START)?;
+        let size = estimate.state.last().copied().unwrap_or_default();
+        if let Some(both) = self.with_stiffness_loss(&alone, joint, at_s, size)? {
             return Ok(Some(both));
         }
         Ok(self.is_significant(&alone).then_some(alone))
     }
 }
 
-/// What a recording with an empty gripper comes to: offsets `0 ± deviation_rad` before, slips and creep sought.
+/// Returns the estimate of a recording with an empty gripper: prior offsets `0 ± std_rad`, with a search for
+/// slips and creep.
 #[cfg(test)]
-pub(super) fn searched(
-    model: &EstimationModel,
-    deviation_rad: f64,
-    blocks: &[Block],
-) -> MapEstimate {
-    let believed = model.prior.belief(Payload::Empty, deviation_rad);
+pub(super) fn searched(model: &EstimationModel, std_rad: f64, blocks: &[Block]) -> MapEstimate {
+    let believed = model.prior.state_estimate(Payload::Empty, std_rad);
     let problem = Problem::new(model, &Sequential, &believed, Payload::Empty, blocks).unwrap();
     let scope = SearchScope {
         offsets: true,
@@ -365,16 +366,18 @@ pub(super) fn searched(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::belief::{Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
     use crate::offset::change::Onset;
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{SLIPS_AT, slipping, turntable};
+    use crate::offset::state_estimate::{Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 
     #[test]
-    fn a_coarse_solution_takes_off_what_the_costs_differ_by() {
+    fn coarse_gain_equals_cost_difference() {
         let model = turntable();
         let blocks = slipping(&model, 5e-3, 4);
-        let believed = model.prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, TENSIONED_OFFSET_RAD);
         let problem =
             Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
         let best = solve(&problem, &[]).unwrap().estimate;
@@ -388,15 +391,17 @@ mod tests {
         let gain = ThinnedResiduals::of(&problem, &best).gain(&coarse);
         let found = cost_at(&problem, &best, &coarse.estimate) - coarse.cost();
         assert!((gain - found).abs() < 1e-9 * gain.abs(), "{gain}");
-        assert!(gain > LEAST_GAIN, "{gain}");
+        assert!(gain > MIN_GAIN, "{gain}");
     }
 
-    /// Three seconds before the end a slip is looked for only where it is known from elsewhere, and at its joint.
+    /// A slip three seconds before the end is searched for only if an independent indication names its joint.
     #[test]
-    fn an_onset_lets_a_late_slip_be_found() {
+    fn late_slip_with_onset_is_found() {
         let model = turntable();
         let blocks = &slipping(&model, 5e-3, 4)[..SLIPS_AT + 15];
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let believed = model
+            .prior
+            .state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let problem = Problem::new(&model, &Sequential, &believed, Payload::Empty, blocks).unwrap();
         let at_s = problem.start_of(SLIPS_AT);
         let found = |onset: Option<Onset>| {

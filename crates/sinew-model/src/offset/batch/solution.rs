@@ -1,4 +1,4 @@
-//! What a descent ends with.
+//! Result of a descent.
 
 use crate::cholesky::{self, Factor};
 use crate::offset::error::MapError;
@@ -10,9 +10,9 @@ use alloc::vec::Vec;
 pub(super) struct Solution {
     /// Without its covariance.
     pub(super) estimate: MapEstimate,
-    /// Lower half.
+    /// Lower triangle of the information matrix.
     pub(super) information: Vec<f64>,
-    /// Its Cholesky factor.
+    /// Cholesky factor of the information matrix.
     pub(super) factor: Factor,
 }
 
@@ -23,7 +23,7 @@ impl Solution {
     }
 
     /// Standard deviation of entry `k`.
-    pub(super) fn deviation(&self, k: usize) -> f64 {
+    pub(super) fn std(&self, k: usize) -> f64 {
         let total = self.estimate.state.len();
         let mut unit = alloc::vec![0.0; total];
         unit[k] = 1.0;
@@ -33,7 +33,7 @@ impl Solution {
 
     /// Size of entry `k` over its standard deviation.
     pub(super) fn significance(&self, k: usize) -> f64 {
-        self.estimate.state[k].abs() / self.deviation(k)
+        self.estimate.state[k].abs() / self.std(k)
     }
 
     /// The state on condition that its entries from `first` on are zero, without them: with
@@ -58,7 +58,7 @@ impl Solution {
     }
 }
 
-/// Inverse of an information matrix of which only the lower half is filled.
+/// Returns the inverse of an information matrix, only the lower triangle of which is set.
 pub(super) fn covariance(lower: &[f64], total: usize) -> Result<Vec<f64>, MapError> {
     cholesky::inverse(lower, total).map_err(MapError::Prior)
 }
@@ -69,9 +69,9 @@ mod tests {
     use crate::offset::estimate::Convergence;
     use crate::offset::fixtures::random;
 
-    /// Against the same in terms of the covariance, `x − P_·c P_cc⁻¹ c`.
+    /// Compared with the same in terms of the covariance, `x − P_·c P_cc⁻¹ c`.
     #[test]
-    fn a_state_without_changes_is_that_on_condition_that_they_are_nothing() {
+    fn state_without_changes_is_conditional_mean() {
         const TOTAL: usize = 9;
         const FIRST: usize = 6;
         const GONE: usize = TOTAL - FIRST;
@@ -109,12 +109,14 @@ mod tests {
                 end_s: 0.0,
                 noise_rad: Vec::new(),
                 motor_noise_nm: Vec::new(),
+                tension_noise_nm: Vec::new(),
                 weights: Vec::new(),
                 convergence: Convergence::new(0, f64::INFINITY, 0.0),
                 stiffness_changes: Vec::new(),
                 creep: Vec::new(),
                 force: None,
                 posteriors: Vec::new(),
+                encoder_slips: Vec::new(),
             },
             information,
             factor,

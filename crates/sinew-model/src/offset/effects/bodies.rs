@@ -27,15 +27,15 @@ const fn inertial(
 
 const MOMENT: &str = "0 ± `first_moment_percent` along itself, `first_moment_across_percent` of its size across, \
                       at least `mass_percent` of 1 cm";
-const MOMENT_OF_INERTIA: &str = "0 ± `inertia_percent`, and a hundredth of that of the trace";
+const MOMENT_OF_INERTIA: &str = "0 ± `inertia_percent`, plus 1 % of `inertia_percent` of the trace";
 const PRODUCT_OF_INERTIA: &str = "0 ± a fifth of `inertia_percent` of the trace";
 
 impl Effect for Bodies {
     const DESCRIPTION: Description = Description {
         title: "Link inertia",
-        text: "Gravity and motion of the links make torques that are linear in ten inertial parameters of each body. \
+        text: "Gravity and motion of the links cause torques that are linear in ten inertial parameters of each body. \
                The parameters here are their errors relative to the URDF. \
-               Motion depends on fewer combinations of them, the [base parameters](absolute.md#what-is-unknown).",
+               Motion depends on fewer combinations of them, the [base parameters](absolute.md#parameters).",
         equation: "joint torque   Φ (π₀ + δπ)",
         parameters: &[
             inertial("mass error", "δm", "kg", "0 ± `mass_percent`"),
@@ -54,7 +54,7 @@ impl Effect for Bodies {
 
 impl Bodies {
     /// Standard deviations of the errors of a body with the nominal parameters `pi`.
-    pub(crate) fn deviations(
+    pub(crate) fn stds(
         t: &Tolerances,
         pi: &[f64; PARAMETERS_PER_BODY],
     ) -> [f64; PARAMETERS_PER_BODY] {
@@ -62,13 +62,13 @@ impl Bodies {
         // A body whose centre sits on its joint still may sit 1 cm off.
         let across = (t.first_moment_across * h).max(0.01 * t.mass * pi[0]);
         let trace = pi[4] + pi[7] + pi[9];
-        let deviation = |k: usize| match k {
+        let std = |k: usize| match k {
             0 => t.mass * pi[0],
             1..4 => libm::hypot(t.first_moment * pi[k], across),
             4 | 7 | 9 => t.inertia * pi[k] + 0.01 * t.inertia * trace,
             _ => 0.2 * t.inertia * trace,
         };
-        core::array::from_fn(|k| deviation(k).max(1e-12))
+        core::array::from_fn(|k| std(k).max(1e-12))
     }
 }
 
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn body_tolerances_scale_with_the_nominal_parameters() {
         let t = Tolerances::default();
-        let found = Bodies::deviations(&t, &[2.0, 0.3, 0.0, 0.4, 0.1, 0.0, 0.0, 0.2, 0.0, 0.3]);
+        let found = Bodies::stds(&t, &[2.0, 0.3, 0.0, 0.4, 0.1, 0.0, 0.0, 0.2, 0.0, 0.3]);
         let across = 0.03 * 0.5;
         let expected = [
             0.12,

@@ -1,6 +1,6 @@
 //! Descriptions of effects: name, equation, and parameters with their priors before any recording.
 
-use super::PER_JOINT;
+use super::{JointParameter, PER_JOINT};
 use crate::Gaussian;
 use crate::offset::joint_prior::JointPrior;
 use crate::tolerances::Tolerances;
@@ -13,7 +13,7 @@ pub(crate) const FIXED: f64 = 1e-9;
 pub struct Description {
     /// Heading of the effect on the page of the book.
     pub title: &'static str,
-    /// What the effect is physically, in complete sentences.
+    /// Physical explanation of the effect, in complete sentences.
     pub text: &'static str,
     /// Terms of the effect in the sums of a joint's equations, one a line.
     pub equation: &'static str,
@@ -34,11 +34,12 @@ pub struct Parameter {
     pub prior_text: &'static str,
     /// Origin of the prior's numbers: a definition, a data sheet, or engineering judgement.
     pub source: &'static str,
-    /// How long a value of the parameter holds.
+    /// Period over which a value of the parameter is constant.
     pub lifetime: Lifetime,
-    /// The parameters with which it is alike in robots of one type; `None`: it does not belong to a robot.
+    /// Kind of parameters that is correlated between robots of one type; `None` if the parameter does not belong to a
+    /// robot.
     pub kind: Option<Kind>,
-    /// Its place among a joint's parameters.
+    /// Index among a joint's parameters.
     pub(crate) place: usize,
     pub(crate) term: Term,
     /// Prior of a joint's parameter; `None`: the joint does not have the effect.
@@ -60,17 +61,22 @@ impl Parameter {
         prior: |_| None,
     };
 
-    /// Prior of a joint's parameter, no narrower than what is held fixed; `None`: the joint does not have the effect.
+    /// Prior of a joint's parameter, with at least the standard deviation of a fixed parameter; `None`: the joint does
+    /// not have the effect.
     pub(crate) fn prior_of(&self, inputs: &PriorInputs<'_>) -> Option<Gaussian> {
-        let prior = (self.prior)(inputs)?;
-        Some(Gaussian::new(prior.mean, prior.deviation.max(FIXED)))
+        let is_there = match JointParameter::is_of_joint(self.place) {
+            true => inputs.joint.has_joint,
+            false => inputs.joint.has_tendon,
+        };
+        let prior = (self.prior)(inputs).filter(|_| is_there)?;
+        Some(Gaussian::new(prior.mean, prior.std.max(FIXED)))
     }
 }
 
-/// Source of a default that nobody measured.
+/// Source of a default value without measurement.
 pub(crate) const ASSUMED: &str = "engineering judgement";
 
-/// What the prior of a joint's parameter depends on.
+/// Inputs of the prior of a joint's parameter.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PriorInputs<'a> {
     pub(crate) joint: &'a JointPrior,
@@ -79,10 +85,10 @@ pub(crate) struct PriorInputs<'a> {
     pub(crate) offset_rad: f64,
 }
 
-/// How long the value of a parameter holds.
+/// Period over which the value of a parameter is constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lifetime {
-    /// One recording.
+    /// One recording only.
     Recording,
     /// Until the rope is tensioned again.
     Tensioning,
@@ -104,12 +110,12 @@ impl Lifetime {
     }
 }
 
-/// Kinds of parameters whose robots are alike to one degree.
+/// Kinds of parameters with one common correlation between robots of a type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Masses, first moments and inertias of the links.
     Bodies,
-    /// Stiffness, stiffening, and what it changes by with temperature.
+    /// Stiffness, stiffening, and change of the stiffness with temperature.
     Stiffness,
     /// Friction of joints.
     Friction,
@@ -121,7 +127,7 @@ pub enum Kind {
     Encoders,
     /// Drift of the zero with temperature.
     Drift,
-    /// Viscoelastic share.
+    /// Viscoelastic share of the deflection.
     Viscoelasticity,
 }
 
@@ -149,7 +155,7 @@ pub(crate) enum Term {
     DriveTorque,
     MotorScale,
     MotorBias,
-    /// The joint's torque, in columns of its own beside those of the joint's parameters.
+    /// The joint torque, in separate columns in addition to those of the joint's parameters.
     Carried,
 }
 
@@ -172,8 +178,8 @@ impl Term {
 }
 
 /// A Gaussian with mean zero.
-pub(crate) const fn about_zero(deviation: f64) -> Gaussian {
-    Gaussian::new(0.0, deviation)
+pub(crate) const fn about_zero(std: f64) -> Gaussian {
+    Gaussian::new(0.0, std)
 }
 
 /// The parameters of a joint, in their order in the state. Fails to compile where one belongs to no effect or to two.

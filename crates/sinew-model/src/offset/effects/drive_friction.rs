@@ -12,8 +12,8 @@ pub(crate) struct DriveFriction;
 impl Effect for DriveFriction {
     const DESCRIPTION: Description = Description {
         title: "Drive friction",
-        text: "The motor carries the friction of motor and gear beside the spring's torque, by the same law as the joint's. \
-               The friction of a drive that stands is unknown, so all of it is a standard deviation in the share of the block that it stood.",
+        text: "The motor provides the friction of motor and gear in addition to the spring torque, with the same friction model as the joint. \
+               The friction of a drive at rest is unknown. For the share of the block at rest, its full amount is used as a standard deviation.",
         equation: "drive torque   F_m LP[z_m] + F_vm LP[dtheta] + μ_m LP[z_m |τ|]",
         parameters: &[
             Parameter {
@@ -21,7 +21,7 @@ impl Effect for DriveFriction {
                 name: "drive Coulomb friction",
                 symbol: "F_m",
                 unit: "N·m",
-                prior_text: "stated, ± `friction_percent`; not stated, 10 mrad × K ± the same",
+                prior_text: "specified value ± `friction_percent`; default 10 mrad × K ± the same",
                 source: STATED,
                 lifetime: Lifetime::Days,
                 kind: Some(Kind::DriveFriction),
@@ -36,7 +36,7 @@ impl Effect for DriveFriction {
                 name: "drive viscous friction",
                 symbol: "F_vm",
                 unit: "N·m·s/rad",
-                prior_text: "stated, ± `friction_percent` of it or of a tenth of `F_m` per rad/s; not stated, 0.6 `F_m` per rad/s ± the same",
+                prior_text: "specified value ± `friction_percent` of it or of a tenth of `F_m` per rad/s; default 0.6 `F_m` per rad/s ± the same",
                 source: STATED,
                 lifetime: Lifetime::Days,
                 kind: Some(Kind::DriveFriction),
@@ -74,7 +74,7 @@ impl Effect for DriveFriction {
     fn unknown_drive_torque(point: &Point<'_>, drive: &Drive) -> f64 {
         let coulomb_nm = (point.at(P::MotorCoulomb).abs()).max(point.joint.drive_coulomb_nm());
         let load = point.at(P::MotorLoadFriction).abs() * point.joint.stiffness_nm_per_rad;
-        (coulomb_nm + load * point.measured.y.abs()) * drive.stood
+        (coulomb_nm + load * point.measured.pull_rad.abs()) * drive.stood
     }
 }
 
@@ -84,7 +84,7 @@ mod tests {
     use crate::offset::effects::example::Example;
 
     #[test]
-    fn drive_friction_is_unknown_while_the_drive_stands() {
+    fn drive_friction_is_unknown_at_rest() {
         let mut example = Example::with(&[
             (P::MotorCoulomb, -0.5),
             (P::MotorViscous, 0.2),
@@ -104,10 +104,10 @@ mod tests {
         example.check::<DriveFriction>(torque, -0.5 + 0.4 + 0.4);
         example.joint.motor_coulomb_nm = 0.3;
         example.joint.stiffness_nm_per_rad = 50.0;
-        example.measured.y = -0.04;
+        example.measured.pull_rad = -0.04;
         let unknown = DriveFriction::unknown_drive_torque(&example.point(), &drive);
         assert!((unknown - 0.25 * (0.5 + 0.2)).abs() < 1e-15);
-        // A drive has at least the friction that its description says.
+        // A drive has at least the friction of its description.
         example.joint.motor_coulomb_nm = 0.8;
         let unknown = DriveFriction::unknown_drive_torque(&example.point(), &drive);
         assert!((unknown - 0.25 * (0.8 + 0.2)).abs() < 1e-15);

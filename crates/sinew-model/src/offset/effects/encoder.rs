@@ -1,4 +1,4 @@
-//! Errors of the joint's encoder once and twice per turn.
+//! Periodic errors of the joint encoder: first and second harmonic of the joint position.
 
 use super::description::ASSUMED;
 use super::{
@@ -26,8 +26,7 @@ const fn amplitude(k: usize, name: &'static str, symbol: &'static str) -> Parame
 impl Effect for Encoder {
     const DESCRIPTION: Description = Description {
         title: "Encoder error",
-        text: "A disc that sits off its axis makes an error that repeats with every turn of the joint. \
-               A tilted or oval one makes an error that repeats twice per turn.",
+        text: "An eccentric encoder disc causes an error with a period of one turn of the joint. A tilted or oval disc causes an error with a period of half a turn.",
         equation: "deflection   e(q) = e_s1 LP[sin q] + e_c1 LP[cos q] + e_s2 LP[sin 2q] + e_c2 LP[cos 2q]",
         parameters: &[
             amplitude(0, "encoder error, sine once", "e_s1"),

@@ -9,21 +9,27 @@ pub(crate) struct EncoderZero;
 impl Effect for EncoderZero {
     const DESCRIPTION: Description = Description {
         title: "Encoder zero offset",
-        text: "The offset is zero right after tensioning by definition, whatever the encoders show of an unloaded spring then. \
-               Within one recording this parameter cannot be separated from the offset. \
-               A baseline determines it, and later sessions hold it fixed.",
+        text: "By definition the offset is zero directly after tensioning, for any difference of the encoder values with an unloaded spring at that time. \
+               Within one recording this parameter cannot be separated from the offset. It includes the pretension of a strand that only pulls. A baseline determines it, and later sessions keep it fixed.",
         equation: "deflection   y₀",
         parameters: &[Parameter {
             place: P::Zero as usize,
             name: "encoders' zero",
             symbol: "y₀",
             unit: "rad",
-            prior_text: "0 ± `zero_mrad`",
+            prior_text: "0 ± `zero_mrad`, for a strand in addition `pretension_percent` of its elongation by the pretension",
             source: "convention: encoders are zeroed when the rope is tensioned",
             lifetime: Lifetime::Tensioning,
             kind: None,
             term: Term::Deflection,
-            prior: |inputs| Some(about_zero(inputs.tolerances.zero_rad)),
+            prior: |inputs| {
+                let pretension_rad = inputs.joint.pretension_nm / inputs.joint.stiffness_nm_per_rad;
+                let pretension_rad = inputs.tolerances.pretension * pretension_rad;
+                Some(about_zero(libm::hypot(
+                    inputs.tolerances.zero_rad,
+                    pretension_rad,
+                )))
+            },
         }],
     };
 

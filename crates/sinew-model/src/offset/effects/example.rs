@@ -1,4 +1,4 @@
-//! A joint at a state, to check one effect alone.
+//! Joint in a given state, for tests of a single effect.
 
 use super::payload::PayloadTorque;
 use super::{Effect, JointParameter, JointRow, Measured, PER_JOINT, Point, Sum, total};
@@ -10,7 +10,7 @@ pub(crate) struct Example {
     pub(crate) x: JointRow,
     pub(crate) joint: JointPrior,
     pub(crate) measured: Measured,
-    pub(crate) warmer_k: f64,
+    pub(crate) temperature_difference_k: f64,
 }
 
 impl Example {
@@ -31,12 +31,16 @@ impl Example {
                 motor_viscous_nm_s_per_rad: 0.0,
                 antagonistic: false,
                 drift_rad_per_k: None,
+                has_joint: true,
+                has_tendon: true,
+                pretension_nm: 0.0,
             },
             measured: Measured {
                 y: 0.0,
                 y_square: 0.0,
                 y_cube: 0.0,
                 y_slow: 0.0,
+                pull_rad: 0.0,
                 load_rad: 0.0,
                 turned: 0.0,
                 dq: 0.0,
@@ -48,8 +52,9 @@ impl Example {
                 tau: 0.0,
                 load: PayloadTorque::new(&[0.0; PARAMETERS_PER_BODY], [0.0; 3]),
                 drive: None,
+                tension_nm: f64::NAN,
             },
-            warmer_k: 0.0,
+            temperature_difference_k: 0.0,
         }
     }
 
@@ -58,12 +63,12 @@ impl Example {
             x: &self.x,
             joint: &self.joint,
             measured: &self.measured,
-            warmer_k: self.warmer_k,
+            temperature_difference_k: self.temperature_difference_k,
         }
     }
 
     /// Checks the term of an effect against a closed form, and its derivatives against central differences: with respect to the
-    /// effect's own parameters, and nothing with respect to others.
+    /// effect's own parameters, and zero with respect to others.
     pub(crate) fn check<E: Effect>(&self, term: impl Fn(&Point<'_>, &mut Sum<'_>), expected: f64) {
         const STEP: f64 = 1e-3;
         // Of rounding, in values of order one.

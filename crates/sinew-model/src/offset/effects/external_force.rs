@@ -4,7 +4,8 @@ use super::description::ASSUMED;
 use super::{Description, Effect, Parameter};
 use crate::vec3::Vec3;
 
-/// A force from outside: along the axes of the base, and how far from where it is expected it acts.
+/// Number of entries of an external force: along the axes of the base, and distance of its point of
+/// action from the expected one.
 pub(crate) const FORCE: usize = 6;
 
 const fn along(name: &'static str, symbol: &'static str) -> Parameter {
@@ -12,7 +13,7 @@ const fn along(name: &'static str, symbol: &'static str) -> Parameter {
         name,
         symbol,
         unit: "N",
-        prior_text: "0 ± `external_force_n`; or as stated on the command line",
+        prior_text: "0 ± `external_force_n`; or as specified on the command line",
         source: ASSUMED,
         ..Parameter::CARRIED
     }
@@ -29,7 +30,7 @@ const fn away(name: &'static str, symbol: &'static str) -> Parameter {
     }
 }
 
-/// A force as a state has it.
+/// External force of a state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AppliedForce {
     pub(crate) force_n: [f64; 3],
@@ -39,9 +40,9 @@ pub(crate) struct AppliedForce {
 impl Effect for AppliedForce {
     const DESCRIPTION: Description = Description {
         title: "External force",
-        text: "A cable, a hose or a spring balancer pulls at the tool with a force that is constant in the base frame. \
-               It is part of the estimate where the recording shows one or the operator states one, see \
-               [a force that stays](absolute.md#a-force-that-stays).",
+        text: "A cable, a hose or a spring balancer acts on the tool with a force that is constant in the base frame. \
+               It is part of the estimate if the recording shows a force or the operator specifies one, see \
+               [external force](absolute.md#external-force).",
         equation: "joint torque   −LP[J(q)]ᵀ f,      J(q)ᵀ f = Σ_k f_k (j_k + Σ_l a_l m_lk)",
         parameters: &[
             along("external force x", "f_x"),
@@ -54,12 +55,12 @@ impl Effect for AppliedForce {
     };
 }
 
-/// What a force does to the spring of a joint.
+/// Torque of a force on a joint.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct ForceTorque {
     /// Torque per newton along each axis of the base, N·m.
     pub(crate) at: Vec3,
-    /// What that changes by for every metre along each axis of the body.
+    /// Change per metre of distance along each axis of the body.
     pub(crate) away: [Vec3; 3],
 }
 

@@ -9,8 +9,7 @@ use crate::Gaussian;
 pub(crate) struct JointFriction;
 
 /// Source of a friction that `robot.toml` does not state.
-pub(super) const STATED: &str =
-    "data sheet; where not stated, friction of the BioRob-like arm as a starting value";
+pub(super) const STATED: &str = "data sheet; default: friction of the BioRob-like arm";
 
 impl Effect for JointFriction {
     const DESCRIPTION: Description = Description {
@@ -24,7 +23,7 @@ impl Effect for JointFriction {
                 name: "Coulomb friction",
                 symbol: "F_c",
                 unit: "N·m",
-                prior_text: "stated, ± `friction_percent`; not stated, 2 mrad × K ± the same",
+                prior_text: "specified value ± `friction_percent`; default 2 mrad × K ± the same",
                 source: STATED,
                 lifetime: Lifetime::Days,
                 kind: Some(Kind::Friction),
@@ -39,7 +38,7 @@ impl Effect for JointFriction {
                 name: "viscous friction",
                 symbol: "F_v",
                 unit: "N·m·s/rad",
-                prior_text: "stated, ± `friction_percent`; not stated, 0.6 of that per rad/s ± the same",
+                prior_text: "specified value ± `friction_percent`; default 0.6 of the Coulomb friction per rad/s ± the same",
                 source: STATED,
                 lifetime: Lifetime::Days,
                 kind: Some(Kind::Friction),

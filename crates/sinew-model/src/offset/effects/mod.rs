@@ -8,8 +8,8 @@
 //! x = theta_measured − q − Σ deflection,     τ = Σ joint torque,     η = Σ stiffening
 //! ```
 //!
-//! An effect adds its terms to these sums, and their derivatives with respect to each of its parameters. The joint torques of links,
-//! payload and external force have columns of their own beside those of the joint's parameters.
+//! An effect adds its terms to these sums, and their derivatives with respect to each of its parameters. The joint
+//! torques of links, payload and external force have separate columns in addition to those of the joint's parameters.
 //!
 //! A new effect is a file with a type that implements `Effect`, its parameters in [`JointParameter`], and a line in the
 //! list below. State, priors, ageing, rows of the equations and the page of the book follow from that.
@@ -23,7 +23,9 @@ mod encoder_zero;
 mod example;
 pub(crate) mod external_force;
 mod gear;
+pub(crate) mod initial_friction;
 mod joint_friction;
+pub(crate) mod joint_spring;
 pub(crate) mod moment_arm;
 mod motor_torque;
 mod offset;
@@ -32,7 +34,7 @@ mod point;
 mod slack;
 mod spring;
 mod stiffening;
-pub(crate) mod stuck_friction;
+pub(crate) mod tension_sensor;
 pub(crate) mod thermal;
 mod viscoelastic;
 
@@ -42,7 +44,7 @@ pub(crate) use external_force::FORCE;
 pub(crate) use payload::PAYLOAD;
 pub(crate) use point::{Drive, JointRow, Measured, Point, Sum, total};
 
-/// Amplitudes of a joint's encoder error: sine and cosine once and twice per turn.
+/// Number of amplitudes of a joint's encoder error: sine and cosine of the first and second harmonic.
 pub(crate) const ENCODER: usize = 4;
 
 /// A joint's parameters, in their order in the state.
@@ -65,7 +67,7 @@ pub enum JointParameter {
     Drift,
     /// Compliance change with temperature, 1/K.
     Thermal,
-    /// First of the encoder's sine and cosine once and twice per turn, rad.
+    /// First of the sine and cosine amplitudes of the first and second harmonic of the encoder error, rad.
     Encoder,
     /// Scale error of the motor torque.
     MotorScale = Self::Encoder as usize + ENCODER,
@@ -79,15 +81,25 @@ pub enum JointParameter {
     MotorLoadFriction,
     /// Half the dead zone of a slack antagonistic pair, rad.
     Slack,
-    /// Where in −1…1 the friction of a joint stood when the recording began.
-    Stuck,
+    /// Friction of a joint at the start of the recording, −1 to 1 of its Coulomb friction.
+    InitialFriction,
     /// Share of the deflection that follows with a memory of half a minute.
     Viscoelastic,
     /// Error of the gear ratio, relative.
     Gear,
-    /// What `theta_measured − q` shows of an unloaded spring right after tensioning, rad: where the
-    /// encoders were zeroed.
+    /// Value of `theta_measured − q` of an unloaded spring directly after tensioning, rad: the encoder zero offset.
     Zero,
+}
+
+impl JointParameter {
+    /// Whether it belongs to the joint of an axis; otherwise to the tendon or its motor.
+    pub(crate) const fn is_of_joint(place: usize) -> bool {
+        place == Self::Coulomb as usize
+            || place == Self::Viscous as usize
+            || place == Self::LoadFriction as usize
+            || place == Self::InitialFriction as usize
+            || (place >= Self::Encoder as usize && place < Self::Encoder as usize + ENCODER)
+    }
 }
 
 /// Entries per joint.
@@ -95,7 +107,7 @@ pub(crate) const PER_JOINT: usize = JointParameter::Zero as usize + 1;
 
 /// A physical effect: its description, and its terms in the sums of a joint's equations at a state.
 ///
-/// A term is nothing where the effect does not say otherwise. Every function adds to a [`Sum`] the term's value and its derivative
+/// A term is zero unless the effect implements it. Every function adds to a [`Sum`] the term's value and its derivative
 /// with respect to each parameter of the effect. Derivatives with respect to parameters of other effects are neglected.
 ///
 /// # Realtime
@@ -108,7 +120,7 @@ pub(crate) trait Effect {
     #[inline]
     fn joint_torque(_: &Point<'_>, _: &mut Sum<'_>) {}
 
-    /// Compliance relative to nominal, beside 1.
+    /// Compliance relative to nominal, in addition to 1.
     #[inline]
     fn compliance(_: &Point<'_>, _: &mut Sum<'_>) {}
 
@@ -122,11 +134,11 @@ pub(crate) trait Effect {
     #[inline]
     fn stiffening(_: &Point<'_>, _: &mut Sum<'_>) {}
 
-    /// Torque that the motor provides beside that of the spring and of its inertia, N·m.
+    /// Torque that the motor provides in addition to that of the spring and of its inertia, N·m.
     #[inline]
     fn drive_torque(_: &Point<'_>, _: &Drive, _: &mut Sum<'_>) {}
 
-    /// Recorded motor torque relative to the true one, beside 1.
+    /// Recorded motor torque relative to the true one, in addition to 1.
     #[inline]
     fn motor_scale(_: &Point<'_>, _: &mut Sum<'_>) {}
 
@@ -134,13 +146,13 @@ pub(crate) trait Effect {
     #[inline]
     fn motor_bias(_: &Point<'_>, _: &mut Sum<'_>) {}
 
-    /// Standard deviation of a joint torque that is unknown beside the noise, N·m.
+    /// Standard deviation of an unknown joint torque in addition to the noise, N·m.
     #[inline]
     fn unknown_torque(_: &Point<'_>) -> f64 {
         0.0
     }
 
-    /// Standard deviation of a drive torque that is unknown beside the noise, N·m.
+    /// Standard deviation of an unknown drive torque in addition to the noise, N·m.
     #[inline]
     fn unknown_drive_torque(_: &Point<'_>, _: &Drive) -> f64 {
         0.0
@@ -224,7 +236,9 @@ effects![
     slack::Slack,
     encoder::Encoder,
     moment_arm::MomentArm,
-    stuck_friction::StuckFriction,
+    joint_spring::JointSpring,
+    tension_sensor::TensionSensor,
+    initial_friction::InitialFriction,
     joint_friction::JointFriction,
     bodies::Bodies,
     payload::HeldPayload,
@@ -247,7 +261,8 @@ const TERMS: [Term; PER_JOINT] = {
     terms
 };
 
-/// Entries of a joint of which only the link row knows, of which both rows know, and of which only the motor row knows.
+/// Indices and number of the joint parameters that enter exactly the selected equations: link equation, motor
+/// equation, or both.
 pub(crate) const fn entries(link: bool, motor: bool) -> ([usize; PER_JOINT], usize) {
     let (mut places, mut count, mut k) = ([0; PER_JOINT], 0, 0);
     while k < PER_JOINT {

@@ -7,8 +7,7 @@ pub(crate) struct MomentArm;
 impl Effect for MomentArm {
     const DESCRIPTION: Description = Description {
         title: "Moment arm error",
-        text: "A tendon that crosses several joints runs over pulleys whose radii differ from robot.toml. At a joint other than its own the error moves the path of the \
-               tendon with that joint, and changes the share of the torque that every tendon there carries. There is a parameter for each such tendon and joint.",
+        text: "A tendon that crosses several joints runs over pulleys whose radii differ from robot.toml. At a joint other than that of the tendon, the error changes the path length with the position of that joint, and the distribution of the torque over all tendons there. There is one parameter for each such tendon and joint.",
         equation: "deflection   ρ_ij ε_ij LP[q_j]\ntorque   −B_lj ρ_ij ε_ij K_i (y_i − Δ_e − y₀) of every tendon l",
         parameters: &[Parameter {
             name: "moment arm error",

@@ -32,15 +32,16 @@ impl Effect for MotorTorque {
                 name: "motor torque zero",
                 symbol: "b",
                 unit: "N·m",
-                prior_text: "0 ± a tenth of the drive's Coulomb friction, at least `motor_torque_percent` of 20 mrad × K",
-                source: "engineering judgement: a torque's zero is good to a small part of the drive's friction",
+                prior_text: "0 ± a tenth of the drive's Coulomb friction, at least `motor_torque_percent` of the pretension of a strand and of 20 mrad × K",
+                source: "engineering judgement: the zero error of a torque is a small part of the drive friction",
                 lifetime: Lifetime::Days,
                 kind: Some(Kind::MotorTorque),
                 term: Term::MotorBias,
                 prior: |inputs| {
                     let drive_nm = inputs.joint.drive_coulomb_nm();
                     let scale = inputs.tolerances.motor_torque;
-                    let least_nm = scale * 0.02 * inputs.joint.stiffness_nm_per_rad;
+                    let least_nm = (scale * 0.02 * inputs.joint.stiffness_nm_per_rad)
+                        .max(scale * inputs.joint.pretension_nm);
                     Some(about_zero((0.1 * drive_nm).max(least_nm)))
                 },
             },

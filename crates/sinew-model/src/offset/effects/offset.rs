@@ -9,16 +9,16 @@ pub(crate) struct Offset;
 impl Effect for Offset {
     const DESCRIPTION: Description = Description {
         title: "Offset",
-        text: "A tendon that has become longer lets the motor turn further for the same joint torque. \
+        text: "With an elongated tendon the motor turns further for the same joint torque. \
                The offset is the difference of motor and joint position at zero load since tensioning. \
-               Changes that the search finds, such as slips, add to it from their time on.",
+               Changes found by the search, such as slips, are added from their time on.",
         equation: "deflection   Δ_e",
         parameters: &[Parameter {
             place: P::Offset as usize,
             name: "offset",
             symbol: "Δ_e",
             unit: "rad",
-            prior_text: "without a baseline 0 ± 30 mrad, right after tensioning 0 ± 0.01 mrad",
+            prior_text: "without a baseline 0 ± 30 mrad, directly after tensioning 0 ± 0.01 mrad",
             source: "definition: zero after tensioning; otherwise engineering judgement",
             lifetime: Lifetime::Recording,
             kind: None,

@@ -1,13 +1,13 @@
-//! What the gripper holds.
+//! Payload in the gripper.
 
 use super::description::ASSUMED;
 use super::{Description, Effect, FIXED, Parameter, about_zero};
 use crate::Gaussian;
 use crate::arm::PARAMETERS_PER_BODY;
-use crate::offset::belief::Payload;
+use crate::offset::state_estimate::Payload;
 use crate::tolerances::Tolerances;
 
-/// Payload: mass, and three first moments beside where it is expected.
+/// Number of entries of a payload: mass, and three first moments about its expected point.
 pub(crate) const PAYLOAD: usize = 4;
 
 /// Nothing is held further from where it is expected, m, a tool by its end, where it may be off by `reach_m`, a standard deviation
@@ -32,7 +32,7 @@ pub(crate) fn point_mass([x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {
     [1.0, x, y, z, xx, xy, xz, yy, yz, zz]
 }
 
-/// What the gripper holds: mass and moments about where it is expected.
+/// Payload in the gripper: mass and first moments about its expected point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HeldPayload {
     mass_kg: f64,
@@ -55,16 +55,16 @@ const fn moment(name: &'static str, symbol: &'static str) -> Parameter {
 impl Effect for HeldPayload {
     const DESCRIPTION: Description = Description {
         title: "Payload",
-        text: "The gripper may hold a point mass near the place `a` where a payload is expected. \
+        text: "The gripper may hold a point mass near the expected point `a`. \
                Its second moments follow from its mass and first moments, so the torque is not linear in them. \
-               A change that the search finds, such as a load picked up, adds to the parameters from its time on.",
+               A change found by the search, such as a load picked up, is added to the parameters from its time on.",
         equation: "joint torque   Φ_tool (m, m a + h, m a aᵀ + a hᵀ + h aᵀ + h hᵀ/m)",
         parameters: &[
             Parameter {
                 name: "payload mass",
                 symbol: "m",
                 unit: "kg",
-                prior_text: "stated; or `payload_mean_kg` ± `payload_kg`; or 0 of an empty gripper",
+                prior_text: "as specified; or `payload_mean_kg` ± `payload_kg`; or 0 for an empty gripper",
                 source: ASSUMED,
                 ..Parameter::CARRIED
             },
@@ -81,9 +81,9 @@ impl HeldPayload {
         let mass = match payload {
             Payload::Empty => return [about_zero(FIXED); PAYLOAD],
             Payload::Unknown => tolerances.payload_kg,
-            Payload::Known { mass_kg } => Gaussian::new(mass_kg.mean, mass_kg.deviation.max(FIXED)),
+            Payload::Specified { mass_kg } => Gaussian::new(mass_kg.mean, mass_kg.std.max(FIXED)),
         };
-        let size = mass.mean.abs().max(mass.deviation);
+        let size = mass.mean.abs().max(mass.std);
         let moment = about_zero(size * tolerances.payload_reach_m);
         [mass, moment, moment, moment]
     }
@@ -100,7 +100,7 @@ impl HeldPayload {
     }
 }
 
-/// What a payload does to the torque of a joint: a point mass near where it is expected.
+/// Effect of a payload on the torque of a joint: a point mass near its expected point.
 ///
 /// With `h = m e` its moments about that place `a`, its second moments about the link's origin are
 /// `m a aᵀ + a hᵀ + h aᵀ + h hᵀ/m`.
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_payload_weighs_as_a_point_mass_where_it_is() {
+    fn payload_torque_equals_point_mass_torque() {
         let body: [f64; PARAMETERS_PER_BODY] =
             core::array::from_fn(|k| libm::sin(1.0 + 2.3 * k as f64));
         let at = [0.02, -0.11, 0.04];
@@ -189,8 +189,8 @@ mod tests {
             if m == 0.0 {
                 continue;
             }
-            // Moments: the slope is that of the torque at a constant mass. The mass's own leaves
-            // out that the same moments sit nearer on a heavier body, which its size allows for.
+            // Moments: the slope is that of the torque at a constant mass. The slope of the mass neglects that the same
+            // moments correspond to a shorter distance on a heavier body, which its standard deviation covers.
             for k in 1..PAYLOAD {
                 let mut ends = [state; 2];
                 ends[0][k] -= 1e-6;
@@ -216,9 +216,9 @@ mod tests {
         assert!(slope.iter().all(|s| s.is_finite()));
     }
 
-    /// 0.2 kg at the end of half a meter of tool, where `payload_reach_mm` is 100.
+    /// A payload of 0.2 kg at the end of a tool of 0.5 m, with `payload_reach_mm` 100.
     #[test]
-    fn a_longer_reach_holds_a_load_further_out() {
+    fn longer_reach_permits_distant_load() {
         let body = [1.0; PARAMETERS_PER_BODY];
         let held = [0.2, 0.0, 0.0, 0.1];
         let torque = |reach_m| {

@@ -14,8 +14,8 @@ pub(crate) struct Point<'a> {
     pub(crate) x: &'a JointRow,
     pub(crate) joint: &'a JointPrior,
     pub(crate) measured: &'a Measured,
-    /// Temperature over that the offsets refer to, K.
-    pub(crate) warmer_k: f64,
+    /// Difference from the reference temperature of the offsets, K.
+    pub(crate) temperature_difference_k: f64,
 }
 
 impl Point<'_> {
@@ -52,7 +52,7 @@ impl Sum<'_> {
     }
 }
 
-/// A sum of terms; their derivatives go to `derivatives`.
+/// Computes a sum of terms and writes their derivatives to `derivatives`.
 ///
 /// * `start`: the sum without effects.
 #[inline]
@@ -69,7 +69,7 @@ pub(crate) fn total(
     sum.value
 }
 
-/// All that a joint's equations need of a block but `Φ`, whatever the state.
+/// Quantities of a block in a joint's equations, except `Φ`, that are independent of the state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measured {
     /// `theta_measured − q`, its square and cube, and with a long memory.
@@ -77,24 +77,32 @@ pub(crate) struct Measured {
     pub(crate) y_square: f64,
     pub(crate) y_cube: f64,
     pub(crate) y_slow: f64,
-    /// Torque of the springs at the joint over its stiffness, rad: `y` of a joint with a tendon of its own.
+    /// Torque of the tendon divided by its described stiffness, rad: `y` of a loop.
+    pub(crate) pull_rad: f64,
+    /// Torque of the springs at the joint divided by its stiffness, rad: `y` of a joint with a separate tendon.
     pub(crate) load_rad: f64,
-    /// Joint position, or path of the tendon by all joints it crosses, rad; velocity of the joint, and what goes with its encoder.
+    /// Joint position, or path of the tendon over all joints that it crosses, rad.
     pub(crate) turned: f64,
+    /// Velocity of the joint, rad/s.
     pub(crate) dq: f64,
+    /// Sine and cosine terms of the encoder error.
     pub(crate) encoder: [f64; ENCODER],
-    /// Friction state, what is unknown of it, and times the size of the spring's torque, N·m.
+    /// Pre-sliding friction state.
     pub(crate) z: f64,
+    /// Half-width of the unknown part of the friction state.
     pub(crate) z_unknown: f64,
+    /// Friction state multiplied by the magnitude of the spring torque, N·m.
     pub(crate) z_load: f64,
-    /// Share of its friction that is unknown as the arm has stood for long: 1 or 0.
+    /// Share of the friction that is unknown after a long rest: 1 or 0.
     pub(crate) held: f64,
-    /// Torque of the bodies as they are described, N·m.
+    /// Torque of the bodies according to the description, N·m.
     pub(crate) tau: f64,
-    /// Of what the gripper holds.
+    /// Torque of the payload on the joint.
     pub(crate) load: PayloadTorque,
-    /// Where the motor's torque is recorded.
+    /// Drive values, if the motor torque is recorded.
     pub(crate) drive: Option<Drive>,
+    /// Torque of a tendon whose tension is measured, N·m; NaN where it is not.
+    pub(crate) tension_nm: f64,
 }
 
 /// The motor's side.

@@ -7,15 +7,15 @@ use super::{
 
 pub(crate) struct Slack;
 
-/// Half a dead zone before anything is known, rad.
+/// Prior standard deviation of half the dead zone, rad.
 const UNKNOWN_SLACK_RAD: f64 = 0.01;
-/// Deflection of the spring over which the joint goes through its dead zone, rad.
+/// Spring deflection over which the joint crosses its dead zone, rad.
 const SMOOTH_RAD: f64 = 2e-3;
 
 impl Effect for Slack {
     const DESCRIPTION: Description = Description {
         title: "Slack",
-        text: "Two ropes of an antagonistic pair that have stretched let the joint through a dead zone, by the sign of the torque. \
+        text: "Two elongated ropes of an antagonistic pair leave a dead zone at the joint; its side depends on the sign of the torque. \
                The sign is a hyperbolic tangent with a scale of 2 mrad of deflection. \
                Its derivative with respect to the torque is neglected.",
         equation: "deflection   s tanh(d / 2 mrad),      d = (1 + Σ compliance) τ/K",

@@ -1,4 +1,4 @@
-//! A spring that is softer or stiffer than its description.
+//! Deviation of a spring's stiffness from its description.
 
 use super::description::ASSUMED;
 use super::{
@@ -11,9 +11,9 @@ pub(crate) struct Spring;
 impl Effect for Spring {
     const DESCRIPTION: Description = Description {
         title: "Spring",
-        text: "The joint torque bends a spring, the rope included, whose compliance differs from 1/K of robot.toml. \
+        text: "The joint torque deflects a spring, including the rope, whose compliance differs from 1/K of robot.toml. \
                The parameter is the relative error of the compliance, so the deflection is linear in it. \
-               A strand failure adds to it from its time on.",
+               A strand failure is added from its time on.",
         equation: "compliance   δκ",
         parameters: &[Parameter {
             place: P::Compliance as usize,

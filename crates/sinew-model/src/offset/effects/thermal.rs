@@ -9,14 +9,14 @@ use super::{
 pub(crate) struct Thermal;
 
 impl Thermal {
-    /// What changes with temperature, and its change per kelvin.
+    /// Parameters that change with temperature, and their change per kelvin.
     pub(crate) const CHANGES: [(P, P); 2] = [(P::Compliance, P::Thermal), (P::Offset, P::Drift)];
 }
 
 impl Effect for Thermal {
     const DESCRIPTION: Description = Description {
         title: "Temperature",
-        text: "A fibre shortens where it warms, and the frame that it is strung on grows; both shift the offset. \
+        text: "A fibre contracts and the frame expands with temperature; both change the offset. \
                The compliance of the rope grows with temperature, too. \
                `ΔT` is the temperature of the block relative to that of the baseline, and 0 where one of them is unknown.",
         equation: "deflection   α_T ΔT\ncompliance   c_K ΔT",
@@ -26,7 +26,7 @@ impl Effect for Thermal {
                 name: "zero drift",
                 symbol: "α_T",
                 unit: "rad/K",
-                prior_text: "by rope and frame, see [warmth](absolute.md#warmth); otherwise 0 ± `drift_mrad_per_k`",
+                prior_text: "from rope and frame, see [temperature effects](absolute.md#temperature); otherwise 0 ± `drift_mrad_per_k`",
                 source: "rope catalogue; otherwise engineering judgement",
                 lifetime: Lifetime::Months,
                 kind: Some(Kind::Drift),
@@ -53,12 +53,12 @@ impl Effect for Thermal {
 
     #[inline]
     fn deflection(point: &Point<'_>, _: f64, sum: &mut Sum<'_>) {
-        sum.add(point, P::Drift, point.warmer_k);
+        sum.add(point, P::Drift, point.temperature_difference_k);
     }
 
     #[inline]
     fn compliance(point: &Point<'_>, sum: &mut Sum<'_>) {
-        sum.add(point, P::Thermal, point.warmer_k);
+        sum.add(point, P::Thermal, point.temperature_difference_k);
     }
 }
 
@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn temperature_shifts_offset_and_compliance() {
         let mut example = Example::with(&[(P::Drift, -0.4e-3), (P::Thermal, 2e-3)]);
-        example.warmer_k = 5.0;
+        example.temperature_difference_k = 5.0;
         example.check::<Thermal>(|point, sum| Thermal::deflection(point, 0.0, sum), -2e-3);
         example.check::<Thermal>(Thermal::compliance, 0.01);
     }

@@ -11,7 +11,7 @@ pub(crate) struct Viscoelastic;
 impl Effect for Viscoelastic {
     const DESCRIPTION: Description = Description {
         title: "Viscoelastic rope",
-        text: "A rope creeps after a change of its load and creeps back. A share of the deflection follows it with a memory of half a minute, `LP₃₀`.",
+        text: "A rope creeps after a change of its load, and recovers after unloading. A share of the deflection follows with a time constant of 30 s, `LP₃₀`.",
         equation: "deflection   v (LP₃₀[theta_measured − q] − Δ_e − y₀)",
         parameters: &[Parameter {
             place: P::Viscoelastic as usize,

@@ -9,6 +9,7 @@
 //! In addition to the tendon's own parameters the equation has the friction and the encoder of every joint, which are parameters of that joint.
 
 use super::equation::{Equations, Side};
+use super::joint_rows;
 use super::loaded::{Common, Loaded};
 use super::reduced_model::ReducedModel;
 use crate::cholesky::dot;
@@ -33,10 +34,14 @@ pub(super) fn linearise(
     measured.clear();
     measured.extend(joints.take(model.joints.len().min(measured.capacity())));
     let mut others = core::mem::take(&mut out.of_others);
-    for i in 0..measured.len() {
+    let has_own = |i: &usize| routes.pull(*i).is_none() && routes.pulled(*i).is_none();
+    for i in (0..measured.len()).filter(has_own) {
         linearise_tendon(i, model, routes, block, &measured, common, &mut others, out);
     }
     out.of_others = others;
+    if routes.has_pulls() {
+        joint_rows::linearise(model, routes, block, &measured, common, out);
+    }
     out.measured = measured;
 }
 
@@ -69,7 +74,7 @@ fn linearise_tendon(
         x: &own,
         joint: own_joint,
         measured: is,
-        warmer_k: common.warmer,
+        temperature_difference_k: common.warmer,
     };
     let mut derivatives = [0.0; PER_JOINT];
     let bodies = common.x.get(model.layout.carried()).unwrap_or_default();
@@ -102,7 +107,7 @@ fn linearise_tendon(
                 x: if j == i { &own } else { x },
                 joint: nominal,
                 measured: other,
-                warmer_k: common.warmer,
+                temperature_difference_k: common.warmer,
             };
             let mut torque = [0.0; PER_JOINT];
             tau += share
@@ -250,6 +255,7 @@ mod tests {
         // rho = (1 a; −b −1), B = rho⁻ᵀ.
         let det = a * b - 1.0;
         let rows = [([1.0, a], [-1.0, b]), ([-b, -1.0], [-a, 1.0])];
+        let mut joint = 0..2;
         let transmissions = rows.map(|(arms, shares): ([f64; 2], [f64; 2])| {
             let friction = Friction {
                 coulomb_nm: 0.1,
@@ -261,10 +267,12 @@ mod tests {
                 motor_friction: friction,
                 routing: Some(Routing {
                     tendon: "tendon".into(),
+                    joint: joint.next().unwrap(),
                     motor: "motor".into(),
                     drive_ratio: 1.0,
                     moment_arms: arms.to_vec(),
                     torque_shares: shares.map(|x| x / det).to_vec(),
+                    pull: None,
                 }),
                 ..Transmission::spring(40.0)
             })
@@ -307,7 +315,7 @@ mod tests {
             .collect();
         // Derivatives of one effect by a parameter of another are neglected.
         for joint in 0..2 {
-            for none in [P::Stuck, P::Slack, P::Viscoelastic] {
+            for none in [P::InitialFriction, P::Slack, P::Viscoelastic] {
                 x[layout.place(joint, none)] = 0.0;
             }
         }

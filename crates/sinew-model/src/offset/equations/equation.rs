@@ -1,5 +1,6 @@
-//! A block's equations: rows over the state, and what is left of what was measured.
+//! Equations of a block: rows with respect to the state, and residuals.
 
+use super::pull_state::PullState;
 use crate::cholesky::dot;
 use crate::offset::change::{Appearance, ChangeKind, ChangePoint};
 use crate::offset::effects::{FORCE, JointParameter as P, JointRow, Measured, PAYLOAD, PER_JOINT};
@@ -7,53 +8,46 @@ use crate::offset::layout::Layout;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Where an equation comes from.
+/// Side of the transmission from which an equation originates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
-    /// `theta_measured − q`, rad.
+    /// `theta_measured − q`, or the torque of the tendons at a joint divided by its stiffness, rad.
     Link,
     /// Motor torque, N·m.
     Motor,
+    /// Torque by a tension sensor, N·m.
+    Tension,
 }
+
+/// Rows of every axis.
+const SIDES: usize = 3;
 
 /// One equation of a block.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Equation {
     pub(crate) joint: usize,
     pub(crate) side: Side,
-    /// How what is expected moves with the joint's own parameters: nothing with those that only the
-    /// other side knows, and with the zero as with the offset ([`super::gram`] rests on that).
+    /// Derivatives of the expected value with respect to the joint's parameters: zero for those that occur only on the
+    /// other side, and equal for the zero and the offset ([`super::gram`] requires this).
     pub(crate) own: [f64; PER_JOINT],
-    /// How it moves with the joint's torque: what masses and load do goes through that, so over them
+    /// Derivative with respect to the joint's torque: masses and load act only through it, so over them
     /// the row is this times [`Equations::carried`].
     pub(crate) torque_gain: f64,
     /// Measured less expected.
     pub(crate) residual: f64,
-    /// Standard deviation of what is unknown beside the noise: a standing drive's friction.
-    pub(crate) added_deviation: f64,
+    /// Standard deviation of an unknown effect in addition to the noise: friction of a drive at rest.
+    pub(crate) added_std: f64,
     /// Share of the time the drive stationary_share.
     pub(crate) stationary_share: f64,
-}
-
-impl Equation {
-    /// Whether what is expected moves with such a change: a motor's torque knows nothing of its rope but the load.
-    pub(crate) fn moves_with(&self, kind: ChangeKind) -> bool {
-        match kind {
-            ChangeKind::Offset(joint)
-            | ChangeKind::Compliance(joint)
-            | ChangeKind::Creep(joint) => joint == self.joint && self.side == Side::Link,
-            ChangeKind::Payload | ChangeKind::Force => true,
-        }
-    }
 }
 
 /// A change that has happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Active {
-    /// Its first column.
+    /// First column of the change.
     pub(crate) first: usize,
     pub(crate) kind: ChangeKind,
-    /// By how much of its entries what it changes has changed.
+    /// Factor of the change's entries in the block: 1 for a step, the elapsed time in s for creep.
     pub(crate) factor: f64,
 }
 
@@ -62,7 +56,7 @@ pub(crate) struct Active {
 pub(crate) struct Equations {
     layout: Layout,
     pub(crate) list: Vec<Equation>,
-    /// How the torque of every joint moves with bodies and load, and with a force where one is sought, `n` rows.
+    /// Derivatives of every joint's torque with respect to bodies, load, and a force if one is searched for, `n` rows.
     carried: Vec<f64>,
     /// Length of such a row.
     width: usize,
@@ -70,10 +64,14 @@ pub(crate) struct Equations {
     active: Vec<Active>,
     /// Rows over the parameters of the other joints and the errors of moment arms, of the link and the motor side of every joint; empty where every joint has a tendon of its own.
     cross: Vec<f64>,
-    /// What the block measures at every joint, while coupled equations are made.
+    /// Measured values of a block at every joint, while coupled equations are set up.
     pub(super) measured: Vec<Option<Measured>>,
     /// Room for derivatives with respect to the parameters of other joints.
     pub(super) of_others: Vec<JointRow>,
+    /// Tensions of tendons whose group has one equation per joint; empty where there is no such group.
+    pub(super) pulls: Vec<PullState>,
+    /// Room for a row over the parameters of all axes.
+    pub(super) row: Vec<f64>,
 }
 
 /// A copy has the same room: [`Equations::push`] never makes any.
@@ -92,35 +90,41 @@ impl Clone for Equations {
             cross: self.cross.clone(),
             measured: Vec::with_capacity(self.measured.capacity()),
             of_others: self.of_others.clone(),
+            pulls: self.pulls.clone(),
+            row: self.row.clone(),
         }
     }
 }
 
-/// Length of a row of what moves a joint's torque: bodies, load, and a force where one is sought.
+/// Length of a row of the derivatives of a joint's torque: bodies, load, and a force if one is searched for.
 pub(crate) fn width(layout: Layout, changes: &[ChangePoint]) -> usize {
     let is_sought = changes.iter().any(|c| c.kind == ChangeKind::Force);
     layout.carried().len() + if is_sought { FORCE } else { 0 }
 }
 
 impl Equations {
-    /// Room for the equations of a block while these changes are sought; allocates here only.
+    /// Allocates the equations of a block for these changes; later calls do not allocate.
     pub(crate) fn new(layout: Layout, changes: &[ChangePoint]) -> Self {
         let n = layout.joints;
         let width = width(layout, changes);
         let coupled = if layout.is_coupled { n } else { 0 };
+        let pulls = layout.sensors > 0;
         Self {
             layout,
-            list: Vec::with_capacity(2 * n),
+            list: Vec::with_capacity(if layout.sensors > 0 { SIDES } else { 2 } * n),
             carried: alloc::vec![0.0; n * width],
             width,
             active: Vec::with_capacity(changes.len()),
-            cross: alloc::vec![0.0; 2 * coupled * layout.body_start()],
+            cross: alloc::vec![0.0; SIDES * coupled * layout.body_start()],
             measured: Vec::with_capacity(coupled),
             of_others: alloc::vec![[0.0; PER_JOINT]; coupled],
+            pulls: alloc::vec![PullState::NONE; if pulls { n } else { 0 }],
+            row: alloc::vec![0.0; if pulls { layout.body_start() } else { 0 }],
         }
     }
 
-    /// How an equation moves with the parameters of all joints but its own and with the errors of moment arms; empty where every joint has a tendon of its own.
+    /// Derivatives of an equation with respect to the parameters of all other joints and the errors of moment arms;
+    /// empty where every joint has a tendon of its own.
     fn cross(&self, e: &Equation) -> &[f64] {
         self.cross
             .get(self.cross_place((e.joint, e.side)))
@@ -129,8 +133,17 @@ impl Equations {
 
     fn cross_place(&self, (joint, side): (usize, Side)) -> Range<usize> {
         let width = self.layout.body_start();
-        let row = 2 * joint + usize::from(side == Side::Motor);
+        let row = SIDES * joint + side as usize;
         row * width..(row + 1) * width
+    }
+
+    /// How an equation moves with the parameters of all axes but its own, and with those of moment arms, springs and sensors: room to
+    /// fill, zero at first. Never allocates.
+    pub(super) fn cross_row(&mut self, of: (usize, Side)) -> &mut [f64] {
+        let place = self.cross_place(of);
+        let row = self.cross.get_mut(place).unwrap_or_default();
+        row.fill(0.0);
+        row
     }
 
     /// Takes how an equation moves with the parameters of every joint, and with the errors of moment arms. Never allocates.
@@ -153,13 +166,13 @@ impl Equations {
         }
     }
 
-    /// How the torque of a joint moves with bodies and load.
+    /// Derivatives of the torque of a joint with respect to bodies and payload.
     pub(crate) fn carried(&self, joint: usize) -> &[f64] {
         let bodies_and_load = self.layout.carried().len();
         self.row(joint).get(..bodies_and_load).unwrap_or_default()
     }
 
-    /// The same, and with a force where one is sought.
+    /// Derivatives of the torque of a joint with respect to bodies, payload, and an external force if one is estimated.
     pub(crate) fn row(&self, joint: usize) -> &[f64] {
         let m = self.width;
         let row = self.carried.get(joint * m..(joint + 1) * m);
@@ -171,20 +184,38 @@ impl Equations {
         &self.active
     }
 
-    /// Entry `k` of what changes, in the row of `e`, at a factor of 1.
-    pub(crate) fn entry(&self, e: &Equation, kind: ChangeKind, k: usize) -> f64 {
+    /// Whether the predicted measurement of `e` depends on such a change. A motor torque depends on its rope only
+    /// through the load, unless an equation per joint derives the tension from the extension of the rope.
+    pub(crate) fn moves_with(&self, e: &Equation, kind: ChangeKind) -> bool {
         match kind {
-            ChangeKind::Offset(joint) | ChangeKind::Creep(joint) if joint == e.joint => {
-                e.own[P::Offset as usize]
+            ChangeKind::Offset(joint)
+            | ChangeKind::Compliance(joint)
+            | ChangeKind::Creep(joint) => match self.layout.sensors > 0 {
+                true => self.entry(e, kind, 0) != 0.0,
+                false => joint == e.joint && e.side == Side::Link,
+            },
+            ChangeKind::Payload | ChangeKind::Force => true,
+        }
+    }
+
+    /// Entry `k` of the changed parameters in the row of `e`, for a factor of 1.
+    pub(crate) fn entry(&self, e: &Equation, kind: ChangeKind, k: usize) -> f64 {
+        let of = |joint: usize, parameter: P| match joint == e.joint {
+            true => e.own[parameter as usize],
+            false if self.layout.sensors > 0 => {
+                entry(self.cross(e), self.layout.place(joint, parameter))
             }
-            ChangeKind::Compliance(joint) if joint == e.joint => e.own[P::Compliance as usize],
+            false => 0.0,
+        };
+        match kind {
+            ChangeKind::Offset(joint) | ChangeKind::Creep(joint) => of(joint, P::Offset),
+            ChangeKind::Compliance(joint) => of(joint, P::Compliance),
             ChangeKind::Payload => {
                 e.torque_gain * entry(self.carried(e.joint), self.layout.bodies + k)
             }
             ChangeKind::Force => {
                 e.torque_gain * entry(self.row(e.joint), self.layout.carried().len() + k)
             }
-            _ => 0.0,
         }
     }
 
@@ -203,7 +234,7 @@ impl Equations {
         };
         let active = self.active.iter();
         active
-            .filter(move |active| e.moves_with(active.kind))
+            .filter(move |active| self.moves_with(e, active.kind))
             .flat_map(columns)
     }
 
@@ -243,7 +274,8 @@ impl Equations {
         }
     }
 
-    /// How the torque of joint `i` moves with bodies and load, and with a force where one is sought. Never allocates.
+    /// Computes the derivatives of the torque of joint `i` with respect to bodies, load, and a force if one is searched
+    /// for. Never allocates.
     pub(crate) fn carry(
         &mut self,
         i: usize,
@@ -284,7 +316,7 @@ impl Equations {
         }
     }
 
-    /// Entry `k` of what changes, with all that was added to it.
+    /// Entry `k` of the changed parameters, including all earlier changes.
     pub(crate) fn sum(&self, x: &[f64], kind: ChangeKind, k: usize) -> f64 {
         let place = kind.place(self.layout);
         let own = self
@@ -303,8 +335,8 @@ impl Equations {
     }
 }
 
-/// The middle of the step of two seconds that a time is in: blocks of one step share what creeps, so their rows can be
-/// summed together.
+/// Centre of the two-second step that contains a time. Blocks of one step share the creep, so that their rows can be
+/// summed.
 fn in_steps(from_s: f64, time_s: f64) -> f64 {
     const STEP_S: f64 = 2.0;
     from_s + (libm::floor((time_s - from_s) / STEP_S) + 0.5) * STEP_S
@@ -320,15 +352,10 @@ mod tests {
     use super::*;
     use crate::offset::fixtures::{own, random};
 
-    /// What a joint's torque has of bodies, load and force is its own, whatever the others carry.
+    /// The terms of bodies, load and force in a joint's torque are independent of those of the other joints.
     #[test]
-    fn every_joint_has_its_own_row() {
-        let layout = Layout {
-            joints: 3,
-            bodies: 5,
-            arms: 0,
-            is_coupled: false,
-        };
+    fn joints_have_separate_rows() {
+        let layout = Layout::diagonal(3, 5);
         let force = ChangePoint {
             kind: ChangeKind::Force,
             at_s: 0.0,
@@ -358,10 +385,10 @@ mod tests {
                     own: own(Side::Link, &mut seed),
                     torque_gain: -0.7,
                     residual: 0.0,
-                    added_deviation: 0.0,
+                    added_std: 0.0,
                     stationary_share: 0.0,
                 };
-                // All that isn't the joint's own comes after the joints, in one piece.
+                // All entries other than the joint's follow the joints in one block.
                 let of_own = dot(&e.own, &x[layout.own(joint)]);
                 let expected = of_own - 0.7 * dot(given, &x[layout.body_start()..]);
                 assert!((equations.dot(&e, &x) - expected).abs() < 1e-13);

@@ -1,4 +1,4 @@
-//! What an estimate from blocks rests on: the robot's prior and what blocks are like.
+//! Model of an estimate from blocks: the robot's prior and the properties of blocks.
 
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
@@ -13,7 +13,7 @@ pub(crate) struct EstimationModel {
     pub(crate) prior: Prior,
     /// The parameters that blocks can identify.
     pub(crate) reduced: ReducedModel,
-    /// Variance of a block's mean over that of independent noise: correlation time over length.
+    /// Ratio of the variance of a block mean to that of independent noise: correlation time divided by block duration.
     pub(crate) inflation: f64,
     pub(crate) block_s: f64,
     /// Pole of the blocks' low-pass, 1/s.
@@ -24,20 +24,20 @@ pub(crate) struct EstimationModel {
     pub(crate) noise_floor_rad: f64,
     /// Whether a recorded motor torque is used.
     pub(crate) motor_torque: bool,
-    /// A force from outside that is looked for.
+    /// External force that is searched for.
     pub(crate) force: Option<ForceModel>,
 }
 
-/// What the model gets wrong goes with the pose: an arm that has travelled so far says something new, rad.
-const NEWS_RAD: f64 = 0.3;
-/// It goes with time too, be it slowly, s.
-const NEWS_S: f64 = 10.0;
+/// Joint travel that provides one independent measurement, rad: model errors depend on the pose.
+const INDEPENDENT_TRAVEL_RAD: f64 = 0.3;
+/// Time that provides one independent measurement, s: model errors also change slowly with time.
+const INDEPENDENT_TIME_S: f64 = 10.0;
 
 impl EstimationModel {
     pub(crate) fn new(prior: Prior, features: &FeatureConfig) -> Self {
-        /// Friction stays for a stroke.
+        /// Duration for which the friction of a stroke is correlated, s.
         const STROKE_S: f64 = 0.3;
-        // Two time constants of the low-pass every signal has gone through, and a stroke.
+        // Two time constants of the low-pass of every signal, and a presliding stroke.
         let correlation_s = 2.0 / features.gain_per_s + STROKE_S;
         Self {
             reduced: ReducedModel::new(
@@ -58,7 +58,7 @@ impl EstimationModel {
         }
     }
 
-    /// Least noise of a motor equation, N·m: ripple and what a friction law leaves.
+    /// Minimum noise of a motor equation, N·m: torque ripple and friction model error.
     pub(crate) fn motor_floor(&self, i: usize) -> f64 {
         const PART: f64 = 0.1;
         let joint = self.prior.joints.get(i).and_then(Option::as_ref);
@@ -67,14 +67,20 @@ impl EstimationModel {
         })
     }
 
-    /// How much of a block's information counts: `max|q̇| t / 0.3 rad` of a block of the length `t`, but at least `t / 10 s`, and
-    /// at most what noise that lasts leaves of it.
+    /// Minimum noise of an equation of a tension sensor, N·m: ripple of 0.1 % of the usual tendon force.
+    pub(crate) fn tension_floor(&self, i: usize) -> f64 {
+        let joint = self.prior.joints.get(i).and_then(Option::as_ref);
+        joint.map_or(1.0, |j| 1e-3 * j.usual_torque_nm())
+    }
+
+    /// Returns the share of a block's information that is used: `max|q̇| t / 0.3 rad` of a block of the length `t`, at
+    /// least `t / 10 s`, and at most the share left by correlated noise.
     ///
-    /// What the model gets wrong goes with the pose. An arm that is slower says no more on the same way.
+    /// Model errors depend on the pose. A slower motion on the same path provides no additional information.
     pub(crate) fn share(&self, block: &Block) -> f64 {
         let speeds = block.dq.iter().map(|v| v.abs());
-        let travelled = speeds.fold(0.0, f64::max) * self.block_s / NEWS_RAD;
-        let passed = self.block_s / NEWS_S;
+        let travelled = speeds.fold(0.0, f64::max) * self.block_s / INDEPENDENT_TRAVEL_RAD;
+        let passed = self.block_s / INDEPENDENT_TIME_S;
         travelled.max(passed).min(1.0 / self.inflation)
     }
 }
@@ -85,7 +91,7 @@ mod tests {
     use crate::offset::fixtures::turntables;
 
     #[test]
-    fn a_block_counts_by_how_far_the_fastest_joint_travels() {
+    fn block_share_proportional_to_fastest_joint_travel() {
         let model = turntables(2, 0.0);
         let most = 1.0 / model.inflation;
         for (dq, share) in [

@@ -1,16 +1,16 @@
 //! Information of many blocks' equations: sums of products of rows, sixteen rows at a time.
 //!
-//! Rows are held back in panels of four columns, so that a tile of 4 × 4 sums stays in registers
-//! while it runs over them: reading and writing the sums for every row is most of the work
-//! otherwise. A row is known by the joint's own entries and the joint's torque,
+//! Rows are collected in panels of four columns, so that a tile of 4 × 4 sums remains in registers while the panel is
+//! processed. Otherwise most of the time is spent on reading and writing the sums for every row. A row is determined
+//! by the joint's own entries and the joint's torque,
 //!
 //! ```text
 //! h = (own, gain · carried),   Σ w hᵀ h = | Σ w ownᵀ own                        |
 //!                                          | Σ carriedᵀ (w gain own)   Σ w gain² carriedᵀ carried |
 //! ```
 //!
-//! so that link and motor row of a block share all but the first. What a change adds to an entry has
-//! that entry's column from its time on: it gets the same sums, of the blocks since then.
+//! so that link and motor row of a block share all but the first. A change of an entry has the column of that entry
+//! from the time of the change, so that it has the same sums over the later blocks.
 
 use super::equation::{Active, Equation, Equations, width};
 use crate::offset::change::{ChangeKind, ChangePoint};
@@ -25,8 +25,8 @@ const HELD: usize = 16;
 /// the motor row has.
 const LINK_ALONE: usize = entries(true, false).1 - 1;
 const BOTH: usize = entries(true, true).1;
-/// A joint's own entries: those of the link row alone, of both, of the motor row alone.
-const OWN: [usize; PER_JOINT - 1] = {
+/// Parameters of a joint: those of the link equation only, of both equations, and of the motor equation only.
+const OWN_PARAMETERS: [usize; PER_JOINT - 1] = {
     let (mut own, mut count) = ([0; PER_JOINT - 1], 0);
     let parts = [
         entries(true, false),
@@ -51,12 +51,12 @@ const OWN: [usize; PER_JOINT - 1] = {
 /// Tiles of the link row, of the motor row, of both.
 const LINK: core::ops::Range<usize> = 0..(LINK_ALONE + BOTH).div_ceil(TILE);
 const MOTOR: core::ops::Range<usize> = LINK_ALONE / TILE..OWN_TILES;
-const OWN_TILES: usize = OWN.len().div_ceil(TILE);
+const OWN_TILES: usize = OWN_PARAMETERS.len().div_ceil(TILE);
 
-/// A joint's own entries in the order of [`OWN`].
+/// A joint's own entries in the order of [`OWN_PARAMETERS`].
 type Own = [[f64; TILE]; OWN_TILES];
 
-/// What rows held back say, and the sums of those before them.
+/// Rows not yet added, and the sums of all earlier rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Gram {
     layout: Layout,
@@ -78,7 +78,7 @@ struct JointGram {
     /// Times their information.
     link_weighed: Panel,
     motor_weighed: Panel,
-    /// `Σ w gain own` of link and motor.
+    /// Sums `Σ w gain own` of link and motor.
     along: Panel,
     carried: Panel,
     carried_weighed: Panel,
@@ -125,23 +125,23 @@ fn add(sum: &mut Tile, a: &[[f64; TILE]], b: &[[f64; TILE]]) {
     }
 }
 
-/// Entry of a lower half of tiles.
+/// Entry of a lower triangle that is stored in tiles.
 fn entry(tiles: &[Tile], i: usize, k: usize) -> f64 {
     let (i, k) = (i.max(k), i.min(k));
     tiles[lower(i / TILE, k / TILE)][i % TILE][k % TILE]
 }
 
-/// The own entries in the order of [`OWN`].
+/// The own entries in the order of [`OWN_PARAMETERS`].
 fn own(e: &Equation) -> Own {
     let mut own = Own::default();
-    for (to, place) in own.as_flattened_mut().iter_mut().zip(OWN) {
+    for (to, place) in own.as_flattened_mut().iter_mut().zip(OWN_PARAMETERS) {
         *to = e.own[place];
     }
     own
 }
 
 impl Gram {
-    /// Room for rows in which these changes are sought.
+    /// Allocates rows for these changes.
     pub(crate) fn new(layout: Layout, changes: &[ChangePoint]) -> Self {
         let tiles = width(layout, changes).div_ceil(TILE);
         let (zero, link, motor) = ([[0.0; TILE]; TILE], LINK.len(), MOTOR.len());
@@ -167,12 +167,12 @@ impl Gram {
         }
     }
 
-    /// Whether a block of these equations can be added to those before it: no change has come between.
+    /// Whether a block of these equations can be added to the preceding blocks, because no change lies between them.
     pub(crate) fn continues(&self, equations: &Equations) -> bool {
         self.empty || self.active == equations.active()
     }
 
-    /// Adds what the equations of a block say, each with the information it carries.
+    /// Adds the equations of a block, each with its information.
     pub(crate) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
         if self.empty {
             self.active.clear();
@@ -195,7 +195,7 @@ impl Gram {
         }
     }
 
-    /// Moves all sums to the information of the state, the lower half of a matrix of so many columns.
+    /// Moves all sums to the information of the state, the lower triangle of a matrix of `total` columns.
     pub(crate) fn move_to(&mut self, information: &mut [f64], total: usize) {
         let mut to = |i: usize, k: usize, value: f64| {
             information[i.max(k) * total + i.min(k)] += value;
@@ -215,7 +215,7 @@ impl Gram {
             joint.sum(&mut self.square);
             let start = self.layout.own(i).start;
             own.clear();
-            let entries = OWN.into_iter().enumerate();
+            let entries = OWN_PARAMETERS.into_iter().enumerate();
             own.extend(entries.map(|(k, at)| (k, start + at, 1.0)));
             own.push((OFFSET, start + P::Zero as usize, 1.0));
             for active in &self.active {
@@ -270,7 +270,7 @@ impl JointGram {
         with(&rows, w0, link.torque_gain);
         self.link.put(row, &rows[LINK], 1.0);
         self.link_weighed.put(row, &rows[LINK], w0);
-        // Without a motor's equation a row of nothing is held.
+        // Without a motor equation, an empty row is used.
         let (rows, w1) = match motor {
             Some((motor, w1)) => {
                 let rows = own(motor);
@@ -284,13 +284,13 @@ impl JointGram {
         self.along.put(row, &along, 1.0);
         self.carried.put_slice(row, carried, 1.0);
         self.carried_weighed.put_slice(row, carried, squared);
-        // Bodies further in say nothing of this joint.
+        // Bodies closer to the base do not affect this joint.
         let first = carried.iter().position(|x| *x != 0.0);
         self.first = self.first.min(first.unwrap_or(carried.len()) / TILE);
         self.held += 1;
     }
 
-    /// Adds up what is held back.
+    /// Adds the collected rows to the sums.
     fn sum(&mut self, square: &mut [Tile]) {
         let held = self.held;
         for (tiles, a, b) in [
@@ -321,8 +321,10 @@ impl JointGram {
     }
 }
 
-/// Places in [`OWN`] that changes add to.
+/// Places in [`OWN_PARAMETERS`] that changes add to.
 const OFFSET: usize = 0;
 const COMPLIANCE: usize = 1;
-const _: () =
-    assert!(OWN[OFFSET] == P::Offset as usize && OWN[COMPLIANCE] == P::Compliance as usize);
+const _: () = assert!(
+    OWN_PARAMETERS[OFFSET] == P::Offset as usize
+        && OWN_PARAMETERS[COMPLIANCE] == P::Compliance as usize
+);

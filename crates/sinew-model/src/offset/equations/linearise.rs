@@ -1,4 +1,4 @@
-//! A block's equations around a state: what is expected, and how it moves with the state.
+//! Linearised equations of a block: predicted measurements and their derivatives with respect to the state.
 
 use super::coupled;
 use super::equation::Equations;
@@ -20,17 +20,17 @@ use crate::offset::joint_prior::JointPrior;
 pub(crate) struct Linearisation<'a> {
     /// Temperature the offsets refer to, °C; NaN where unknown.
     pub(crate) reference_c: f64,
-    /// Changes whose entries stand after the model's in the state.
+    /// Changes whose entries follow the model's in the state.
     pub(crate) changes: &'a [ChangePoint],
     /// Whether the motor's torque is used.
     pub(crate) motor: bool,
-    /// A force from outside, and what it does to every joint.
+    /// External force and its torque on every joint.
     pub(crate) force: Option<(&'a ForceModel, &'a [ForceTorque])>,
     pub(crate) content: Content,
 }
 
-/// Fills `out`, which has room for them, with the equations of `block` around the state `x` (`d`
-/// entries, then those of the changes). `joints`: what the block says of each. Never allocates.
+/// Fills the preallocated `out` with the equations of `block` around the state `x` (`d` entries, then those of the
+/// changes). `joints`: measured values of the block per joint. Never allocates.
 pub(crate) fn linearise(
     model: &ReducedModel,
     block: &Block,
@@ -93,7 +93,7 @@ fn linearise_joint(
         x: &own,
         joint,
         measured: is,
-        warmer_k: common.warmer,
+        temperature_difference_k: common.warmer,
     };
     let mut derivatives = [0.0; PER_JOINT];
 
@@ -134,9 +134,9 @@ mod tests {
     use crate::offset::fixtures::{random, turntable};
     use alloc::vec::Vec;
 
-    /// Rows against differences of what is expected, where friction, slack and memory are as they were believed to be.
+    /// Rows are compared with differences of the expected value, with friction, slack and memory at their prior means.
     #[test]
-    fn rows_are_how_what_is_expected_moves() {
+    fn rows_equal_differences_of_expected_value() {
         let mut prior = turntable().prior;
         for joint in prior.joints.iter_mut().flatten() {
             joint.motor_inertia_kg_m2 = Some(0.05);
@@ -165,7 +165,7 @@ mod tests {
         let mut x: Vec<f64> = (0..layout.dimension())
             .map(|_| 0.2 * random(&mut seed))
             .collect();
-        for none in [P::Stuck, P::Slack, P::Viscoelastic] {
+        for none in [P::InitialFriction, P::Slack, P::Viscoelastic] {
             x[none as usize] = 0.0;
         }
         x[layout.payload_place()..].fill(0.0);

@@ -1,4 +1,5 @@
-//! The two equations of a spring whose torque is known at a state: its deflection, and the torque of its motor.
+//! The two equations of a spring whose torque is determined by a state: its deflection, and the torque of its
+//! motor.
 
 use super::equation::{Equation, Side};
 use crate::offset::effects::external_force::{AppliedForce, ForceTorque};
@@ -12,7 +13,7 @@ use crate::offset::effects::{
 pub(crate) enum Content {
     /// Residuals, and how they move with the state.
     Rows,
-    /// Residuals alone: rows are zero.
+    /// Residuals only; all rows are zero.
     Residuals,
 }
 
@@ -21,16 +22,16 @@ pub(super) struct Common<'a> {
     /// State: `d` entries, then those of the changes.
     pub(super) x: &'a [f64],
     pub(super) payload: HeldPayload,
-    /// Temperature over that the offsets refer to, K.
+    /// Difference from the reference temperature of the offsets, K.
     pub(super) warmer: f64,
     pub(super) motor: bool,
-    /// The force of the state, and what it does to every joint.
+    /// External force of the state, and its torques on all joints.
     pub(super) force: Option<(AppliedForce, &'a [ForceTorque])>,
     pub(super) content: Content,
 }
 
 impl Common<'_> {
-    /// Whether rows are wanted beside residuals.
+    /// Whether rows are needed in addition to residuals.
     pub(super) fn is_rows(&self) -> bool {
         self.content == Content::Rows
     }
@@ -86,7 +87,7 @@ impl Loaded {
             own: self.row(&factors, derivatives),
             torque_gain: per_torque,
             residual: y - expected,
-            added_deviation: per_torque.abs() * self.unknown_nm,
+            added_std: per_torque.abs() * self.unknown_nm,
             stationary_share: if self.unknown_nm > 0.0 { 1.0 } else { 0.0 },
         };
         (equation, factors)
@@ -119,7 +120,7 @@ impl Loaded {
             own: self.row(&factors, derivatives),
             torque_gain: scale,
             residual: drive.torque - scale * torque - bias,
-            added_deviation: libm::hypot(unknown_nm, scale * self.unknown_nm),
+            added_std: libm::hypot(unknown_nm, scale * self.unknown_nm),
             stationary_share: drive.stood,
         };
         (equation, factors)

@@ -1,4 +1,4 @@
-//! What a block measures at a joint, prepared once for many linearisations.
+//! Measured values of a block at a joint, prepared once for many linearisations.
 
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
@@ -6,9 +6,13 @@ use crate::offset::effects::payload::PayloadTorque;
 use crate::offset::effects::{Drive, ENCODER, Measured};
 
 impl Measured {
-    /// What `block` says of joint `i`; nothing of a rigid one. Never allocates.
+    /// Returns the measured values of joint `i` in `block`; `None` for a rigid one, and where its deflection is
+    /// excluded ([`Block::exclude`]). Never allocates.
     pub(crate) fn of(model: &ReducedModel, block: &Block, i: usize) -> Option<Self> {
         let joint = model.joints.get(i)?.as_ref()?;
+        if block.is_excluded(i) {
+            return None;
+        }
         let stiffness = joint.stiffness_nm_per_rad;
         // Lengths have been checked: none of these is ever missing. What is becomes NaN, which no
         // estimate hides.
@@ -17,9 +21,14 @@ impl Measured {
         let phi = model.phi(block, i)?;
         let mut encoder: [f64; ENCODER] = *encoder.first_chunk()?;
         let (mut turned, mut load_rad) = (of(&block.turned), of(&block.y));
+        let (mut pull_rad, mut joint_stiffness) = (load_rad, stiffness);
         if let Some(routes) = &model.routes {
             turned += routes.moved_by_others(i, block.turned.iter().copied());
             load_rad = routes.joint_deflection(i, block.y.iter().copied());
+            pull_rad = routes.pull_rad(i, pull_rad);
+            if let Some(pulled) = routes.pulled(i) {
+                joint_stiffness = pulled.stiffness_nm_per_rad;
+            }
             let arm = routes.moment_arm(i, i);
             encoder.iter_mut().for_each(|wave| *wave *= arm);
         }
@@ -33,11 +42,12 @@ impl Measured {
             turned,
             dq: of(&block.dq),
             encoder,
+            pull_rad,
             load_rad,
             z: of(&block.z),
             z_unknown: of(&block.z_unknown),
-            z_load: of(&block.z_load) * stiffness,
-            held: if block.stands_long() { 1.0 } else { 0.0 },
+            z_load: of(&block.z_load) * joint_stiffness,
+            held: if block.rests_long() { 1.0 } else { 0.0 },
             tau: phi.iter().zip(&model.inertial).map(|(p, pi)| p * pi).sum(),
             load: PayloadTorque::new(&model.payload_phi(phi), model.payload_at),
             drive: inertia.map(|inertia| Drive {
@@ -48,6 +58,7 @@ impl Measured {
                 z_load: of(&block.motor_z_load) * stiffness,
                 stood: of(&block.motor_stood),
             }),
+            tension_nm: of(&block.tension_nm),
         })
     }
 }

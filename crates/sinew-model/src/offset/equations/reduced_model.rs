@@ -15,7 +15,6 @@
 
 use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
 use crate::cholesky::{self, Factor};
-use crate::offset::belief::Belief;
 use crate::offset::block::Block;
 use crate::offset::change::Appearance;
 use crate::offset::effects::JointParameter;
@@ -24,6 +23,7 @@ use crate::offset::error::MapError;
 use crate::offset::joint_prior::JointPrior;
 use crate::offset::layout::Layout;
 use crate::offset::prior::Prior;
+use crate::offset::state_estimate::StateEstimate;
 use crate::routings::Routings;
 use alloc::vec::Vec;
 
@@ -36,21 +36,23 @@ pub(crate) struct ReducedModel {
     pub(crate) appears: Appearance,
     /// Nominal base parameters.
     pub(crate) inertial: Vec<f64>,
-    /// Where in the payload's frame it is expected, m.
+    /// Expected point of the payload in its frame, m.
     pub(crate) payload_at: [f64; 3],
-    /// Nothing is held further from there, m.
+    /// Standard deviation of the payload's distance from that point, m.
     pub(crate) payload_furthest_m: f64,
     /// Columns of the body that carries the payload: those of `Φ_c` each is made of, and how much.
     payload_columns: Vec<(usize, usize, f64)>,
     /// Routings of tendons that cross several joints.
     pub(crate) routes: Option<Routings>,
     base: BaseParameters,
+    /// Number of inertial parameters of all bodies.
+    all_inertial: usize,
 }
 
 impl ReducedModel {
     pub(crate) fn new(prior: &Prior, appears: Appearance) -> Self {
         let base = prior.base.clone();
-        let all = prior.joints() * PARAMETERS_PER_BODY;
+        let all = prior.inertial.len();
         let first = prior.payload_body * PARAMETERS_PER_BODY;
         let rows = base.combination.chunks_exact(all.max(1)).enumerate();
         let payload_columns = rows
@@ -62,10 +64,8 @@ impl ReducedModel {
             .collect();
         Self {
             layout: Layout {
-                joints: prior.joints(),
                 bodies: base.count(),
-                arms: prior.layout().arms,
-                is_coupled: prior.routes.is_some(),
+                ..prior.layout()
             },
             joints: prior.joints.clone(),
             appears,
@@ -75,23 +75,29 @@ impl ReducedModel {
             payload_columns,
             routes: prior.routes.clone(),
             base,
+            all_inertial: all,
         }
     }
 
-    /// Whether joint `i` is elastic.
+    /// Whether axis `i` has a tendon.
     pub(crate) fn is_elastic(&self, i: usize) -> bool {
-        self.joints.get(i).is_some_and(Option::is_some)
+        let joint = self.joints.get(i).and_then(Option::as_ref);
+        joint.is_some_and(|joint| joint.has_tendon)
     }
 
-    /// Joints whose compliance is known to better than `deviation`, relative.
-    pub(crate) fn known_stiffness(&self, belief: &Belief, deviation: f64) -> Vec<usize> {
+    /// Returns the joints whose compliance has a relative prior standard deviation below `std`.
+    pub(crate) fn stiffness_with_prior(
+        &self,
+        state_estimate: &StateEstimate,
+        std: f64,
+    ) -> Vec<usize> {
         let place = |i| self.layout.place(i, JointParameter::Compliance);
-        let known = |i| belief.entry(place(i)).deviation < deviation;
+        let has_prior = |i| state_estimate.entry(place(i)).std < std;
         let elastic = (0..self.layout.joints).filter(|&i| self.is_elastic(i));
-        elastic.filter(|&i| known(i)).collect()
+        elastic.filter(|&i| has_prior(i)).collect()
     }
 
-    /// `Φ` of a joint in a block.
+    /// Returns the regressor `Φ` of a joint in a block.
     pub(crate) fn phi<'b>(&self, block: &'b Block, joint: usize) -> Option<&'b [f64]> {
         let r = self.layout.bodies;
         block.phi.get(joint * r..(joint + 1) * r)
@@ -111,7 +117,7 @@ impl ReducedModel {
     /// `T s`, changes after it as they are.
     pub(crate) fn reduced(&self, state: &[f64]) -> Vec<f64> {
         let from = self.layout.body_start();
-        let to = from + self.layout.joints * PARAMETERS_PER_BODY;
+        let to = from + self.all_inertial;
         let mut out = Vec::with_capacity(state.len());
         out.extend_from_slice(&state[..from]);
         out.extend(self.base.of(&state[from..to]));
@@ -119,16 +125,17 @@ impl ReducedModel {
         out
     }
 
-    /// A belief in this model's parameters: `T m`, `T C Tᵀ`.
-    pub(crate) fn believed(&self, belief: &Belief) -> Belief {
-        Belief {
-            mean: self.reduced(&belief.mean),
-            covariance: self.reduced_covariance(&belief.covariance, belief.mean.len()),
-            temperature_c: belief.temperature_c,
+    /// Transforms a posterior to this model's parameters: `T m`, `T C Tᵀ`.
+    pub(crate) fn reduced_estimate(&self, state_estimate: &StateEstimate) -> StateEstimate {
+        StateEstimate {
+            mean: self.reduced(&state_estimate.mean),
+            covariance: self
+                .reduced_covariance(&state_estimate.covariance, state_estimate.mean.len()),
+            temperature_c: state_estimate.temperature_c,
         }
     }
 
-    /// `T C Tᵀ` of a covariance with `total` rows; changes after the state as they are.
+    /// Returns `T C Tᵀ` of a covariance with `total` rows; entries of changes are unchanged.
     pub(crate) fn reduced_covariance(&self, covariance: &[f64], total: usize) -> Vec<f64> {
         // T C, then T (T C)ᵀ.
         let half = self.reduced_rows(covariance, total);
@@ -136,10 +143,10 @@ impl ReducedModel {
         self.reduced_rows(&transposed(&half, total), rows)
     }
 
-    /// `T` times the rows of a matrix of so many columns.
+    /// Returns `T` times the rows of a matrix with `columns` columns.
     fn reduced_rows(&self, rows: &[f64], columns: usize) -> Vec<f64> {
         let from = self.layout.body_start();
-        let all = self.layout.joints * PARAMETERS_PER_BODY;
+        let all = self.all_inertial;
         let bodies = &rows[from * columns..(from + all) * columns];
         let mut out = rows[..from * columns].to_vec();
         for combination in self.base.combination.chunks_exact(all.max(1)) {
@@ -161,15 +168,15 @@ impl ReducedModel {
     /// parameters; changes after it as they are.
     pub(crate) fn completed(
         &self,
-        before: &Belief,
+        before: &StateEstimate,
         state: &[f64],
         covariance: &[f64],
     ) -> Result<(Vec<f64>, Vec<f64>), MapError> {
         let (d, r) = (before.mean.len(), self.layout.dimension());
         let from = self.layout.body_start();
-        let all = self.layout.joints * PARAMETERS_PER_BODY;
+        let all = self.all_inertial;
         let total = state.len();
-        let start = self.believed(before);
+        let start = self.reduced_estimate(before);
         let factor = Factor::of(&start.covariance, r).map_err(MapError::Prior)?;
         // Rows of G of the bodies, and (C Tᵀ) they are made of.
         let shared = transposed(&self.reduced_rows(&before.covariance, d), d);
@@ -214,9 +221,9 @@ impl ReducedModel {
             // C − G (T C Tᵀ) Gᵀ + G cov Gᵀ, of bodies b and c.
             let shared_b = &shared[b * r..(b + 1) * r];
             for (c, gain_c) in gain.chunks_exact(r).enumerate().take(b + 1) {
-                let known =
+                let conditional =
                     before.covariance[(from + b) * d + from + c] - cholesky::dot(shared_b, gain_c);
-                let x = known + cholesky::dot(&own[..r], gain_c);
+                let x = conditional + cholesky::dot(&own[..r], gain_c);
                 out[(from + b) * whole + from + c] = x;
                 out[(from + c) * whole + from + b] = x;
             }
@@ -225,7 +232,7 @@ impl ReducedModel {
     }
 }
 
-/// The transposed of a matrix of rows of so many columns.
+/// Returns the transpose of a matrix with `columns` columns.
 fn transposed(rows: &[f64], columns: usize) -> Vec<f64> {
     let count = rows.len() / columns.max(1);
     let mut out = alloc::vec![0.0; rows.len()];
@@ -241,8 +248,8 @@ fn transposed(rows: &[f64], columns: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
-    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
     use crate::offset::fixtures::random;
+    use crate::offset::state_estimate::{Payload, UNKNOWN_OFFSET_RAD};
     use crate::tolerances::Tolerances;
     use alloc::string::String;
     use alloc::vec;
@@ -265,32 +272,33 @@ mod tests {
         Prior::new(&arm, &[None, None], 1, [0.0; 3], Tolerances::default())
     }
 
-    /// A belief after data on everything, so that all entries go together.
-    fn learned(prior: &Prior, seed: &mut u64) -> Belief {
-        let mut belief = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
-        let d = belief.mean.len();
-        let deviation: Vec<f64> = (0..d).map(|k| belief.entry(k).deviation).collect();
+    /// Creates a posterior after measurements of all entries, which correlate all of them.
+    fn learned(prior: &Prior, seed: &mut u64) -> StateEstimate {
+        let mut state_estimate = prior.state_estimate(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+        let d = state_estimate.mean.len();
+        let std: Vec<f64> = (0..d).map(|k| state_estimate.entry(k).std).collect();
         for _ in 0..2 * d {
-            let row: Vec<f64> = deviation.iter().map(|s| random(seed) / s).collect();
+            let row: Vec<f64> = std.iter().map(|s| random(seed) / s).collect();
             update(
-                &mut belief.mean,
-                &mut belief.covariance,
+                &mut state_estimate.mean,
+                &mut state_estimate.covariance,
                 &row,
                 random(seed),
                 1.0,
             );
         }
-        belief
+        state_estimate
     }
 
-    /// A measurement `value` of `row · x`, less what is expected, with a standard deviation.
-    fn update(mean: &mut [f64], covariance: &mut [f64], row: &[f64], value: f64, deviation: f64) {
+    /// Updates with a measurement of `row · x`, given as its deviation `value` from the prediction and a standard
+    /// deviation.
+    fn update(mean: &mut [f64], covariance: &mut [f64], row: &[f64], value: f64, std: f64) {
         let d = mean.len();
         let along: Vec<f64> = covariance
             .chunks_exact(d)
             .map(|line| cholesky::dot(line, row))
             .collect();
-        let spread = cholesky::dot(&along, row) + deviation * deviation;
+        let spread = cholesky::dot(&along, row) + std * std;
         for i in 0..d {
             mean[i] += along[i] * value / spread;
             for k in 0..d {
@@ -300,23 +308,23 @@ mod tests {
     }
 
     #[test]
-    fn what_is_learned_of_base_parameters_is_learned_of_bodies() {
+    fn base_parameter_information_equals_body_information() {
         let mut seed = 3;
         let prior = prior();
         let model = ReducedModel::new(&prior, Appearance::AT_ONCE);
         assert!(model.layout.bodies < 20, "{}", model.layout.bodies);
         let before = learned(&prior, &mut seed);
         let d = before.mean.len();
-        let start = model.believed(&before);
+        let start = model.reduced_estimate(&before);
         // The same data on both, and on a change that comes after them.
-        let more = |belief: &Belief| {
-            let d = belief.mean.len();
-            let mut mean = belief.mean.clone();
+        let more = |state_estimate: &StateEstimate| {
+            let d = state_estimate.mean.len();
+            let mut mean = state_estimate.mean.clone();
             mean.push(0.0);
             let mut covariance = vec![0.0; (d + 1) * (d + 1)];
             for (to, from) in covariance
                 .chunks_exact_mut(d + 1)
-                .zip(belief.covariance.chunks_exact(d))
+                .zip(state_estimate.covariance.chunks_exact(d))
             {
                 to[..d].copy_from_slice(from);
             }
@@ -329,8 +337,8 @@ mod tests {
             let row: Vec<f64> = (0..part.len())
                 .map(|k| random(&mut seed) / part_covariance[k * (part.len() + 1)].sqrt())
                 .collect();
-            let (value, deviation) = (random(&mut seed), 0.7);
-            update(&mut part, &mut part_covariance, &row, value, deviation);
+            let (value, std) = (random(&mut seed), 0.7);
+            update(&mut part, &mut part_covariance, &row, value, std);
             // rowᵀ T of all bodies' parameters.
             let from = model.layout.body_start();
             let mut full = row[..from].to_vec();
@@ -339,23 +347,23 @@ mod tests {
                 full.push(bodies.zip(&row[from..]).map(|(b, r)| b[column] * r).sum());
             }
             full.extend(&row[model.layout.payload_place()..]);
-            update(&mut whole, &mut whole_covariance, &full, value, deviation);
+            update(&mut whole, &mut whole_covariance, &full, value, std);
         }
         let (mean, covariance) = model.completed(&before, &part, &part_covariance).unwrap();
-        let deviation: Vec<f64> = (0..=d)
+        let std: Vec<f64> = (0..=d)
             .map(|k| whole_covariance[k * (d + 2)].sqrt())
             .collect();
         let mut learned = 0.0_f64;
         for i in 0..=d {
             let off = (mean[i] - whole[i]).abs();
-            assert!(off < 1e-6 * deviation[i], "{i}: {off} of {}", deviation[i]);
+            assert!(off < 1e-6 * std[i], "{i}: {off} of {}", std[i]);
             for k in 0..=d {
                 let at = i * (d + 1) + k;
                 let off = (covariance[at] - whole_covariance[at]).abs();
-                assert!(off < 1e-6 * deviation[i] * deviation[k], "{i}, {k}: {off}");
+                assert!(off < 1e-6 * std[i] * std[k], "{i}, {k}: {off}");
             }
             if i < d {
-                learned = learned.max(1.0 - deviation[i] / before.entry(i).deviation);
+                learned = learned.max(1.0 - std[i] / before.entry(i).std);
             }
         }
         assert!(learned > 0.3, "{learned}: the data said nothing");

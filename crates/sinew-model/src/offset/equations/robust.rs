@@ -1,4 +1,4 @@
-//! Weights and noise that outliers do not spoil.
+//! Weights and noise estimates that are robust to outliers.
 
 /// Redescending weight of a block whose mean normalised square residual is `chi`:
 /// `(c²/(c² + χ))²` (Geman and McClure).

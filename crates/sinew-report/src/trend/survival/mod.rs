@@ -1,9 +1,9 @@
-//! How long ropes last, in words, as a table, as a figure and as a page.
+//! Rope lifetimes: messages, terminal table, figure and HTML report.
 
+pub(crate) mod messages;
 mod page;
 mod terminal;
-mod words;
 
+pub use messages::{format_note, note_message};
 pub use page::{figure, html};
 pub use terminal::render_table;
-pub use words::format_note;

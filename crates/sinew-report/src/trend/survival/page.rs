@@ -1,18 +1,18 @@
-//! How long ropes last, as a figure and as a page.
+//! Rope lifetimes as figure and HTML report.
 
-use super::words::{
-    format_age, format_law, format_misfit, format_note, format_quantile, format_wear, group_name,
+use super::messages::{
+    format_age, format_law, format_misfit, format_quantile, format_wear, group_name, note_message,
     shown, wear,
 };
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_trend::survival::{SurvivalGroup, SurvivalReport, Wear};
 
-/// Share of ropes that last longer than an age: the curve with its band, the law with its.
+/// Plots the survival function (Kaplan-Meier) and the Weibull law with their 95 % bands.
 pub fn figure(report: &SurvivalReport, group: &SurvivalGroup) -> Figure {
     let (unit, factor) = shown(report.age_unit);
     let percent = 100.0;
-    // From the first day on, and level until the next break: age, share, and its interval.
+    // Survival function as steps: age, share, and its interval.
     let mut counted = vec![[0.0, percent, percent, percent]];
     counted.extend(group.curve.iter().map(|p| {
         let shares = [p.survival, p.interval_95.low, p.interval_95.high];
@@ -31,49 +31,49 @@ pub fn figure(report: &SurvivalReport, group: &SurvivalGroup) -> Figure {
     let stairs: Vec<[f64; 4]> = steps.chain(counted.last().copied()).collect();
     let column = |of: &[[f64; 4]], i: usize| -> Vec<f64> { of.iter().map(|p| p[i]).collect() };
     let [age, low, high] = [0, 2, 3].map(|i| column(&stairs, i));
-    let mut panel = Panel::new("", format!("age ({unit})"), "ropes that last longer (%)")
-        .band(Band::new("as counted, 95 %", age, low, high).colour(Colour::Grey))
+    let mut panel = Panel::new("", format!("age ({unit})"), "survival function (%)")
+        .band(Band::new("Kaplan-Meier, 95 % interval", age, low, high).colour(Colour::Grey))
         .y_range(0.0, percent);
     if let Some(law) = law {
         let x: Vec<f64> = law.curve.iter().map(|p| factor * p.age).collect();
         let of = |f: &dyn Fn(usize) -> f64| (0..x.len()).map(|i| percent * f(i)).collect();
         let low = of(&|i| law.curve[i].interval_95.low);
         let high = of(&|i| law.curve[i].interval_95.high);
-        let middle = Line::new("Weibull law", x.clone(), of(&|i| law.curve[i].survival));
+        let middle = Line::new("Weibull", x.clone(), of(&|i| law.curve[i].survival));
         panel = panel
-            .band(Band::new("law, 95 %", x, low, high).colour(Colour::Orange))
+            .band(Band::new("Weibull, 95 % interval", x, low, high).colour(Colour::Orange))
             .line(middle.colour(Colour::Orange).dash(Dash::Dashed));
     }
     let [age, share] = [0, 1].map(|i| column(&counted, i));
-    panel = panel.line(Line::new("as counted", age, share).step());
-    Figure::new(format!("How long ropes last: {}", group_name(group)))
-        .subtitle(format!("{} of {} broke", group.broke, group.ropes))
+    panel = panel.line(Line::new("Kaplan-Meier", age, share).step());
+    Figure::new(format!("Rope lifetime: {}", group_name(group)))
+        .subtitle(format!("{} of {} failed", group.broke, group.ropes))
         .seen(seen(report, group))
         .size(820.0, 360.0)
         .panel(panel)
 }
 
-/// What the figure shows.
+/// Describes the figure for screen readers.
 fn seen(report: &SurvivalReport, group: &SurvivalGroup) -> String {
     let half = match group.median.age {
-        Some(age) => format!("half outlast {}", format_age(age, report.age_unit)),
-        None => "more than half outlasted the watch".into(),
+        Some(age) => format!("median lifetime {}", format_age(age, report.age_unit)),
+        None => "more than half survived the observation".into(),
     };
     let end = group.curve.last().map_or(String::new(), |p| {
         let (percent, age) = (
             rounded(100.0 * p.survival, 2),
             format_age(p.age, report.age_unit),
         );
-        format!("; {percent} % outlast {age}")
+        format!("; {percent} % survive {age}")
     });
     let (name, ropes, broke) = (group_name(group), group.ropes, group.broke);
     let wear = wear(group, report.age_unit);
-    format!("{name}: of {ropes} ropes {broke} broke; {half}{end}. {wear}")
+    format!("{name}: {broke} of {ropes} ropes failed; {half}{end}. {wear}")
 }
 
-/// The page.
+/// Renders rope lifetimes as one HTML file.
 pub fn html(report: &SurvivalReport) -> String {
-    let mut page = Page::new("How long ropes last");
+    let mut page = Page::new("Rope lifetime");
     page.subtitle = report.source.clone();
     page.footer = format!("Sinew {}", report.sinew_version);
     let headlines = (report.groups.iter())
@@ -84,21 +84,20 @@ pub fn html(report: &SurvivalReport) -> String {
         page = page.section(group_name(group), blocks(report, group));
     }
     let mut how = vec![
-        "A rope that was replaced in time, or runs still, counts as long as it was watched.".into(),
-        "The curve supposes nothing of how ropes age; its band is Greenwood's on the scale of ln(−ln S).".into(),
-        "The law's intervals are by profile likelihood. A shape above 1 means wear.".into(),
-        "Both suppose that ropes are of one kind, and that what ended a watch says nothing of the rope.".into(),
+        "A rope that was replaced before failure, or is still running, is right-censored at the end of its observation.".into(),
+        "The survival function is the Kaplan-Meier estimate; its 95 % interval is Greenwood's on the scale ln(−ln S).".into(),
+        "Intervals of the Weibull law are profile-likelihood intervals. A shape above 1 indicates wear.".into(),
+        "Both assume ropes of one type and censoring independent of the state of the rope.".into(),
     ];
-    how.extend(report.notes.iter().map(format_note));
-    page.section("How to read this", vec![Block::List(how)])
-        .html()
+    how.extend(report.notes.iter().map(|n| note_message(n).to_string()));
+    page.section("Notes", vec![Block::List(how)]).html()
 }
 
 fn level(wear: Wear) -> Level {
     match wear {
         Wear::WearsOut => Level::Watch,
         Wear::BreaksEarly => Level::Alarm,
-        Wear::AgeSaysNothing | Wear::CannotTell => Level::Open,
+        Wear::AgeIndependent | Wear::Inconclusive => Level::Open,
     }
 }
 
@@ -107,21 +106,23 @@ fn blocks(report: &SurvivalReport, group: &SurvivalGroup) -> Vec<Block> {
     let mut blocks = vec![Block::Figure(
         Box::new(figure(report, group)),
         format!(
-            "Watched for {} in all",
-            format_age(group.watched_age, report.age_unit)
+            "Total exposure {}",
+            format_age(group.exposure_age, report.age_unit)
         ),
     )];
     let quantiles = (group.weibull.iter()).flat_map(|law| &law.broken_by);
     let mut rows = vec![vec![
-        "50 %, as counted".to_string(),
+        "50 %, Kaplan-Meier".to_string(),
         format_quantile(&group.median, factor),
     ]];
     rows.extend(quantiles.map(|q| {
         let share = rounded(100.0 * q.broken_ratio, 2);
-        vec![format!("{share} %, by the law"), format_quantile(q, factor)]
+        vec![format!("{share} %, Weibull"), format_quantile(q, factor)]
     }));
-    blocks.push(Block::Table(Table::new(&["broken", unit], rows).captioned(
-        format!("Ages by which ropes have broken, {unit}; brackets are 95 %"),
+    blocks.push(Block::Table(Table::new(&["failed", unit], rows).captioned(
+        format!(
+            "Age by which a share of the ropes has failed ({unit}); 95 % intervals in brackets"
+        ),
     )));
     let law = group.weibull.as_ref();
     let law = law.map(|law| format_law(law, report.age_unit));
@@ -132,14 +133,14 @@ fn blocks(report: &SurvivalReport, group: &SurvivalGroup) -> Vec<Block> {
     let percent = |x: f64| rounded(100.0 * x, 3);
     let curve = Columns::of(&group.curve)
         .column(unit, |p| rounded(factor * p.age, 3))
-        .column("had reached it", |p| p.at_risk)
-        .column("broke", |p| p.broke)
-        .column("last longer, %", |p| percent(p.survival))
-        .column("95 %", |p| {
+        .column("at risk", |p| p.at_risk)
+        .column("failed", |p| p.broke)
+        .column("survival (%)", |p| percent(p.survival))
+        .column("95 % interval (%)", |p| {
             let [low, high] = [p.interval_95.low, p.interval_95.high].map(percent);
             format!("{low} to {high}")
         });
     let curve = vec![curve.table().into()];
-    blocks.push(Block::Folded("The curve as a table".into(), curve));
+    blocks.push(Block::Folded("Survival function as table".into(), curve));
     blocks
 }

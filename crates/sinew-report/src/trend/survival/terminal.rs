@@ -1,16 +1,16 @@
-//! How long ropes last, as a terminal shows it.
+//! Rope lifetimes as text for a terminal.
 
-use super::words::{format_law, format_misfit, format_quantile, format_wear, group_name, shown};
-use crate::text::{Told, or_dash};
+use super::messages::{format_law, format_misfit, format_quantile, format_wear, group_name, shown};
+use crate::text::{TerminalText, or_dash};
 use sinew_figure::Columns;
 use sinew_trend::survival::{SurvivalGroup, SurvivalReport};
 
-/// The report as text of at most 80 columns.
+/// Renders rope lifetimes as text of at most 80 columns.
 pub fn render_table(report: &SurvivalReport) -> String {
     let (unit, factor) = shown(report.age_unit);
-    let mut out = Told::default();
-    out.say(format!(
-        "{}: how long ropes last; brackets are 95 %",
+    let mut out = TerminalText::default();
+    out.paragraph(format!(
+        "{}: rope lifetimes; 95 % intervals in brackets",
         report.source
     ));
     let by = |group: &SurvivalGroup, share: f64| {
@@ -21,18 +21,18 @@ pub fn render_table(report: &SurvivalReport) -> String {
     out.table(
         Columns::of(&report.groups)
             .words("ropes", |g| group_name(g))
-            .column("lives", |g| g.ropes)
-            .column("broke", |g| g.broke)
-            .column(format!("half outlast\n{unit}"), |g| {
+            .column("n", |g| g.ropes)
+            .column("failed", |g| g.broke)
+            .column(format!("median life\n({unit})"), |g| {
                 format_quantile(&g.median, factor)
             })
-            .column(format!("5 % broken by\n{unit}"), |g| by(g, 0.05))
-            .column(format!("10 % broken by\n{unit}"), |g| by(g, 0.1))
+            .column(format!("5 % failed by\n({unit})"), |g| by(g, 0.05))
+            .column(format!("10 % failed by\n({unit})"), |g| by(g, 0.1))
             .table(),
     );
     out.add("\n");
     for group in &report.groups {
-        out.say(format_wear(group, report.age_unit));
+        out.paragraph(format_wear(group, report.age_unit));
         let law = group.weibull.as_ref();
         let law = law.map(|law| format_law(law, report.age_unit));
         for line in law.into_iter().chain(format_misfit(group)) {

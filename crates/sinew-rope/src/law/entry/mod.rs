@@ -1,5 +1,5 @@
-//! A rope of the catalogue: what is published about it and the parameters of its law, each value
-//! with where it comes from and how well it is known.
+//! Catalogue entry of a rope: published values and parameters of the creep law, each with its origin and
+//! uncertainty.
 //!
 //! No file is opened here: the caller reads the text and passes it in.
 //!
@@ -17,12 +17,12 @@
 //! diameter_mm = { value = 1.50, origin = "published", source = "table1" }
 //! discard_strain_percent = { value = 1.5, origin = "published", source = "sheet" } # when to replace it
 //! [law]
-//! toe_percent = { value = 0.20, factor = 1.5, origin = "starting-guess", source = "hand" }
+//! toe_percent = { value = 0.20, factor = 1.5, origin = "assumed", source = "hand" }
 //! jamming = { value = 2.9, plus_minus = 0.4, origin = "fitted", source = "bench", date = "2026-11-21" }
 //! [correlation]                           # optional: of the errors of fitted values
 //! parameters = ["bedding_percent", "jamming"]
 //! matrix = [[1.0, -0.4], [-0.4, 1.0]]
-//! [holds]                                 # optional: the data behind the values
+//! [tested_range]                          # optional: the data behind the values
 //! load_share = [0.01, 0.05]               # tension over breaking load
 //! temperature_c = [23.0, 60.0]
 //! duration_s = 5100.0                     # of the longest test
@@ -30,14 +30,13 @@
 //! knot_share = { value = 0.5, factor = 1.2, origin = "measured", source = "bench" }
 //! ```
 //!
-//! `factor = f`: with 95 % probability between `value/f` and `value·f`. `plus_minus = d`: between
-//! `value − d` and `value + d`. Neither: how well the value is known is not stated, and it is taken
-//! as it stands.
+//! `factor = f`: with 95 % probability between `value/f` and `value·f`. `plus_minus = d`: between `value − d`
+//! and `value + d`. With neither, the uncertainty is not specified, and the value is used as it is.
 
 mod parse;
 
 use super::endurance::EnduranceKey;
-use super::holds::Holds;
+use super::tested_range::TestedRange;
 use super::{Parameter, Parameters, Polymer};
 use core::fmt::Write as _;
 use sinew_files::Located;
@@ -45,62 +44,66 @@ use sinew_model::QUANTILE_975;
 use sinew_model::cholesky;
 use std::collections::BTreeMap;
 
-/// Where a value comes from.
+/// Origin of a catalogue value.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Origin {
-    /// Measured by somebody, with a source.
+    /// Measured, with a source.
     Measured,
     /// Stated in a publication or data sheet, not checked.
     Published,
     /// Fitted to data by the user, with the data and the date.
     Fitted,
-    /// A starting guess: somebody's judgement.
-    StartingGuess,
+    /// Assumed without measurement; `starting-guess` in older files.
+    #[serde(alias = "starting-guess")]
+    Assumed,
 }
 
 impl Origin {
-    /// Names as the catalogue writes them.
+    /// Names in catalogue files.
     const NAMES: [(&'static str, Origin); 4] = [
         ("measured", Origin::Measured),
         ("published", Origin::Published),
         ("fitted", Origin::Fitted),
-        ("starting-guess", Origin::StartingGuess),
+        ("assumed", Origin::Assumed),
     ];
 
-    /// Name as the catalogue writes it.
+    /// Name of [`Origin::Assumed`] in older catalogue files.
+    const OLDER_ASSUMED: &str = "starting-guess";
+
+    /// Name in catalogue files.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize].0
     }
 }
 
-/// How well a value is known, as a 95 % interval.
+/// Uncertainty of a value, as a 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Uncertainty {
-    /// Nobody says.
-    NotStated,
-    /// Between value/f and value·f; f above 1.
+    /// Uncertainty not specified.
+    NotSpecified,
+    /// Interval from value/f to value·f, with f above 1.
     Factor(f64),
-    /// Between value − d and value + d; d above 0.
+    /// Interval from value − d to value + d, with d above 0.
     PlusMinus(f64),
 }
 
-/// A value with its origin.
+/// Catalogue value with uncertainty, origin and source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
-    /// In the unit of its name.
+    /// Value in the unit of its name.
     pub value: f64,
-    /// 95 % interval.
+    /// Uncertainty as a 95 % interval.
     pub uncertainty: Uncertainty,
-    /// Where it comes from.
+    /// Origin of the value.
     pub origin: Origin,
     /// Key of [`CatalogueEntry::sources`].
     pub source: String,
-    /// Day of a fit, as written.
+    /// Date of the fit, as written.
     pub date: Option<String>,
 }
 
@@ -110,7 +113,7 @@ impl Value {
     #[must_use]
     pub fn at(&self, z: f64) -> f64 {
         match self.uncertainty {
-            Uncertainty::NotStated => self.value,
+            Uncertainty::NotSpecified => self.value,
             Uncertainty::Factor(f) => self.value * libm::exp(libm::log(f) * z / QUANTILE_975),
             Uncertainty::PlusMinus(d) => self.value + d * z / QUANTILE_975,
         }
@@ -120,9 +123,9 @@ impl Value {
 /// Correlation of the errors of some parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
-    /// Which parameters, in the order of the matrix.
+    /// Correlated parameters, in the order of the matrix.
     pub parameters: Vec<Parameter>,
-    /// Symmetric, ones on the diagonal.
+    /// Correlation matrix: symmetric, with ones on the diagonal.
     pub matrix: Vec<Vec<f64>>,
     /// Lower triangle of its Cholesky factor.
     pub cholesky: Vec<Vec<f64>>,
@@ -158,39 +161,39 @@ impl Correlation {
 pub struct CatalogueEntry {
     /// Name to call it by: lower case, digits and hyphens.
     pub name: String,
-    /// Who makes it.
+    /// Manufacturer of the rope.
     pub manufacturer: String,
-    /// What they call it.
+    /// Product name of the manufacturer.
     pub product: String,
-    /// The load-bearing fibre.
+    /// Name of the load-bearing fibre.
     pub fibre: String,
-    /// What the fibre is made of.
+    /// Material of the fibre.
     pub material: Polymer,
-    /// How it is plaited, where it is known.
+    /// Construction of the braid, if known.
     pub plait: Option<String>,
-    /// Remarks.
+    /// Remarks on the rope.
     pub note: Option<String>,
     /// Sources by their keys.
     pub sources: BTreeMap<String, String>,
-    /// Diameter, mm, where it is published.
+    /// Published diameter, mm.
     pub diameter_mm: Option<Value>,
-    /// Breaking load, N, where it is published.
+    /// Published breaking load, N.
     pub breaking_load_n: Option<Value>,
-    /// Weight, g/m, where it is published.
+    /// Published weight per length, g/m.
     pub weight_g_per_m: Option<Value>,
-    /// Strain in use, since it was new, at which its maker says to replace it, %.
+    /// Manufacturer's discard strain: strain in use, since new, at which the rope is to be replaced, %.
     pub discard_strain_percent: Option<Value>,
     /// Parameters of the law that are known.
     pub law: BTreeMap<Parameter, Value>,
-    /// Correlations of their errors, where a fit stated them.
+    /// Correlations of the errors of fitted values.
     pub correlation: Option<Correlation>,
-    /// Data behind the values, where it is stated.
-    pub holds: Option<Holds>,
-    /// What the rope endures, where it is stated; the rest is its fibre's ([`FibreClass`]).
+    /// Tested range of the rope, if specified.
+    pub tested_range: Option<TestedRange>,
+    /// Endurance values specified for this rope; the others are those of its fibre class ([`FibreClass`]).
     pub endurance: BTreeMap<EnduranceKey, Value>,
 }
 
-/// What ropes of a class of fibres endure.
+/// Endurance values of a class of fibres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreClass {
     /// Sources by their keys.
@@ -203,7 +206,7 @@ impl FibreClass {
     /// Parses `[sources]` and `[endurance]`; `file` is its name for messages.
     ///
     /// # Errors
-    /// With file, line, key and value.
+    /// Returns [`Located`] with file, line, key and value.
     pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
         parse::fibre(text, file)
     }
@@ -213,12 +216,12 @@ impl CatalogueEntry {
     /// Parses a catalogue entry; `file` is its name for messages.
     ///
     /// # Errors
-    /// With file, line, key and value.
+    /// Returns [`Located`] with file, line, key and value.
     pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
         parse::entry(text, file)
     }
 
-    /// The law's parameters as they stand.
+    /// Nominal parameters of the creep law.
     ///
     /// # Errors
     /// Names of the parameters that are missing.
@@ -251,21 +254,21 @@ impl CatalogueEntry {
         Ok(out)
     }
 
-    /// Strain since it was new at which its maker says to replace it, as a fraction.
+    /// Manufacturer's discard strain since new, m/m.
     #[must_use]
     pub fn discard_strain(&self) -> Option<f64> {
         let percent = self.discard_strain_percent.as_ref()?;
         Some(0.01 * percent.value)
     }
 
-    /// Share of the law's parameters that are starting guesses: what an interval rests on.
+    /// Number of creep law parameters that are assumed.
     #[must_use]
-    pub fn guesses(&self) -> usize {
-        let guess = |v: &&Value| v.origin == Origin::StartingGuess;
-        self.law.values().filter(guess).count()
+    pub fn assumed(&self) -> usize {
+        let is_assumed = |v: &&Value| v.origin == Origin::Assumed;
+        self.law.values().filter(is_assumed).count()
     }
 
-    /// The entry as catalogue text; parsing it gives the same entry.
+    /// Catalogue text of the entry; parsing it gives the same entry.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut out = String::new();
@@ -298,13 +301,13 @@ impl CatalogueEntry {
                 let _ = writeln!(out, "{key} = {}", inline(value));
             }
         }
-        if let Some(holds) = &self.holds {
-            let [low, high] = holds.load_share;
-            let [cold, hot] = holds.temperature_c;
+        if let Some(tested_range) = &self.tested_range {
+            let [low, high] = tested_range.load_share;
+            let [cold, hot] = tested_range.temperature_c;
             let _ = writeln!(
                 out,
-                "\n[holds]\nload_share = [{low:?}, {high:?}]\ntemperature_c = [{cold:?}, {hot:?}]\nduration_s = {:?}",
-                holds.duration_s
+                "\n[tested_range]\nload_share = [{low:?}, {high:?}]\ntemperature_c = [{cold:?}, {hot:?}]\nduration_s = {:?}",
+                tested_range.duration_s
             );
         }
         out.push_str("\n[law]\n");
@@ -362,7 +365,7 @@ fn quoted(text: &str) -> String {
 fn inline(value: &Value) -> String {
     let mut out = format!("{{ value = {:?}", value.value);
     let _ = match value.uncertainty {
-        Uncertainty::NotStated => Ok(()),
+        Uncertainty::NotSpecified => Ok(()),
         Uncertainty::Factor(f) => write!(out, ", factor = {f:?}"),
         Uncertainty::PlusMinus(d) => write!(out, ", plus_minus = {d:?}"),
     };

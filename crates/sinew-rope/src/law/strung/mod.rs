@@ -1,20 +1,18 @@
-//! Ropes strung in a machine and left at their length: how their tension falls.
+//! Ropes strung in a machine and held at constant length: decay of their tension.
 //!
 //! ```text
-//! each strand       ℓ(T) = Σ_k L_k ε_k/100 + c T           pieces of rope, and what gives in series
-//! one strand        ℓ(T) = u                               u: what it was when it was tied off
-//! joint with two    ℓ₊(T + τ/r) + ℓ₋(T) = u₊ + u₋          its motor held, its torque τ balanced:
+//! each strand       ℓ(T) = Σ_k L_k ε_k/100 + c T           pieces of rope, series compliance
+//! one strand        ℓ(T) = u                               u: its tied-off length
+//! joint with two    ℓ₊(T + τ/r) + ℓ₋(T) = u₊ + u₋          motor fixed, torque τ balanced:
 //!                   r δ = ℓ₊(T + τ/r) − u₊                 r (T₊ − T₋) = τ; δ is how far it sags
 //! slack             T = 0 where the ropes are longer than that
 //! ```
 //!
-//! The rope law adds its memory to this. A step solves for the tension at its end together with
-//! every element (`piece`); nothing is frozen, so the delayed compliance may be larger than the
-//! elastic one. The step is symmetric in time: two extrapolations over halved steps raise it to
-//! sixth order, and their distance to fourth order chooses the next step.
+//! The rope law adds its memory to this. A step solves for the final tension together with all elements (`piece`), so
+//! that the delayed compliance may exceed the elastic one. The step is symmetric in time: two extrapolations over
+//! halved steps yield sixth order, and the difference from fourth order determines the next step size.
 //!
-//! Not modelled: friction of a rope at rest on its guides, temperatures that change, a motor that
-//! gives.
+//! Not modelled: static friction of a rope on its guides, varying temperatures, a compliant motor.
 
 mod piece;
 
@@ -23,40 +21,40 @@ pub use piece::Piece;
 use super::{LoadError, RopeLoad, State};
 use piece::Lags;
 
-/// Share of the tension, and of the strain under it, that one step may be off: some hundred steps
-/// in a year leave the answer within 1e-6.
+/// Relative error of the tension, and of the strain under it, in one step: the result of a year with several hundred
+/// steps is accurate to 1e-6.
 pub const RELAXATION_TOLERANCE: f64 = 1e-8;
 
 /// First step, s.
 const FIRST_S: f64 = 0.1;
-/// Steps are not made shorter, s: nothing in the law is as quick.
+/// Minimum step size, s; all time constants of the law are longer.
 const SHORTEST_S: f64 = 1e-7;
-/// A bound on the work; a year across every kink takes some hundred.
+/// Maximum number of steps; a year with every change of regime takes several hundred.
 const STEPS_MAX: usize = 1_000_000;
 
-/// One strand from end to end.
+/// Strand between its two terminations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strand {
-    /// Its rope, piece by piece.
+    /// Pieces of the rope, in order.
     pub pieces: Vec<Piece>,
-    /// `c`: what gives in series with it (frame, spring, mounts), m/N.
-    pub give_m_per_n: f64,
-    /// What it pulls beyond the tendon's least tension, N: `τ/r` in the strand that holds a load.
+    /// `c`: series compliance (frame, spring, mounts), m/N.
+    pub series_compliance_m_per_n: f64,
+    /// Tension above the lower tension of the pair, N: `τ/r` in the loaded strand.
     pub extra_n: f64,
 }
 
 /// The strands that hold one joint, at one temperature.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Strung {
+pub struct StrandAssembly {
     strands: Vec<Strand>,
     temperature_k: f64,
     /// Tension of the strand that pulls least, N.
     tension_n: f64,
-    /// `u` of each strand, m.
+    /// Tied-off length `u` of each strand, m.
     tied_m: Vec<f64>,
 }
 
-impl Strung {
+impl StrandAssembly {
     /// Strings them up: each strand is held at `tension_n` and its own extra tension for a time, and
     /// then tied off at the length it has.
     ///
@@ -78,7 +76,7 @@ impl Strung {
         Ok(out)
     }
 
-    /// Does [`Strung::new`] again with ropes that remember what they went through.
+    /// Re-tensions the strands as [`StrandAssembly::new`], with their present state.
     ///
     /// # Errors
     /// [`LoadError`].
@@ -113,16 +111,15 @@ impl Strung {
         }
     }
 
-    /// The strands.
+    /// Strands of the assembly.
     #[must_use]
     pub fn strands(&self) -> &[Strand] {
         &self.strands
     }
 
-    /// Leaves them alone for a time, or until the least tension has fallen to `until_n`.
+    /// Simulates the relaxation for a time, or until the smallest tension has decreased to `until_n`.
     ///
-    /// * `tolerance`: share of tension and strain that one step may be off, such as
-    ///   [`RELAXATION_TOLERANCE`].
+    /// * `tolerance`: relative error of tension and strain in one step, such as [`RELAXATION_TOLERANCE`].
     /// * `seen`: called after each step with the time since the call, s.
     /// * Returns the time that has passed, s.
     ///
@@ -242,7 +239,7 @@ impl Strung {
                 let ropes: f64 = pieces
                     .map(|(p, lags)| p.elongation_m(&p.after(lags, span), tension_n))
                     .sum();
-                ropes + strand.give_m_per_n * tension_n
+                ropes + strand.series_compliance_m_per_n * tension_n
             };
             let to_n = out.balanced(after)?;
             for (strand, lags) in out.strands.iter_mut().zip(&lags) {
@@ -271,7 +268,7 @@ impl Strung {
         };
         let top = self.strands.iter().map(strongest);
         let top = top.fold(f64::INFINITY, f64::min);
-        // Newton from where it is, by a slope of two points, within what is known to hold it.
+        // Secant iteration from the present tension, within a bracket of the root.
         let (mut low, mut high) = (None, f64::INFINITY);
         let mut x = self.tension_n;
         let mut y = excess(x);
@@ -323,12 +320,12 @@ impl Strung {
         strand.length_m(self.tension_n + strand.extra_n)
     }
 
-    /// Of all strands together, for a small quick change, m/N.
+    /// Compliance of all strands together for a small, fast change, m/N.
     fn compliance_m_per_n(&self) -> f64 {
         let of = |s: &Strand| {
             let n = self.tension_n + s.extra_n;
             let ropes: f64 = s.pieces.iter().map(|p| p.compliance_m_per_n(n)).sum();
-            ropes + s.give_m_per_n
+            ropes + s.series_compliance_m_per_n
         };
         self.strands.iter().map(of).sum()
     }
@@ -345,16 +342,16 @@ impl Strung {
 }
 
 impl Strand {
-    /// Elongation of rope and of what gives, m.
+    /// Elongation of rope and series compliance, m.
     fn length_m(&self, tension_n: f64) -> f64 {
         let ropes = self
             .pieces
             .iter()
             .map(|p| p.elongation_m(&p.state, tension_n));
-        ropes.sum::<f64>() + self.give_m_per_n * tension_n
+        ropes.sum::<f64>() + self.series_compliance_m_per_n * tension_n
     }
 
-    /// A strand of one rope without guides or anything that gives.
+    /// Strand of one rope without guides or series compliance.
     #[must_use]
     pub fn straight(law: super::Law, length_m: f64, state: State) -> Self {
         Self {
@@ -363,7 +360,7 @@ impl Strand {
                 length_m,
                 state,
             }],
-            give_m_per_n: 0.0,
+            series_compliance_m_per_n: 0.0,
             extra_n: 0.0,
         }
     }

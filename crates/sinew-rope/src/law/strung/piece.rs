@@ -1,4 +1,4 @@
-//! One piece of rope over one step, its tension going linearly from one value to another.
+//! One piece of rope over one step of linear tension.
 
 use super::super::factors::{Heat, closed, delayed_fractions, sinh};
 use super::super::ramp::{lag, left_over, retract};
@@ -7,20 +7,20 @@ use super::super::{DELAY_TIMES_S, Law, State};
 /// A piece of rope that the same guides pass over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
-    /// Its law.
+    /// Creep law of the piece.
     pub law: Law,
-    /// Its length, m.
+    /// Length of the piece, m.
     pub length_m: f64,
-    /// What it remembers.
+    /// Internal state of the piece.
     pub state: State,
 }
 
-/// What a step of one length at one temperature does, whatever the tension.
+/// Response factors of a step of one duration at one temperature, for any tension.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lags {
     duration_s: f64,
     temperature_k: f64,
-    /// `(closed, mean of what is left)` of the five delayed elements.
+    /// Pairs of the response `1 − exp(−t/τ)` and the mean of its remainder, for the five delayed elements.
     delayed: [(f64, f64); 5],
     retraction: (f64, f64),
     bedding_per_s: f64,
@@ -80,7 +80,7 @@ impl Piece {
         state
     }
 
-    /// Elongation in a state, m; thermal expansion is the same at any time and left out.
+    /// Elongation in a state, m; thermal expansion is constant and therefore excluded.
     pub(super) fn elongation_m(&self, state: &State, tension_n: f64) -> f64 {
         let delayed: f64 = state.delayed_percent.iter().sum();
         let percent = self.law.elastic_percent(self.law.load_ratio(tension_n))
@@ -103,15 +103,14 @@ impl Piece {
         self.law.p.breaking_load_n
     }
 
-    /// Strain that errors are held against, %: elastic under the tension, at least under 1e-4 of
-    /// the breaking load.
+    /// Strain that errors are compared with, %: elastic under the tension, at least under 1e-4 of the
+    /// breaking load.
     pub(super) fn strain_scale_percent(&self, tension_n: f64) -> f64 {
         self.law
             .elastic_percent(self.law.load_ratio(tension_n).max(1e-4))
     }
 
-    /// Most that could bed in within a step from a state, %: the error of a step in which that
-    /// comes to its end.
+    /// Upper bound of the bedding-in within a step from a state, %: the error of a step in which the bedding-in ends.
     pub(super) fn kink_percent(
         &self,
         from: &State,
@@ -126,7 +125,7 @@ impl Piece {
         gap.max(0.0) * (per_s * duration_s).min(1.0)
     }
 
-    /// Whether nothing more beds in under a tension.
+    /// Whether bedding-in is complete under a tension.
     pub(super) fn is_bedded(&self, state: &State, tension_n: f64) -> bool {
         self.law.bedding_target(self.law.load_ratio(tension_n)) <= state.bedding_percent
     }

@@ -6,10 +6,10 @@ use crate::terminal::{Failure, Finish};
 use clap::Args;
 use sinew_report::creep;
 
-/// Readings, moduli, slope m_E, saturation, recovery and faults of creep tests
+/// Analyse creep tests: strain, moduli, slope m_E, saturation, recovery, artefacts
 ///
-/// Columns are told by their headers, such as time_s, Force (N), Strain [%]. Exit code 3 when a
-/// specimen could not be analysed.
+/// Columns are identified by their headers, e.g. time_s, Force (N), Strain [%]. Exit code 3: a specimen
+/// could not be analysed.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew creep analyze rope.csv --gauge-length-mm 350 --report rope.html\n  \

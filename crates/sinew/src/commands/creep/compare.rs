@@ -6,20 +6,20 @@ use clap::Args;
 use sinew_report::creep;
 use std::path::PathBuf;
 
-/// All ropes in one figure, with slopes, ranked with intervals
+/// Compare ropes by strain and slope, ranked with intervals
 ///
-/// Ranks by strain at the longest time that all reach; specimens of one --group are repeats.
+/// Ranks by strain at the longest common time; specimens of one --group are repeats.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sinew creep compare *.csv --gauge-length-mm 350 --group rope --plot ropes.png")]
 pub(crate) struct Compare {
     #[command(flatten)]
     files: TestFiles,
-    /// Write the figure (.svg or .png)
+    /// Write a plot; .svg or .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
-    /// Standard deviation between specimens as a share of the value, for ropes with one specimen
-    /// [default: that of the other ropes' repeats, else 0.1, a starting guess]
+    /// Standard deviation between specimens as share of the value, for ropes with one specimen
+    /// [default: from repeats of the other ropes, else 0.1 (assumed)]
     #[arg(long, value_name = "SHARE")]
     scatter: Option<f64>,
 }
@@ -30,8 +30,8 @@ impl Compare {
         if let Some(share) = self.scatter
             && !(share > 0.0 && share < 10.0)
         {
-            return Err(Failure::Refused(format!(
-                "--scatter {share}: a share of the value, above 0 and below 10"
+            return Err(Failure::Error(format!(
+                "--scatter {share}: must be above 0 and below 10"
             )));
         }
         let tests = self.files.tests()?;

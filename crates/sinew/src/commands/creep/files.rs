@@ -1,4 +1,4 @@
-//! Options of test files, and their outputs.
+//! Input and output options of creep tests.
 
 use crate::files::{Named, check_outputs, write_table, write_text};
 use crate::terminal::{Bar, Failure, Word, answer_as, complain};
@@ -18,49 +18,49 @@ pub(super) struct TestFiles {
     /// Test recordings: CSV, XLSX or Parquet
     #[arg(required = true, value_name = "FILES")]
     files: Vec<PathBuf>,
-    /// What a column is, such as force=Kraft:N (may be repeated)
-    #[arg(long, value_name = "QUANTITY=COLUMN[:UNIT]", help_heading = "Reading")]
+    /// Column mapping, e.g. force=Kraft:N (repeatable)
+    #[arg(long, value_name = "QUANTITY=COLUMN[:UNIT]", help_heading = "Input")]
     column: Vec<ColumnChoice>,
-    /// Column that tells specimens apart (may be repeated)
-    #[arg(long, value_name = "COLUMN", help_heading = "Reading")]
+    /// Column that identifies specimens (repeatable)
+    #[arg(long, value_name = "COLUMN", help_heading = "Input")]
     specimen: Vec<String>,
     /// Sheet of a workbook
-    #[arg(long, value_name = "NAME", help_heading = "Reading")]
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
     sheet: Option<String>,
-    /// Gauge length, mm, for elongations of files that don't say it
-    #[arg(long, value_name = "MM", help_heading = "Reading")]
+    /// Gauge length, mm, for files with elongation and without gauge length
+    #[arg(long, value_name = "MM", help_heading = "Input")]
     gauge_length_mm: Option<f64>,
     /// Cross-section, mm², for the creep modulus
-    #[arg(long, value_name = "MM2", help_heading = "Reading")]
+    #[arg(long, value_name = "MM2", help_heading = "Input")]
     area_mm2: Option<f64>,
-    /// Temperature, °C, of files that don't record it
+    /// Temperature, °C, for files without temperature
     #[arg(
         long,
         value_name = "C",
         allow_negative_numbers = true,
-        help_heading = "Reading"
+        help_heading = "Input"
     )]
     temperature_c: Option<f64>,
-    /// Keep grip slips and outliers instead of taking them out
-    #[arg(long, help_heading = "Reading")]
-    keep_faults: bool,
-    /// Column or line of the head that names a group of repeats (may be repeated)
-    #[arg(long, value_name = "COLUMN", help_heading = "Reading")]
+    /// Keep grip slips and outliers [default: removed]
+    #[arg(long, help_heading = "Input")]
+    keep_artefacts: bool,
+    /// Column or header line with the group of repeats (repeatable)
+    #[arg(long, value_name = "COLUMN", help_heading = "Input")]
     pub(super) group: Vec<String>,
-    /// Start of the straight line of m_E, min after the load
+    /// Start of the straight line of m_E, min after loading
     #[arg(long, value_name = "MIN", default_value_t = 20.0)]
     slope_from_min: f64,
-    /// Level of the intervals
+    /// Probability of the intervals
     #[arg(long, value_name = "SHARE", default_value_t = 0.95)]
     pub(super) level: f64,
-    /// Seed of the draws behind the intervals
+    /// Random seed of the intervals
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
 
     /// Write a table, one row per specimen, law or parameter; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
-    /// Write readings, and forecasts, over time; .csv or .parquet
+    /// Write measurements and forecasts over time; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(super) series: Option<PathBuf>,
     /// Write a report with plots as one HTML file
@@ -69,10 +69,10 @@ pub(super) struct TestFiles {
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Nothing on stderr
+    /// Suppress messages on stderr
     #[arg(long, help_heading = "Output")]
     pub(super) quiet: bool,
-    /// Standard the report cites
+    /// Standard cited in the report
     #[arg(
         long,
         value_name = "TEXT",
@@ -80,16 +80,16 @@ pub(super) struct TestFiles {
         help_heading = "Output"
     )]
     standard: String,
-    /// Preconditioning the report states
+    /// Preconditioning stated in the report
     #[arg(long, value_name = "TEXT", help_heading = "Output")]
     preconditioning: Option<String>,
-    /// Atmosphere, grips and extension measurement the report states
+    /// Atmosphere, grips and extension measurement stated in the report
     #[arg(long, value_name = "TEXT", help_heading = "Output")]
     conditions: Option<String>,
 }
 
 impl TestFiles {
-    /// What the laboratory states.
+    /// Conditions specified by the laboratory.
     pub(super) fn conditions(&self) -> Conditions {
         Conditions {
             standard: self.standard.clone(),
@@ -112,8 +112,8 @@ impl TestFiles {
             .collect();
         check_outputs(&outputs, &inputs, self.quiet)?;
         let within = |name: &str, value: Option<f64>, low: f64, high: f64| match value {
-            Some(v) if !(v > low && v < high) => Err(Failure::Refused(format!(
-                "--{name} {v}: must lie between {low} and {high}"
+            Some(v) if !(v > low && v < high) => Err(Failure::Error(format!(
+                "--{name} {v}: must be between {low} and {high}"
             ))),
             _ => Ok(()),
         };
@@ -138,7 +138,7 @@ impl TestFiles {
         )?)
     }
 
-    /// Reads, prepares and analyses; failures are warnings.
+    /// Reads, prepares and analyses the tests; failures are printed as warnings.
     pub(super) fn tests(&self) -> Result<Tests, Failure> {
         let (sources, specimens) = self.specimens()?;
         let request = AnalyzeRequest {
@@ -146,7 +146,7 @@ impl TestFiles {
                 gauge_length_m: self.gauge_length_mm.map(|mm| mm * 1e-3),
                 area_m2: self.area_mm2.map(|mm2| mm2 * 1e-6),
                 temperature_c: self.temperature_c,
-                keep_faults: self.keep_faults,
+                keep_artefacts: self.keep_artefacts,
             },
             analyze: AnalyzeOptions {
                 slope_from_s: 60.0 * self.slope_from_min,
@@ -160,12 +160,12 @@ impl TestFiles {
             bar.set(done as f64, of as f64);
         });
         drop(bar);
-        let tests = tests.map_err(|e| Failure::Refused(plain_lines(&e.to_string())))?;
+        let tests = tests.map_err(|e| Failure::Error(plain_lines(&e.to_string())))?;
         self.warn(&tests.failures);
         Ok(tests)
     }
 
-    /// What could not be analysed, on stderr.
+    /// Prints failures as warnings.
     pub(super) fn warn(&self, failures: &[sinew_creep::Failure]) {
         if !self.quiet {
             for failure in failures {
@@ -174,7 +174,7 @@ impl TestFiles {
         }
     }
 
-    /// Writes table and report where asked for, and answers with the document or the table.
+    /// Writes the requested files, and prints the document or the table.
     pub(super) fn answer<D: JsonDocument>(
         &self,
         document: &D,

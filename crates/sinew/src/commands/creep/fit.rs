@@ -15,52 +15,52 @@ use sinew_report::creep;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Fit laws of creep, say which one the record supports and what it can't tell
+/// Fit creep laws, compare them, and list parameters that are not identifiable
 ///
-/// Laws: log-time, findley, burgers, kelvin-voigt, stretched; rope with --rope. Loads,
-/// temperatures and unloading are fitted together with --joint.
+/// Laws: log-time, findley, burgers, kelvin-voigt, stretched; rope with --rope. --joint fits several
+/// loads, temperatures and unloading together.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew creep fit rope.csv --gauge-length-mm 350 --forecast-h 8760\n  \
     sinew creep fit tests.csv --joint group --group rope\n  \
     sinew creep fit rope.csv --rope liros-dc000-0301 --law rope --write-rope ropes/mine.toml\n  \
-    sinew creep fit tests.csv --withhold 0.33")]
+    sinew creep fit tests.csv --hold-out 0.33")]
 pub(crate) struct Fit {
     #[command(flatten)]
     files: TestFiles,
-    /// Law to fit (may be repeated) [default: all]
+    /// Law to fit (repeatable) [default: all]
     #[arg(long, value_name = "LAW")]
     law: Vec<Law>,
-    /// What is fitted together
+    /// Specimens fitted together
     #[arg(long, value_parser = choice(&JOINTS), default_value = "none")]
     joint: Joint,
-    /// What is assumed of the readings' errors
+    /// Model of the measurement errors
     #[arg(long, value_parser = choice(&NOISES), default_value = "correlated")]
     noise: NoiseKind,
-    /// How intervals of parameters are made
+    /// Method of the parameter intervals
     #[arg(long, value_parser = choice(&INTERVALS), default_value = "draws")]
     intervals: IntervalKind,
-    /// Catalogue rope that the rope law starts from: its breaking load, and what records can't tell
+    /// Catalogue rope with breaking load and parameters that records do not identify
     #[arg(long, value_name = "NAME", help_heading = "Rope law")]
     rope: Option<String>,
     #[command(flatten)]
     ropes: Ropes,
-    /// Write the fitted rope as a catalogue entry; its name is that of the file
+    /// Write the fitted rope as catalogue entry, named after the file
     #[arg(
         long,
         value_name = "FILE.toml",
         requires = "rope",
-        conflicts_with_all = ["withhold", "shift_c"],
+        conflicts_with_all = ["hold_out", "shift_c"],
         help_heading = "Rope law"
     )]
     write_rope: Option<PathBuf>,
-    /// Forecast to this time after the load, h
+    /// Forecast horizon after loading, h
     #[arg(long, value_name = "H", value_parser = positive("h"))]
     forecast_h: Option<f64>,
-    /// Load of the forecast, N, on a new specimen [default: the one held longest, as if it had stayed]
+    /// Load of the forecast, N, on a new specimen [default: longest load of the test, continued]
     #[arg(long, value_name = "N", requires = "forecast_h", value_parser = positive("N"))]
     forecast_load_n: Option<f64>,
-    /// Temperature of the forecast, °C, of a new specimen [default: the test's own]
+    /// Temperature of the forecast, °C, of a new specimen [default: of the test]
     #[arg(
         long,
         value_name = "C",
@@ -68,24 +68,25 @@ pub(crate) struct Fit {
         allow_negative_numbers = true
     )]
     forecast_temperature_c: Option<f64>,
-    /// Hide this last share of every test and count how often the forecast's interval holds it
+    /// Hold out this last share of every test, and report the coverage of the forecast
     #[arg(long, value_name = "SHARE", conflicts_with_all = ["forecast_h", "shift_c"])]
-    withhold: Option<f64>,
-    /// Shift factors of isotherms (strain or modulus) to this temperature, °C, instead of laws
+    hold_out: Option<f64>,
+    /// Reference temperature, °C: estimate shift factors of isotherms (strain or modulus) instead of
+    /// laws
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     shift_c: Option<f64>,
 }
 
 const JOINTS: [Choice<Joint>; 3] = [
-    ("none", "Every specimen alone", Joint::None),
+    ("none", "Every specimen individually", Joint::None),
     (
         "shape",
-        "Specimens of a group share the law's shape, not its amplitude",
+        "Specimens of a group share the shape of the law, not its amplitude",
         Joint::Shape,
     ),
     (
         "group",
-        "Specimens of a group share all but their strain zero",
+        "Specimens of a group share all parameters except the strain zero",
         Joint::Group,
     ),
 ];
@@ -93,18 +94,14 @@ const JOINTS: [Choice<Joint>; 3] = [
 const NOISES: [Choice<NoiseKind>; 2] = [
     (
         "correlated",
-        "Independent plus slow errors, both fitted",
+        "Independent and correlated errors, both estimated",
         NoiseKind::Correlated,
     ),
     ("white", "Independent errors", NoiseKind::White),
 ];
 
 const INTERVALS: [Choice<IntervalKind>; 3] = [
-    (
-        "draws",
-        "Quantiles of draws from what the readings leave open",
-        IntervalKind::Draws,
-    ),
+    ("draws", "Quantiles of posterior draws", IntervalKind::Draws),
     ("profile", "Profile likelihood", IntervalKind::Profile),
     (
         "bootstrap",
@@ -121,13 +118,13 @@ impl Fit {
         }
         let tests = self.files.tests()?;
         let request = self.request()?;
-        if let Some(share) = self.withhold {
-            return self.withhold(share, &tests, &request);
+        if let Some(share) = self.hold_out {
+            return self.hold_out(share, &tests, &request);
         }
         let bar = Bar::new("fitting", self.files.quiet);
         let report = sinew_creep::fit_tests(&tests, &request, |step, done, of| {
             if step == FitStep::Forecasting {
-                bar.say("forecasting");
+                bar.set_label("forecasting");
             }
             bar.set(done as f64, of as f64);
         });
@@ -139,7 +136,7 @@ impl Fit {
                     let entry = report.rope_entry(request.joint, base, name, today);
                     entry.map_err(|e| e.to_string())
                 })
-                .map_err(|why| Failure::Refused(format!("--write-rope: {why}")))?;
+                .map_err(|reason| Failure::Error(format!("--write-rope: {reason}")))?;
             write_rope(path, &entry.to_toml())?;
         }
         let series = || creep::fit_series(&report, &tests);
@@ -181,9 +178,9 @@ impl Fit {
     fn base(&self) -> Result<Option<Arc<RopeBase>>, Failure> {
         let Some(name) = &self.rope else {
             if self.law.contains(&Law::Rope) {
-                return Err(Failure::Refused(
-                    "--law rope needs --rope NAME: a catalogue rope with the breaking load, and \
-                     for what the records can't tell; sinew rope list shows them"
+                return Err(Failure::Error(
+                    "--law rope requires --rope NAME: catalogue rope with breaking load and parameters \
+                     that the records do not identify (see sinew rope list)"
                         .into(),
                 ));
             }
@@ -194,23 +191,23 @@ impl Fit {
         Ok(Some(Arc::new(base)))
     }
 
-    fn withhold(&self, share: f64, tests: &Tests, request: &FitRequest) -> Result<Finish, Failure> {
+    fn hold_out(&self, share: f64, tests: &Tests, request: &FitRequest) -> Result<Finish, Failure> {
         if !(0.01..=0.9).contains(&share) {
-            return Err(Failure::Refused(format!(
-                "--withhold {share}: must lie between 0.01 and 0.9"
+            return Err(Failure::Error(format!(
+                "--hold-out {share}: must be between 0.01 and 0.9"
             )));
         }
         let bar = Bar::new("forecasting", self.files.quiet);
-        let report = sinew_creep::withhold_tests(tests, share, request, |done, of| {
+        let report = sinew_creep::hold_out_tests(tests, share, request, |done, of| {
             bar.set(done as f64, of as f64);
         });
         drop(bar);
-        let page = || creep::withhold_page(&report, tests, &self.files.conditions());
+        let page = || creep::hold_out_page(&report, tests, &self.files.conditions());
         self.files.answer(
             &report,
-            creep::withhold_csv,
+            creep::hold_out_csv,
             Some(&page),
-            creep::withhold_table,
+            creep::hold_out_table,
         )?;
         let lossy = !report.failures.is_empty() || !report.forecasts_any();
         Ok(Finish::lossy(lossy))

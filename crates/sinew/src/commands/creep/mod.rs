@@ -1,4 +1,4 @@
-//! `sinew creep`: creep tests to numbers.
+//! `sinew creep`: evaluation and planning of creep tests.
 
 mod analyze;
 mod compare;
@@ -14,7 +14,7 @@ use compare::Compare;
 use fit::Fit;
 use plan::Plan;
 
-/// Turn recordings of creep tests into numbers somebody can design with
+/// Evaluate and plan creep tests of ropes
 #[derive(Debug, Subcommand)]
 pub(crate) enum Creep {
     Analyze(Analyze),

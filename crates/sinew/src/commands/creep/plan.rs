@@ -13,79 +13,78 @@ use sinew_report::creep;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Which creep test next: load, temperature and duration that shrink a duty's interval most
+/// Plan creep tests: load, temperature and duration that reduce the prediction interval most
 ///
-/// The rope law is fitted, on paper, to tests of ropes as the catalogue leaves them open, and the duty predicted from the
-/// fit. --check carries the plan out on virtual ropes: whether its promise comes true.
+/// The expected interval of the duty is computed from linearised fits of the rope law to simulated tests. --check validates
+/// the plan with full fits on simulated ropes.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew creep plan liros-dc000-0301 --tension 100 --at 1year\n  \
     sinew creep plan liros-dc000-0301 --tension 100 --at 1year --with mine.csv --bench-hours 8\n  \
     sinew creep plan liros-dc000-0301 --tension 300 --temperature 40 --at 30d --check 20 --csv programme.csv")]
 pub(crate) struct Plan {
-    /// Rope that the fits start from
+    /// Catalogue rope
     name: String,
     #[command(flatten)]
     duty: DutyArgs,
     #[command(flatten)]
     ropes: Ropes,
-    /// Recordings of tests there are already: they are fitted along (may be repeated)
+    /// Existing test recordings, included in the fits (repeatable)
     #[arg(long = "with", value_name = "FILE", help_heading = "Tests")]
-    known: Vec<PathBuf>,
-    /// Loads that the bench can hold, N [default: from 1 to 15 % of the breaking load, and the duty's]
+    existing: Vec<PathBuf>,
+    /// Available loads, N [default: 1 to 15 % of the breaking load, and the loads of the duty]
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = positive("N"), help_heading = "Tests")]
     loads: Vec<f64>,
-    /// Temperatures it can hold, °C [default: 23 and the duty's]
+    /// Available temperatures, °C [default: 23 and those of the duty]
     #[arg(long, value_name = "C,…", value_delimiter = ',', value_parser = celsius, allow_negative_numbers = true, help_heading = "Tests")]
     temperatures: Vec<f64>,
-    /// How long a load may be held
+    /// Available durations under load
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration, default_value = "85min,8h,24h", help_heading = "Tests")]
     durations: Vec<f64>,
     /// Tension before and after a test, N
     #[arg(long, value_name = "N", value_parser = positive("N"), default_value = "2", help_heading = "Tests")]
     preload: f64,
-    /// Tests to plan at most; one that tells nothing more is left out
+    /// Maximum number of tests; tests without benefit are omitted
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=8), help_heading = "Tests")]
     tests: u8,
-    /// Time on the bench for all of them, h
+    /// Maximum total time on the bench, h
     #[arg(long, value_name = "H", default_value = "48", value_parser = positive("h"), help_heading = "Tests")]
     bench_hours: f64,
-    /// Standard deviation of a reading, % of the length
+    /// Standard deviation of a measurement, % of the length
     #[arg(long, value_name = "PERCENT", default_value = "0.002", value_parser = positive("%"), help_heading = "Tests")]
     reading_percent: f64,
-    /// Carry the plan out on so many virtual ropes
+    /// Validate the plan on this number of simulated ropes
     #[arg(long, value_name = "ROPES", value_parser = clap::value_parser!(u16).range(1..=1000))]
     check: Option<u16>,
-    /// Write the bench's programme: load and temperature over time, with the times to read; .csv or .parquet
+    /// Write the bench programme: load, temperature and measurement times; .csv or .parquet
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
-    /// Nothing on stderr
+    /// Suppress messages on stderr
     #[arg(long)]
     quiet: bool,
 }
 
-/// Ropes that a plan goes through the work with, unless --draws says otherwise: their mean is known to a fifth of how they
-/// differ.
-const TRUTHS: usize = 24;
-/// A load of no more than so many preloads shows too little beside it.
-const LEAST_OF_PRELOAD: f64 = 1.5;
+/// Default number of simulated ropes of a plan; their mean is accurate to one fifth of their standard deviation.
+const DEFAULT_ROPES: usize = 24;
+/// Minimum load of a test over its preload.
+const MIN_LOAD_OVER_PRELOAD: f64 = 1.5;
 
 impl Plan {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         let inputs: Vec<Named<'_>> = self
-            .known
+            .existing
             .iter()
             .map(|f| ("--with", Some(f.as_path())))
             .collect();
         check_outputs(&[("--csv", self.csv.as_deref())], &inputs, self.quiet)?;
-        /// The first reading is 5 s after the load: a test is ten times as long and more.
-        const SHORTEST_S: f64 = 60.0;
-        if let Some(short) = self.durations.iter().find(|s| **s < SHORTEST_S) {
-            return Err(Failure::Refused(format!(
-                "--durations {short} s: hold a load for {SHORTEST_S} s or longer; the first reading is 5 s after it"
+        /// Minimum duration of a test, s: more than ten times the time of the first measurement (5 s).
+        const MIN_DURATION_S: f64 = 60.0;
+        if let Some(short) = self.durations.iter().find(|s| **s < MIN_DURATION_S) {
+            return Err(Failure::Error(format!(
+                "--durations {short} s: must be at least {MIN_DURATION_S} s, because the first measurement is 5 s after loading"
             )));
         }
         let request = self.request()?;
@@ -94,7 +93,7 @@ impl Plan {
         drop(bar);
         if let Some(ropes) = self.check {
             let ropes = usize::from(ropes);
-            let bar = Bar::new("checking", self.quiet);
+            let bar = Bar::new("validating", self.quiet);
             let check = check_plan(&plan, &request, ropes, |done| {
                 bar.set(done as f64, ropes as f64)
             })?;
@@ -102,9 +101,9 @@ impl Plan {
         }
         write_table(self.csv.as_deref(), || creep::plan_programme(&plan))?;
         answer_as(self.json, &plan, creep::plan_table)?;
-        // A check that could fit nothing has shown nothing.
+        // A validation without a successful fit is a failure.
         Ok(match &plan.check {
-            Some(check) if check.ropes == 0 => Finish::Refused,
+            Some(check) if check.ropes == 0 => Finish::InvalidInput,
             _ => Finish::Complete,
         })
     }
@@ -113,47 +112,47 @@ impl Plan {
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let rope = find(&catalogue, &self.name)?;
         let base = Arc::new(RopeBase::new(rope.entry.clone())?);
-        self.loads_are_possible(base.breaking_load_n())?;
+        self.check_loads(base.breaking_load_n())?;
         let duty = self.duty.resolve(self.quiet)?.request;
         let seed = duty.seed;
-        let known = self.known()?;
+        let existing = self.existing()?;
         Ok(PlanRequest {
             candidates: self.candidates(&duty.duty.summary(), base.breaking_load_n()),
             base,
             duty,
             tests: usize::from(self.tests),
             bench_s: 3600.0 * self.bench_hours,
-            known,
+            existing,
             reading_ratio: 0.01 * self.reading_percent,
-            truths: self.duty.draws().unwrap_or(TRUTHS),
+            truths: self.duty.draws().unwrap_or(DEFAULT_ROPES),
             seed,
         })
     }
 
-    /// Whether a bench can hold every load that was asked for with this rope.
-    fn loads_are_possible(&self, breaking_load_n: f64) -> Result<(), Failure> {
-        let least_n = LEAST_OF_PRELOAD * self.preload;
+    /// Checks that all specified loads are between preload and breaking load.
+    fn check_loads(&self, breaking_load_n: f64) -> Result<(), Failure> {
+        let min_n = MIN_LOAD_OVER_PRELOAD * self.preload;
         for load_n in &self.loads {
-            let why = match *load_n {
+            let reason = match *load_n {
                 n if n >= breaking_load_n => {
                     format!(
-                        "breaks {}, whose breaking load is {breaking_load_n} N",
+                        "exceeds the breaking load of {} ({breaking_load_n} N)",
                         self.name
                     )
                 }
-                n if n <= least_n => format!(
-                    "shows too little beside the preload of {} N; ask for more than {least_n} N, or lower --preload",
+                n if n <= min_n => format!(
+                    "is too close to the preload of {} N; specify more than {min_n} N, or reduce --preload",
                     self.preload
                 ),
                 _ => continue,
             };
-            return Err(Failure::Refused(format!("--loads: {load_n} N {why}")));
+            return Err(Failure::Error(format!("--loads: {load_n} N {reason}")));
         }
         Ok(())
     }
 
-    fn known(&self) -> Result<Vec<sinew_creep::Curve>, Failure> {
-        if self.known.is_empty() {
+    fn existing(&self) -> Result<Vec<sinew_creep::Curve>, Failure> {
+        if self.existing.is_empty() {
             return Ok(Vec::new());
         }
         let mut note = |text: &str| {
@@ -162,7 +161,7 @@ impl Plan {
             }
         };
         let options = TestOptions::default();
-        let (_, specimens) = sinew_creep::read_specimens(&self.known, &options, &mut note)?;
+        let (_, specimens) = sinew_creep::read_specimens(&self.existing, &options, &mut note)?;
         let curves = specimens.iter().map(|specimen| {
             Ok(prepare(specimen, &PrepareOptions::default())?
                 .curve
@@ -178,7 +177,7 @@ impl Plan {
         duty: &sinew_rope::duty::DutySummary,
         breaking_load_n: f64,
     ) -> Vec<BenchTest> {
-        /// Shares of the breaking load: below, a braid is slack; above, a bench for robots' ropes ends.
+        /// Default loads as shares of the breaking load: a braid is slack below, bench capacity ends above.
         const SHARES: [f64; 5] = [0.01, 0.02, 0.04, 0.08, 0.15];
         let mut loads = self.loads.clone();
         if loads.is_empty() {
@@ -196,11 +195,11 @@ impl Plan {
         let mut out = Vec::new();
         for &load_n in loads
             .iter()
-            .filter(|n| **n > LEAST_OF_PRELOAD * self.preload)
+            .filter(|n| **n > MIN_LOAD_OVER_PRELOAD * self.preload)
         {
             for &temperature_c in &celsius {
                 for &loaded_s in &self.durations {
-                    // Not watched after it, or for half as long.
+                    // Without recovery, or with a recovery of half the duration.
                     for recovery_s in [0.0, 0.5 * loaded_s] {
                         out.push(BenchTest {
                             preload_n: self.preload,
@@ -218,13 +217,13 @@ impl Plan {
     }
 }
 
-/// A load that somebody sets by hand.
+/// Rounds a load to two significant digits.
 fn two_digits(n: f64) -> f64 {
     let unit = 10f64.powf(n.log10().floor() - 1.0);
     (n / unit).round() * unit
 }
 
-/// Rising, without values that are the same: nearer than `apart` of one.
+/// Sorts values, and removes those closer than `apart` to their predecessor.
 fn distinct(values: &mut Vec<f64>, apart: impl Fn(f64) -> f64) {
     values.sort_unstable_by(f64::total_cmp);
     values.dedup_by(|b, a| (*b - *a).abs() <= apart(*a));

@@ -1,28 +1,28 @@
-//! A fitted rope as a file of the catalogue.
+//! Fitted rope as catalogue file.
 
 use crate::terminal::Failure;
 use std::path::Path;
 
-/// The file's name without its end.
+/// Returns the rope name, which is the file name without extension.
 pub(super) fn rope_name(path: &Path) -> Result<String, String> {
     let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("");
     let good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     let toml = path.extension().is_some_and(|e| e == "toml");
     if !toml || stem.is_empty() || !stem.chars().all(good) {
         return Err(format!(
-            "{}: the file's name becomes the rope's: lower case letters, digits and -, then .toml",
+            "{}: invalid rope name; expected lower case letters, digits and -, with extension .toml",
             path.display()
         ));
     }
     Ok(stem.to_owned())
 }
 
-/// Writes an entry; a folder of one's own ropes begins with the first.
+/// Writes a catalogue entry; its folder is created if missing.
 pub(super) fn write_rope(path: &Path, entry: &str) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|e| {
             let folder = folder.display();
-            Failure::Refused(format!("--write-rope: can't make folder {folder}: {e}"))
+            Failure::Error(format!("--write-rope: cannot create folder {folder}: {e}"))
         })?;
     }
     sinew_files::write_file(path, entry.as_bytes())?;
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rope_is_named_after_its_file() {
+    fn rope_name_is_file_stem() {
         assert_eq!(
             rope_name(Path::new("a/my-rope-2.toml")).unwrap(),
             "my-rope-2"

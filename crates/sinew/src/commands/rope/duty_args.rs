@@ -1,4 +1,4 @@
-//! Options that say what a rope has to do, and where it lies.
+//! Options of the duty and the route of a rope.
 
 use super::values::{celsius, duration, guide};
 use crate::args::{Choice, choice, not_negative, positive};
@@ -7,46 +7,46 @@ use clap::Args;
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::{Progress, robot_dir};
 use sinew_model::transmission::Tendon;
-use sinew_rope::Ends;
+use sinew_rope::RopeTermination;
 use sinew_rope::duty::Duty;
 use sinew_rope::predict::{Guide, Request};
 use sinew_rope::task::{RopeTask, TaskError};
 use std::path::PathBuf;
 
-/// Which strand of a recording.
+/// Strands of a joint in a recording.
 const STRANDS: [Choice<Strand>; 2] = [
     (
         "positive",
-        "The one that pulls when the torque is positive",
+        "Strand that is loaded by positive torque",
         Strand::Positive,
     ),
     (
         "negative",
-        "The one that pulls when the torque is negative",
+        "Strand that is loaded by negative torque",
         Strand::Negative,
     ),
 ];
 
-/// How a rope's ends are held.
-const ENDS: [Choice<Ends>; 2] = [
-    ("splice", "Spliced", Ends::Spliced),
-    ("knot", "Knotted", Ends::Knotted),
+/// Terminations of a rope.
+const TERMINATIONS: [Choice<RopeTermination>; 2] = [
+    ("splice", "Spliced", RopeTermination::Spliced),
+    ("knot", "Knotted", RopeTermination::Knotted),
 ];
 
-/// What the rope has to do.
+/// Duty and route of a rope.
 #[derive(Debug, Args)]
 pub(crate) struct DutyArgs {
     /// Constant tension, N
     #[arg(long, value_name = "N", value_parser = not_negative("N"), help_heading = "Duty")]
     tension: Option<f64>,
-    /// Temperature, °C (also of a recording)
+    /// Temperature, °C (also for a recording)
     #[arg(long, value_name = "C", default_value = "23", value_parser = celsius, allow_negative_numbers = true, help_heading = "Duty")]
     temperature: f64,
-    /// Table of blocks, TOML or CSV, repeated over and over: duration_s|min|h|d, tension_n,
-    /// tension_to_n, temperature_c, temperature_to_c
+    /// Block table, TOML or CSV, repeated as a cycle: duration_s|min|h|d, tension_n, tension_to_n,
+    /// temperature_c, temperature_to_c
     #[arg(long, value_name = "FILE", conflicts_with_all = ["tension", "recording"], help_heading = "Duty")]
     duty: Option<PathBuf>,
-    /// Recording whose torques become tension, repeated over and over; needs --joint
+    /// Recording whose torques define the tension, repeated as a cycle; requires --joint
     #[arg(
         long,
         value_name = "LOG",
@@ -55,38 +55,38 @@ pub(crate) struct DutyArgs {
         help_heading = "Duty"
     )]
     recording: Option<PathBuf>,
-    /// Strand of the joint that is meant
+    /// Selected strand of the joint
     #[arg(long, value_parser = choice(&STRANDS), default_value = "positive", help_heading = "Duty")]
     strand: Strand,
-    /// Robot's folder: length, guides and pretension of the joint's tendon
+    /// Robot folder with length, guides and pretension of the tendon
     #[arg(long, value_name = "DIR", requires = "joint", help_heading = "Route")]
     robot: Option<PathBuf>,
-    /// Joint whose tendon it is
+    /// Joint of the tendon
     #[arg(long, value_name = "NAME", help_heading = "Route")]
     joint: Option<String>,
-    /// Length of the strand, mm [default: the tendon's, else 1000]
+    /// Length of the strand, mm [default: of the tendon, else 1000]
     #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Route")]
     length: Option<f64>,
-    /// Guiding pulley `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`; as often as there are. Without a
-    /// place they stand evenly along the strand
+    /// Guiding pulley `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`, repeatable; evenly spaced without
+    /// AT_MM
     #[arg(long, value_name = "GUIDE", value_parser = guide, help_heading = "Route")]
     guide: Vec<Guide>,
-    /// How far the rope moves back and forth over its guides, mm
+    /// Stroke of the rope over its guides, mm
     #[arg(long, value_name = "MM", default_value = "0", value_parser = not_negative("mm"), help_heading = "Route")]
     stroke: f64,
-    /// Strokes per hour, to count the wear of bending
+    /// Strokes per hour, for bending fatigue
     #[arg(long, value_name = "1/H", default_value = "0", value_parser = not_negative("1/h"), help_heading = "Route")]
     strokes_per_hour: f64,
-    /// How the rope's ends are held [default: as strong as the rope]
-    #[arg(long, value_parser = choice(&ENDS), help_heading = "Route")]
-    ends: Option<Ends>,
-    /// Factor by which abrasion speeds up the wear of bending
+    /// Termination [default: as strong as the rope]
+    #[arg(long, value_parser = choice(&TERMINATIONS), help_heading = "Route")]
+    termination: Option<RopeTermination>,
+    /// Factor by which abrasion accelerates bending fatigue
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = positive("(a factor)"), help_heading = "Route")]
     abrasion: f64,
-    /// Times to read at, such as 8h,30d,1year [default: 1h,1d,1month,1year]
+    /// Times of the results, e.g. 8h,30d,1year [default: 1h,1d,1month,1year]
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration)]
     at: Vec<f64>,
-    /// Draws of the rope's parameters for the intervals [default: 400; of a creep plan 24]
+    /// Number of parameter draws for the intervals [default: 400; for a creep plan 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=100_000))]
     draws: Option<u32>,
     /// Seed of the draws
@@ -94,14 +94,14 @@ pub(crate) struct DutyArgs {
     seed: u64,
 }
 
-/// What follows from the options: the request, and the tendon's own rope.
+/// Request that results from the options, and the rope of the tendon.
 pub(crate) struct Resolved {
     pub(crate) request: Request,
     pub(crate) rope: Option<String>,
 }
 
 impl DutyArgs {
-    /// Draws, where they are asked for.
+    /// Specified number of draws.
     pub(crate) fn draws(&self) -> Option<usize> {
         self.draws.map(|draws| draws as usize)
     }
@@ -117,15 +117,15 @@ impl DutyArgs {
             guides: self.guide.clone(),
             stroke_m: M_PER_MM * self.stroke,
             strokes_per_hour: self.strokes_per_hour,
-            ends: self.ends.unwrap_or_default(),
+            termination: self.termination.unwrap_or_default(),
             abrasion_factor: self.abrasion,
             times_s: self.at.clone(),
             draws: self.draws().unwrap_or(sinew_rope::draws::DRAWS_DEFAULT),
             seed: self.seed,
         };
         let request = task.request(tendon.as_ref()).map_err(|error| match error {
-            TaskError::NoDuty => Failure::Refused(
-                "what has the rope to do? give --tension N, --duty FILE or --recording LOG".into(),
+            TaskError::NoDuty => Failure::Error(
+                "no load specified; set --tension N, --duty FILE or --recording LOG".into(),
             ),
             other => other.into(),
         })?;
@@ -143,21 +143,21 @@ impl DutyArgs {
             (Some(place), _) => place.clone(),
             (None, Some(log)) => robot_dir::find(log)?,
             (None, None) => {
-                return Err(Failure::Refused(
-                    "--joint needs --robot DIR, which has the joint's tendon".into(),
-                ));
+                return Err(Failure::Error("--joint requires --robot DIR".into()));
             }
         };
         let loaded = robot_dir::load(&place, None)?;
         Ok(Some(loaded.tendon(joint)?.clone()))
     }
 
-    /// The duty of a table or a recording.
+    /// Returns the duty of a table or a recording.
     fn resolve_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Option<Duty>, Failure> {
         match (&self.duty, &self.recording, tendon) {
             (Some(file), ..) => Ok(Some(Duty::open(file)?)),
             (None, Some(log), Some(tendon)) => self.recorded(log.clone(), tendon, quiet).map(Some),
-            (None, Some(_), None) => Err(Failure::Refused("--recording needs --joint NAME".into())),
+            (None, Some(_), None) => {
+                Err(Failure::Error("--recording requires --joint NAME".into()))
+            }
             (None, None, _) => Ok(None),
         }
     }
@@ -166,7 +166,7 @@ impl DutyArgs {
         let mut request = sinew_estimate::Request::new(log);
         request.robot.clone_from(&self.robot);
         if tendon.pretension_n.is_none() && !quiet {
-            let text = "the tendon has no pretension_n; it counts as 0 N";
+            let text = "pretension_n missing for the tendon: 0 N assumed; set it in robot.toml";
             complain(Word::Warning, text);
         }
         let joint = self.joint.as_deref().unwrap_or_default();

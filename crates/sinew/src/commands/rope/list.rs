@@ -5,10 +5,9 @@ use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_report::rope::catalogue_table;
 
-/// All ropes of the catalogue
+/// List the ropes of the catalogue
 ///
-/// d: diameter; load: breaking load; g/m: weight; a dash is a value that is not published.
-/// guesses: parameters of the rope's law that are starting guesses, of all.
+/// d: diameter; –: not published; assumed: parameters of the creep law that are assumed, of all.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew rope list --ropes my-ropes")]
 pub(crate) struct List {

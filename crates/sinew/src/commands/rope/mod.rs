@@ -1,4 +1,4 @@
-//! `sinew rope`: the catalogue, and what a duty does to its ropes.
+//! `sinew rope`: rope catalogue, predictions, selection and pretension.
 
 mod duty_args;
 mod list;
@@ -18,7 +18,7 @@ use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 use std::path::{Path, PathBuf};
 pub(crate) use values::{celsius, duration};
 
-/// Choose a rope, predict how far it stretches, plan its pretension
+/// Select a rope, predict its elongation, plan its pretension
 #[derive(Debug, Subcommand)]
 pub(crate) enum Rope {
     List(list::List),
@@ -41,16 +41,16 @@ impl Rope {
     }
 }
 
-/// Where ropes come from.
+/// Rope catalogues.
 #[derive(Debug, Args)]
 pub(crate) struct Ropes {
-    /// Folder with your own ropes (*.toml); ./ropes is read too where it is there
+    /// Additional rope catalogue (*.toml); ./ropes is always included if present
     #[arg(long = "ropes", value_name = "DIR")]
     folders: Vec<PathBuf>,
 }
 
 impl Ropes {
-    /// Shipped ropes and one's own; names taken twice are noted on stderr unless `quiet`.
+    /// Reads the built-in and additional catalogues; name conflicts are printed as notes unless `quiet`.
     pub(crate) fn catalogue(&self, quiet: bool) -> Result<Catalogue, CatalogueError> {
         let here = Path::new("ropes");
         let mut folders: Vec<&Path> = Vec::new();
@@ -66,10 +66,10 @@ impl Ropes {
     }
 }
 
-/// A rope by name, with the name somebody may have meant.
+/// Finds a rope by name; the error suggests a similar name.
 pub(crate) fn find<'a>(catalogue: &'a Catalogue, name: &str) -> Result<&'a CatalogueRope, Failure> {
     catalogue.find(name).map_err(|error| {
         let hint = sinew_files::names::did_you_mean(name, &catalogue.names());
-        Failure::Refused(format!("{error}{hint}"))
+        Failure::Error(format!("{error}{hint}"))
     })
 }

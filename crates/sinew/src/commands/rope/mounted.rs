@@ -1,4 +1,4 @@
-//! Options that say how a rope is mounted: what gives beside it, and what pulls the other way.
+//! Options of the mounting of a rope: compliance, guides, antagonistic rope.
 
 use super::values::guide;
 use crate::args::{not_negative, positive};
@@ -11,38 +11,36 @@ use std::path::PathBuf;
 
 const M_PER_MM: f64 = 1e-3;
 
-/// How a rope is mounted.
+/// Mounting of a rope.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Mounting")]
 pub(super) struct Mounted {
-    /// Length of the strand, mm [default: the tendon's, else 1000]
+    /// Length of the strand, mm [default: of the tendon, else 1000]
     #[arg(long, value_name = "MM", value_parser = positive("mm"))]
     length: Option<f64>,
-    /// What gives in series with each strand: frame, spring, mounts, N/mm [default: what the joint's
-    /// stiffness leaves beside the rope, else nothing gives]
+    /// Stiffness in series with each strand (frame, spring, mounts), N/mm [default: from the joint
+    /// stiffness, else rigid]
     #[arg(long, value_name = "N/MM", value_parser = positive("N/mm"))]
     series_stiffness: Option<f64>,
-    /// Guiding pulley `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`; as often as there are [default: the
-    /// tendon's]
+    /// Guiding pulley `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`, repeatable [default: of the tendon]
     #[arg(long, value_name = "GUIDE", value_parser = guide)]
     guide: Vec<Guide>,
-    /// A second, equal rope pulls the joint the other way, over a pulley of this radius, mm
-    /// [default: the tendon's, where it is antagonistic]
+    /// Pulley radius of a second, equal, antagonistic rope, mm [default: of an antagonistic tendon]
     #[arg(long, value_name = "MM", value_parser = positive("mm"))]
     joint_radius: Option<f64>,
-    /// Torque that the joint holds meanwhile, N·m, of a joint that slides N; needs a second rope
+    /// Torque of the joint, N·m (prismatic joint: N); requires a second rope
     #[arg(long, value_name = "N·M", default_value = "0", value_parser = not_negative("N·m"))]
     torque: f64,
-    /// Robot's folder; needs --joint
+    /// Robot folder; requires --joint
     #[arg(long, value_name = "DIR", requires = "joint")]
     robot: Option<PathBuf>,
-    /// Joint whose tendon it is
+    /// Joint of the tendon
     #[arg(long, value_name = "NAME", requires = "robot")]
     joint: Option<String>,
 }
 
 impl Mounted {
-    /// The drive of the joint that was named.
+    /// Returns the drive of the specified joint.
     pub(super) fn drive(&self) -> Result<Option<Drive>, Failure> {
         let (Some(place), Some(joint)) = (&self.robot, &self.joint) else {
             return Ok(None);
@@ -50,12 +48,12 @@ impl Mounted {
         Ok(Some(robot_dir::load(place, None)?.drive(joint)?))
     }
 
-    /// Puts what is stated of the mounting into a task.
-    pub(super) fn state(&self, task: &mut PretensionTask) {
+    /// Copies the specified mounting into a task.
+    pub(super) fn apply(&self, task: &mut PretensionTask) {
         task.length_m = self.length.map(|mm| M_PER_MM * mm);
         task.guides.clone_from(&self.guide);
-        let give = self.series_stiffness;
-        task.give_m_per_n = give.map(|n_per_mm| M_PER_MM / n_per_mm);
+        let stiffness = self.series_stiffness;
+        task.series_compliance_m_per_n = stiffness.map(|n_per_mm| M_PER_MM / n_per_mm);
         task.joint_radius_m = self.joint_radius.map(|mm| M_PER_MM * mm);
         task.torque_nm = self.torque;
     }

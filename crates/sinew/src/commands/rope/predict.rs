@@ -11,12 +11,11 @@ use sinew_rope::law::RopeLoad;
 use sinew_rope::predict;
 use std::path::PathBuf;
 
-/// How far a rope stretches under a duty: after an hour, a day, a month, a year
+/// Predict the elongation of a rope under a duty
 ///
-/// "since tensioned" counts from a minute after the first loading: what is left to re-tension.
-/// "from slack" counts from the new, slack rope. Brackets are 95 % intervals from draws of the
-/// rope's parameters within their stated uncertainty. Where the rope breaks within the times asked for,
-/// there is no number from then on, and the exit code is 3.
+/// "after pretensioning" is from 1 min after the first loading, "total" from the new, slack rope. 95 %
+/// intervals in brackets, from draws of the rope parameters within their uncertainty. If the rope fails
+/// within the requested times, there are no values from then on, and the exit code is 3.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  sinew rope predict liros-dc000-0301 --tension 60 --length 700\n  \
@@ -24,16 +23,16 @@ use std::path::PathBuf;
     sinew rope predict --recording monday.mcap --robot robots/biorob-like --joint elbow"
 )]
 pub(crate) struct Predict {
-    /// Rope [default: the one of the joint's tendon]
+    /// Rope [default: of the joint tendon]
     name: Option<String>,
     #[command(flatten)]
     duty: DutyArgs,
-    /// Tension the readings refer to, N [default: mean of the duty]
+    /// Tension to which elongations refer, N [default: mean of the duty]
     #[arg(long, value_name = "N", value_parser = not_negative("N"))]
     read_at: Option<f64>,
     #[command(flatten)]
     ropes: Ropes,
-    /// HTML page
+    /// Write an HTML report
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Write the curve over time; .csv or .parquet
@@ -42,7 +41,7 @@ pub(crate) struct Predict {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
-    /// Nothing on stderr
+    /// Suppress messages on stderr
     #[arg(long)]
     quiet: bool,
 }
@@ -57,8 +56,8 @@ impl Predict {
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let mut resolved = self.duty.resolve(self.quiet)?;
         let Some(name) = self.name.as_ref().or(resolved.rope.as_ref()) else {
-            return Err(Failure::Refused(
-                "which rope? name it; sinew rope list shows all".into(),
+            return Err(Failure::Error(
+                "rope missing; specify its name (see sinew rope list)".into(),
             ));
         };
         let rope = find(&catalogue, name)?;

@@ -12,24 +12,24 @@ use sinew_rope::pretension;
 use sinew_rope::task::{PretensionTask, TaskError};
 use std::path::PathBuf;
 
-/// How much pretension, how to bed a rope in, and when to tension it again
+/// Plan pretension, preconditioning and re-tensioning of a rope
 ///
-/// Two pictures of the same rope: under constant tension it grows, and a bedding-in procedure
-/// takes most of that away beforehand; at constant length its tension falls, and the schedule
-/// says when it is below --lowest. With --robot and --joint it is that joint's tendon, with what
-/// gives beside the rope, its guides, and the rope that pulls the other way.
+/// At constant tension the rope elongates; a preconditioning procedure removes most of this in
+/// advance. At constant length its tension falls; the schedule lists when it falls below --lowest.
+/// --robot and --joint select the tendon of a joint with its series compliance, guides and
+/// antagonistic rope.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  sinew rope pretension liros-dc000-0301 --tension 60 --length 700\n  \
     sinew rope pretension --robot robots/biorob-like --joint elbow --torque 2"
 )]
 pub(crate) struct Pretension {
-    /// Rope [default: the one of the joint's tendon]
+    /// Rope [default: of the joint tendon]
     name: Option<String>,
-    /// Working tension, N; of two strands their mean [default: the tendon's pretension]
+    /// Working tension, N, mean of two strands [default: pretension of the tendon]
     #[arg(long, value_name = "N", value_parser = positive("N"), required_unless_present = "joint")]
     tension: Option<f64>,
-    /// Tension below which it is tensioned again, N [default: 80 % of the working tension]
+    /// Minimum tension before re-tensioning, N [default: 80 % of the working tension]
     #[arg(long, value_name = "N", value_parser = positive("N"))]
     lowest: Option<f64>,
     /// Temperature, °C
@@ -37,19 +37,19 @@ pub(crate) struct Pretension {
     temperature: f64,
     #[command(flatten)]
     mounted: Mounted,
-    /// How long it must hold
+    /// Planning horizon
     #[arg(long, value_name = "TIME", default_value = "1year", value_parser = duration)]
     horizon: f64,
-    /// Share of the later elongation that the procedure must take away
+    /// Share of the later elongation to be removed by preconditioning
     #[arg(long, value_name = "SHARE", default_value = "0.8", value_parser = share)]
     remove: f64,
-    /// Draws of the rope's parameters for the intervals
+    /// Number of parameter draws for the intervals
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     draws: u32,
     /// Seed of the draws
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// HTML page
+    /// Write an HTML report
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -66,8 +66,8 @@ impl Pretension {
         let drive = self.mounted.drive()?;
         let own = drive.as_ref().map(|d| &d.tendon);
         let Some(name) = self.name.as_ref().or(own.and_then(|t| t.rope.as_ref())) else {
-            let which = "which rope? name it; sinew rope list shows all";
-            return Err(Failure::Refused(which.into()));
+            let missing = "rope missing; specify its name (see sinew rope list)";
+            return Err(Failure::Error(missing.into()));
         };
         let rope = find(&catalogue, name)?;
         let mut task = PretensionTask {
@@ -80,8 +80,8 @@ impl Pretension {
             seed: self.seed,
             ..PretensionTask::default()
         };
-        self.mounted.state(&mut task);
-        let request = task.request(rope, drive.as_ref()).map_err(refused)?;
+        self.mounted.apply(&mut task);
+        let request = task.request(rope, drive.as_ref()).map_err(task_error)?;
         let plan = pretension::plan(rope, &request)?;
         write_text(self.report.as_deref(), || planned(&plan).html())?;
         answer_as(self.json, &plan, plan_table)?;
@@ -89,18 +89,18 @@ impl Pretension {
     }
 }
 
-/// What is missing, by the names of the options.
-fn refused(error: TaskError) -> Failure {
-    Failure::Refused(match error {
+/// Converts the error of a task to a message with option names.
+fn task_error(error: TaskError) -> Failure {
+    Failure::Error(match error {
         TaskError::NoTension => {
-            "the joint's tendon states no pretension_n; say --tension N".to_owned()
+            "pretension_n missing for the tendon of this joint; specify --tension N".to_owned()
         }
         TaskError::Lowest {
             lowest_n,
             tension_n,
         } => format!("--lowest {lowest_n} N must be below --tension {tension_n} N"),
         TaskError::TorqueAlone => {
-            "--torque needs a second rope that pulls the other way; say --joint-radius MM".into()
+            "--torque requires an antagonistic rope; specify --joint-radius MM".into()
         }
         other => other.to_string(),
     })

@@ -10,11 +10,10 @@ use sinew_report::rope::{figure, selected, selection_table, spoken};
 use sinew_rope::select::{self, Constraints};
 use std::path::PathBuf;
 
-/// Which ropes meet the constraints, ranked by elongation, and why the others don't
+/// Select ropes that meet constraints, ranked by elongation, with reasons for rejected ropes
 ///
-/// Elongation counts from a minute after tensioning to the last time of --at. A constraint on
-/// something a rope's maker does not publish rejects it: it can't be shown to meet it. Exit code 3
-/// when no rope is left.
+/// Elongation is from 1 min after pretensioning to the last time of --at. A rope is rejected if the
+/// manufacturer does not publish a constrained property. Exit code 3: no rope left.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  sinew rope select --tension 60 --length 700 --at 1year --max-diameter 1.8 \\\n      --pulley-diameter 16 --min-bend-ratio 8 --min-safety-factor 20 --plot choice.png"
@@ -22,34 +21,34 @@ use std::path::PathBuf;
 pub(crate) struct Select {
     #[command(flatten)]
     duty: DutyArgs,
-    /// Largest diameter, mm
+    /// Maximum diameter, mm
     #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
     max_diameter: Option<f64>,
-    /// Smallest diameter, mm
+    /// Minimum diameter, mm
     #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
     min_diameter: Option<f64>,
     /// Diameter of the smallest pulley, mm
     #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
     pulley_diameter: Option<f64>,
-    /// Smallest pulley diameter over rope diameter (D/d)
+    /// Minimum bending ratio D/d, pulley over rope diameter
     #[arg(long, value_name = "RATIO", value_parser = positive("(a ratio)"), requires = "pulley_diameter", help_heading = "Constraints")]
     min_bend_ratio: Option<f64>,
-    /// Smallest breaking load over largest tension
+    /// Minimum safety factor, breaking load over largest tension
     #[arg(long, value_name = "RATIO", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
     min_safety_factor: Option<f64>,
-    /// Largest elongation, mm, held against the upper end of the interval
+    /// Maximum elongation, mm (upper 95 % bound)
     #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
     max_elongation: Option<f64>,
-    /// Smallest stiffness of the strand, N/mm
+    /// Minimum stiffness of the strand, N/mm
     #[arg(long, value_name = "N/MM", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
     min_stiffness: Option<f64>,
-    /// Largest weight, g/m
+    /// Maximum weight, g/m
     #[arg(long, value_name = "G/M", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
     max_weight: Option<f64>,
-    /// Pareto plot, .svg or .png
+    /// Write a Pareto plot; .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// HTML page
+    /// Write an HTML report
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -57,7 +56,7 @@ pub(crate) struct Select {
     /// Print one JSON document instead of the tables
     #[arg(long)]
     json: bool,
-    /// Nothing on stderr
+    /// Suppress messages on stderr
     #[arg(long)]
     quiet: bool,
 }

@@ -5,18 +5,18 @@ use crate::terminal::{Failure, Finish, answer, answer_as};
 use clap::Args;
 use sinew_report::rope::rope_table;
 
-/// Everything known about a rope, with origin and uncertainty
+/// Show all properties of a rope with origin and uncertainty
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew rope show liros-dc000-0301")]
 pub(crate) struct Show {
-    /// Rope; `sinew rope list` names them
+    /// Rope; see `sinew rope list`
     name: String,
     #[command(flatten)]
     ropes: Ropes,
     /// Print one JSON document instead of the tables
     #[arg(long, conflicts_with = "toml")]
     json: bool,
-    /// Print the catalogue entry, to start your own rope from
+    /// Print the catalogue entry as template for another rope
     #[arg(long)]
     toml: bool,
 }

@@ -1,23 +1,25 @@
-//! Values of options: newtons, lengths, durations, guiding pulleys.
+//! Parsers of shares, temperatures, durations and guiding pulleys.
 
 use crate::args::{not_negative, number, positive};
 use sinew_rope::predict::{DAY_S, Guide, HOUR_S, MONTH_S, YEAR_S};
 
+/// Parses a share between 0 and 1.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     match number(text, "(a share)")? {
         v if v > 0.0 && v < 1.0 => Ok(v),
-        v => Err(format!("{v} must lie between 0 and 1")),
+        v => Err(format!("{v} must be between 0 and 1")),
     }
 }
 
+/// Parses a temperature, °C.
 pub(crate) fn celsius(text: &str) -> Result<f64, String> {
     match number(text, "°C")? {
         v if (-100.0..=200.0).contains(&v) => Ok(v),
-        v => Err(format!("{v} °C must be -100 to 200 °C")),
+        v => Err(format!("{v} °C must be between -100 and 200 °C")),
     }
 }
 
-/// `30min`, `8h`, `2d`, `3month`, `1year`; a bare number is seconds.
+/// Parses a duration, `30min`, `8h`, `2d`, `3month` or `1year`; a number without unit is in seconds.
 pub(crate) fn duration(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let end = text
@@ -33,7 +35,7 @@ pub(crate) fn duration(text: &str) -> Result<f64, String> {
         "y" | "year" | "years" => YEAR_S,
         other => {
             return Err(format!(
-                "'{other}' is no unit of time; write such as 30min, 8h, 2d, 3month, 1year"
+                "'{other}' is not a unit of time; expected e.g. 30min, 8h, 2d, 3month, 1year"
             ));
         }
     };
@@ -43,9 +45,9 @@ pub(crate) fn duration(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`
+/// Parses a guiding pulley, `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`.
 pub(super) fn guide(text: &str) -> Result<Guide, String> {
-    let form = "write WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM], such as 90:8 or 60:8:0.05@250";
+    let form = "expected WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM], e.g. 90:8 or 60:8:0.05@250";
     let (rest, at) = match text.split_once('@') {
         Some((rest, at)) => (rest, Some(at)),
         None => (text, None),
@@ -70,7 +72,7 @@ mod tests {
     use sinew_report::rope::spoken;
 
     #[test]
-    fn durations_are_read_and_spoken() {
+    fn duration_parses_and_formats() {
         for (text, s, words) in [
             ("45", 45.0, "45 s"),
             ("30min", 1800.0, "30 min"),
@@ -89,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn guides_are_read() {
+    fn guide_parses_fields() {
         let g = guide("60:8:0.05@250").expect("a guide");
         assert_eq!((g.wrap_rad, g.radius_m), (60_f64.to_radians(), 0.008));
         assert_eq!((g.friction, g.at_m), (Some(0.05), Some(0.25)));

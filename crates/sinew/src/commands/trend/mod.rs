@@ -1,28 +1,27 @@
-//! `sinew trend`: months of offsets, events, and the day a limit is passed.
+//! `sinew trend`: trend of offsets over sessions, events, and forecast of limits.
 
 mod survival;
 
-use super::beside::Arguments;
+use super::external::Arguments;
 use super::rope::Ropes;
 use crate::files::{Named, check_outputs, write_table};
-use crate::terminal::{Failure, Finish, Word, answer, complain};
+use crate::terminal::{Failure, Finish, Word, answer, complain_coded};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
-use sinew_report::text::plain;
-use sinew_report::trend::{format_note, html, render_table, trend_series, trend_table};
+use sinew_report::trend::{html, note_message, render_table, trend_series, trend_table};
 use sinew_rope::Duty;
 use sinew_trend::survival::LifePrior;
 use sinew_trend::{Stated, TrendRequest, analyze, read_sessions};
 use std::path::PathBuf;
 
-/// Watch tendons over months: where they stand, what happened, when to tension or replace
+/// Analyse the trend of tendons over sessions, and forecast re-tensioning and replacement
 ///
-/// FILES are records of sessions: what sinew estimate LOG --baseline FILE --json prints, one per
-/// session, or a CSV with the columns time (or cycle), joint, offset_mrad, interval_95_mrad and, optional,
-/// shared_interval_95_mrad, temperature_c, robot, baseline, duration_s and more. Exit code 3: a limit is
-/// passed, a jump confirmed, or something happened that no error explains.
+/// FILES are session records: JSON of sinew estimate LOG --baseline FILE --json, one per session, or
+/// a CSV with the columns time (or cycle), joint, offset_mrad, interval_95_mrad and optionally
+/// shared_interval_95_mrad, temperature_c, robot, baseline, duration_s and others. Exit code 3: limit
+/// exceeded, or step change confirmed or suspected.
 #[derive(Debug, Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -34,34 +33,34 @@ use std::path::PathBuf;
 pub(crate) struct Trend {
     #[command(subcommand)]
     command: Option<TrendCommand>,
-    /// Records of sessions, JSON or CSV, in any order
+    /// Session records, JSON or CSV, in any order
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Robot's folder: ropes, geometry and limits; without it, mrad only
+    /// Robot folder with ropes, geometry and limits [default: none, results in mrad only]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// Day a tendon was tensioned, one joint's or all; repeatable
+    /// Date of tensioning, of one joint or all (repeatable)
     #[arg(long, value_name = "[JOINT=]DATE", value_parser = stated)]
     tensioned: Vec<Stated>,
-    /// Day a rope was replaced: what was before doesn't count; repeatable
+    /// Date of rope replacement, of one joint or all; earlier sessions are ignored (repeatable)
     #[arg(long, value_name = "[JOINT=]DATE", value_parser = stated)]
     replaced: Vec<Stated>,
-    /// What the ropes have to do, a block table (TOML, CSV) [default: not known]
+    /// Duty of the ropes, block table (TOML, CSV) [default: unknown peak loads]
     #[arg(long, value_name = "FILE")]
     duty: Option<PathBuf>,
-    /// Length of a cycle, s, for a table that counts cycles and has no time
+    /// Duration of a cycle, s, for a table with cycles and without time
     #[arg(long, value_name = "S", value_parser = crate::args::positive("s"), allow_negative_numbers = true)]
     cycle_s: Option<f64>,
-    /// Table of what broke and what was replaced (as for sinew trend survival): when to replace a rope by its
-    /// age, where robot.toml has no limit of its strain
+    /// Table of rope failures and replacements (see sinew trend survival) for age-based replacement
+    /// of ropes without strain limit in robot.toml
     #[arg(long, value_name = "TABLE")]
     life: Option<PathBuf>,
-    /// Replace by the age at which so many of such ropes have broken, %
+    /// Share of failed ropes that defines the replacement age, %
     #[arg(long, value_name = "PERCENT", default_value_t = 10, requires = "life", value_parser = clap::value_parser!(u8).range(1..=90))]
     life_risk: u8,
     #[command(flatten)]
     ropes: Ropes,
-    /// How far forecasts look, days from the last session
+    /// Forecast horizon, days after the last session
     #[arg(long, value_name = "DAYS", default_value_t = 1095, value_parser = clap::value_parser!(u32).range(1..=36_500))]
     horizon: u32,
     /// Seed of the draws
@@ -70,7 +69,7 @@ pub(crate) struct Trend {
     /// Print one JSON document instead of the table
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Write every session, mrad: as recorded, and what the trend knew then; .csv or .parquet
+    /// Write all sessions in mrad, recorded and estimated; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
     /// Write levels and forecast over time, rad; .csv or .parquet
@@ -86,24 +85,24 @@ pub(crate) struct Trend {
 
 #[derive(Debug, Subcommand)]
 enum TrendCommand {
-    /// Live through simulated years of robots: what the trend finds, how far its forecasts hold (runs sinew-bench)
+    /// Simulate years of robots: events found by the trend, coverage of its forecasts (runs sinew-bench)
     #[command(
         disable_help_flag = true,
-        after_help = "Example:\n  sinew trend simulate-year --robot robots/biorob-like --robots 100 --out years.jsonl"
+        after_help = "Example:\n  sinew trend simulate --robot robots/biorob-like --robots 100 --out years.jsonl"
     )]
-    SimulateYear(Arguments),
+    Simulate(Arguments),
     Survival(survival::Survival),
 }
 
-/// `DATE` or `JOINT=DATE`.
+/// Parses `DATE` or `JOINT=DATE`.
 fn stated(text: &str) -> Result<Stated, String> {
     let (joint, date) = match text.split_once('=') {
         Some((joint, date)) if !joint.is_empty() => (Some(joint.to_string()), date),
-        Some(_) => return Err("write DATE or JOINT=DATE".into()),
+        Some(_) => return Err("expected DATE or JOINT=DATE".into()),
         None => (None, text),
     };
     let time_utc_s = parse_utc_s(date).ok_or_else(|| {
-        format!("'{date}' is no date; write such as 2026-03-01 or 2026-03-01T08:30Z")
+        format!("'{date}' is not a date; expected e.g. 2026-03-01 or 2026-03-01T08:30Z")
     })?;
     Ok(Stated {
         joint,
@@ -116,7 +115,7 @@ impl Trend {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<Finish, Failure> {
         match self.command {
-            Some(TrendCommand::SimulateYear(arguments)) => arguments.bench("simulate-year"),
+            Some(TrendCommand::Simulate(arguments)) => arguments.bench("trend-simulate"),
             Some(TrendCommand::Survival(survival)) => survival.run(),
             None => self.analyze(),
         }
@@ -151,15 +150,15 @@ impl Trend {
         } else {
             if !self.quiet {
                 for note in &report.notes {
-                    complain(Word::Note, &plain(&format_note(note)));
+                    complain_coded(Word::Note, &note_message(note));
                 }
             }
             answer(&render_table(&report))?;
         }
-        Ok(Finish::lossy(report.needs_attention))
+        Ok(Finish::lossy(report.action_required))
     }
 
-    /// How long such ropes last, where a table says.
+    /// Reads the lifetimes, if a table is specified.
     fn life(&self) -> Result<Option<LifePrior>, Failure> {
         let Some(table) = &self.life else {
             return Ok(None);

@@ -1,24 +1,24 @@
-//! `sinew trend survival`: how long ropes last, from what broke and what was replaced.
+//! `sinew trend survival`: rope lifetimes from failures and replacements.
 
 use crate::files::check_outputs;
-use crate::terminal::{Failure, Finish, Word, answer, complain};
+use crate::terminal::{Failure, Finish, Word, answer, complain_coded};
 use clap::Args;
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
-use sinew_report::text::plain;
-use sinew_report::trend::survival::{format_note, html, render_table};
-use sinew_trend::survival::{EventColumns, Lives, analyze_lives, read_lives};
+use sinew_report::trend::survival::{html, note_message, render_table};
+use sinew_trend::survival::{EventColumns, Lifetimes, analyze_lives, read_lives};
 use std::path::{Path, PathBuf};
 
-/// How long ropes last: from a table of what broke and what was replaced, with what runs still
+/// Estimate rope lifetimes from failures, replacements and running ropes
 ///
-/// TABLE is a CSV. A row a rope: age_days, age_hours or age_cycles, and end (broken, replaced, running). Or a row an
-/// event: date, unit (the place of the rope), event (installed, broken, replaced, retired, or words that hold one of
-/// these). Tells the share that lasts (Kaplan and Meier), a Weibull law, and whether replacing in time helps.
+/// TABLE is a CSV. Either one row per rope: age_days, age_hours or age_cycles, and end (broken, replaced,
+/// running). Or one row per event: date, unit (place of the rope), event (installed, broken, replaced, retired, or
+/// text that contains one of these). Estimates the survival function (Kaplan-Meier), a Weibull law, and the
+/// benefit of preventive replacement.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew trend survival examples/12-survival/events.csv --report survival.html\n  \
-    sinew trend survival tickets.csv --date reported --unit robot,side,cable --watched robot\n  \
+    sinew trend survival tickets.csv --date reported --unit robot,side,cable --monitored robot\n  \
     sinew trend sessions.csv --robot robots/biorob-like --tensioned 2026-03-01 --life examples/12-survival/events.csv")]
 pub(super) struct Survival {
     /// Table of ropes or events
@@ -32,21 +32,21 @@ pub(super) struct Survival {
     /// Write a report with the curves as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// No notes on stderr
+    /// Suppress notes on stderr
     #[arg(long, help_heading = "Output")]
     quiet: bool,
 }
 
-/// Which columns say what.
+/// Column names of the table.
 #[derive(Debug, Args)]
 struct Columns {
-    /// Column of the day of an event
+    /// Column with the date of an event
     #[arg(long, value_name = "COLUMN", default_value = "date")]
     date: String,
-    /// Column of what happened
+    /// Column with the type of an event
     #[arg(long, value_name = "COLUMN", default_value = "event")]
     event: String,
-    /// Columns that name the place together
+    /// Columns that together identify the place of a rope
     #[arg(
         long,
         value_name = "COLUMN,…",
@@ -54,27 +54,27 @@ struct Columns {
         default_value = "unit"
     )]
     unit: Vec<String>,
-    /// Column by which ropes are counted apart, too
+    /// Column by which ropes are grouped
     #[arg(long, value_name = "COLUMN")]
     group: Option<String>,
-    /// Column whose places were watched together, such as the robot: each until its last event
+    /// Column of the unit observed as a whole, such as the robot, each until its last event
     /// [default: all until the last event of the table]
     #[arg(long, value_name = "COLUMN", conflicts_with = "until")]
-    watched: Option<String>,
-    /// Day until which ropes that didn't break were watched
+    monitored: Option<String>,
+    /// End of observation of ropes without failure
     #[arg(long, value_name = "DATE", value_parser = date)]
     until: Option<f64>,
-    /// A rope that broke was replaced the same day, though no row says so
+    /// Assume that failed ropes were replaced the same day
     #[arg(long)]
     repaired: bool,
 }
 
 fn date(text: &str) -> Result<f64, String> {
-    parse_utc_s(text).ok_or_else(|| format!("'{text}' is no date; write such as 2026-03-01"))
+    parse_utc_s(text).ok_or_else(|| format!("'{text}' is not a date; expected e.g. 2026-03-01"))
 }
 
-/// Lives with the name of their table.
-pub(super) fn lives_of(table: &Path) -> Result<(Lives, String), Failure> {
+/// Reads lifetimes, and returns them with the name of their table.
+pub(super) fn lives_of(table: &Path) -> Result<(Lifetimes, String), Failure> {
     let lives = read_lives(table, &EventColumns::default())?;
     Ok((lives, table.display().to_string()))
 }
@@ -89,7 +89,7 @@ impl Survival {
             event: self.columns.event.clone(),
             unit: self.columns.unit.clone(),
             group: self.columns.group.clone(),
-            watched: self.columns.watched.clone(),
+            monitored: self.columns.monitored.clone(),
             until_utc_s: self.columns.until,
             repaired: self.columns.repaired,
         };
@@ -103,14 +103,14 @@ impl Survival {
         } else {
             if !self.quiet {
                 for note in &report.notes {
-                    complain(Word::Note, &plain(&format_note(note)));
+                    complain_coded(Word::Note, &note_message(note));
                 }
             }
             answer(&render_table(&report))?;
         }
-        // Without one that broke nothing is estimated.
+        // Without failures nothing is estimated.
         Ok(match report.groups.iter().all(|group| group.broke == 0) {
-            true => Finish::Refused,
+            true => Finish::InvalidInput,
             false => Finish::Complete,
         })
     }

@@ -1,4 +1,4 @@
-// A broadcaster of ros2_control: offsets of tendons inside the controller manager, for Jazzy and later.
+// Broadcaster of ros2_control: tendon offsets inside the controller manager, for Jazzy and later.
 #ifndef SINEW_BROADCASTER__OFFSET_BROADCASTER_HPP_
 #define SINEW_BROADCASTER__OFFSET_BROADCASTER_HPP_
 
@@ -17,10 +17,10 @@
 namespace sinew_broadcaster
 {
 /// Publishes `~/offsets` with every block, five times a second: per joint the offset since the baseline, rad, its
-/// deviation, rad, the elongation, m, `provisional`, a `sinew_provisional` (0: settled), and the age of the solution, s.
+/// standard deviation, rad, the elongation, m, `provisional`, a `sinew_provisional` (0: settled), and the age of the solution, s.
 ///
 /// Parameters: `robot_toml` and `baseline`, paths; `joint_interface` (position) and `motor_interface`
-/// (motor_position), names of the state interfaces on both sides of the tendon. The URDF is the controller manager's.
+/// (motor_position), names of the state interfaces on both sides of the tendon. The URDF is that of the controller manager.
 class OffsetBroadcaster : public controller_interface::ControllerInterface
 {
 public:
@@ -39,7 +39,7 @@ private:
   std::optional<sinew::offsets> offsets_;
   std::vector<double> q_rad_, theta_rad_;
   std::vector<sinew_offset> of_joints_;
-  /// Where the controller manager lends the interfaces: by joint, of the joint side and of the motor side.
+  /// Index of the loaned state interface per joint, of the joint side and of the motor side.
   std::vector<std::size_t> q_at_, theta_at_;
   Message message_;
   std::shared_ptr<rclcpp::Publisher<Message>> publisher_;

@@ -1,4 +1,4 @@
-// A stand-in for ros2_control where ROS is not installed: the names and signatures that the broadcaster uses, as in
+// Stub of ros2_control for systems where ROS is not installed: the names and signatures that the broadcaster uses, as in
 // Jazzy. Written from its documentation; not ROS.
 #pragma once
 
@@ -124,7 +124,7 @@ public:
     return node->parameters.try_emplace(name, default_value).first->second;
   }
 
-  // What a controller manager hands over.
+  // Members that a controller manager sets.
   std::shared_ptr<rclcpp_lifecycle::LifecycleNode> node = std::make_shared<rclcpp_lifecycle::LifecycleNode>();
   std::string description;
   std::vector<hardware_interface::LoanedStateInterface> state_interfaces_;

@@ -1,4 +1,4 @@
-// A stand-in for pluginlib where ROS is not installed: the class must only be one of its base.
+// Stub of pluginlib for systems where ROS is not installed: the class must only be one of its base.
 #pragma once
 
 #include <type_traits>

@@ -1,4 +1,4 @@
-// A stand-in for realtime_tools where ROS is not installed: no thread, the message arrives at once.
+// Stub of realtime_tools for systems where ROS is not installed: no thread, the message arrives immediately.
 #pragma once
 
 #include <memory>

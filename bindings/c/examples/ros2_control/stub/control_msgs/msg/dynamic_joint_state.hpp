@@ -1,4 +1,4 @@
-// A stand-in for control_msgs where ROS is not installed.
+// Stub of control_msgs for systems where ROS is not installed.
 #pragma once
 
 #include <string>

@@ -1,0 +1,473 @@
+//! Posterior of the tendons: a chain of estimates, each starting from the previous posterior.
+
+use super::baseline::BaselineProgress;
+use super::config::MonitorError;
+use super::job::{BaselineTask, Estimated, JobKind, QueuedJob, SegmentJob};
+use super::online::Successor;
+use super::session::{Segment, Sessions};
+use super::setup::Setup;
+use super::tendon::{DatedChange, PendingTensioning, SessionResult, transmission_loss};
+use crate::instant::Instant;
+use crate::journal::{BaselineWaits, Event, STATE_OF_ANOTHER_ROBOT, SessionEnd};
+use crate::record::{NoOffset, Record};
+use crate::transaction::{BaselineAcquisition, MonitorState, PendingEvent, TendonState};
+use sinew_estimate::session::{self, SessionEstimate, Since, estimator};
+use sinew_files::date::{DAY_S, utc_text};
+use sinew_model::Gaussian;
+use std::sync::Arc;
+
+/// Relative stiffness, minus 1, of a session without an estimate.
+const DEFAULT_STIFFNESS: Gaussian = Gaussian {
+    mean: 0.0,
+    std: 1.0,
+};
+/// Minimum duration of motion of a session for an offset, s.
+const MIN_MOTION_S: f64 = 10.0;
+
+/// Posterior of the tendons and estimates in progress.
+#[derive(Debug)]
+pub(super) struct PosteriorChain {
+    state: Arc<MonitorState>,
+    /// Results of the present session so far.
+    current: SessionProgress,
+    /// Baseline acquisition in progress.
+    pub(super) baseline: Option<BaselineProgress>,
+    /// Number of tensionings since the monitor started.
+    pub(super) tensionings: u32,
+    /// Tensionings that await the result of the session before them.
+    pending: Vec<PendingTensioning>,
+    /// Whether a segment that does not belong to a baseline is being estimated.
+    is_estimating: bool,
+    /// Error of the estimator in the last segment.
+    pub(super) estimator_error: Option<String>,
+}
+
+/// Results of the segments of a session so far.
+#[derive(Debug, Default)]
+struct SessionProgress {
+    /// Number of the session.
+    session: u64,
+    /// Last estimate of the session.
+    estimate: Option<SessionEstimate>,
+    /// Step changes of each tendon.
+    changes: Vec<Vec<DatedChange>>,
+}
+
+/// Changes by an estimate, for the other parts of the monitor.
+#[derive(Debug, Default)]
+pub(super) struct Changes {
+    pub(super) event: Option<Event>,
+    /// Successor of the online estimator, and whether it takes over immediately.
+    pub(super) successor: Option<(Successor, bool)>,
+    /// Confirmed step changes with their tendon index.
+    pub(super) steps: Vec<(usize, PendingEvent)>,
+    pub(super) records: Vec<Record>,
+    /// Whether the state changed.
+    pub(super) state: bool,
+}
+
+impl PosteriorChain {
+    /// Creates a chain that resumes from the stored state; also returns the reason if that state is ignored.
+    pub(super) fn new(
+        setup: &Setup,
+        stored: Option<MonitorState>,
+    ) -> Result<(Self, Option<String>), MonitorError> {
+        let (state, ignored) = begin(setup, stored)?;
+        let chain = Self {
+            current: SessionProgress::default(),
+            baseline: BaselineProgress::of(&state, setup.joints()),
+            tensionings: 0,
+            pending: Vec::new(),
+            is_estimating: false,
+            estimator_error: None,
+            state: Arc::new(state),
+        };
+        Ok((chain, ignored))
+    }
+
+    pub(super) fn state(&self) -> &Arc<MonitorState> {
+        &self.state
+    }
+
+    /// Returns the number of the tensioning whose baseline is being acquired, if any.
+    pub(super) fn baseline_of(&self) -> Option<u32> {
+        self.baseline.as_ref().map(|_| self.tensionings)
+    }
+
+    /// Whether a segment belongs to a baseline that a later re-tensioning made obsolete.
+    pub(super) fn is_outdated(&self, segment: &Segment) -> bool {
+        segment.baseline_of.is_some_and(|of| of != self.tensionings)
+    }
+
+    /// Whether a segment belongs to a baseline that is still being acquired.
+    fn is_learning(&self, segment: &Segment) -> bool {
+        segment.baseline_of.is_some() && self.state.learns.is_some()
+    }
+
+    fn baseline_waits(&mut self, reason: BaselineWaits, setup: &Setup) -> Option<Event> {
+        // The acquisition restarts from the stored progress.
+        self.baseline = BaselineProgress::of(&self.state, setup.joints());
+        Some(Event::BaselinePending { reason })
+    }
+
+    /// Adds a segment without sufficient motion, which only ends its session.
+    pub(super) fn without_motion(
+        &mut self,
+        segment: &Segment,
+        setup: &Setup,
+        sessions: &Sessions,
+    ) -> Changes {
+        match self.is_learning(segment) {
+            true => Changes {
+                event: self.baseline_waits(BaselineWaits::FewPoses, setup),
+                ..Changes::default()
+            },
+            false => self.add_segment(segment, Err("too short".into()), setup, sessions),
+        }
+    }
+
+    /// Returns the estimation job of a segment.
+    pub(super) fn segment_job(&mut self, segment: Segment, setup: &Setup) -> QueuedJob {
+        self.is_estimating = segment.baseline_of.is_none();
+        QueuedJob {
+            robot: Arc::clone(&setup.robot),
+            work: JobKind::Segment(Box::new(self.segment_inputs(segment, setup))),
+        }
+    }
+
+    fn segment_inputs(&self, segment: Segment, setup: &Setup) -> SegmentJob {
+        let continues =
+            self.current.session == segment.session.number && self.current.estimate.is_some();
+        let start_utc_s = segment.session.start.utc_s();
+        let pause_s = self.state.end_utc_s.map(|end| start_utc_s - end);
+        // A baseline from a file counts as one day old; so does one after a backward step of the clock.
+        let days = pause_s.filter(|s| *s >= 0.0).map_or(1.0, |s| s / DAY_S);
+        let date = utc_text(segment.session.start.utc_ns);
+        let date = date.as_deref().unwrap_or("undated");
+        let learns = self.state.learns.as_ref();
+        let learns = learns.filter(|_| self.is_learning(&segment));
+        SegmentJob {
+            options: setup.config.estimate,
+            baseline: self.state.baseline.clone(),
+            since: match continues {
+                true => Since::Now,
+                false => Since::Days(days),
+            },
+            baseline_task: learns.map(|so_far| BaselineTask {
+                tensioned: (setup.names.iter().zip(&setup.elastic))
+                    .filter(|(name, _)| so_far.joints.contains(name))
+                    .map(|(_, joint)| *joint)
+                    .collect(),
+                continues: so_far.duration_s > 0.0,
+            }),
+            name: format!("{}, {date}", setup.config.name),
+            segment,
+        }
+    }
+
+    /// Accepts the estimate of a segment; `is_baseline`: acquired for a baseline.
+    pub(super) fn done(
+        &mut self,
+        segment: &Segment,
+        is_baseline: bool,
+        result: Result<Box<Estimated>, String>,
+        setup: &Setup,
+        sessions: &Sessions,
+    ) -> Changes {
+        self.is_estimating = false;
+        match is_baseline {
+            true if self.is_outdated(segment) => Changes::default(),
+            true => self.add_baseline_segment(segment, result, setup, sessions),
+            false => self.add_segment(segment, result, setup, sessions),
+        }
+    }
+
+    /// Adds a segment after a re-tensioning to the baseline.
+    fn add_baseline_segment(
+        &mut self,
+        segment: &Segment,
+        result: Result<Box<Estimated>, String>,
+        setup: &Setup,
+        sessions: &Sessions,
+    ) -> Changes {
+        let mut changes = Changes::default();
+        let estimated = match result {
+            Ok(estimated) => estimated,
+            Err(reason) => {
+                self.estimator_error = Some(reason);
+                changes.event = self.baseline_waits(BaselineWaits::Rejected, setup);
+                return changes;
+            }
+        };
+        self.estimator_error = None;
+        let so_far = BaselineProgress::of(&self.state, setup.joints());
+        let so_far = so_far.map(|progress| progress.with(segment));
+        let state = Arc::make_mut(&mut self.state);
+        state.baseline = Some(estimated.next);
+        state.end_utc_s = Some(end_utc_s(segment));
+        state.sessions = sessions.count();
+        state.learns = so_far.as_ref().map(BaselineProgress::so_far);
+        if let Some(ready) = so_far.filter(BaselineProgress::is_ready) {
+            state.learns = None;
+            self.baseline = None;
+            changes.successor = estimated.successor.map(|next| (next, true));
+            let poses = ready.poses();
+            changes.event = Some(Event::Baseline { poses });
+        } else if segment.end.is_some() {
+            changes.event = self.baseline_waits(BaselineWaits::FewPoses, setup);
+        }
+        changes.state = true;
+        changes
+    }
+
+    /// Adds the results of a segment; at the end of the session, makes the records.
+    fn add_segment(
+        &mut self,
+        segment: &Segment,
+        result: Result<Box<Estimated>, String>,
+        setup: &Setup,
+        sessions: &Sessions,
+    ) -> Changes {
+        let mut changes = Changes {
+            state: true,
+            ..Changes::default()
+        };
+        let number = segment.session.number;
+        if self.current.session != number {
+            self.current = SessionProgress {
+                session: number,
+                estimate: None,
+                changes: vec![Vec::new(); setup.names.len()],
+            };
+        }
+        let state = Arc::make_mut(&mut self.state);
+        match result {
+            Ok(estimated) => {
+                let Estimated {
+                    estimate,
+                    next,
+                    successor,
+                } = *estimated;
+                state.baseline = Some(next);
+                state.end_utc_s = Some(end_utc_s(segment));
+                self.estimator_error = None;
+                let joints = self.current.changes.iter_mut().zip(&estimate.joints);
+                for (i, (dated, joint)) in joints.enumerate() {
+                    let known = dated.len();
+                    dated.extend(joint.changes.iter().map(|change| DatedChange {
+                        time_utc_s: segment.session.start.utc_s() + change.time_s,
+                        change: change.clone(),
+                    }));
+                    // The robot runs on: the alarm does not wait for the end of the session.
+                    let (before, found) = dated.split_at(known);
+                    let loss = |dated: &DatedChange| transmission_loss(dated, number);
+                    if before.iter().find_map(loss).is_none() {
+                        let lost = found.iter().find_map(loss);
+                        changes.steps.extend(lost.map(|loss| (i, loss)));
+                    }
+                }
+                self.current.estimate = Some(estimate);
+                let immediate = segment.end == Some(SessionEnd::Lost);
+                let successor = successor.filter(|_| state.learns.is_none());
+                changes.successor = successor.map(|next| (next, immediate));
+            }
+            Err(reason) if segment.has_motion => self.estimator_error = Some(reason),
+            Err(_) => {}
+        }
+        state.sessions = state.sessions.max(number);
+        if segment.end.is_some() {
+            self.end_session(segment, setup, sessions, &mut changes);
+        }
+        changes
+    }
+
+    /// Makes the records of a completed session and evaluates its step changes.
+    fn end_session(
+        &mut self,
+        segment: &Segment,
+        setup: &Setup,
+        sessions: &Sessions,
+        changes: &mut Changes,
+    ) {
+        let current = std::mem::take(&mut self.current);
+        let state = Arc::make_mut(&mut self.state);
+        if let Some(first) = self.pending.first() {
+            // The session precedes the re-tensioning: its results come first.
+            state.tendons.clone_from(&first.before);
+        }
+        for (i, tendon) in state.tendons.iter_mut().enumerate() {
+            let joint = current.estimate.as_ref().and_then(|e| e.joints.get(i));
+            let offset = match joint.map(|joint| joint.offset_rad) {
+                _ if segment.session.motion_s < MIN_MOTION_S => Err(NoOffset::TooShort),
+                None => Err(NoOffset::Rejected),
+                Some(x) if session::Verdict::is_inconclusive(x) => Err(NoOffset::TooWide),
+                Some(x) => Ok(x),
+            };
+            let stiffness = joint.map(|joint| joint.stiffness_change_ratio);
+            let result = SessionResult {
+                session: segment.session.number,
+                start_utc_s: segment.session.start.utc_s(),
+                end_utc_s: end_utc_s(segment),
+                offset_rad: offset.ok(),
+                stiffness_ratio: stiffness.unwrap_or(DEFAULT_STIFFNESS),
+            };
+            let dated = current.changes.get(i).map_or(&[][..], Vec::as_slice);
+            let confirmed = tendon.update(&result, dated, setup.geometry(i));
+            changes.steps.extend(confirmed.map(|step| (i, step)));
+            let record = record(segment, setup, (i, tendon), offset, stiffness);
+            changes.records.push(record);
+        }
+        if let Some(first) = self.pending.first_mut() {
+            first.before.clone_from(&state.tendons);
+        }
+        for pending in &self.pending {
+            pending.apply(&mut state.tendons, setup);
+            changes.steps.retain(|(i, _)| !pending.is_tensioned(*i));
+        }
+        if !sessions.has_waiting() {
+            self.pending.clear();
+        }
+    }
+
+    /// Starts the next baseline after a re-tensioning or replacement. Returns the indices of the affected tendons.
+    pub(super) fn tension(
+        &mut self,
+        joints: &[String],
+        replaced: bool,
+        setup: &Setup,
+        sessions: &Sessions,
+        now: Instant,
+    ) -> Vec<usize> {
+        let name = utc_text(now.utc_ns).unwrap_or_else(|| "undated".into());
+        let is_named = |name: &String| joints.is_empty() || joints.contains(name);
+        let pending = PendingTensioning {
+            before: self.state.tendons.clone(),
+            tensioned: setup.names.iter().map(is_named).collect(),
+            replaced,
+            utc_s: now.utc_s(),
+            name: format!("tensioned {name}"),
+        };
+        let tensioned: Vec<usize> = (0..setup.names.len())
+            .filter(|i| pending.is_tensioned(*i))
+            .collect();
+        let state = Arc::make_mut(&mut self.state);
+        pending.apply(&mut state.tendons, setup);
+        // A re-tensioning during an acquisition restarts the baseline of all ropes concerned.
+        let mut joints = state.learns.take().map_or_else(Vec::new, |l| l.joints);
+        for name in tensioned.iter().map(|i| &setup.names[*i]) {
+            if !joints.contains(name) {
+                joints.push(name.clone());
+            }
+        }
+        state.learns = Some(BaselineAcquisition {
+            joints,
+            ..BaselineAcquisition::default()
+        });
+        self.tensionings += 1;
+        self.baseline = BaselineProgress::of(state, setup.joints());
+        // Earlier motion is still being estimated or waiting: its final result on the tendons is pending. Segments of a
+        // baseline and trends do not affect the tendons.
+        if self.is_estimating || sessions.has_waiting() {
+            self.pending.push(pending);
+        }
+        tensioned
+    }
+}
+
+/// Makes the record of a tendon at the end of a session.
+fn record(
+    segment: &Segment,
+    setup: &Setup,
+    (i, tendon): (usize, &TendonState),
+    offset: Result<Gaussian, NoOffset>,
+    stiffness: Option<Gaussian>,
+) -> Record {
+    let session = &segment.session;
+    let elongation = setup.elongation(i, tendon.before_m, offset.ok());
+    let (elongation, strain) = (elongation.map(|s| s.0), elongation.map(|s| s.1));
+    let mean = |x: Option<Gaussian>| x.map(|x| x.mean);
+    let std = |x: Option<Gaussian>| x.map(|x| x.std);
+    Record {
+        robot: setup.config.name.clone(),
+        robot_type: setup.robot.name.clone(),
+        joint: tendon.joint.clone(),
+        time_utc_s: session.start.utc_s(),
+        duration_s: session.motion_s,
+        offset_rad: mean(offset.ok()),
+        offset_std_rad: std(offset.ok()),
+        elongation_m: mean(elongation),
+        elongation_std_m: std(elongation),
+        strain_ratio: mean(strain),
+        strain_std_ratio: std(strain),
+        temperature_c: session.temperature_c(),
+        stiffness_ratio: mean(stiffness),
+        stiffness_std_ratio: std(stiffness),
+        baseline: tendon.since.clone(),
+        source: setup.config.source.clone(),
+        clock: session.clock,
+        provisional: segment.provisional,
+        reason: offset.err(),
+        poses: session.poses as u64,
+        frames: session.frames,
+        frames_lost: session.frames_lost,
+        sinew_version: env!("CARGO_PKG_VERSION").into(),
+    }
+}
+
+/// Returns the initial state, and the reason if the stored state is ignored.
+fn begin(
+    setup: &Setup,
+    stored: Option<MonitorState>,
+) -> Result<(MonitorState, Option<String>), MonitorError> {
+    let Setup {
+        config,
+        robot,
+        names,
+        ..
+    } = setup;
+    let prior = estimator(robot, &config.estimate);
+    let prior = prior.prior();
+    let first = config.baseline.as_ref();
+    let since = first.and_then(|baseline| baseline.recordings.first().cloned());
+    if let Some(baseline) = first {
+        baseline.state_estimate(robot, prior, "the baseline of the configuration")?;
+    }
+    let fresh = MonitorState {
+        version: MonitorState::VERSION,
+        baseline: config.baseline.clone(),
+        end_utc_s: None,
+        learns: None,
+        sessions: 0,
+        tendons: (names.iter())
+            .map(|name| TendonState::new(name, since.clone()))
+            .collect(),
+    };
+    let Some(mut stored) = stored else {
+        return Ok((fresh, None));
+    };
+    let same = stored.tendons.iter().map(|t| &t.joint).eq(names);
+    if stored.version != MonitorState::VERSION || !same {
+        return Ok((fresh, Some(STATE_OF_ANOTHER_ROBOT.into())));
+    }
+    let fits = stored.baseline.as_ref().map(|baseline| {
+        let state_estimate = baseline.state_estimate(robot, prior, "the stored posterior");
+        state_estimate.map(|_| ())
+    });
+    if let Some(Err(error)) = fits {
+        // The dates of tensioning remain valid; the posterior of the robot does not.
+        stored.baseline = fresh.baseline;
+        stored.end_utc_s = None;
+        for tendon in &mut stored.tendons {
+            tendon.since.clone_from(&since);
+            (tendon.last_rad, tendon.last_utc_s, tendon.suspected) = (None, None, None);
+        }
+        return Ok((stored, Some(error.to_string())));
+    }
+    Ok((stored, None))
+}
+
+/// Returns the end of a segment, s since 1970 UTC: start by the civil clock plus time stamps of the blocks.
+fn end_utc_s(segment: &Segment) -> f64 {
+    let last_s = segment.recorded.blocks.last().map_or(0.0, |b| b.time_s);
+    segment.session.start.utc_s() + last_s
+}

@@ -1,0 +1,205 @@
+//! Step changes: suspected in one session, alarm after confirmation by a second.
+
+use crate::support::{
+    HZ, Harness, biorob_like, frames, later, longer, seconds, tensioned, without_events,
+};
+use sinew_log::Frame;
+use sinew_watch_core::alarm::{AlarmCause, AlarmKey, AlarmState, Condition, Level, StepKind};
+use sinew_watch_core::command::{CommandError, CommandKind};
+
+const ELBOW: usize = 2;
+const SLIP_RAD: f64 = 6e-3;
+
+/// One minute of work; the elbow slips after 30 s.
+fn with_slip() -> Vec<Frame> {
+    let mut frames = seconds(60, 120).to_vec();
+    for frame in &mut frames[30 * HZ..] {
+        frame.theta[ELBOW] += SLIP_RAD;
+    }
+    frames
+}
+
+fn state(harness: &Harness, condition: Condition) -> Option<AlarmState> {
+    harness.alarm(Some("elbow"), condition)
+}
+
+/// The elbow's tendon tears 30 s after the start of the session.
+#[test]
+fn torn_tendon_raises_alarm_without_confirmation() {
+    let robot = biorob_like();
+    let torn = |text: String| {
+        let keys = "[truth]\nstiffness_later_factor = { elbow = 0 }\nstiffness_later_from_s = 90\n";
+        without_events(text).replace("[truth]\n", keys)
+    };
+    // The robot of the baseline: the same draws.
+    let all = frames(&robot, 51, 120.0, torn);
+    let mut harness = Harness::new(tensioned());
+    harness.session(&all[60 * HZ..120 * HZ]);
+    assert_eq!(
+        state(&harness, Condition::TransmissionLost),
+        Some(AlarmState::Latched)
+    );
+    let snapshot = harness.snapshot();
+    let alarm = &snapshot.alarms[0];
+    assert_eq!(alarm.key.condition, Condition::TransmissionLost);
+    let AlarmCause::StepChange {
+        time_utc_s, what, ..
+    } = alarm.cause
+    else {
+        panic!("{alarm:?}");
+    };
+    assert_eq!(what, StepKind::TransmissionLost);
+    let began = harness.store.records[0].time_utc_s;
+    assert!(
+        (time_utc_s - began - 30.0).abs() < 1.5,
+        "{time_utc_s} {began}"
+    );
+    // No other tendon has an alarm of its rope.
+    let of_rope = |key: &AlarmKey| key.condition.latches() && key.joint.as_deref() != Some("elbow");
+    assert!(
+        !snapshot.alarms.iter().any(|a| of_rope(&a.key)),
+        "{:?}",
+        snapshot.alarms
+    );
+}
+
+#[test]
+fn slip_is_suspected_confirmed_and_latched_until_reset() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&with_slip());
+    assert_eq!(
+        state(&harness, Condition::SuspectedStep),
+        Some(AlarmState::Active)
+    );
+    assert_eq!(state(&harness, Condition::StepChange), None);
+    let began = harness.store.records[0].time_utc_s;
+
+    harness.session(&longer(seconds(120, 180), ELBOW, SLIP_RAD));
+    assert_eq!(
+        state(&harness, Condition::SuspectedStep),
+        Some(AlarmState::Cleared)
+    );
+    assert_eq!(
+        state(&harness, Condition::StepChange),
+        Some(AlarmState::Latched)
+    );
+    let snapshot = harness.snapshot();
+    assert_eq!(
+        (snapshot.level, snapshot.tendons[ELBOW].level),
+        (Level::Error, Level::Error)
+    );
+    let alarm = snapshot.alarms[0].clone();
+    let AlarmCause::StepChange {
+        time_utc_s,
+        size_rad,
+        what,
+        ..
+    } = alarm.cause
+    else {
+        panic!("{alarm:?}");
+    };
+    assert!(
+        (time_utc_s - began - 30.0).abs() < 2.0,
+        "{} s",
+        time_utc_s - began
+    );
+    assert!((size_rad - SLIP_RAD).abs() < 1e-3, "{size_rad}");
+    assert_eq!(what, StepKind::Slip);
+
+    // The alarm stays latched.
+    harness.session(&longer(seconds(180, 240), ELBOW, SLIP_RAD));
+    assert_eq!(
+        state(&harness, Condition::StepChange),
+        Some(AlarmState::Latched)
+    );
+    assert_eq!(
+        state(&harness, Condition::SuspectedStep),
+        Some(AlarmState::Cleared)
+    );
+    let key = alarm.key;
+    harness
+        .command(CommandKind::Acknowledge { alarm: key.clone() }, "")
+        .unwrap();
+    assert_eq!(
+        state(&harness, Condition::StepChange),
+        Some(AlarmState::Latched)
+    );
+    let reset = CommandKind::Reset { alarm: key };
+    assert_eq!(
+        harness.command(reset.clone(), ""),
+        Err(CommandError::NoNote)
+    );
+    harness
+        .command(reset, "clamp was loose, tightened")
+        .unwrap();
+    assert_eq!(state(&harness, Condition::StepChange), None);
+}
+
+#[test]
+fn step_absent_in_next_session_is_withdrawn() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&with_slip());
+    assert_eq!(
+        state(&harness, Condition::SuspectedStep),
+        Some(AlarmState::Active)
+    );
+    harness.session(seconds(120, 180));
+    assert_eq!(
+        state(&harness, Condition::SuspectedStep),
+        Some(AlarmState::Cleared)
+    );
+    assert_eq!(state(&harness, Condition::StepChange), None);
+}
+
+#[test]
+fn step_while_off_needs_second_session() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(seconds(60, 120));
+    let mut harness = harness.restart(3600.0);
+    harness.session(&longer(&later(seconds(120, 180), 7200.0), ELBOW, SLIP_RAD));
+    assert_eq!(
+        state(&harness, Condition::SuspectedStep),
+        Some(AlarmState::Active)
+    );
+    let text = serde_json::to_string(&harness.snapshot().alarms).unwrap();
+    assert!(text.contains("while-off"), "{text}");
+    harness.session(&longer(&later(seconds(180, 240), 7200.0), ELBOW, SLIP_RAD));
+    assert_eq!(
+        state(&harness, Condition::StepChange),
+        Some(AlarmState::Latched)
+    );
+}
+
+#[test]
+fn offset_decrease_is_reported_as_retensioning() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&longer(seconds(60, 120), ELBOW, 9e-3));
+    harness.session(seconds(120, 180));
+    let text = serde_json::to_string(&harness.snapshot().alarms).unwrap();
+    assert!(text.contains("retensioned"), "{text}");
+    // After the operator records the re-tensioning, only the earlier elongation remains.
+    let elbow = vec!["elbow".to_string()];
+    harness
+        .command(CommandKind::Tensioned { joints: elbow }, "")
+        .unwrap();
+    assert_eq!(state(&harness, Condition::SuspectedStep), None);
+    let state = harness.store.stored.state.as_ref().unwrap();
+    let before = state.tendons[ELBOW].before_m;
+    assert!(
+        (before.mean - 9e-3 * 0.025).abs() < 3.0 * before.std,
+        "{before:?}"
+    );
+}
+
+#[test]
+fn creep_is_not_a_step() {
+    let mut harness = Harness::new(tensioned());
+    for k in 0..6 {
+        let from = 60 + 30 * (k % 5);
+        let crept = longer(seconds(from, from + 30), ELBOW, 0.4e-3 * k as f64);
+        harness.session(&crept);
+        harness.pass(3600.0);
+    }
+    assert_eq!(state(&harness, Condition::SuspectedStep), None);
+    assert_eq!(state(&harness, Condition::StepChange), None);
+}

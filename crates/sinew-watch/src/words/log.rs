@@ -1,0 +1,80 @@
+//! Lines of the log of the monitor.
+
+/// Reports that storing succeeds again after a failure.
+pub fn store_recovered() -> String {
+    "the store has recovered: records are stored again".into()
+}
+
+/// Reports that a transaction could not be stored.
+pub fn store_failed(reason: &str) -> String {
+    format!("storage failure: {reason}")
+}
+
+/// Reports that one transaction of a robot cannot be stored while others can.
+pub fn transaction_rejected(robot: &str, reason: &str) -> String {
+    format!("{robot}: a transaction cannot be stored: {reason}")
+}
+
+/// Reports that the last data of a robot were not stored before the monitor stopped.
+pub fn last_data_lost(robot: &str) -> String {
+    format!(
+        "{robot}: the last data are lost: they could not be stored within the time limit of the shutdown"
+    )
+}
+
+/// Reports that the records of a month could not be exported.
+pub fn month_not_exported(reason: &str) -> String {
+    format!("records of the month not exported: {reason}; the export is repeated later")
+}
+
+/// Reports that the file with the records of a month was written, but not recorded in the store.
+pub fn export_not_recorded(month: &str, reason: &str) -> String {
+    format!("export of the records of {month} not recorded: {reason}; the file is written again")
+}
+
+/// Reports the location of the token of the page.
+pub fn token_file(path: impl std::fmt::Display) -> String {
+    format!("the token of the page is in the file {path}")
+}
+
+/// Reports that the configuration is invalid and was not reloaded.
+pub fn not_reloaded(error: impl std::fmt::Display) -> String {
+    format!("configuration not reloaded: {error}")
+}
+
+/// Reports that the configuration was reloaded.
+pub fn reloaded() -> String {
+    "configuration reloaded".into()
+}
+
+/// Reports the sections of the configuration whose changes require a restart.
+pub fn needs_restart(sections: &str) -> String {
+    format!("changes of {sections} take effect at the next start of the monitor")
+}
+
+/// Reports that the files of a robot are invalid.
+pub fn robot_fault(robot: &str, reason: &str) -> String {
+    format!("{robot}: {reason}")
+}
+
+/// Reports that the monitor of a robot was restarted to apply a new configuration.
+pub fn robot_restarted(robot: &str, reason: impl std::fmt::Display) -> String {
+    format!("{robot}: restarted: {reason}")
+}
+
+/// Reports that a transport is connected.
+pub fn connected(transport: &str) -> String {
+    format!("{transport}: connected")
+}
+
+/// Reports that a transport is disconnected.
+pub fn disconnected(transport: &str, reason: &str) -> String {
+    format!("{transport}: disconnected: {reason}; reconnecting")
+}
+
+/// Reports that a notification was discarded after the last attempt to deliver it.
+pub fn webhook_discarded(url: &str, attempts: u32, reason: &str) -> String {
+    format!(
+        "webhook {url}: notification discarded after {attempts} attempts: {reason}; check the receiver"
+    )
+}
