@@ -113,7 +113,7 @@ pub use error::{Ambiguity, LogError};
 pub use files::{
     Arrays, Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, GivenMessages,
     McapOptions, McapWriter, Packing, Progress, ReadSeek, RecordedNames, Recording, RowWriter,
-    Table, TableWriter, Topic, TopicWriter, open, open_parts, recordings_of,
+    Table, TableWriter, Topic, TopicWriter, open, open_parts, parse_mcap_record, recordings_of,
 };
 pub use frame::{Axis, Channels, Frame, OwnedAxis, Quantities, Quantity};
 pub use health::{

@@ -164,7 +164,7 @@ impl Records {
                 Some(Ok(LinearReadEvent::ReadRequest(_))) => return State::Wants,
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => (opcode, data),
             };
-            match mcap::parse_record(opcode, data) {
+            match sinew_log::parse_mcap_record(opcode, data) {
                 Ok(Record::Schema { header, .. }) => {
                     self.schemas.insert(header.id, header.name);
                 }
@@ -195,7 +195,7 @@ impl Records {
                 }
                 Ok(Record::Footer(_)) => return State::Ended,
                 Ok(_) => {}
-                Err(error) => return State::Broken(error.to_string()),
+                Err(reason) => return State::Broken(reason),
             }
         }
     }

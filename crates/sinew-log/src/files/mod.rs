@@ -15,7 +15,7 @@ mod spool;
 pub(crate) mod table;
 mod write;
 
-pub use mcap::GivenMessages;
+pub use mcap::{GivenMessages, parse_mcap_record};
 pub use parts::recordings_of;
 pub use read_seek::ReadSeek;
 pub use reader::{Format, Progress};

@@ -8,6 +8,7 @@
 use mcap::records::{ChunkHeader, Record, op};
 
 use super::chunk::Unpacker;
+use super::lengths::parse_mcap_record;
 use super::messages::Item;
 use super::source::Source;
 use crate::health::Health;
@@ -419,7 +420,7 @@ fn definition(opcode: u8, body: &[u8], health: &mut Health) -> Option<Item> {
     if !matches!(opcode, op::SCHEMA | op::CHANNEL) {
         return None;
     }
-    match mcap::parse_record(opcode, body) {
+    match parse_mcap_record(opcode, body) {
         Ok(Record::Schema { header, .. }) => Some(Item::Schema {
             id: header.id,
             name: header.name,

@@ -3,6 +3,7 @@
 mod chunk;
 mod container;
 mod given;
+mod lengths;
 pub(in crate::files) mod messages;
 mod scan;
 mod source;
@@ -26,6 +27,7 @@ use crate::sources::{SignalSource, TopicInfo};
 use container::Container;
 pub use given::GivenMessages;
 pub(in crate::files) use given::GivenReader;
+pub use lengths::parse_mcap_record;
 use messages::{Item, Messages};
 use scan::topic_of;
 use source::Source;

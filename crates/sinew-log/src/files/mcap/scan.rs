@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use mcap::records::{Record, op};
 
 use super::container::{Container, record_header};
+use super::lengths::parse_mcap_record;
 use super::messages::{Item, Messages, Summary};
 use crate::decode::MessageKind;
 use crate::files::reader::{Format, Progress};
@@ -221,7 +222,7 @@ fn parse_summary(mut bytes: &[u8]) -> Option<Summary> {
         ) {
             continue;
         }
-        match mcap::parse_record(opcode, body).ok()? {
+        match parse_mcap_record(opcode, body).ok()? {
             Record::Schema { header, .. } => {
                 schemas.insert(header.id, header.name);
             }
