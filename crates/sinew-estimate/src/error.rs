@@ -106,6 +106,48 @@ pub enum SidesFault {
         /// Springs with the opposite sign.
         springs: Vec<OpposedSpring>,
     },
+    /// Motors move by a constant multiple of their joints that is not near one: another unit, a missing gear ratio or a
+    /// wrong sign.
+    Ratio {
+        /// Joints with the ratio of their motors.
+        ratios: Vec<MotorRatio>,
+    },
+    /// Joint positions far beyond the limits of the URDF, and within these as degrees.
+    Degrees {
+        /// Joints with the range of their positions, rad.
+        joints: Vec<(String, [f64; 2])>,
+    },
+}
+
+/// Motor whose position is not proportional to the position of its joint with a factor near one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotorRatio {
+    /// Name of the joint.
+    pub joint: String,
+    /// Slope of the motor position over the joint position.
+    pub slope: f64,
+}
+
+impl MotorRatio {
+    /// Keys of the mapping's `theta` (or `q`) with which the slope is near one.
+    fn remedy(&self) -> String {
+        /// Maximum relative distance of a slope from the factor between two units: deflections of the spring.
+        const NEAR: f64 = 0.1;
+        let is = |factor: f64| (self.slope.abs() / factor - 1.0).abs() < NEAR;
+        let sign = if self.slope < 0.0 { ", sign = -1" } else { "" };
+        let degrees_per_rad = 180.0 / std::f64::consts::PI;
+        let name = &self.joint;
+        if is(1.0) {
+            format!("[joints.{name}] theta = {{ …{sign} }}")
+        } else if is(degrees_per_rad) {
+            format!("[joints.{name}] theta = {{ …, unit = \"deg\"{sign} }}")
+        } else if is(1.0 / degrees_per_rad) {
+            format!("[joints.{name}] q = {{ …, unit = \"deg\"{sign} }}")
+        } else {
+            let ratio = self.slope.abs();
+            format!("[joints.{name}] theta = {{ …, gear_ratio = {ratio:.4}{sign} }}")
+        }
+    }
 }
 
 /// Spring whose deflection has the opposite sign of its load.
@@ -143,6 +185,28 @@ impl std::fmt::Display for SidesFault {
                     f,
                     "motor and joint side are probably swapped, or one has the wrong sign: with the opposite sign the spring deflections agree better with the described masses, {}; check topics, interfaces, columns and signs (--mapping); if these are right, check gravity_m_s2 and whether the URDF lacks a counterweight",
                     springs.join(", ")
+                )
+            }
+            Self::Degrees { joints } => {
+                let ranges: Vec<String> = (joints.iter())
+                    .map(|(name, [low, high])| format!("'{name}' {low:.1} to {high:.1} rad"))
+                    .collect();
+                write!(
+                    f,
+                    "joint positions are beyond the limits of the URDF, and within them as degrees: {}; specify unit = \"deg\" for q and theta in a mapping (--mapping)",
+                    ranges.join(", ")
+                )
+            }
+            Self::Ratio { ratios } => {
+                let slopes: Vec<String> = (ratios.iter())
+                    .map(|r| format!("{:.4} at '{}'", r.slope, r.joint))
+                    .collect();
+                let lines: Vec<String> = ratios.iter().map(MotorRatio::remedy).collect();
+                write!(
+                    f,
+                    "motor positions are a multiple of the joint positions, by a factor of {}; expected 1: a unit, the gear ratio or a sign is wrong; specify it in a mapping (--mapping): {}",
+                    slopes.join(", "),
+                    lines.join("; ")
                 )
             }
         }

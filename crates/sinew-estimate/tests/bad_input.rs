@@ -191,6 +191,37 @@ fn degrees_raise_unit_warning() {
     warned(&estimate, &["degrees"]);
 }
 
+/// The error of the absolute estimate names the line of the mapping that corrects it.
+#[test]
+fn wrong_unit_gear_ratio_or_sign_is_error_with_remedy() {
+    let scaled = |columns: &[usize], factor: f64| {
+        error_of(|_, rows| {
+            for row in rows {
+                for &column in columns {
+                    let x: f64 = row[column].parse().unwrap();
+                    row[column] = format!("{:.7}", factor * x);
+                }
+            }
+        })
+    };
+    let (q, theta) = (2, 3);
+    let degrees = 180.0 / std::f64::consts::PI;
+    for (columns, factor, remedy) in [
+        (
+            &[theta][..],
+            degrees,
+            "[joints.tilt] theta = { …, unit = \"deg\" }",
+        ),
+        (&[theta], -1.0, "[joints.tilt] theta = { …, sign = -1 }"),
+        (&[theta], 50.0, "gear_ratio = "),
+        (&[q], degrees, "[joints.tilt] q = { …, unit = \"deg\" }"),
+        (&[q, theta], degrees, "unit = \"deg\" for q and theta"),
+    ] {
+        let error = scaled(columns, factor);
+        assert!(error.contains(remedy), "{factor}: {error}");
+    }
+}
+
 #[test]
 fn implausible_offset_raises_warning() {
     let estimate = corrupted(|_, rows| {

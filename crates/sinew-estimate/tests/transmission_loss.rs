@@ -169,5 +169,17 @@ fn frozen_encoder_is_no_lost_transmission() {
         let found = session::estimate_recorded(&robot, &parts[1], "B", with, &options);
         let found = found.unwrap().0;
         assert!(losses(&found).is_empty(), "{joint}: {:?}", losses(&found));
+        let seized = found.warnings.iter().find_map(|warning| match warning {
+            Warning::JointSeized { joint, from_s, .. } => Some((joint.clone(), *from_s)),
+            _ => None,
+        });
+        let own = &found.joints[joint];
+        println!("{}: {seized:?} {:?}", own.name, own.changes);
+        let (name, from_s) = seized.unwrap();
+        assert!(
+            name == own.name && (from_s - 85.0).abs() < 2.0,
+            "{name} {from_s}"
+        );
+        assert_eq!(own.changes, [], "{name}");
     }
 }

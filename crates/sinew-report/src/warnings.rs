@@ -275,10 +275,11 @@ pub fn session_warning(warning: &Warning) -> String {
         ),
         Warning::JointSeized {
             joint,
+            from_s,
             joint_travel_rad,
             motor_travel_rad,
         } => format!(
-            "{joint}: joint moved {:.1} mrad while its motor moved {:.0} mrad: joint or joint encoder seized; inspect the joint",
+            "{joint}: joint moved {:.1} mrad from {from_s:.1} s on while its motor moved {:.0} mrad: joint or joint encoder seized; inspect both",
             1e3 * joint_travel_rad,
             1e3 * motor_travel_rad
         ),

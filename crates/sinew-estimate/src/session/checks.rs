@@ -115,6 +115,7 @@ pub(super) fn warnings(
         {
             out.push(Warning::JointSeized {
                 joint: joint.name.clone(),
+                from_s: 0.0,
                 joint_travel_rad: travel.joint,
                 motor_travel_rad: travel.motor,
             });

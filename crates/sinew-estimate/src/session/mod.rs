@@ -10,8 +10,8 @@
 //! The estimator is [`sinew_model::offset::MapEstimator`]; [`crate::online`] runs it on the last two minutes of a
 //! running robot.
 //!
-//! Reading order: `recorder` (frames to blocks), `poses`, `transmission_loss`, `independent_torque` and `temperature`
-//! (validity of the recorded channels), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
+//! Reading order: `recorder` (frames to blocks), `poses`, `transmission_loss`, `frozen_encoder`,
+//! `independent_torque` and `temperature` (validity of the recorded channels), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
 //! (contact or step in the last seconds), `encoder_slips`, `changes`, `inflation`, `summary` and `checks`
 //! (posteriors to the [`result`](SessionEstimate)), `anchor` (reference contacts and index marks), `run`.
 
@@ -21,6 +21,7 @@ mod checks;
 mod context;
 mod detector;
 mod encoder_slips;
+mod frozen_encoder;
 mod groups;
 mod independent_torque;
 mod inflation;

@@ -2,6 +2,7 @@
 
 use super::anchor;
 use super::context::Context;
+use super::frozen_encoder;
 use super::predictive::PredictiveCheck;
 use super::recent::RecentCheck;
 use super::recorder::{Blocks, EncoderCorrection, Recorded, Window, read};
@@ -706,8 +707,12 @@ impl<'a> Session<'a> {
         for loss in &losses {
             loss.exclude(recorded.to_mut());
         }
-        let rejected =
-            independent_torque::reject_invalid(robot, &mut recorded, options.motor_torque);
+        let mut rejected = frozen_encoder::reject_frozen(robot, &mut recorded);
+        rejected.extend(independent_torque::reject_invalid(
+            robot,
+            &mut recorded,
+            options.motor_torque,
+        ));
         Self {
             robot,
             estimator,

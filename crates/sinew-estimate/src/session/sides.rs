@@ -1,10 +1,11 @@
-//! Detection of exchanged motor and joint sides, and of wrong signs.
+//! Detection of exchanged motor and joint sides, of wrong signs, units and gear ratios.
 
 use super::recorder::Recorded;
-use crate::error::{EstimateError, OpposedSpring, SidesFault};
+use crate::error::{EstimateError, MotorRatio, OpposedSpring, SidesFault};
 use sinew_model::offset::{Payload, PayloadRange, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::statistics::upper_median;
+use sinew_model::tendons::Routings;
 
 /// Minimum spread of the deflection expected from the robot description for its sign to be tested, rad: median distance
 /// from the median.
@@ -19,14 +20,104 @@ const MAX_REVERSED_RATIO: f64 = 0.7;
 /// of 0.62.
 const MIN_BLOCKS: usize = 100;
 
-/// Checks that no joint has exchanged motor and joint sides, or a wrong sign.
+/// Checks that no joint has positions in degrees.
+///
+/// # Errors
+/// Returns [`EstimateError::Sides`] with the joints that exceed their limits by more than their range, and are within
+/// the limits as degrees.
+fn check_units(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), EstimateError> {
+    let names = robot.joint_names().iter();
+    let in_degrees = names
+        .zip(&robot.limits)
+        .enumerate()
+        .filter_map(|(i, (joint, limits))| {
+            let positions = recorded.blocks.iter().filter_map(|block| block.q.get(i));
+            let [low, high] = positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], q| {
+                [a.min(*q), b.max(*q)]
+            });
+            let span = limits.upper - limits.lower;
+            let is_beyond = high > limits.upper + span || low < limits.lower - span;
+            let fits = low.to_radians() > limits.lower && high.to_radians() < limits.upper;
+            (span.is_finite() && is_beyond && fits).then(|| (joint.clone(), [low, high]))
+        });
+    let joints: Vec<(String, [f64; 2])> = in_degrees.collect();
+    match joints.is_empty() {
+        true => Ok(()),
+        false => Err(EstimateError::Sides {
+            file: name.into(),
+            fault: SidesFault::Degrees { joints },
+        }),
+    }
+}
+
+/// Range of the slope of the motor position over the joint position of a tendon: it differs from one by the change of the
+/// deflection over the travel of the joint.
+const PLAUSIBLE_SLOPES: std::ops::Range<f64> = 0.5..2.0;
+/// Minimum share of the variance of the motor position that the joint position explains for a constant ratio.
+const MIN_EXPLAINED_SHARE: f64 = 0.99;
+/// Minimum standard deviation of the joint position for its ratio to be tested, rad.
+const MIN_TRAVEL_STD_RAD: f64 = 0.05;
+
+/// Minimum number of blocks for a ratio, about four seconds: a ratio that explains the motion is no contact.
+const MIN_RATIO_BLOCKS: usize = 20;
+
+/// Checks that no motor moves by a multiple of its joint other than one.
+///
+/// # Errors
+/// Returns [`EstimateError::Sides`] with the ratios.
+fn check_ratios(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), EstimateError> {
+    // A tendon that crosses several joints has no ratio to one of them.
+    if Routings::of(&robot.transmissions).is_some() {
+        return Ok(());
+    }
+    let ratios = recorded.elastic.iter().filter_map(|&i| {
+        let slope = constant_slope(recorded.blocks.iter().map(|b| (b.turned[i], b.y[i])))?;
+        (!PLAUSIBLE_SLOPES.contains(&slope)).then(|| MotorRatio {
+            joint: robot.tendon_name(i).to_owned(),
+            slope,
+        })
+    });
+    let ratios: Vec<MotorRatio> = ratios.collect();
+    match ratios.is_empty() {
+        true => Ok(()),
+        false => Err(EstimateError::Sides {
+            file: name.into(),
+            fault: SidesFault::Ratio { ratios },
+        }),
+    }
+}
+
+/// Slope of `q + y` over `q` by least squares; `None` if `q` hardly varies, or if the relation is not linear.
+fn constant_slope(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
+    let finite = pairs.filter(|(q, y)| (q + y).is_finite());
+    let count = finite.clone().count();
+    if count < MIN_RATIO_BLOCKS {
+        return None;
+    }
+    let n = count as f64;
+    let (q_sum, y_sum) = finite
+        .clone()
+        .fold((0.0, 0.0), |(a, b), (q, y)| (a + q, b + y));
+    let (mut qq, mut qt, mut tt) = (0.0, 0.0, 0.0);
+    for (q, y) in finite {
+        let q_off = q - q_sum / n;
+        let theta_off = q_off + y - y_sum / n;
+        qq += q_off * q_off;
+        qt += q_off * theta_off;
+        tt += theta_off * theta_off;
+    }
+    let moves = (qq / n).sqrt() > MIN_TRAVEL_STD_RAD;
+    (moves && qt * qt > MIN_EXPLAINED_SHARE * qq * tt).then(|| qt / qq)
+}
+
+/// Checks that no joint has exchanged motor and joint sides, or a wrong sign, unit or gear ratio.
 ///
 /// The deflection `y` of a spring follows the load of the joint, `d = Φ z / K` with the described masses `z`. With
 /// exchanged sides it follows `−d`, which no tolerance of stiffness or mass explains, nor any possible payload. The
 /// check uses medians, because a contact is present for part of the time only but can reverse the sign of a regression.
 ///
 /// # Errors
-/// Returns [`EstimateError::Sides`] with the reversed springs.
+/// Returns [`EstimateError::Sides`] with the ratios or the reversed springs.
 pub(super) fn check(
     robot: &Robot,
     prior: &Prior,
@@ -34,6 +125,8 @@ pub(super) fn check(
     payload: Payload,
     name: &str,
 ) -> Result<(), EstimateError> {
+    check_units(robot, recorded, name)?;
+    check_ratios(robot, recorded, name)?;
     let held = prior.payload_range(payload);
     let is_excluded = |i: usize| recorded.blocks.iter().any(|b| b.y[i].is_nan());
     let intact = recorded.elastic.iter().filter(|&&i| !is_excluded(i));
@@ -191,6 +284,20 @@ mod tests {
             turned * (alone + held) + 0.003 + pushed + 2e-4 * wave(k, 7.7)
         });
         (y.collect(), described)
+    }
+
+    #[test]
+    fn constant_slope_is_found_only_for_linear_motion() {
+        let q = |k: usize| (0.1 * k as f64).sin();
+        let slope = |y: &dyn Fn(usize) -> f64| constant_slope((0..200).map(|k| (q(k), y(k))));
+        for ratio in [-1.0, 1.0, 6.0, 57.3] {
+            let found = slope(&|k| (ratio - 1.0) * q(k) + 0.01 * (0.7 * k as f64).sin()).unwrap();
+            assert!((found / ratio - 1.0).abs() < 0.01, "{found} {ratio}");
+        }
+        // A motor that does not drive its joint, and a joint at rest.
+        assert_eq!(slope(&|k| 3.0 * (0.23 * k as f64).sin() - q(k)), None);
+        let at_rest = constant_slope((0..200).map(|k| (1e-3 * q(k), 0.2 * q(k))));
+        assert_eq!(at_rest, None);
     }
 
     // A load behind the joint reverses its spring. A payload range that contains the load explains it, an empty gripper

@@ -22,6 +22,7 @@
 //! `(1 − ρ)/(1 + ρ)` observations, and a motor at rest for ten seconds at most.
 
 use super::detector::{ln_normal, ln_student, ln_sum};
+use super::frozen_encoder::MAX_CONSTANT_RAD;
 use super::recorder::Recorded;
 use super::result::{TendonChange, TendonChangeKind};
 use crate::robot_check::loads;
@@ -46,8 +47,6 @@ const MAX_SQUARE: f64 = 25.0;
 const TRAVEL_RAD: f64 = 0.01;
 /// Time of a motor at rest that counts, s.
 const MAX_REST_S: f64 = 10.0;
-/// Largest change of a joint position between two blocks of a constant reading, rad: rounding of the filters.
-const MAX_CONSTANT_RAD: f64 = 1e-9;
 /// Probability that a free link shows a constant reading while its motor moves: friction holds it, and no other joint
 /// moves it by a step of its encoder. Engineering estimate.
 const FREE_BUT_CONSTANT_PROBABILITY: f64 = 0.1;

@@ -119,10 +119,13 @@ pub enum Warning {
         /// Torque up to which both strands remain taut, `2 r f0`, N·m.
         limit_nm: f64,
     },
-    /// Joint that hardly moved while its motor turned: the joint or its encoder is seized.
+    /// Joint that hardly moved while its motor turned: the joint or its encoder is seized. A phase of a constant reading in which
+    /// the motor travels farther than the effort limit bends the spring is excluded.
     JointSeized {
         /// Name of the joint.
         joint: String,
+        /// Start of the phase since the start of the recording, s.
+        from_s: f64,
         /// Range of the joint position, rad.
         joint_travel_rad: f64,
         /// Range of the motor position, rad.

@@ -243,6 +243,7 @@ fn session_warnings(list: &mut List) {
         },
         Warning::JointSeized {
             joint: joint(),
+            from_s: 12.0,
             joint_travel_rad: 1.2e-3,
             motor_travel_rad: 0.412,
         },
