@@ -60,9 +60,9 @@ pub enum RecordingWarning {
         /// Length of the longest gap, s.
         longest_s: f64,
     },
-    /// Non-monotonic time stamps: the clock stepped back.
+    /// Steps of the clock of the time stamps, over which the time of the recording continues.
     ClockJumps {
-        /// Number of steps back.
+        /// Number of steps, back or ahead.
         count: u64,
     },
     /// Messages that were reordered by time stamp.
@@ -80,6 +80,27 @@ pub enum RecordingWarning {
         repeated: u64,
         /// Share of all samples, 0 to 1.
         share: f64,
+    },
+    /// Samples of a second publisher on the topic of a stream, which were excluded.
+    SecondPublisher {
+        /// Role of the stream.
+        stream: StreamRole,
+        /// Number of excluded samples.
+        samples: u64,
+    },
+    /// Position that is recorded from a later time on than the recording starts.
+    LateStart {
+        /// Symbol of the quantity.
+        quantity: String,
+        /// Name of the joint or motor.
+        joint: String,
+        /// Time of its first sample since the start of the recording, s.
+        after_s: f64,
+    },
+    /// Messages without a time stamp in a topic with time stamps.
+    NoTimeStamp {
+        /// Number of messages.
+        count: u64,
     },
     /// Samples that are NaN or infinite.
     NonFinite {

@@ -239,7 +239,8 @@ pub(crate) fn is_absent(value: f64) -> bool {
 /// For a prismatic joint read rad as m and N·m as N.
 #[derive(Debug, PartialEq, Default)]
 pub struct Frame {
-    /// Time since the epoch of the recording's clock, ns.
+    /// Time since the epoch of the recording's clock, ns. In a recording it increases from frame to frame: after a
+    /// step of the clock it continues from the frame before.
     pub time_ns: i64,
     /// Increases after each gap, clock jump or damage: reset filters there.
     pub segment: u32,

@@ -18,7 +18,7 @@ pub(crate) const UNKNOWN_LIMIT: usize = 64;
 pub enum EventKind {
     /// Gap longer than the gap limit.
     Gap,
-    /// Time stamps that stepped back permanently.
+    /// Clock of the time stamps that stepped back or ahead.
     ClockStep,
     /// Messages that were discarded, because they were later than the reorder window.
     Late,
@@ -103,7 +103,54 @@ pub struct StreamTiming {
     pub repeated: u64,
 }
 
+/// Coverage of a recording by the position of a joint or motor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SignalCoverage {
+    /// Quantity of the signal.
+    pub quantity: Quantity,
+    /// Name of the joint or motor.
+    pub joint: String,
+    /// Share of the frames with a value, 0 to 1.
+    pub share: f64,
+    /// Longest interval without a value, including those before the first and after the last one, s.
+    pub longest_interval_s: f64,
+    /// Share of the values that equal the one before, 0 to 1.
+    pub repeated_share: f64,
+    /// Number of encoder wrap-arounds that were corrected.
+    pub unwrapped: u64,
+}
+
+/// Position that is recorded from a later time on than the recording starts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LateStart {
+    /// Quantity of the signal.
+    pub quantity: Quantity,
+    /// Name of the joint or motor.
+    pub joint: String,
+    /// Time of its first sample since the start of the recording, s.
+    pub after_s: f64,
+}
+
+/// Samples of a second publisher on the topic of a stream.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SecondPublisher {
+    /// Role of the stream.
+    pub stream: StreamRole,
+    /// Number of samples that were excluded.
+    pub samples: u64,
+}
+
 impl StreamTiming {
+    /// Adds further samples of the stream, which have other time stamps.
+    pub(crate) fn add(&mut self, further: &StreamTiming) {
+        self.samples += further.samples;
+        self.repeated += further.repeated;
+        self.missing = self.missing.map(|n| n + further.missing.unwrap_or(0));
+    }
+
     /// Share of all samples that are missing or were discarded, 0 to 1.
     pub fn lost_share(&self) -> f64 {
         let lost = self.missing.unwrap_or(0) + self.repeated;
@@ -127,16 +174,25 @@ pub struct Health {
     pub out_of_order: u64,
     /// Timing of each stream: that of the joint side or of the table's rows first.
     pub streams: Vec<StreamTiming>,
+    /// Samples of second publishers, such as a node that repeats a fixed pose; excluded.
+    #[serde(default)]
+    pub second_publishers: Vec<SecondPublisher>,
     /// Number of gaps longer than the gap limit.
     pub gaps: u64,
     /// Duration of the longest gap, s.
     pub longest_gap_s: f64,
-    /// Number of times that the time stamps stepped back permanently.
+    /// Number of steps of the clock of the time stamps: back, or ahead while the recorder's clock continued.
     pub clock_steps: u64,
     /// Number of NaN or infinite samples per signal; they are NaN in the frames.
     pub non_finite: Vec<SignalCount>,
     /// Number of encoder wrap-arounds that were corrected, per signal.
     pub unwrapped: Vec<SignalCount>,
+    /// Coverage of the recording by each position, joint by joint.
+    #[serde(default)]
+    pub signals: Vec<SignalCoverage>,
+    /// Positions that are recorded from a later time on than the recording starts.
+    #[serde(default)]
+    pub late_starts: Vec<LateStart>,
     /// Number of frames in which no joint has a motor position.
     pub frames_without_motor_side: u64,
     /// Number of frames in which no joint has a joint position.
@@ -145,6 +201,10 @@ pub struct Health {
     pub unknown_joints: Vec<String>,
     /// Number of messages that could not be decoded.
     pub undecodable: u64,
+    /// Number of messages without a time stamp in a topic with time stamps; their time follows from that of
+    /// their receipt.
+    #[serde(default)]
+    pub unstamped: u64,
     /// Number of messages with fewer values than names; the missing values are NaN.
     pub short_messages: u64,
     /// Number of rows with more or fewer cells than the header.

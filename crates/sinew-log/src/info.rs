@@ -130,6 +130,8 @@ impl RecordingInfo {
         self.health.implausible_signals.clear();
         self.health.non_finite.clear();
         self.health.unwrapped.clear();
+        self.health.signals.clear();
+        self.health.late_starts.clear();
         self.joints.clear();
         self.sources.clear();
         self.temperature = false;

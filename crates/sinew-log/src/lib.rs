@@ -24,7 +24,9 @@
 //! # From messages to frames
 //!
 //! * A frame exists for each time stamp of the joint side (`sensor_msgs/msg/JointState`), or for each row of
-//!   a table. The time stamp is `header.stamp`, or the log time if that is zero.
+//!   a table. The time stamp is `header.stamp`, or the log time in a topic whose stamps are zero. A single stamp of
+//!   zero in a topic with stamps is the start of a simulated clock, or replaced by the log time on the clock of the
+//!   other stamps and counted.
 //! * Values are found by joint *name*. A message may hold a subset of the joints, another order, or more; two
 //!   messages with one stamp and different joints make one frame.
 //! * The motor side (`control_msgs/msg/DynamicJointState`, or a second `JointState` topic) and the external
@@ -65,7 +67,8 @@
 //! | big-endian CDR | read |
 //! | fewer values than names | the missing ones are NaN; counted |
 //! | more values than names; a name twice | surplus ignored; the first counts |
-//! | joints that appear later than the first 256 messages of a topic | named in [`Health::unknown_joints`] and ignored |
+//! | joint that appears later than the others | frames before have NaN; its start is in [`Health::late_starts`] |
+//! | joints that appear later than the first 16 384 messages of a topic | named in [`Health::unknown_joints`] and ignored |
 //! | requested joint is not recorded | rejected, with the names and the nearest |
 //! | several topics could be the joint side, or the motor side | rejected, with the candidates |
 //! | one topic or column for both sides; a requested interface that is missing | rejected |
@@ -73,7 +76,7 @@
 //! | out of order within the window | reordered; counted |
 //! | later than the window | discarded; counted. Eight in a row are a clock step |
 //! | duplicate time stamp | the first is kept; counted |
-//! | clock that steps back permanently | new segment; counted |
+//! | clock that steps back permanently, or ahead while the log times continue | new segment; counted; the time of the frames continues by the log times, else by the last period |
 //! | pause longer than [`OpenOptions::gap_s`] (0.5 s) | new segment; counted, the longest kept |
 //! | NaN or infinity recorded | NaN in the frame; counted per signal |
 //! | signal all NaN, constant (100 frames, 1 s) | reported as implausible |
@@ -117,7 +120,8 @@ pub use files::{
 };
 pub use frame::{Axis, Channels, Frame, OwnedAxis, Quantities, Quantity};
 pub use health::{
-    Damage, EVENT_LIMIT, Event, EventKind, Health, MUCH_LOST, SignalCount, StreamRole, StreamTiming,
+    Damage, EVENT_LIMIT, Event, EventKind, Health, LateStart, MUCH_LOST, SecondPublisher,
+    SignalCount, SignalCoverage, StreamRole, StreamTiming,
 };
 pub use info::{FrameCounter, RecordingInfo};
 pub use live::JointInfo;

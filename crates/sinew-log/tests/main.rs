@@ -24,3 +24,4 @@ mod sources;
 mod support;
 mod table_write;
 mod tables;
+mod trust;

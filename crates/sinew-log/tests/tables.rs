@@ -265,6 +265,11 @@ fn time_going_back_duplicates_and_gaps_in_a_table() {
     assert_eq!(frames.len(), 5 + 20);
     let segments: Vec<u32> = frames.iter().map(|frame| frame.segment).collect();
     assert_eq!(segments[..6], [0, 0, 0, 0, 1, 2]);
+    assert!(
+        frames
+            .windows(2)
+            .all(|pair| pair[1].time_ns > pair[0].time_ns)
+    );
 }
 
 #[test]

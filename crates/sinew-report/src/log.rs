@@ -1,5 +1,6 @@
 //! Content of a recording as text.
 
+use crate::format::counted;
 use crate::text::{TerminalText, plain, yes_no};
 use crate::warnings::stream_name;
 use sinew_figure::{Columns, rounded};
@@ -95,6 +96,9 @@ pub fn render(info: &RecordingInfo) -> String {
     out.paragraph(format!(
         "{file}: {format}, {frames} frames, {length} s at {rate} Hz (sample period {shortest} to {longest} ms), {segments}"
     ));
+    for text in health_messages(&info.health) {
+        out.paragraph(text);
+    }
     let mut channels = Columns::of(&info.joints).words("joint", |joint| &joint.name);
     for q in Quantity::PER_JOINT {
         let has = |has: bool| if has { "yes" } else { "–" };
@@ -135,10 +139,31 @@ pub fn render(info: &RecordingInfo) -> String {
     for stream in &info.health.streams {
         out.paragraph(timing(stream));
     }
-    for text in health_messages(&info.health) {
-        out.paragraph(text);
-    }
+    coverage(&mut out, &info.health);
     out.0
+}
+
+/// Tabulates the share of frames, the longest interval, the repeated values and the wrap-arounds of each position.
+fn coverage(out: &mut TerminalText, health: &Health) {
+    if health.signals.is_empty() {
+        return;
+    }
+    out.add("\n");
+    out.table(
+        Columns::of(&health.signals)
+            .words("position", |s| {
+                format!("{} of {}", s.quantity.symbol(), s.joint)
+            })
+            .column("frames\n(%)", |s| rounded(100.0 * s.share, 4))
+            .column("longest\ninterval (s)", |s| {
+                rounded(s.longest_interval_s, 3)
+            })
+            .column("repeated\nvalues (%)", |s| {
+                rounded(100.0 * s.repeated_share, 2)
+            })
+            .column("wrap-arounds\ncorrected", |s| s.unwrapped)
+            .table(),
+    );
 }
 
 /// Formats the sample period of a stream, its jitter and its missing samples.
@@ -182,7 +207,10 @@ fn health_messages(health: &Health) -> Vec<String> {
         (health.undecodable, "messages discarded: not decodable"),
         (health.rows_without_time, "rows discarded: no time stamp"),
         (health.out_of_order, "messages reordered by time stamp"),
-        (health.clock_steps, "backward steps of the clock"),
+        (
+            health.unstamped,
+            "messages without a time stamp: timed by the recorder's clock",
+        ),
         (
             health.short_messages,
             "messages with fewer values than names",
@@ -202,6 +230,17 @@ fn health_messages(health: &Health) -> Vec<String> {
     ];
     let counts = counts.into_iter().filter(|(count, _)| *count > 0);
     all.extend(counts.map(|(count, what)| format!("{count} {what}")));
+    if health.clock_steps > 0 {
+        let steps = counted(health.clock_steps, "step");
+        all.push(format!("{steps} of the clock; time continued over each"));
+    }
+    all.extend(health.second_publishers.iter().map(|second| {
+        let (name, samples) = (
+            stream_name(second.stream),
+            counted(second.samples, "sample"),
+        );
+        format!("{name}: {samples} of a second publisher excluded")
+    }));
     for stream in health.streams.iter().filter(|s| s.lost_share() > 0.0) {
         let (name, share) = (stream_name(stream.role), 100.0 * stream.lost_share());
         all.push(format!("{name}: {share:.1} % of the samples lost"));
@@ -209,6 +248,13 @@ fn health_messages(health: &Health) -> Vec<String> {
     if health.gaps > 0 {
         let (gaps, longest) = (health.gaps, rounded(health.longest_gap_s, 3));
         all.push(format!("{gaps} gaps, longest {longest} s"));
+    }
+    for late in &health.late_starts {
+        let (symbol, joint) = (late.quantity.symbol(), &late.joint);
+        all.push(format!(
+            "{symbol} of '{joint}' from {:.1} s on",
+            late.after_s
+        ));
     }
     for s in &health.non_finite {
         let (count, symbol, joint) = (s.count, s.quantity.symbol(), &s.joint);

@@ -139,7 +139,7 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
             counted(*count, "gap")
         ),
         RecordingWarning::ClockJumps { count } => format!(
-            "non-monotonic time stamps: clock stepped back {}; filters re-initialised after each; use one clock, synchronised before recording",
+            "clock of the time stamps stepped {}; time continued over each step, filters re-initialised; use one clock, synchronised before recording",
             counted(*count, "time")
         ),
         RecordingWarning::OutOfOrder { count } => {
@@ -164,6 +164,22 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
                 100.0 * share
             )
         }
+        RecordingWarning::SecondPublisher { stream, samples } => format!(
+            "{}: {} of a second publisher excluded; stop the node that publishes the same joints on this topic (ros2 topic info --verbose)",
+            stream_name(*stream),
+            counted(*samples, "sample")
+        ),
+        RecordingWarning::NoTimeStamp { count } => format!(
+            "{} without a time stamp, timed by the clock of the recorder; set header.stamp in the driver",
+            counted(*count, "message")
+        ),
+        RecordingWarning::LateStart {
+            quantity,
+            joint,
+            after_s,
+        } => format!(
+            "{quantity} of '{joint}' from {after_s:.1} s on; earlier frames excluded; start the driver before the recorder"
+        ),
         RecordingWarning::NonFinite {
             quantity,
             joint,

@@ -17,6 +17,7 @@ mod limits;
 mod outputs;
 #[cfg(unix)]
 mod outputs_whole;
+mod recordings;
 mod reference;
 mod rope;
 #[cfg(feature = "schema")]

@@ -1861,7 +1861,7 @@ class Health(Record):
     bytes_lost: int
     """Number of bytes of the file that could not be used."""
     clock_steps: int
-    """Number of times that the time stamps stepped back permanently."""
+    """Number of steps of the clock of the time stamps: back, or ahead while the recorder's clock continued."""
     damage: list[Damage]
     """Damaged parts of the file, with the reasons."""
     duplicates: int
@@ -1882,6 +1882,8 @@ class Health(Record):
     """Implausible signals: degrees, constant, gear ratio, all NaN."""
     late: int
     """Number of messages discarded, because they were later than the reorder window."""
+    late_starts: list[LateStart]
+    """Positions that are recorded from a later time on than the recording starts."""
     longest_gap_s: float
     """Duration of the longest gap, s."""
     messages: int
@@ -1894,14 +1896,22 @@ class Health(Record):
     """Number of rows with more or fewer cells than the header."""
     rows_without_time: int
     """Number of rows without a time; discarded."""
+    second_publishers: list[SecondPublisher]
+    """Samples of second publishers, such as a node that repeats a fixed pose; excluded."""
     short_messages: int
     """Number of messages with fewer values than names; the missing values are NaN."""
+    signals: list[SignalCoverage]
+    """Coverage of the recording by each position, joint by joint."""
     streams: list[StreamTiming]
     """Timing of each stream: that of the joint side or of the table's rows first."""
     undecodable: int
     """Number of messages that could not be decoded."""
     unknown_joints: list[str]
     """Joints in messages that were not there at the start of the recording; ignored."""
+    unstamped: int
+    """Number of messages without a time stamp in a topic with time stamps; their time follows from that of their
+    receipt.
+    """
     unwrapped: list[SignalCount]
     """Number of encoder wrap-arounds that were corrected, per signal."""
 
@@ -1918,16 +1928,20 @@ class Health(Record):
         "gaps": "",
         "implausible_signals": "",
         "late": "",
+        "late_starts": "LateStart",
         "longest_gap_s": "",
         "messages": "",
         "non_finite": "SignalCount",
         "out_of_order": "",
         "ragged_rows": "",
         "rows_without_time": "",
+        "second_publishers": "SecondPublisher",
         "short_messages": "",
+        "signals": "SignalCoverage",
         "streams": "StreamTiming",
         "undecodable": "",
         "unknown_joints": "",
+        "unstamped": "",
         "unwrapped": "SignalCount",
     }
 
@@ -2325,6 +2339,25 @@ class JointTrend(Record):
         "tensioned_utc_s": "",
         "verdict": "",
         "without_information": "",
+    }
+
+
+class LateStart(Record):
+    """Position that is recorded from a later time on than the recording starts."""
+
+    __slots__ = ()
+
+    after_s: float
+    """Time of its first sample since the start of the recording, s."""
+    joint: str
+    """Name of the joint or motor."""
+    quantity: Quantity
+    """Quantity of the signal."""
+
+    _fields = {
+        "after_s": "",
+        "joint": "",
+        "quantity": "",
     }
 
 
@@ -3459,12 +3492,12 @@ class RecordingOutcome(Record):
 
 
 class RecordingWarningClockJumps(Record):
-    """Non-monotonic time stamps: the clock stepped back."""
+    """Steps of the clock of the time stamps, over which the time of the recording continues."""
 
     __slots__ = ()
 
     count: int
-    """Number of steps back."""
+    """Number of steps, back or ahead."""
     kind: Literal["clock-jumps"]
 
     _fields = {
@@ -3542,6 +3575,42 @@ class RecordingWarningImplausibleSignal(Record):
     _fields = {
         "kind": "",
         "text": "",
+    }
+
+
+class RecordingWarningLateStart(Record):
+    """Position that is recorded from a later time on than the recording starts."""
+
+    __slots__ = ()
+
+    after_s: float
+    """Time of its first sample since the start of the recording, s."""
+    joint: str
+    """Name of the joint or motor."""
+    kind: Literal["late-start"]
+    quantity: str
+    """Symbol of the quantity."""
+
+    _fields = {
+        "after_s": "",
+        "joint": "",
+        "kind": "",
+        "quantity": "",
+    }
+
+
+class RecordingWarningNoTimeStamp(Record):
+    """Messages without a time stamp in a topic with time stamps."""
+
+    __slots__ = ()
+
+    count: int
+    """Number of messages."""
+    kind: Literal["no-time-stamp"]
+
+    _fields = {
+        "count": "",
+        "kind": "",
     }
 
 
@@ -3631,6 +3700,24 @@ class RecordingWarningSamplesLost(Record):
         "missing": "",
         "repeated": "",
         "share": "",
+        "stream": "",
+    }
+
+
+class RecordingWarningSecondPublisher(Record):
+    """Samples of a second publisher on the topic of a stream, which were excluded."""
+
+    __slots__ = ()
+
+    kind: Literal["second-publisher"]
+    samples: int
+    """Number of excluded samples."""
+    stream: StreamRole
+    """Role of the stream."""
+
+    _fields = {
+        "kind": "",
+        "samples": "",
         "stream": "",
     }
 
@@ -4398,6 +4485,22 @@ class Score(Record):
     }
 
 
+class SecondPublisher(Record):
+    """Samples of a second publisher on the topic of a stream."""
+
+    __slots__ = ()
+
+    samples: int
+    """Number of samples that were excluded."""
+    stream: StreamRole
+    """Role of the stream."""
+
+    _fields = {
+        "samples": "",
+        "stream": "",
+    }
+
+
 class SegmentEstimate(Record):
     """Offsets at the end of a segment of some minutes."""
 
@@ -4696,6 +4799,34 @@ class SignalCount(Record):
         "count": "",
         "joint": "",
         "quantity": "",
+    }
+
+
+class SignalCoverage(Record):
+    """Coverage of a recording by the position of a joint or motor."""
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint or motor."""
+    longest_interval_s: float
+    """Longest interval without a value, including those before the first and after the last one, s."""
+    quantity: Quantity
+    """Quantity of the signal."""
+    repeated_share: float
+    """Share of the values that equal the one before, 0 to 1."""
+    share: float
+    """Share of the frames with a value, 0 to 1."""
+    unwrapped: int
+    """Number of encoder wrap-arounds that were corrected."""
+
+    _fields = {
+        "joint": "",
+        "longest_interval_s": "",
+        "quantity": "",
+        "repeated_share": "",
+        "share": "",
+        "unwrapped": "",
     }
 
 
@@ -6459,7 +6590,7 @@ Place = Literal["rope", "termination"]
 PriorBasis = Union[PriorBasisRope, PriorBasisUnknown]
 Quantity = Literal["q", "theta", "dq", "tau_el", "tau_m", "tau_ext", "temperature", "tension"]
 Quantity2 = Literal["positions", "elastic-torque", "transmission", "external-torque", "offset"]
-RecordingWarning = Union[RecordingWarningClockJumps, RecordingWarningDamaged, RecordingWarningGaps, RecordingWarningImplausibleOffset, RecordingWarningImplausibleSignal, RecordingWarningNonFinite, RecordingWarningOutOfOrder, RecordingWarningReference, RecordingWarningRobot, RecordingWarningSamplesLost, RecordingWarningTorqueRangeSmall, RecordingWarningUnknownJoints, RecordingWarningUnusedTensions, RecordingWarningUnwrapped]
+RecordingWarning = Union[RecordingWarningClockJumps, RecordingWarningDamaged, RecordingWarningGaps, RecordingWarningImplausibleOffset, RecordingWarningImplausibleSignal, RecordingWarningLateStart, RecordingWarningNoTimeStamp, RecordingWarningNonFinite, RecordingWarningOutOfOrder, RecordingWarningReference, RecordingWarningRobot, RecordingWarningSamplesLost, RecordingWarningSecondPublisher, RecordingWarningTorqueRangeSmall, RecordingWarningUnknownJoints, RecordingWarningUnusedTensions, RecordingWarningUnwrapped]
 Rejection = Union[RejectionBendRatio, RejectionBendRatioUnknown, RejectionBreakingLoadNotPublished, RejectionBreaks, RejectionDiameterNotPublished, RejectionElongation, RejectionHot, RejectionNotPredicted, RejectionSafetyFactor, RejectionStiffness, RejectionTooHeavy, RejectionTooThick, RejectionTooThin, RejectionWeightNotPublished]
 Remedy = Literal["motor-torque", "tension-sensors"]
 RopeShowOrigin = Literal["measured", "published", "fitted", "assumed"]
@@ -6586,6 +6717,7 @@ _CLASSES: Mapping[str, Any] = {
     "JointOffset": JointOffset,
     "JointScore": JointScore,
     "JointTrend": JointTrend,
+    "LateStart": LateStart,
     "LifeForecast": LifeForecast,
     "LimitForecastReplace": LimitForecastReplace,
     "LimitForecastRetension": LimitForecastRetension,
@@ -6636,11 +6768,14 @@ _CLASSES: Mapping[str, Any] = {
     "RecordingWarningGaps": RecordingWarningGaps,
     "RecordingWarningImplausibleOffset": RecordingWarningImplausibleOffset,
     "RecordingWarningImplausibleSignal": RecordingWarningImplausibleSignal,
+    "RecordingWarningLateStart": RecordingWarningLateStart,
+    "RecordingWarningNoTimeStamp": RecordingWarningNoTimeStamp,
     "RecordingWarningNonFinite": RecordingWarningNonFinite,
     "RecordingWarningOutOfOrder": RecordingWarningOutOfOrder,
     "RecordingWarningReference": RecordingWarningReference,
     "RecordingWarningRobot": RecordingWarningRobot,
     "RecordingWarningSamplesLost": RecordingWarningSamplesLost,
+    "RecordingWarningSecondPublisher": RecordingWarningSecondPublisher,
     "RecordingWarningTorqueRangeSmall": RecordingWarningTorqueRangeSmall,
     "RecordingWarningUnknownJoints": RecordingWarningUnknownJoints,
     "RecordingWarningUnusedTensions": RecordingWarningUnusedTensions,
@@ -6675,6 +6810,7 @@ _CLASSES: Mapping[str, Any] = {
     "Scatter": Scatter,
     "Schedule": Schedule,
     "Score": Score,
+    "SecondPublisher": SecondPublisher,
     "SegmentEstimate": SegmentEstimate,
     "SelectionResult": SelectionResult,
     "Series": Series,
@@ -6684,6 +6820,7 @@ _CLASSES: Mapping[str, Any] = {
     "SharedError": SharedError,
     "Shift": Shift,
     "SignalCount": SignalCount,
+    "SignalCoverage": SignalCoverage,
     "SignalSource": SignalSource,
     "SimulateComparison": SimulateComparison,
     "SimulatedResult": SimulatedResult,
@@ -6780,7 +6917,7 @@ _CLASSES: Mapping[str, Any] = {
     "NoSlope": {"too-few-readings": NoSlopeTooFewReadings, "not-fitted": NoSlopeNotFitted},
     "NotIdentifiable": {"anything": NotIdentifiableAnything, "below": NotIdentifiableBelow, "above": NotIdentifiableAbove},
     "PriorBasis": {"unknown": PriorBasisUnknown, "rope": PriorBasisRope},
-    "RecordingWarning": {"robot": RecordingWarningRobot, "implausible-signal": RecordingWarningImplausibleSignal, "unknown-joints": RecordingWarningUnknownJoints, "unused-tensions": RecordingWarningUnusedTensions, "implausible-offset": RecordingWarningImplausibleOffset, "torque-range-small": RecordingWarningTorqueRangeSmall, "damaged": RecordingWarningDamaged, "gaps": RecordingWarningGaps, "clock-jumps": RecordingWarningClockJumps, "out-of-order": RecordingWarningOutOfOrder, "samples-lost": RecordingWarningSamplesLost, "non-finite": RecordingWarningNonFinite, "unwrapped": RecordingWarningUnwrapped, "reference": RecordingWarningReference},
+    "RecordingWarning": {"robot": RecordingWarningRobot, "implausible-signal": RecordingWarningImplausibleSignal, "unknown-joints": RecordingWarningUnknownJoints, "unused-tensions": RecordingWarningUnusedTensions, "implausible-offset": RecordingWarningImplausibleOffset, "torque-range-small": RecordingWarningTorqueRangeSmall, "damaged": RecordingWarningDamaged, "gaps": RecordingWarningGaps, "clock-jumps": RecordingWarningClockJumps, "out-of-order": RecordingWarningOutOfOrder, "samples-lost": RecordingWarningSamplesLost, "second-publisher": RecordingWarningSecondPublisher, "late-start": RecordingWarningLateStart, "no-time-stamp": RecordingWarningNoTimeStamp, "non-finite": RecordingWarningNonFinite, "unwrapped": RecordingWarningUnwrapped, "reference": RecordingWarningReference},
     "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-unknown": RejectionBendRatioUnknown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-predicted": RejectionNotPredicted},
     "StrainZero": {"before-load": StrainZeroBeforeLoad, "as-recorded": StrainZeroAsRecorded},
     "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},

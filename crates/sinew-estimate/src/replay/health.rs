@@ -81,6 +81,24 @@ pub(super) fn health_warnings(health: &Health, warnings: &mut Vec<Warning>) {
             });
         }
     }
+    for second in &health.second_publishers {
+        warnings.push(Warning::SecondPublisher {
+            stream: second.stream,
+            samples: second.samples,
+        });
+    }
+    for late in &health.late_starts {
+        warnings.push(Warning::LateStart {
+            quantity: late.quantity.symbol().into(),
+            joint: late.joint.clone(),
+            after_s: late.after_s,
+        });
+    }
+    if health.unstamped > 0 {
+        warnings.push(Warning::NoTimeStamp {
+            count: health.unstamped,
+        });
+    }
     for signal in &health.non_finite {
         warnings.push(Warning::NonFinite {
             quantity: signal.quantity.symbol().into(),

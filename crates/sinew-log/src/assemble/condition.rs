@@ -8,8 +8,11 @@
 //! previous sample. A signal whose raw values span more than one period does not come from a wrapping encoder
 //! and is not changed.
 
+use super::coverage::Coverage;
+use super::key::Key;
+use super::timeline::{Step, Timeline};
 use crate::frame::{ABSENT, AxisNames, Frame, Quantity, blocks, is_absent};
-use crate::health::{EventKind, Health, SignalCount};
+use crate::health::{EventKind, Health, LateStart, SignalCount, SignalCoverage};
 use sinew_files::WORKS_AT_C;
 
 /// Minimum period, rad, for which the motor side starts in the same revolution as the joint; with a shorter period,
@@ -119,11 +122,15 @@ pub struct Conditioner {
     turned: [bool; 2],
     wraps: Vec<u64>,
     slopes: Vec<Slope>,
+    /// Coverage of the recording by each signal of q and theta.
+    coverage: Vec<Coverage>,
     /// Lowest and highest temperature outside the working range of a robot, °C.
     implausible_temperatures: Option<[f64; 2]>,
+    timeline: Timeline,
+    /// Whether the time of the frames continues over steps of the clock.
+    continues: bool,
     first_ns: Option<i64>,
     last_ns: Option<i64>,
-    last_epoch: u32,
     segment: u32,
 }
 
@@ -179,12 +186,19 @@ impl Conditioner {
             turned: [false; 2],
             wraps: vec![0; 2 * n],
             slopes: vec![Slope::default(); n],
+            coverage: vec![Coverage::default(); 2 * n],
             implausible_temperatures: None,
+            timeline: Timeline::new(gap_ns),
+            continues: true,
             first_ns: None,
             last_ns: None,
-            last_epoch: 0,
             segment: 0,
         }
+    }
+
+    /// Keeps the time stamps in the frames as they are, also across steps of the clock.
+    pub(crate) fn keep_stamps(&mut self) {
+        self.continues = false;
     }
 
     /// Period in raw units, if the signal may still come from a wrapping encoder.
@@ -226,8 +240,8 @@ impl Conditioner {
     /// Turns the wide raw row into the frame.
     pub(crate) fn apply(
         &mut self,
-        epoch: u32,
-        time_ns: i64,
+        key: Key,
+        received_ns: Option<i64>,
         after_damage: bool,
         raw: &mut [f64],
         frame: &mut Frame,
@@ -236,8 +250,13 @@ impl Conditioner {
         if !self.without_joint.is_empty() {
             self.set_at_rest(raw);
         }
-        let new_segment = self.segment_at(epoch, time_ns, after_damage, health);
-        frame.time_ns = time_ns;
+        let new_segment = self.segment_at(key, received_ns, after_damage, health);
+        frame.time_ns = match self.continues {
+            true => self.timeline.time_ns(),
+            false => key.time_ns,
+        };
+        self.first_ns.get_or_insert(frame.time_ns);
+        self.last_ns = Some(frame.time_ns);
         frame.segment = self.segment;
         let n = self.n;
         let sound = self.identity && self.watch(&raw[..6 * n]);
@@ -257,6 +276,10 @@ impl Conditioner {
         }
         let whole = sound && !positions_absent;
         self.unwrap(new_segment, whole, frame);
+        let positions = frame.q.iter().chain(&frame.theta);
+        for (coverage, value) in self.coverage.iter_mut().zip(positions) {
+            coverage.frame(frame.time_ns, *value);
+        }
         if self.has_tension {
             let block = Quantity::Tension.index() * n;
             self.convert(block, &raw[block..block + n], &mut frame.tension);
@@ -278,6 +301,45 @@ impl Conditioner {
         health.frames += 1;
     }
 
+    /// Coverage of the recording by a position; `None` if it is not recorded.
+    fn signal_coverage(
+        &self,
+        quantity: Quantity,
+        axis: usize,
+        health: &Health,
+    ) -> Option<SignalCoverage> {
+        let joint = self.axes[axis].recorded(quantity)?;
+        let index = quantity.index() * self.n + axis;
+        let coverage = &self.coverage[index];
+        let [first_ns, last_ns] = [self.first_ns?, self.last_ns?];
+        let start_ns = coverage.start_ns?;
+        let ends_ns = [
+            start_ns.saturating_sub(first_ns),
+            last_ns.saturating_sub(coverage.last_ns),
+        ];
+        let hole_ns = ends_ns.into_iter().fold(coverage.hole_ns, i64::max);
+        Some(SignalCoverage {
+            quantity,
+            joint: joint.to_owned(),
+            share: coverage.samples as f64 / health.frames.max(1) as f64,
+            longest_interval_s: hole_ns as f64 * 1e-9,
+            repeated_share: coverage.repeated as f64 / coverage.samples.max(1) as f64,
+            unwrapped: self.wraps[index],
+        })
+    }
+
+    /// Position that starts later than the recording by more than the gap limit.
+    fn late_start(&self, quantity: Quantity, axis: usize) -> Option<LateStart> {
+        let joint = self.axes[axis].recorded(quantity)?;
+        let start_ns = self.coverage[quantity.index() * self.n + axis].start_ns?;
+        let after_ns = start_ns.saturating_sub(self.first_ns?);
+        (after_ns > self.gap_ns).then(|| LateStart {
+            quantity,
+            joint: joint.to_owned(),
+            after_s: after_ns as f64 * 1e-9,
+        })
+    }
+
     /// Whether a temperature is within the working range of a robot; others are recorded and unknown.
     fn robots_work_at(&mut self, celsius: f64) -> bool {
         let works = (WORKS_AT_C[0]..=WORKS_AT_C[1]).contains(&celsius);
@@ -288,38 +350,41 @@ impl Conditioner {
         works
     }
 
+    /// Counts gaps and steps of the clock; returns whether a new segment starts.
     fn segment_at(
         &mut self,
-        epoch: u32,
-        time_ns: i64,
+        key: Key,
+        received_ns: Option<i64>,
         after_damage: bool,
         health: &mut Health,
     ) -> bool {
-        let Some(last_ns) = self.last_ns.replace(time_ns) else {
-            self.first_ns = Some(time_ns);
-            self.last_epoch = epoch;
+        let Some(step) = self.timeline.frame(key, received_ns) else {
             return false;
         };
         let mut new_segment = after_damage;
-        if epoch != self.last_epoch {
-            self.last_epoch = epoch;
-            new_segment = true;
-            health.clock_steps += 1;
-            health.event(time_ns, EventKind::ClockStep, || {
-                let back_s = last_ns.saturating_sub(time_ns) as f64 * 1e-9;
-                format!("time stamps stepped back by {back_s:.3} s; a new segment starts")
-            });
-        } else {
-            let pause_ns = time_ns.saturating_sub(last_ns);
-            if pause_ns > self.gap_ns {
+        let passed_ns = match step {
+            Step::Passed(passed_ns) => passed_ns,
+            Step::Clock { by_ns, passed_ns } => {
                 new_segment = true;
-                let pause_s = pause_ns as f64 * 1e-9;
-                health.gaps += 1;
-                health.longest_gap_s = health.longest_gap_s.max(pause_s);
-                health.event(last_ns, EventKind::Gap, || {
-                    format!("no frame for {pause_s:.3} s; a new segment starts")
+                health.clock_steps += 1;
+                health.event(key.time_ns, EventKind::ClockStep, || {
+                    let by_s = by_ns.unsigned_abs() as f64 * 1e-9;
+                    let direction = if by_ns < 0 { "back" } else { "ahead" };
+                    format!("clock stepped {direction} by {by_s:.3} s; a new segment starts")
                 });
+                passed_ns
             }
+        };
+        if passed_ns > self.gap_ns {
+            new_segment = true;
+            let pause_s = passed_ns as f64 * 1e-9;
+            health.gaps += 1;
+            health.longest_gap_s = health.longest_gap_s.max(pause_s);
+            health.event(
+                key.time_ns.saturating_sub(passed_ns),
+                EventKind::Gap,
+                || format!("no frame for {pause_s:.3} s; a new segment starts"),
+            );
         }
         if new_segment {
             self.segment = self.segment.saturating_add(1);
@@ -501,6 +566,19 @@ impl Conditioner {
                     });
                 }
             }
+        }
+        health.late_starts.clear();
+        for quantity in [Quantity::Q, Quantity::Theta] {
+            let late = (0..n).filter_map(|axis| self.late_start(quantity, axis));
+            health.late_starts.extend(late);
+        }
+        health.signals.clear();
+        for axis in 0..n {
+            let signals = [Quantity::Q, Quantity::Theta].into_iter();
+            let signals =
+                signals.filter_map(|quantity| self.signal_coverage(quantity, axis, health));
+            let signals = Vec::from_iter(signals);
+            health.signals.extend(signals);
         }
         for joint in 0..n {
             self.suspect_sides(joint, health);

@@ -1,16 +1,20 @@
 //! Assembly of frames from streams of samples: sorted, joined, conditioned.
 //!
 //! One *primary* stream sets the time stamps (joint side, or the rows of a table); *side* streams (motor
-//! side, external torque) are evaluated at these time stamps: the sample with the same stamp, or the linear
-//! interpolation of its neighbours.
+//! side, external torque, joints of the joint side in messages of their own) are evaluated at these time stamps: the
+//! sample with the same stamp, or the linear interpolation of its neighbours.
 
 mod condition;
+mod coverage;
 mod key;
+mod sift;
+mod slot;
 mod sorter;
 mod steps;
+mod timeline;
 
 use crate::frame::{Frame, Quantity, is_absent};
-use crate::health::{EventKind, Health, StreamRole};
+use crate::health::{EventKind, Health, SecondPublisher, StreamRole};
 
 pub use crate::frame::ABSENT;
 pub use condition::{Conditioner, Signal};
@@ -96,6 +100,25 @@ impl Joiner {
         }
     }
 
+    /// Keeps the time stamps in the frames as they are. Otherwise the time of the frames continues over steps of the
+    /// clock, by the recorder's clock or the last period.
+    pub fn keep_stamps(&mut self) {
+        self.conditioner.keep_stamps();
+    }
+
+    /// Excludes samples of a second publisher on the topic of a side, and counts them.
+    pub fn exclude_second_publishers(&mut self) {
+        let sides = self.sides.iter_mut();
+        let sides = sides.map(|side| (&mut side.sorter, &side.blocks));
+        let all = std::iter::once((&mut self.primary, &self.primary_blocks)).chain(sides);
+        for (sorter, blocks) in all {
+            let is_position = |block: &Quantity| matches!(block, Quantity::Q | Quantity::Theta);
+            if let Some(block) = blocks.iter().position(is_position) {
+                sorter.sift_by(block * self.n..(block + 1) * self.n);
+            }
+        }
+    }
+
     /// Ends the input: all samples are released.
     pub fn end(&mut self) {
         self.primary.drop_behind();
@@ -136,7 +159,11 @@ impl Joiner {
 
     /// Whether the oldest joint-side sample may become a frame now.
     #[inline]
-    pub fn is_ready(&self) -> bool {
+    pub fn is_ready(&mut self) -> bool {
+        self.primary.assess(self.ended);
+        for side in &mut self.sides {
+            side.sorter.assess(self.ended);
+        }
         let Some(front) = self.primary.front() else {
             return false;
         };
@@ -158,13 +185,13 @@ impl Joiner {
         sides_reached
             || self
                 .primary
-                .front_is_settled(self.window_ns.saturating_mul(PATIENCE_WINDOWS))
+                .has_waited(self.window_ns.saturating_mul(PATIENCE_WINDOWS))
     }
 
     /// Makes the frame of the oldest joint-side sample. Call only when [`Self::is_ready`].
     pub fn compose(&mut self, health: &mut Health) -> &Frame {
         let n = self.n;
-        let (key, after_damage) = match self.primary.front() {
+        let (key, received_ns, after_damage) = match self.primary.front() {
             None => return &self.frame,
             Some(slot) => {
                 for (block, quantity) in self.primary_blocks.iter().enumerate() {
@@ -172,7 +199,7 @@ impl Joiner {
                     self.raw[into..into + n]
                         .copy_from_slice(&slot.values[block * n..(block + 1) * n]);
                 }
-                (slot.key, slot.after_damage)
+                (slot.key, slot.received_ns, slot.after_damage)
             }
         };
         for side in self.sides.iter_mut().filter(|side| side.expected) {
@@ -194,8 +221,8 @@ impl Joiner {
             });
         }
         self.conditioner.apply(
-            key.epoch,
-            key.time_ns,
+            key,
+            received_ns,
             after_damage,
             &mut self.raw,
             &mut self.frame,
@@ -222,13 +249,31 @@ impl Joiner {
             false => StreamRole::BothSides,
         };
         health.streams = vec![self.primary.timing(of_primary)];
+        let second = (of_primary, self.primary.counts.second);
+        let mut seconds = vec![second];
         for side in self.sides.iter().filter(|side| side.expected) {
             let role = match side.blocks[..] {
+                _ if side.is_rest() => of_primary,
                 _ if side.is_motor() => StreamRole::MotorSide,
                 [Quantity::Tension] => StreamRole::Tension,
                 _ => StreamRole::ExternalTorque,
             };
-            health.streams.push(side.sorter.timing(role));
+            let timing = side.sorter.timing(role);
+            seconds.push((role, side.sorter.counts.second));
+            match health.streams.first_mut().filter(|_| side.is_rest()) {
+                Some(primary) => primary.add(&timing),
+                None => health.streams.push(timing),
+            }
+        }
+        health.second_publishers.clear();
+        for (stream, samples) in seconds.into_iter().filter(|(_, samples)| *samples > 0) {
+            let mut counted = health.second_publishers.iter_mut();
+            match counted.find(|counted| counted.stream == stream) {
+                Some(counted) => counted.samples += samples,
+                None => health
+                    .second_publishers
+                    .push(SecondPublisher { stream, samples }),
+            }
         }
         self.conditioner.finish(health);
     }
@@ -237,6 +282,11 @@ impl Joiner {
 impl Side {
     fn is_motor(&self) -> bool {
         self.blocks.contains(&Quantity::Theta)
+    }
+
+    /// Whether the stream holds joints of the joint side that the primary stream does not hold.
+    fn is_rest(&self) -> bool {
+        self.blocks.contains(&Quantity::Q)
     }
 
     /// Writes the values of this stream at `key` into the wide row; absent if there are none.
@@ -293,12 +343,13 @@ impl Side {
         };
         let after = near(Some(after_index));
 
+        let is_rest = self.is_rest();
         // The usual sample has the stamp of the frame and is copied.
         let exact = before.filter(|slot| slot.key == key);
         for (block, quantity) in self.blocks.iter().enumerate() {
             let into = quantity.index() * n;
             let columns = block * n..(block + 1) * n;
-            if let Some(slot) = exact {
+            if let Some(slot) = exact.filter(|_| !is_rest) {
                 let values = &slot.values[columns.clone()];
                 raw[into..into + n].copy_from_slice(values);
                 let missing = values
@@ -313,6 +364,9 @@ impl Side {
             }
             for joint in 0..n {
                 let column = block * n + joint;
+                if is_rest && !is_absent(raw[into + joint]) {
+                    continue;
+                }
                 let value = match (before, after) {
                     (Some(a), _) if a.key == key => a.values[column],
                     (Some(a), Some(b)) => {

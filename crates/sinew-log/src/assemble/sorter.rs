@@ -2,29 +2,33 @@
 //!
 //! Samples arrive nearly sorted. The usual one is appended: no search, no
 //! allocation (slots are recycled). A sample before the window is either late or the first one after a backward step
-//! of the clock. The following samples decide: [`JUMP_EVIDENCE`] consecutive samples before the window indicate a
-//! clock step and start a new epoch; fewer samples are late and dropped.
+//! of the clock. The following samples decide: [`JUMP_EVIDENCE`] consecutive rising samples before the newest one
+//! indicate a clock step and start a new epoch; fewer samples are late and dropped, or sorted in within the window.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use super::key::Key;
+use super::sift::{Sift, Writer};
+use super::slot::Slot;
 use super::steps::Steps;
 use crate::frame::{ABSENT, is_absent};
 use crate::health::{StreamRole, StreamTiming};
 
-/// Number of consecutive samples before the window that indicate a clock step.
+/// Number of consecutive samples before the window, or rising before the newest one, that indicate a clock step.
 pub(crate) const JUMP_EVIDENCE: usize = 8;
 /// Maximum number of samples in the window.
 const SLOT_LIMIT: usize = 16_384;
 /// Maximum memory of the samples in the window, bytes.
 const BYTES_LIMIT: usize = 32 << 20;
 
-#[derive(Debug)]
-pub(crate) struct Slot {
-    pub(crate) key: Key,
-    /// Whether the stream was damaged just before this sample.
-    pub(crate) after_damage: bool,
-    pub(crate) values: Vec<f64>,
+/// Consecutive rising samples that are not after the newest one.
+#[derive(Debug, Default, Clone, Copy)]
+struct Run {
+    length: usize,
+    last_ns: i64,
+    /// Number of its first sample in the order of insertion.
+    first_order: u64,
 }
 
 /// Counts of the sorting, added to the health of the recording.
@@ -36,6 +40,8 @@ pub(crate) struct SortCounts {
     pub(crate) conflicting: u64,
     pub(crate) out_of_order: u64,
     pub(crate) clock_steps: u64,
+    /// Number of samples of a second publisher.
+    pub(crate) second: u64,
 }
 
 /// Samples of one stream in the order of their stamps, within a window.
@@ -52,9 +58,18 @@ pub struct Sorter {
     newest_ns: Option<i64>,
     released: Option<Key>,
     damage_pending: bool,
+    /// The recorder's clock at the sample that is being inserted, ns.
+    received_ns: Option<i64>,
+    inserted: u64,
+    run: Run,
     pub(crate) counts: SortCounts,
     pub(crate) last_late_ns: Option<i64>,
-    steps: Steps,
+    /// Intervals of the samples by their first column: publishers of different joints may share a stream.
+    steps: Vec<(usize, Steps)>,
+    gap_ns: i64,
+    sift: Option<Sift>,
+    /// Number of samples at the front that were assessed.
+    assessed: usize,
 }
 
 impl Sorter {
@@ -73,9 +88,51 @@ impl Sorter {
             newest_ns: None,
             released: None,
             damage_pending: false,
+            received_ns: None,
+            inserted: 0,
+            run: Run::default(),
             counts: SortCounts::default(),
             last_late_ns: None,
-            steps: Steps::new(gap_ns),
+            steps: Vec::new(),
+            gap_ns,
+            sift: None,
+            assessed: 0,
+        }
+    }
+
+    /// Excludes samples of a second publisher, by the positions in `columns`.
+    pub(crate) fn sift_by(&mut self, columns: Range<usize>) {
+        self.sift = Some(Sift::new(columns, self.gap_ns));
+    }
+
+    /// Assesses the samples that are followed by half a window of others, or all of an ended stream.
+    #[inline]
+    pub(crate) fn assess(&mut self, ended: bool) {
+        let Some(sift) = &mut self.sift else {
+            return;
+        };
+        let newest = self.newest_ns.map(|time_ns| Key {
+            epoch: self.epoch,
+            time_ns,
+        });
+        while let Some(slot) = self.queue.get(self.assessed) {
+            let is_full = self.assessed == 0 && self.queue.len() >= self.slot_limit;
+            let is_followed = newest.is_some_and(|n| has_reached(n, slot.key, self.window_ns / 2));
+            if !(ended || is_full || is_followed) {
+                return;
+            }
+            match sift.assess(&self.queue, self.assessed) {
+                Writer::Driver => {
+                    self.assessed += 1;
+                    continue;
+                }
+                Writer::Second => self.counts.second += 1,
+                Writer::Duplicate => {
+                    self.counts.duplicates += 1;
+                    self.counts.conflicting += 1;
+                }
+            }
+            self.free.extend(self.queue.remove(self.assessed));
         }
     }
 
@@ -83,9 +140,16 @@ impl Sorter {
     pub(crate) fn timing(&self, role: StreamRole) -> StreamTiming {
         let mut steps = self.steps.clone();
         for slot in &self.queue {
-            steps.sample(slot.key);
+            sample(&mut steps, self.gap_ns, slot);
         }
-        steps.timing(role, self.counts.conflicting)
+        let timings = steps.iter().map(|(_, steps)| steps.timing(role, 0));
+        let most = timings.clone().max_by_key(|timing| timing.samples);
+        let mut all = most.unwrap_or_else(|| Steps::new(self.gap_ns).timing(role, 0));
+        all.repeated = self.counts.conflicting;
+        all.samples = timings.clone().map(|timing| timing.samples).sum();
+        let missing = |_| timings.map(|timing| timing.missing.unwrap_or(0)).sum();
+        all.missing = all.missing.map(missing);
+        all
     }
 
     /// Newest stamp seen in the current epoch.
@@ -117,6 +181,18 @@ impl Sorter {
         self.damage_pending = true;
     }
 
+    /// Inserts a sample that was received at `received_ns` of the recorder's clock; see [`Self::insert`].
+    #[inline]
+    pub fn insert_received(
+        &mut self,
+        time_ns: i64,
+        received_ns: i64,
+        fill: impl FnOnce(&mut [f64]),
+    ) {
+        self.received_ns = Some(received_ns);
+        self.insert(time_ns, fill);
+    }
+
     /// Takes a sample in; `fill` writes it over a row of "absent".
     #[inline]
     pub fn insert(&mut self, time_ns: i64, fill: impl FnOnce(&mut [f64])) {
@@ -127,6 +203,7 @@ impl Sorter {
             Some(newest) => newest,
         };
         if time_ns > newest {
+            self.run.length = 0;
             if !self.behind.is_empty() {
                 self.drop_behind();
             }
@@ -151,22 +228,43 @@ impl Sorter {
             time_ns,
         };
         let after_damage = std::mem::take(&mut self.damage_pending);
+        let received_ns = self.received_ns;
+        self.inserted += 1;
+        let order = self.inserted;
         match self.free.pop() {
             Some(mut slot) => {
                 slot.key = key;
                 slot.after_damage = after_damage;
+                slot.received_ns = received_ns;
+                slot.order = order;
                 slot.values.fill(ABSENT);
                 slot
             }
             None => Slot {
                 key,
                 after_damage,
+                received_ns,
+                order,
                 values: vec![ABSENT; self.width],
             },
         }
     }
 
     fn insert_out_of_order(&mut self, time_ns: i64, newest: i64, fill: impl FnOnce(&mut [f64])) {
+        if self.run.length == 0 || time_ns <= self.run.last_ns {
+            self.run.length = 0;
+            self.run.first_order = self.inserted + 1;
+        }
+        self.run.length += 1;
+        self.run.last_ns = time_ns;
+        self.sort_in(time_ns, newest, fill);
+        if self.run.length.max(self.behind.len()) >= JUMP_EVIDENCE {
+            self.start_epoch();
+        }
+    }
+
+    /// Sorts in a sample that is not after the newest one, or keeps it for a step of the clock.
+    fn sort_in(&mut self, time_ns: i64, newest: i64, fill: impl FnOnce(&mut [f64])) {
         let key = Key {
             epoch: self.epoch,
             time_ns,
@@ -182,12 +280,9 @@ impl Sorter {
             let mut slot = self.take_slot(time_ns);
             fill(&mut slot.values);
             self.behind.push(slot);
-            if self.behind.len() >= JUMP_EVIDENCE {
-                self.start_epoch();
-            }
             return;
         }
-        if !self.behind.is_empty() {
+        if self.run.length == 1 && !self.behind.is_empty() {
             self.drop_behind();
         }
         match self.queue.binary_search_by(|slot| slot.key.cmp(&key)) {
@@ -196,14 +291,26 @@ impl Sorter {
                 fill(&mut self.scratch);
                 let kept = &mut self.queue[index].values;
                 if !merge(kept, &self.scratch) {
-                    self.counts.duplicates += 1;
                     let differs = |(kept, new): (&f64, &f64)| !is_absent(*new) && kept != new;
                     let conflicts = kept.iter().zip(&self.scratch).any(differs);
+                    if conflicts && self.sift.is_some() {
+                        let mut slot = self.take_slot(time_ns);
+                        slot.values.copy_from_slice(&self.scratch);
+                        match index < self.assessed {
+                            // It may follow a step of the clock.
+                            true => self.behind.push(slot),
+                            // Which of them the driver sent is assessed later.
+                            false => self.queue.insert(index + 1, slot),
+                        }
+                        return;
+                    }
+                    self.counts.duplicates += 1;
                     self.counts.conflicting += u64::from(conflicts);
                 }
             }
             Err(index) => {
                 self.counts.out_of_order += 1;
+                self.assessed += usize::from(index < self.assessed);
                 let mut slot = self.take_slot(time_ns);
                 fill(&mut slot.values);
                 self.queue.insert(index, slot);
@@ -221,12 +328,54 @@ impl Sorter {
         self.free.append(&mut self.behind);
     }
 
-    /// Starts a new epoch with the samples before the window.
+    /// Discards the newest samples if the samples before the window continue those before them: stamps from the
+    /// future, and not a step of the clock. Returns whether it did.
+    fn drop_ahead(&mut self, first_ns: i64, last_ns: i64) -> bool {
+        let is_ahead = |slot: &&Slot| slot.key.epoch == self.epoch && slot.key.time_ns > last_ns;
+        let ahead = self.queue.iter().rev().take_while(is_ahead).count();
+        let at = self.queue.len() - ahead;
+        let before = at.checked_sub(1).and_then(|last| self.queue.get(last));
+        let before = before.map(|slot| slot.key).or(self.released);
+        let continues = before.is_some_and(|before| {
+            let pause_ns = first_ns.saturating_sub(before.time_ns);
+            before.epoch == self.epoch && (1..=self.gap_ns).contains(&pause_ns)
+        });
+        if !continues || ahead == 0 || ahead >= JUMP_EVIDENCE / 2 {
+            return false;
+        }
+        self.counts.late += ahead as u64;
+        self.last_late_ns = self.queue.back().map(|slot| slot.key.time_ns);
+        self.free.extend(self.queue.drain(at..));
+        self.assessed = self.assessed.min(at);
+        true
+    }
+
+    /// Starts a new epoch with the samples before the window, unless they continue the samples of this one.
     #[cold]
     fn start_epoch(&mut self) {
-        self.counts.clock_steps += 1;
-        self.epoch = self.epoch.saturating_add(1);
+        // Those of its samples that were sorted in.
+        let mut index = 0;
+        while index < self.queue.len() {
+            if self.queue[index].order < self.run.first_order {
+                index += 1;
+                continue;
+            }
+            self.behind.extend(self.queue.remove(index));
+            self.assessed -= usize::from(index < self.assessed);
+            self.counts.out_of_order = self.counts.out_of_order.saturating_sub(1);
+        }
+        self.run.length = 0;
         self.behind.sort_by_key(|slot| slot.key.time_ns);
+        let ends = self.behind.first().zip(self.behind.last());
+        let Some((first_ns, last_ns)) =
+            ends.map(|(first, last)| (first.key.time_ns, last.key.time_ns))
+        else {
+            return;
+        };
+        if !self.drop_ahead(first_ns, last_ns) {
+            self.counts.clock_steps += 1;
+            self.epoch = self.epoch.saturating_add(1);
+        }
         // Its memory is kept.
         let mut behind = std::mem::take(&mut self.behind);
         for mut slot in behind.drain(..) {
@@ -249,9 +398,23 @@ impl Sorter {
     pub(crate) fn pop_front(&mut self) {
         if let Some(slot) = self.queue.pop_front() {
             self.released = Some(slot.key);
-            self.steps.sample(slot.key);
+            sample(&mut self.steps, self.gap_ns, &slot);
+            self.assessed = self.assessed.saturating_sub(1);
             self.free.push(slot);
         }
+    }
+
+    /// Whether the oldest sample has waited for `wait_ns`, of samples after a step of the clock too.
+    pub(crate) fn has_waited(&self, wait_ns: i64) -> bool {
+        let (Some(front), Some(newest)) = (self.queue.front(), self.newest()) else {
+            return false;
+        };
+        let is_newest = |slot: &&Slot| slot.key.epoch == newest.epoch;
+        let since = match newest.epoch == front.key.epoch {
+            true => Some(front),
+            false => self.queue.iter().find(is_newest),
+        };
+        since.is_some_and(|since| has_reached(newest, since.key, wait_ns))
     }
 
     /// Whether the oldest sample has waited through the window.
@@ -269,6 +432,23 @@ impl Sorter {
 pub(crate) fn has_reached(newest: Key, key: Key, window_ns: i64) -> bool {
     newest.epoch > key.epoch
         || (newest.epoch == key.epoch && newest.time_ns >= key.time_ns.saturating_add(window_ns))
+}
+
+/// Adds a sample to the intervals of the samples with the same first column.
+#[inline]
+fn sample(steps: &mut Vec<(usize, Steps)>, gap_ns: i64, slot: &Slot) {
+    let first = slot.values.iter().position(|value| !is_absent(*value));
+    let first = first.unwrap_or(0);
+    let index = match steps.iter().position(|(column, _)| *column == first) {
+        Some(index) => index,
+        None => {
+            steps.push((first, Steps::new(gap_ns)));
+            steps.len() - 1
+        }
+    };
+    if let Some((_, steps)) = steps.get_mut(index) {
+        steps.sample(slot.key);
+    }
 }
 
 /// Fills the absent values of `into`; returns whether there was any.

@@ -73,7 +73,7 @@ impl Db3 {
                 encoding: row.get(3)?,
                 // Not counted: that would read the whole file.
                 messages: u64::MAX,
-                joints: Vec::new(),
+                ..Topic::default()
             };
             topics.insert(row.get(0)?, topic);
         }

@@ -2,7 +2,8 @@
 //! or thread.
 //!
 //! A recording is processed in the same way: its reader is a container and this module, so that a recording
-//! pushed message by message gives frames that are bitwise identical to those of a reader.
+//! pushed message by message gives frames that are bitwise identical to those of a reader. Only the time of frames
+//! after a step of the clock differs: it is their time stamp here, and continues the recording in a reader.
 //!
 //! ```
 //! use sinew_log::encode::{DynamicJointState, Header, InterfaceValue, JointState, Message as _};
@@ -62,7 +63,7 @@
 //! | motor side or tensions that are missing | frames without it (NaN), up to a second late after the last sample |
 //! | restarted robot: time stamps step back | eight samples in a row behind the window: new segment |
 //! | paused simulated time | the first message of a stamp is kept; the others are counted |
-//! | stamp of zero | replaced by the time of receipt |
+//! | stamp of zero | replaced by the time of receipt, on the clock of earlier stamps of the topic |
 //! | silence ([`Live::silence`]) | the remaining samples are returned; a new segment begins |
 //! | robot description | the text is kept; a new one replaces it |
 //! | more topics than 1024 | the others are rejected and counted |
@@ -224,7 +225,9 @@ impl Live {
         }
         samples.set_recorded(all);
         samples.select(&axes);
-        let joiner = samples.joiner(&axes, &options.open);
+        let mut joiner = samples.joiner(&axes, &options.open);
+        // The monitor compares them with its own clock.
+        joiner.keep_stamps();
         Ok(Live {
             filter,
             joints,
@@ -282,7 +285,7 @@ impl Live {
 
     /// Adds a message: CDR with its encapsulation header, and its time of receipt, ns.
     ///
-    /// The time of receipt replaces a stamp of zero, so its clock should be monotonic.
+    /// The time of receipt replaces a stamp of zero (see the [module](self#handling-of-irregular-input)), so its clock should be monotonic.
     /// Call [`Self::frame`] for the available frames after every message.
     pub fn push(&mut self, topic: TopicId, cdr: &[u8], received_ns: i64) {
         let Some(seen) = self.announced.message(topic, cdr, received_ns) else {

@@ -1,6 +1,7 @@
 //! Conversion of messages to samples in the joiner: one decoder for files and for online input.
 
 use super::names::Names;
+use super::survey::Survey;
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
 use crate::frame::{AxisNames, Channels, Quantity, blocks};
@@ -12,10 +13,13 @@ use std::collections::HashMap;
 
 /// Number of layouts per topic: several publishers may alternate on one topic.
 const LAYOUTS_KEPT: usize = 4;
+/// Time before which a message without a time stamp has the stamp of zero of a simulated clock, ns.
+const SIMULATION_STARTS_NS: i64 = 250_000_000;
 /// Places of the joiner's side streams.
 const MOTOR: usize = 0;
 const EXTERNAL: usize = 1;
-const TENSION: usize = 2;
+const REST: usize = 2;
+const TENSION: usize = 3;
 
 /// Place of a side among the joiner's side streams; `None`: it sets the instants.
 fn place(side: TopicUse) -> Option<usize> {
@@ -33,8 +37,31 @@ struct Stream {
     topic: String,
     side: TopicUse,
     kind: MessageKind,
-    /// Most recently used first.
-    layouts: Vec<Layout>,
+    /// Layouts of the messages, and whether they lack the reference joint; most recently used first.
+    layouts: Vec<(Layout, bool)>,
+    /// Last time stamp minus the time of its receipt, ns; `None`: no message of the topic has a time stamp.
+    stamp_lag_ns: Option<i64>,
+}
+
+impl Stream {
+    /// Time of a message, ns: its time stamp. A message without one has the time of its receipt, on the clock of
+    /// the time stamps if the topic has any.
+    #[inline]
+    fn time_ns(&mut self, stamp_ns: i64, received_ns: i64, health: &mut Health) -> i64 {
+        if stamp_ns != 0 {
+            self.stamp_lag_ns = Some(stamp_ns.saturating_sub(received_ns));
+            return stamp_ns;
+        }
+        let Some(lag_ns) = self.stamp_lag_ns else {
+            return received_ns;
+        };
+        let time_ns = received_ns.saturating_add(lag_ns);
+        if time_ns <= SIMULATION_STARTS_NS {
+            return 0;
+        }
+        health.unstamped += 1;
+        time_ns
+    }
 }
 
 /// Selected axes: the destination of each recorded name on each side.
@@ -44,6 +71,8 @@ struct Selection {
     joint_side: HashMap<Vec<u8>, usize>,
     motor_side: HashMap<Vec<u8>, usize>,
     tendons: HashMap<Vec<u8>, usize>,
+    /// Axis whose messages on the joint side set the instants; `None`: all do.
+    reference: Option<usize>,
 }
 
 /// Takes messages apart, and puts their values into the joiner's streams.
@@ -63,6 +92,10 @@ pub(crate) struct Samples {
     motor_blocks: Vec<Quantity>,
     /// Quantities received so far of each selected axis.
     came: Channels,
+    /// Topics whose messages have time stamps: time stamp minus the time of its receipt, ns.
+    stamped: HashMap<String, i64>,
+    /// Recorded name of each joint of the joint side, and the number of its messages.
+    frequent: Vec<(String, u64)>,
 }
 
 impl Samples {
@@ -89,7 +122,29 @@ impl Samples {
             joint_blocks,
             motor_blocks,
             came: Channels::default(),
+            stamped: HashMap::new(),
+            frequent: Vec::new(),
         }
+    }
+
+    /// Sets which topics have time stamps, and which joints have the most messages, by the first messages of a
+    /// recording.
+    pub(crate) fn set_surveyed(&mut self, survey: &Survey) {
+        let topics = survey.topics.values();
+        let lags = topics.clone();
+        let lags = lags.filter_map(|topic| Some((topic.name.clone(), topic.stamp_lag_ns?)));
+        self.stamped = lags.collect();
+        let own = topics.filter(|topic| Some(&topic.name) == self.names.joint_topic.as_ref());
+        let joints = own.flat_map(|topic| &topic.joints);
+        let counts = joints.map(|(name, fields)| (name.clone(), fields.messages));
+        self.frequent = counts.collect();
+    }
+
+    /// The axis whose joint has the most messages: those of other publishers are evaluated at its time stamps.
+    fn reference(&self, joint_side: &HashMap<Vec<u8>, usize>) -> Option<usize> {
+        let counts = self.frequent.iter().rev().filter(|(_, count)| *count > 0);
+        let own = counts.filter_map(|(name, n)| Some((*joint_side.get(name.as_bytes())?, *n)));
+        own.max_by_key(|(_, count)| *count).map(|(axis, _)| axis)
     }
 
     pub(crate) fn names(&self) -> &Names {
@@ -125,6 +180,7 @@ impl Samples {
                 }
             }
         }
+        selection.reference = self.reference(&selection.joint_side);
         self.came = Channels {
             joints: vec![Default::default(); axes.len()],
             temperature: false,
@@ -166,6 +222,8 @@ impl Samples {
     fn expect(&self, joiner: &mut Joiner) {
         joiner.expect(MOTOR, self.names.motor_topic.is_some());
         joiner.expect(EXTERNAL, self.names.external_topic.is_some());
+        // From the first such message on.
+        joiner.expect(REST, false);
         joiner.expect(TENSION, self.names.tension_topic.is_some());
     }
 
@@ -185,6 +243,7 @@ impl Samples {
                 side,
                 kind,
                 layouts: Vec::new(),
+                stamp_lag_ns: self.stamped.get(topic).copied(),
             });
         }
     }
@@ -221,8 +280,9 @@ impl Samples {
                 },
             }
         };
-        // At MOTOR, EXTERNAL and TENSION.
-        let mut sides: Vec<&[Quantity]> = vec![&self.motor_blocks, &[Quantity::TauExt]];
+        // At MOTOR, EXTERNAL, REST and TENSION.
+        let mut sides: Vec<&[Quantity]> =
+            vec![&self.motor_blocks, &[Quantity::TauExt], &self.joint_blocks];
         if blocks(axes).contains(&Quantity::Tension) {
             sides.push(&[Quantity::Tension]);
         }
@@ -238,7 +298,7 @@ impl Samples {
         joiner
     }
 
-    /// Adds a message of a stream that [is read](Self::reads); `received_ns` replaces a stamp of zero.
+    /// Adds a message of a stream that [is read](Self::reads); `received_ns` is the time of its receipt.
     #[inline]
     pub(crate) fn push(
         &mut self,
@@ -252,7 +312,8 @@ impl Samples {
         let Some(Some(stream)) = self.streams.get_mut(usize::from(id)) else {
             return;
         };
-        let fitting = stream.layouts.iter().position(|layout| layout.fits(data));
+        let mut layouts = stream.layouts.iter();
+        let fitting = layouts.position(|(layout, _)| layout.fits(data));
         match fitting {
             Some(0) => {}
             Some(index) => stream.layouts.swap(0, index),
@@ -265,18 +326,19 @@ impl Samples {
         let Some(Some(stream)) = self.streams.get_mut(usize::from(id)) else {
             return;
         };
-        let layout = &stream.layouts[0];
+        // A zero stamp is what a node without a clock writes.
+        let stamp = stamp_ns(data).unwrap_or(0);
+        let time_ns = stream.time_ns(stamp, received_ns, health);
+        let (layout, is_rest) = &stream.layouts[0];
         health.short_messages += u64::from(layout.short);
         if !layout.is_empty() {
-            // A zero stamp is what a node without a clock writes.
-            let stamp = stamp_ns(data).unwrap_or(0);
-            let time_ns = if stamp == 0 { received_ns } else { stamp };
             let fill = |row: &mut [f64]| layout.copy(data, row);
-            match place(stream.side) {
-                None => joiner.primary.insert(time_ns, fill),
+            let side = place(stream.side).or(is_rest.then_some(REST));
+            match side {
+                None => joiner.primary.insert_received(time_ns, received_ns, fill),
                 Some(side) => {
                     if let Some(side) = joiner.sides.get_mut(side) {
-                        side.sorter.insert(time_ns, fill);
+                        side.sorter.insert_received(time_ns, received_ns, fill);
                     }
                 }
             }
@@ -333,11 +395,18 @@ impl Samples {
             self.came.joints[column % n].insert(quantity);
             self.came.temperature |= quantity == Quantity::Temperature;
         }
-        if let Some(side) = place(side).and_then(|place| joiner.sides.get_mut(place)) {
+        let is_joint_side = place(side).is_none() && !layout.is_empty();
+        let lacks = |axis: usize| !layout.columns().any(|column| column % n == axis);
+        let is_rest = is_joint_side && self.selection.reference.is_some_and(lacks);
+        if is_rest {
+            joiner.expect(REST, true);
+        }
+        let place = place(side).or(is_rest.then_some(REST));
+        if let Some(side) = place.and_then(|place| joiner.sides.get_mut(place)) {
             layout.columns().for_each(|column| side.note_column(column));
         }
         stream.layouts.truncate(LAYOUTS_KEPT - 1);
-        stream.layouts.insert(0, layout);
+        stream.layouts.insert(0, (layout, is_rest));
         true
     }
 }

@@ -83,7 +83,7 @@ impl Announced {
         let seen = self.seen.get_mut(usize::from(id))?;
         seen.message(u64::try_from(received_ns).unwrap_or(0));
         if !seen.is_description && seen.messages <= NAMED_MESSAGES {
-            self.survey.message(id, cdr);
+            self.survey.message(id, received_ns, cdr);
             if let Some(topic) = self.survey.topics.get(&id) {
                 seen.describe(topic);
             }

@@ -1,17 +1,24 @@
 //! Content of messages before any role is assigned: topics, joints, interfaces.
 
-use crate::decode::{Cdr, Field, MessageKind, parse};
+use crate::decode::{Cdr, Field, MessageKind, parse, stamp_ns};
 use crate::health::Health;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of messages per topic that are searched for joint names.
 pub(crate) const NAMED_MESSAGES: u64 = 256;
+/// Number of messages per topic of a recording of which those of a new length are searched for joint names: a driver
+/// may start after the recorder.
+pub(crate) const RECORDED_MESSAGES: u64 = 16_384;
+/// Most lengths of the messages of a topic that are remembered.
+const LENGTHS_LIMIT: usize = 64;
 /// Most joints and interfaces a topic may have.
 const NAME_LIMIT: usize = 4096;
 
 /// Values of a joint in a topic.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Fields {
+    /// Number of messages with the position of the joint.
+    pub(crate) messages: u64,
     pub(crate) position: bool,
     pub(crate) velocity: bool,
     pub(crate) effort: bool,
@@ -27,6 +34,11 @@ pub(crate) struct Topic {
     pub(crate) messages: u64,
     /// Joints in the order met.
     pub(crate) joints: Vec<(String, Fields)>,
+    /// Time stamp of the first message that has one, minus the time of its receipt, ns; `None`: no message
+    /// has a time stamp.
+    pub(crate) stamp_lag_ns: Option<i64>,
+    /// Lengths of the messages that were searched for joint names, bytes.
+    pub(crate) lengths: Vec<usize>,
 }
 
 impl Topic {
@@ -64,7 +76,7 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    pub(crate) fn message(&mut self, channel: u16, payload: &[u8]) {
+    pub(crate) fn message(&mut self, channel: u16, received_ns: i64, payload: &[u8]) {
         let Some(topic) = self.topics.get_mut(&channel) else {
             return;
         };
@@ -73,12 +85,22 @@ impl Survey {
             self.robot_description = description(payload);
             return;
         }
-        if topic.messages > NAMED_MESSAGES || topic.encoding != "cdr" {
+        let is_early = topic.messages <= NAMED_MESSAGES;
+        let is_new = !topic.lengths.contains(&payload.len());
+        let is_searched = is_early || is_new && topic.messages <= RECORDED_MESSAGES;
+        if !is_searched || topic.encoding != "cdr" {
             return;
+        }
+        if is_new && topic.lengths.len() < LENGTHS_LIMIT {
+            topic.lengths.push(payload.len());
         }
         let Some(kind) = MessageKind::of_schema(&topic.schema) else {
             return;
         };
+        if topic.stamp_lag_ns.is_none() {
+            let stamp = stamp_ns(payload).filter(|stamp| *stamp != 0);
+            topic.stamp_lag_ns = stamp.map(|stamp| stamp.saturating_sub(received_ns));
+        }
         // What cannot be decoded is counted when the messages are read for good.
         let Ok(parsed) = parse(kind, payload) else {
             return;
@@ -95,7 +117,10 @@ impl Survey {
             };
             let fields = &mut topic.joints[index].1;
             match entry.field {
-                Field::Position => fields.position = true,
+                Field::Position => {
+                    fields.position = true;
+                    fields.messages += 1;
+                }
                 Field::Velocity => fields.velocity = true,
                 Field::Effort => fields.effort = true,
                 Field::Interface(name) => {

@@ -31,7 +31,8 @@
 //! in SI and is added last. `unit = "count"` needs `counts_per_turn`. A motor's current (`A`, `mA`) is its
 //! torque by the torque constant of its shaft, N·m/A. Positions
 //! in rad, deg, turn or count are unwrapped with the period `wrap_period`
-//! (default 2π, in SI at the joint) unless `wrap = false`; lengths are not.
+//! (in SI at the joint; default 2π, for counts one turn of the encoder: 2π divided by
+//! `gear_ratio`) unless `wrap = false`; lengths are not.
 //! In an MCAP recording the terms have no `column` and no `sum`: the topic's own
 //! fields are converted.
 

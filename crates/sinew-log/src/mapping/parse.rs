@@ -202,7 +202,10 @@ fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {
         }
         (true, Some(period)) => Wrap::Period(period),
         (true, None) if is_a(Dimension::Length) && !s.has("wrap") => Wrap::Never,
-        (true, None) => Wrap::default_for(quantity),
+        (true, None) => match counted_turn(&terms, s) {
+            Some(turn) => Wrap::Period(turn),
+            None => Wrap::default_for(quantity),
+        },
     };
     Ok(Source {
         wrap,
@@ -210,6 +213,17 @@ fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {
         terms: terms.into_iter().map(|(term, _)| term).collect(),
         line: s.line(),
     })
+}
+
+/// Revolution of an encoder whose counts start at zero with each revolution, in SI at the joint: 2π / gear ratio.
+/// `None` for other units and for sums.
+fn counted_turn(terms: &[(Term, Unit)], s: &Section<'_>) -> Option<f64> {
+    let [(term, unit)] = terms else {
+        return None;
+    };
+    let counts_per_turn = s.number("counts_per_turn", Bound::NotZero).ok()??;
+    let is_count = unit.dimension == Dimension::Count;
+    is_count.then_some((counts_per_turn * term.scale).abs())
 }
 
 fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {

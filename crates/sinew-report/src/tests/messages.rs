@@ -148,6 +148,16 @@ fn recording_warnings(list: &mut List) {
             repeated: 4,
             share: 0.0521,
         },
+        RecordingWarning::SecondPublisher {
+            stream: StreamRole::JointSide,
+            samples: 417,
+        },
+        RecordingWarning::LateStart {
+            quantity: "q".into(),
+            joint: joint(),
+            after_s: 4.0,
+        },
+        RecordingWarning::NoTimeStamp { count: 1 },
         RecordingWarning::NonFinite {
             quantity: "theta".into(),
             joint: joint(),

@@ -87,10 +87,12 @@ impl<M: Messages> BagReader<M> {
             let kind = MessageKind::of_schema(&topic.schema)?;
             Some((*id, topic.name.clone(), kind))
         });
+        let mut samples = Samples::new(names, mapping, recorded);
+        samples.set_surveyed(&survey);
         let mut reader = BagReader {
             file: file.to_owned(),
             container,
-            samples: Samples::new(names, mapping, recorded),
+            samples,
             announced: announced.collect(),
             joints,
             tendons,
@@ -162,7 +164,9 @@ impl<M: Messages> Reader for BagReader<M> {
     }
 
     fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
-        self.samples.joiner(axes, options)
+        let mut joiner = self.samples.joiner(axes, options);
+        joiner.exclude_second_publishers();
+        joiner
     }
 
     fn progress(&self) -> Progress {

@@ -10,7 +10,7 @@ use super::messages::{Item, Messages, Summary};
 use crate::decode::MessageKind;
 use crate::files::reader::{Format, Progress};
 use crate::health::Health;
-use crate::live::survey::{NAMED_MESSAGES, Survey, Topic, description, is_description};
+use crate::live::survey::{RECORDED_MESSAGES, Survey, Topic, description, is_description};
 
 /// Number of bytes that are scanned for topics of the summary.
 const SCAN_BYTES: u64 = 16 << 20;
@@ -51,7 +51,8 @@ pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Survey> {
                 log_time_ns,
             } => {
                 survey.starts_ns.get_or_insert(log_time_ns as i64);
-                survey.message(channel, container.payload());
+                let received_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
+                survey.message(channel, received_ns, container.payload());
                 let scanned = container.progress().bytes_done;
                 let satisfied = match &summary {
                     None => scanned > BLIND_SCAN_BYTES,
@@ -88,7 +89,7 @@ fn has_met(survey: &Survey, announced: &BTreeMap<u16, Topic>) -> bool {
         if is_description(topic) {
             survey.robot_description.is_some()
         } else if MessageKind::of_schema(&topic.schema).is_some() {
-            met >= NAMED_MESSAGES.min(topic.messages)
+            met >= RECORDED_MESSAGES.min(topic.messages)
         } else {
             true
         }
@@ -137,8 +138,7 @@ pub(super) fn topic_of(channel: &mcap::records::Channel, schemas: &BTreeMap<u16,
         name: channel.topic.clone(),
         schema: schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
         encoding: channel.message_encoding.clone(),
-        messages: 0,
-        joints: Vec::new(),
+        ..Topic::default()
     }
 }
 
