@@ -186,11 +186,11 @@ pub(crate) fn choose(
             found.ok_or_else(|| topics.no_joint_side(survey))?
         }
     };
-    if joint.encoding != "cdr" {
+    if !joint.is_decoded() {
         return Err(LogError::request(
             file,
             format!(
-                "topic '{}' is encoded as '{}'; ROS 2 recordings use cdr",
+                "topic '{}' is encoded as '{}'; supported are cdr (ROS 2) and ros1; convert the recording with rosbags-convert or ros2 bag convert",
                 joint.name, joint.encoding
             ),
         ));

@@ -1,6 +1,6 @@
 //! Content of messages before any role is assigned: topics, joints, interfaces.
 
-use crate::decode::{Cdr, Field, MessageKind, parse};
+use crate::decode::{Cdr, Field, MessageKind, ROS1, parse};
 use crate::health::Health;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -40,6 +40,11 @@ impl Topic {
         }
     }
 
+    /// Whether the encoding of its messages is supported.
+    pub(crate) fn is_decoded(&self) -> bool {
+        matches!(self.encoding.as_str(), "cdr" | ROS1)
+    }
+
     /// Interfaces that its joints have, sorted.
     pub(crate) fn interfaces(&self) -> Vec<String> {
         let all = self
@@ -73,7 +78,7 @@ impl Survey {
             self.robot_description = description(payload);
             return;
         }
-        if topic.messages > NAMED_MESSAGES || topic.encoding != "cdr" {
+        if topic.messages > NAMED_MESSAGES || !topic.is_decoded() {
             return;
         }
         let Some(kind) = MessageKind::of_schema(&topic.schema) else {

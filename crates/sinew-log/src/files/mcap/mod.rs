@@ -4,6 +4,7 @@ mod chunk;
 mod container;
 mod given;
 pub(in crate::files) mod messages;
+mod ros1;
 mod scan;
 mod source;
 
