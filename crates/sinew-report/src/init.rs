@@ -153,6 +153,9 @@ pub fn render(init: &Init, folder: &str) -> String {
         };
         out.paragraph(format!("{word} {file}"));
     }
+    for warning in &init.warnings {
+        out.paragraph(format!("warning: {warning}"));
+    }
     for source in init.recording.iter().flat_map(|r| &r.sources) {
         out.paragraph(format!(
             "{} from {}",
