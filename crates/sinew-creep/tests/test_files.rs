@@ -229,3 +229,99 @@ fn csv_and_parquet_give_identical_numbers() {
     let strain: Vec<f64> = table.rows.iter().map(|row| number(&row[2])).collect();
     assert_eq!(csv.column(TestQuantity::Strain), Some(&strain[..]));
 }
+
+#[test]
+fn units_in_brackets_below_header_are_read() {
+    for units in ["\"(s)\",\"(mm)\",\"(N)\"", "(sec),(mm),(N)", "[s],[mm],[N]"] {
+        let text = format!(
+            "\"Specimen label\",\"rope-1\"\n\"Time\",\"Extension\",\"Load\"\n{units}\n\"0.0\",\"0.0\",\"2.0\"\n\"10.0\",\"2.5\",\"99.8\"\n"
+        );
+        let file = read(&text).unwrap();
+        let s = &file.specimens[0];
+        assert_eq!(s.column(TestQuantity::Time), Some(&[0.0, 10.0][..]));
+        assert_eq!(s.column(TestQuantity::Elongation), Some(&[0.0, 0.0025][..]));
+        assert_eq!(s.column(TestQuantity::Force), Some(&[2.0, 99.8][..]));
+        assert_eq!(
+            file.source.columns[0].unit.trim_matches(['(', ')']),
+            file.source.columns[0].unit
+        );
+    }
+}
+
+#[test]
+fn comments_of_other_programs_are_skipped() {
+    for mark in ["#", "%", "//", ";"] {
+        let text = format!(
+            "{mark} test of monday\n{mark} L0 (mm), 350\n{mark} time_s,force_N,elongation_mm\n0,1,0\n{mark} pause\n1,1,0.5\n"
+        );
+        let file = read(&text).unwrap_or_else(|error| panic!("{mark}: {error}"));
+        let s = &file.specimens[0];
+        assert_eq!(
+            s.column(TestQuantity::Time),
+            Some(&[0.0, 1.0][..]),
+            "{mark}"
+        );
+        assert_eq!(file.source.columns[0].column, "time_s");
+        assert!((s.constant(TestQuantity::GaugeLength).unwrap() - 0.35).abs() < 1e-15);
+        let text = format!("time_s,force_N,elongation_mm\n{mark} first, second\n0,1,0\n1,1,0.5\n");
+        let file = read(&text).unwrap_or_else(|error| panic!("{mark}: {error}"));
+        assert_eq!(file.specimens[0].lines, [3, 4], "{mark}");
+    }
+}
+
+#[test]
+fn clock_times_and_thousands_are_read() {
+    let rows = [
+        (
+            "00:00:50",
+            "2024-03-01 10:00:50",
+            "1.3.2024 10:00:50,0",
+            "10:00:50 AM",
+        ),
+        (
+            "00:01:00",
+            "2024-03-01 10:01:00",
+            "1.3.2024 10:01:00,0",
+            "10:01:00 AM",
+        ),
+    ];
+    for header in [
+        "Zeit",
+        "Time [hh:mm:ss]",
+        "Uhrzeit",
+        "Date/Time",
+        "timestamp",
+    ] {
+        for pick in [
+            |row: &(&'static str, &'static str, &'static str, &'static str)| row.0,
+            |row: &(&'static str, &'static str, &'static str, &'static str)| row.1,
+            |row: &(&'static str, &'static str, &'static str, &'static str)| row.2,
+            |row: &(&'static str, &'static str, &'static str, &'static str)| row.3,
+        ] {
+            let [first, second] = [pick(&rows[0]), pick(&rows[1])];
+            let text = format!(
+                "{header};Kraft [N];Dehnung [%]\n{first};2,0;0,0\n{second};1.099,8;0,8077\n"
+            );
+            let file = read(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            let s = &file.specimens[0];
+            let time = s.column(TestQuantity::Time).unwrap();
+            assert!((time[1] - time[0] - 10.0).abs() < 1e-6, "{text}: {time:?}");
+            assert_eq!(s.column(TestQuantity::Force), Some(&[2.0, 1099.8][..]));
+        }
+    }
+    // A time in seconds has a finer resolution than a clock next to it.
+    let text = "Uhrzeit;Zeit [s];Kraft [N];Dehnung [%]\n10:00:00;0,0;1.000;0,1\n10:00:00;0,5;1.099,8;0,2\n";
+    let file = read(text).unwrap();
+    let s = &file.specimens[0];
+    assert_eq!(file.specimens.len(), 1);
+    assert_eq!(s.column(TestQuantity::Time), Some(&[0.0, 0.5][..]));
+    assert_eq!(s.column(TestQuantity::Force), Some(&[1000.0, 1099.8][..]));
+    // Midnight is no second specimen.
+    let text = "Zeit;Kraft [N];Dehnung [%]\n23:59:50;60;0,1\n00:00:00;60;0,2\n00:00:10;60;0,3\n";
+    let file = read(text).unwrap();
+    assert_eq!(file.specimens.len(), 1);
+    assert_eq!(
+        file.specimens[0].column(TestQuantity::Time),
+        Some(&[86_390.0, 86_400.0, 86_410.0][..])
+    );
+}

@@ -36,6 +36,9 @@ pub struct Init {
     pub recording: Option<InitRecording>,
     /// Choice that a mapping file must make before the recording can be read.
     pub choice: Option<InitChoice>,
+    /// Warnings about the URDF.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Options that the recording was read with, as every command needs them.
     pub options: Vec<String>,
     /// Values that an estimate requires and that are still missing.
@@ -212,6 +215,7 @@ impl Init {
             tendons: Vec::new(),
             recording: None,
             choice: None,
+            warnings: Vec::new(),
             options: Vec::new(),
             missing: Vec::new(),
             written: Vec::new(),
@@ -286,6 +290,8 @@ impl Init {
         let parsed = urdf::parse(text, &UrdfOptions::default()).map_err(located)?;
         let loads = loads(&parsed.arm, &parsed.limits);
         self.robot = Some(parsed.name.clone());
+        let warnings = parsed.warnings.iter();
+        self.warnings = warnings.map(|text| format!("{name}: {text}")).collect();
         for (i, (joint, load)) in parsed.arm.joint_names().iter().zip(loads).enumerate() {
             let limits = &parsed.limits[i];
             let end = |v: f64| Some(v).filter(|v| v.is_finite());

@@ -10,7 +10,7 @@ use std::path::Path;
 /// tendon names a rope.
 ///
 /// # Errors
-/// Returns [`CatalogueError`] if the file of a rope cannot be read. A rope that is not in the catalogue is no error:
+/// Returns [`CatalogueError`] if a folder or the file of a tendon's rope cannot be read. A rope that is not in the catalogue is no error:
 /// its drift is then 0 ± the tolerance.
 pub fn look_up(robot: &mut Robot, robot_file: &Path) -> Result<(), CatalogueError> {
     let tendons = robot.transmissions.iter().flatten();
@@ -24,7 +24,14 @@ pub fn look_up(robot: &mut Robot, robot_file: &Path) -> Result<(), CatalogueErro
     let mut folders = vec![Path::new("ropes"), &of_robot];
     folders.retain(|f| f.is_dir());
     folders.dedup();
-    let catalogue = Catalogue::with_folders(&folders)?;
+    let catalogue = Catalogue::with_implied_folders(&folders, &[])?;
+    let tendons = robot.transmissions.iter().flatten();
+    for name in tendons.filter_map(|t| t.tendon.as_ref()?.rope.as_deref()) {
+        match catalogue.find(name) {
+            Ok(_) | Err(CatalogueError::Unknown { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
     expect(robot, &catalogue);
     Ok(())
 }

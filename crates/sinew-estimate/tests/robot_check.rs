@@ -283,6 +283,50 @@ fn shipped_robots_raise_no_finding() {
 // implausible are so. The identified LWR has impossible inertias; the hand's inertias are those of
 // links metres wide.
 #[test]
+fn placeholder_inertia_has_no_unit_hint() {
+    let toml = "urdf = \"finger.urdf\"\n[joints.base]\nstiffness_nm_per_rad = 1.0\n[joints.tip]\nstiffness_nm_per_rad = 1.0\n";
+    for (mass, inertia) in [
+        ("0.001", ["0.001"; 3]),
+        ("0.0123", ["0.01"; 3]),
+        ("0.002", ["0.001", "0.002", "0.002"]),
+        ("1", ["1e-9"; 3]),
+    ] {
+        let [ixx, iyy, izz] = inertia;
+        let link = |name: &str| {
+            format!(
+                "<link name='{name}'><inertial><origin xyz='0.02 0 0'/><mass value='{mass}'/><inertia ixx='{ixx}' ixy='0' ixz='0' iyy='{iyy}' iyz='0' izz='{izz}'/></inertial></link>"
+            )
+        };
+        let joint = |name: &str, parent: &str, child: &str| {
+            format!(
+                "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/><origin xyz='0.04 0 0'/><axis xyz='0 0 1'/><limit lower='0' upper='1.6' effort='2' velocity='6'/></joint>"
+            )
+        };
+        let urdf = format!(
+            "<robot name='finger'><link name='palm'/>{}{}{}{}</robot>",
+            link("near"),
+            link("far"),
+            joint("base", "palm", "near"),
+            joint("tip", "near", "far"),
+        );
+        let checked = check(toml, "finger.urdf", &urdf);
+        let kinds: Vec<K> = checked.findings.iter().map(|f| f.kind).collect();
+        let placeholders = kinds
+            .iter()
+            .filter(|k| **k == K::InertiaPlaceholder)
+            .count();
+        assert_eq!(placeholders, 2, "{mass}: {kinds:?}");
+        assert!(!kinds.contains(&K::InertiaSize) && !kinds.contains(&K::Density));
+        let of_mass = |f: &Finding| f.unit.starts_with("kg") && f.slip.is_some();
+        assert!(
+            !checked.findings.iter().any(of_mass),
+            "{:?}",
+            checked.findings
+        );
+    }
+}
+
+#[test]
 fn published_robots_are_possible() {
     let Some(models) = shared("models") else {
         return;

@@ -17,6 +17,8 @@ pub struct Dialect {
     pub delimiter: u8,
     /// Whether a comma may be a decimal sign.
     pub decimal_comma: bool,
+    /// Whether a point separates thousands, as in `1.099,8`.
+    pub thousands_point: bool,
 }
 
 impl Dialect {
@@ -24,6 +26,22 @@ impl Dialect {
         Self {
             delimiter,
             decimal_comma: delimiter != b',',
+            thousands_point: false,
+        }
+    }
+
+    /// The dialect with [`thousands_point`](Self::thousands_point) where a cell of the text has a point before a
+    /// decimal comma. A cell `1.099` is then 1099.
+    pub fn with_thousands(self, text: &str) -> Self {
+        let is_grouped = |cell: &str| {
+            let cell = cell.trim().trim_matches('"');
+            cell.contains(',') && ungrouped(cell, ',', &['.']).is_some()
+        };
+        let separator = char::from(self.delimiter);
+        let mut cells = text.split([separator, '\n', '\r']);
+        Self {
+            thousands_point: self.decimal_comma && cells.any(is_grouped),
+            ..self
         }
     }
 
@@ -45,19 +63,23 @@ impl Dialect {
     /// By the median over lines: names and values above a header have fewer. A tab or a semicolon
     /// wins over any number of commas, which may then be decimal signs.
     pub fn of_lines(text: &str) -> Self {
+        // A line that begins with a semicolon may be a comment.
+        let solid = |line: &&str| !line.trim().is_empty() && !line.starts_with(';');
+        let are_solid = text.lines().any(|line| solid(&line));
         let median = |delimiter: u8| {
-            let lines = text.lines().filter(|line| !line.trim().is_empty());
-            let lines = lines.take(LOOK_LINES);
+            let is_counted = |line: &&str| solid(line) || !are_solid && !line.trim().is_empty();
+            let lines = text.lines().filter(is_counted).take(LOOK_LINES);
             let mut counts: Vec<usize> = lines.map(|l| count(l.as_bytes(), delimiter)).collect();
             counts.sort_unstable();
             counts.get(counts.len() / 2).copied().unwrap_or(0)
         };
         let (tabs, semicolons) = (median(b'\t'), median(b';'));
-        Self::of_delimiter(match (tabs, semicolons) {
+        let dialect = Self::of_delimiter(match (tabs, semicolons) {
             (0, 0) => b',',
             _ if semicolons > tabs => b';',
             _ => b'\t',
-        })
+        });
+        dialect.with_thousands(text)
     }
 
     /// Parses a cell as a number: `None` if it is not a number, `Some(None)` if it is empty.
@@ -71,15 +93,25 @@ impl Dialect {
             return Some(None);
         }
         let text = std::str::from_utf8(cell).ok()?;
-        if let Ok(value) = text.parse::<f64>() {
-            return Some(Some(value));
+        match text.parse::<f64>() {
+            Ok(value) if !self.thousands_point => Some(Some(value)),
+            parsed => self.odd_number(text).or(parsed.ok()).map(Some),
         }
-        self.odd_number(text).map(Some)
     }
 
     fn odd_number(self, text: &str) -> Option<f64> {
-        if self.decimal_comma && text.matches(',').count() == 1 && !text.contains('.') {
+        if self.decimal_comma && text.matches(',').count() == 1 && !text.contains(GROUPS) {
             return text.replace(',', ".").parse().ok();
+        }
+        let commas = || ungrouped(text, '.', &[',']).filter(|_| text.contains('.'));
+        let gaps = || ungrouped(text, '.', &GROUPS[1..]);
+        let points = || {
+            let is_certain = self.thousands_point || text.contains(',');
+            let permitted = self.decimal_comma && (is_certain || text.matches('.').count() > 1);
+            ungrouped(text, ',', &GROUPS).filter(|_| permitted)
+        };
+        if let Some(number) = points().or_else(commas).or_else(gaps) {
+            return number.parse().ok();
         }
         matches!(
             text.to_ascii_lowercase().as_str(),
@@ -87,6 +119,38 @@ impl Dialect {
         )
         .then_some(f64::NAN)
     }
+}
+
+/// Separators of thousands, except the comma.
+const GROUPS: [char; 6] = ['.', ' ', '\u{a0}', '\u{202f}', '\'', '’'];
+
+/// Number without its separators of thousands and with a decimal point; `None` if it has no groups of three digits.
+fn ungrouped(text: &str, decimal: char, separators: &[char]) -> Option<String> {
+    let (whole, fraction) = match text.split_once(decimal) {
+        Some((whole, fraction)) => (whole, Some(fraction)),
+        None => (text, None),
+    };
+    let digits = whole.strip_prefix(['-', '+']).unwrap_or(whole);
+    let separator = digits.chars().find(|c| separators.contains(c))?;
+    let is_digits = |part: &str| part.bytes().all(|b| b.is_ascii_digit());
+    let mut groups = digits.split(separator);
+    let first = groups.next()?;
+    let is_grouped = (1..=3).contains(&first.len())
+        && !first.starts_with('0')
+        && is_digits(first)
+        && groups.all(|group| group.len() == 3 && is_digits(group))
+        && fraction.is_none_or(is_digits);
+    let plain = || whole.replace(separator, "");
+    is_grouped.then(|| match fraction {
+        Some(fraction) => format!("{}.{fraction}", plain()),
+        None => plain(),
+    })
+}
+
+/// Whether a line, or the first cell of a row, begins a comment.
+#[inline]
+pub fn is_comment(start: &[u8]) -> bool {
+    matches!(start, [b'#' | b'%', ..] | [b'/', b'/', ..])
 }
 
 /// Line of a row: the library counts from before the empty lines that it skips.
@@ -108,7 +172,7 @@ fn count(line: &[u8], delimiter: u8) -> usize {
         .count()
 }
 
-/// A small table with a header, in memory. Lines that begin with `#` are comments.
+/// A small table with a header, in memory. Lines that begin with `#`, `%` or `//` are comments.
 #[derive(Debug)]
 pub struct Table {
     file: String,
@@ -135,7 +199,7 @@ impl Table {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let header = text
             .lines()
-            .find(|line| !line.trim().is_empty() && !line.starts_with('#'));
+            .find(|line| !line.trim().is_empty() && !is_comment(line.as_bytes()));
         let dialect = Dialect::of_header(header.unwrap_or_default().as_bytes());
         let mut reader = ReaderBuilder::new()
             .delimiter(dialect.delimiter)
@@ -146,7 +210,7 @@ impl Table {
         let mut rows = Vec::new();
         for row in reader.records() {
             let row = row.map_err(|e| Located::new(file, Fault::Syntax, e.to_string()))?;
-            if !row.get(0).is_some_and(|cell| cell.starts_with('#')) {
+            if !row.get(0).is_some_and(|cell| is_comment(cell.as_bytes())) {
                 rows.push((line_of(&row, text), row));
             }
         }
@@ -327,8 +391,8 @@ mod tests {
     fn one_table_in_every_dialect() {
         for text in [
             "a_s,b_mm,c\n1.5,2,x\n# not a row\n,-3,\"y,z\"\n",
-            "\u{feff}A_s;b_mm;c\r\n1,5;2;x\r\n# not a row\r\n;-3;y,z\r\n",
-            "a_s\tb_mm\tc\n1,5\t2\tx\n# not a row\n\t-3\ty,z\t\n",
+            "\u{feff}A_s;b_mm;c\r\n1,5;2;x\r\n% not a row\r\n;-3;y,z\r\n",
+            "a_s\tb_mm\tc\n1,5\t2\tx\n// not a row\n\t-3\ty,z\t\n",
         ] {
             let table = Table::parse(text, "t.csv").unwrap();
             let rows: Vec<Row<'_>> = table.rows().collect();
@@ -373,6 +437,19 @@ mod tests {
         assert!(comma.number(b"NaN").flatten().unwrap().is_nan());
         assert_eq!(comma.number(b"-inf"), Some(Some(f64::NEG_INFINITY)));
         assert_eq!(comma.number(b"error"), None);
+        // Thousands, where they are certain.
+        assert_eq!(semicolon.number(b"1.099,8"), Some(Some(1099.8)));
+        assert_eq!(semicolon.number(b"-12.345.678"), Some(Some(-12_345_678.0)));
+        assert_eq!(semicolon.number(b"1 099,8"), Some(Some(1099.8)));
+        assert_eq!(comma.number(b"1,099.8"), Some(Some(1099.8)));
+        assert_eq!(comma.number(b"1'099.8"), Some(Some(1099.8)));
+        assert_eq!(comma.number(b"1.099,8"), None);
+        assert_eq!(semicolon.number(b"1.09,8"), None);
+        assert_eq!(semicolon.number(b"1.099"), Some(Some(1.099)));
+        let german = Dialect::of_lines("t;F\n0;1.099,8\n1;1.100\n");
+        assert_eq!(german.number(b"1.100"), Some(Some(1100.0)));
+        assert_eq!(german.number(b"0.5"), Some(Some(0.5)));
+        assert_eq!(german.number(b"0.125"), Some(Some(0.125)));
         assert_eq!(comma.number(b"\xff"), None);
     }
 
@@ -381,6 +458,8 @@ mod tests {
         let german = "Probe;A1\nL0;350;mm\n\nZeit;Kraft\ns;N\n0,5;1,5\n1,0;1,5\n";
         assert_eq!(Dialect::of_lines(german).delimiter, b';');
         assert_eq!(Dialect::of_lines("t,f\n1,2\n3,4\n").delimiter, b',');
+        assert_eq!(Dialect::of_lines("; a\n; b\nt,f\n1,2\n").delimiter, b',');
+        assert_eq!(Dialect::of_lines(";t;f\n;1,5;2\n").delimiter, b';');
         assert_eq!(Dialect::of_lines("t\tf\n1,5\t2,5\n3\t4\n").delimiter, b'\t');
     }
 }

@@ -146,9 +146,192 @@ fn two(text: &str, most: u32) -> Option<f64> {
     (value <= most).then(|| f64::from(value))
 }
 
+/// Nanoseconds of a second, an hour and a day.
+const SECOND_NS: i64 = 1_000_000_000;
+const HOUR_NS: i64 = 3600 * SECOND_NS;
+const DAY_NS: i64 = 24 * HOUR_NS;
+
+/// Time stamp that is written with its own units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stamp {
+    /// Clock without a date, ns: a time of day, or the time since the start.
+    Clock(i64),
+    /// Date, with or without a clock, ns since 1970.
+    Date(i64),
+}
+
+/// Whether a text is a clock time or a date, such as `00:01:10`, `2024-03-01T10:00:00.5Z` or `01.03.2024 10:00:00`.
+pub fn is_stamp(text: &str) -> bool {
+    parse_stamp(text).is_some()
+}
+
+/// Converts a column of clock times or dates to nanoseconds; a clock without a date continues after midnight.
+#[derive(Debug, Clone, Default)]
+pub struct ClockColumn {
+    last_ns: Option<i64>,
+    step_ns: i64,
+    /// Days that have ended since the first row, ns.
+    days_ns: i64,
+}
+
+impl ClockColumn {
+    /// Converts the next cell: ns since 1970 for a date, otherwise since midnight of the first day. `None` if the
+    /// cell is neither.
+    pub fn read(&mut self, text: &str) -> Option<i64> {
+        let clock_ns = match parse_stamp(text)? {
+            Stamp::Date(ns) => return Some(ns),
+            Stamp::Clock(ns) => ns,
+        };
+        if let Some(last_ns) = self.last_ns {
+            // Midnight, not a restart: the last row is near the end of the day and this one near its start.
+            let reach_ns = HOUR_NS.max(2 * self.step_ns);
+            if (DAY_NS - reach_ns..DAY_NS).contains(&last_ns) && clock_ns < reach_ns.min(last_ns) {
+                self.days_ns += DAY_NS;
+            } else {
+                self.step_ns = clock_ns - last_ns;
+            }
+        }
+        self.last_ns = Some(clock_ns);
+        clock_ns.checked_add(self.days_ns)
+    }
+}
+
+fn parse_stamp(text: &str) -> Option<Stamp> {
+    let text = text.trim();
+    let in_date = |c: char| c.is_ascii_digit() || matches!(c, '-' | '/' | '.');
+    let end = text.find(|c| !in_date(c)).unwrap_or(text.len());
+    let (date, clock) = text.split_at(end);
+    let Some(days) = parse_day(date) else {
+        return clock_ns(text, false).map(Stamp::Clock);
+    };
+    let of_day_ns = match clock.strip_prefix(['T', 't', ' ']) {
+        None if clock.is_empty() => 0,
+        None => return None,
+        Some(clock) => clock_ns(clock.trim(), true)?,
+    };
+    let ns = days.checked_mul(DAY_NS)?.checked_add(of_day_ns)?;
+    Some(Stamp::Date(ns))
+}
+
+/// Days since 1970 of `2024-03-01`, `2024/03/01`, `2024.03.01` or `1.3.2024`.
+fn parse_day(text: &str) -> Option<i64> {
+    let separator = text.chars().find(|c| !c.is_ascii_digit())?;
+    let parts: Vec<&str> = text.split(separator).collect();
+    let [first, month, last] = parts[..] else {
+        return None;
+    };
+    let (year, day) = match (first.len(), last.len(), separator) {
+        (4, 1 | 2, _) => (first, last),
+        (1 | 2, 4, '.') => (last, first),
+        _ => return None,
+    };
+    day_number(year.parse().ok()?, month.parse().ok()?, day.parse().ok()?)
+}
+
+/// Nanoseconds of `10:00:05.25`, of `10:00:05 PM`, and after a date of `10:00` and of a clock with its zone.
+fn clock_ns(text: &str, is_dated: bool) -> Option<i64> {
+    let mut clock = text;
+    let mut zone_ns = 0;
+    if is_dated {
+        if let Some(utc) = clock.strip_suffix(['Z', 'z']) {
+            clock = utc;
+        } else if let Some(at) = clock.rfind(['+', '-']) {
+            let (hours, minutes) = clock[at + 1..].split_once(':')?;
+            let minutes = 60.0 * two(hours, 14)? + two(minutes, 59)?;
+            let sign = if clock[at..].starts_with('-') { -1 } else { 1 };
+            zone_ns = sign * minutes as i64 * 60 * SECOND_NS;
+            clock = &clock[..at];
+        }
+    }
+    let lower = clock.trim_end().to_ascii_lowercase();
+    let (clock, half) = match lower
+        .strip_suffix('m')
+        .and_then(|c| Some((c.get(..c.len() - 1)?, c)))
+    {
+        Some((clock, half)) if half.ends_with('a') => (clock.trim_end(), Some(0)),
+        Some((clock, half)) if half.ends_with('p') => (clock.trim_end(), Some(12)),
+        _ => (lower.as_str(), None),
+    };
+    let mut parts = clock.split(':');
+    let hour = parts.next()?;
+    let is_whole = (1..=4).contains(&hour.len()) && hour.bytes().all(|b| b.is_ascii_digit());
+    let mut hour: i64 = is_whole.then(|| hour.parse().ok()).flatten()?;
+    match half {
+        Some(half) if (1..=12).contains(&hour) => hour = hour % 12 + half,
+        Some(_) => return None,
+        None if is_dated && hour > 24 => return None,
+        None => {}
+    }
+    let minute = two(parts.next()?, 59)? as i64;
+    let second_ns = match parts.next() {
+        None if is_dated => 0,
+        None => return None,
+        Some(second) => {
+            let (whole, fraction) = second.split_once(['.', ',']).unwrap_or((second, ""));
+            let digits = fraction.bytes().all(|b| b.is_ascii_digit());
+            let nanos = format!("{fraction:0<9}");
+            let nanos: i64 = digits.then(|| nanos.get(..9)?.parse().ok()).flatten()?;
+            two(whole, 60)? as i64 * SECOND_NS + nanos
+        }
+    };
+    if parts.next().is_some() {
+        return None;
+    }
+    Some(hour * HOUR_NS + minute * 60 * SECOND_NS + second_ns - zone_ns)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn clock_column_reads_clocks_and_dates() {
+        let ns = |text: &str| ClockColumn::default().read(text);
+        for (text, expected) in [
+            ("00:00:10", Some(10 * SECOND_NS)),
+            ("1:02:03.25", Some(3_723_250_000_000)),
+            ("1:02:03,25", Some(3_723_250_000_000)),
+            ("100:00:00", Some(100 * HOUR_NS)),
+            ("12:00:01 AM", Some(SECOND_NS)),
+            ("01:00:00 pm", Some(13 * HOUR_NS)),
+            // date -u -d '2024-02-29 12:34:56' +%s
+            ("2024-02-29T12:34:56.5Z", Some(1_709_210_096_500_000_000)),
+            ("2024-02-29 14:34:56+02:00", Some(1_709_210_096_000_000_000)),
+            ("29.2.2024 12:34:56", Some(1_709_210_096_000_000_000)),
+            ("2024/02/29 12:34", Some(1_709_210_040_000_000_000)),
+            ("2024-02-29", Some(1_709_164_800_000_000_000)),
+            ("10:00", None),
+            ("10:60:00", None),
+            ("2/29/2024 10:00:00", None),
+            ("1.099,8", None),
+            ("2024", None),
+            ("m", None),
+            ("", None),
+            ("äm", None),
+        ] {
+            assert_eq!(ns(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn clock_column_continues_after_midnight() {
+        let read = |cells: &[&str]| -> Vec<i64> {
+            let mut column = ClockColumn::default();
+            let ns = cells.iter().filter_map(|cell| column.read(cell));
+            ns.map(|ns| ns / SECOND_NS).collect()
+        };
+        assert_eq!(
+            read(&["23:59:50", "23:59:59", "00:00:08", "00:00:17"]),
+            [86_390, 86_399, 86_408, 86_417]
+        );
+        // Readings every six hours.
+        assert_eq!(
+            read(&["10:00:00", "16:00:00", "22:00:00", "04:00:00"]),
+            [36_000, 57_600, 79_200, 100_800]
+        );
+        // A second specimen begins again.
+        assert_eq!(read(&["00:00:00", "00:30:00", "00:00:00"]), [0, 1800, 0]);
+    }
 
     #[test]
     fn days_become_dates_and_dates_days() {

@@ -26,16 +26,22 @@ fn holder(file: &File) -> Option<String> {
     use std::fs::read_to_string;
     use std::os::unix::fs::MetadataExt as _;
 
+    /// Number of times that the list of locks is read.
+    const ATTEMPTS: usize = 5;
     // `1: FLOCK  ADVISORY  WRITE 4711 fe:00:131077 0 EOF`
     let end = format!(":{}", file.metadata().ok()?.ino());
-    let locks = read_to_string("/proc/locks").ok()?;
-    let process = locks.lines().find_map(|line| {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [_, "FLOCK", _, "WRITE", process, place, ..] = words[..] else {
-            return None;
-        };
-        place.ends_with(&end).then(|| process.to_owned())
-    })?;
+    let listed = || {
+        let locks = read_to_string("/proc/locks").ok()?;
+        locks.lines().find_map(|line| {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let [_, "FLOCK", _, "WRITE", process, place, ..] = words[..] else {
+                return None;
+            };
+            place.ends_with(&end).then(|| process.to_owned())
+        })
+    };
+    // The list is read in parts: where other locks are released meanwhile, it lacks entries.
+    let process = (0..ATTEMPTS).find_map(|_| listed())?;
     let since = started_ns(&process).and_then(crate::date::utc_text);
     let since = since.map_or_else(String::new, |since| format!(", since {since}"));
     Some(format!("process {process}{since}"))

@@ -52,7 +52,12 @@ const TABLE: &[(&[&str], f64, f64, Dimension)] = &[
     (&["1"], 1.0, 0.0, D::One),
     (&["rad"], 1.0, 0.0, D::Angle),
     (&["mrad"], 1e-3, 0.0, D::Angle),
-    (&["deg", "°"], PI / 180.0, 0.0, D::Angle),
+    (
+        &["deg", "°", "degree", "degrees", "Grad"],
+        PI / 180.0,
+        0.0,
+        D::Angle,
+    ),
     (&["turn", "rev"], 2.0 * PI, 0.0, D::Angle),
     (&["count"], 1.0, 0.0, D::Count),
     (&["rad/s"], 1.0, 0.0, D::AngularVelocity),
@@ -62,14 +67,16 @@ const TABLE: &[(&[&str], f64, f64, Dimension)] = &[
     (&["m/s"], 1.0, 0.0, D::Velocity),
     (&["mm/s"], 1e-3, 0.0, D::Velocity),
     (
-        &["s", "sec", "second", "seconds", "Sekunden"],
+        &[
+            "s", "sec", "secs", "second", "seconds", "Sek", "Sek.", "Sekunden",
+        ],
         1.0,
         0.0,
         D::Time,
     ),
-    (&["ms"], 1e-3, 0.0, D::Time),
-    (&["us", "µs", "μs"], 1e-6, 0.0, D::Time),
-    (&["ns"], 1e-9, 0.0, D::Time),
+    (&["ms", "msec"], 1e-3, 0.0, D::Time),
+    (&["us", "µs", "μs", "usec"], 1e-6, 0.0, D::Time),
+    (&["ns", "nsec"], 1e-9, 0.0, D::Time),
     (&["min", "minute", "minutes"], 60.0, 0.0, D::Time),
     (&["h", "hr", "hour", "hours", "Std"], 3600.0, 0.0, D::Time),
     (&["d", "day", "days"], 86_400.0, 0.0, D::Time),
@@ -123,6 +130,36 @@ const TABLE: &[(&[&str], f64, f64, Dimension)] = &[
     ),
 ];
 
+/// Name of a unit without brackets around it: `s` of `(s)` and of `[s]`.
+pub fn bare(text: &str) -> &str {
+    let text = text.trim();
+    let pairs = [('(', ')'), ('[', ']'), ('<', '>')];
+    let inner = pairs
+        .iter()
+        .find_map(|(open, close)| text.strip_prefix(*open)?.strip_suffix(*close));
+    inner.map_or(text, str::trim)
+}
+
+impl Dimension {
+    /// Dimensions of all units.
+    pub const ALL: [Dimension; 14] = [
+        D::Time,
+        D::Angle,
+        D::Length,
+        D::Area,
+        D::AngularVelocity,
+        D::Velocity,
+        D::Torque,
+        D::Force,
+        D::Pressure,
+        D::Current,
+        D::Temperature,
+        D::Count,
+        D::Ratio,
+        D::One,
+    ];
+}
+
 impl Unit {
     /// Unit of numbers that need no conversion.
     pub const SI: Unit = Unit {
@@ -161,7 +198,12 @@ mod tests {
         (D::One, 0.0, 1.0, "1"),
         (D::Angle, 0.0, 1.0, "rad"),
         (D::Angle, 0.0, 0.001, "mrad"),
-        (D::Angle, 0.0, 0.017_453_292_519_943_295, "deg, °"),
+        (
+            D::Angle,
+            0.0,
+            0.017_453_292_519_943_295,
+            "deg, °, degree, degrees, Grad",
+        ),
         (
             D::Angle,
             0.0,
@@ -185,11 +227,16 @@ mod tests {
         (D::AngularVelocity, 0.0, 0.104_719_755_119_659_77, "rpm"),
         (D::Velocity, 0.0, 1.0, "m/s"),
         (D::Velocity, 0.0, 0.001, "mm/s"),
-        (D::Time, 0.0, 1.0, "s, sec, second, seconds, Sekunden"),
-        (D::Time, 0.0, 0.001, "ms"),
+        (
+            D::Time,
+            0.0,
+            1.0,
+            "s, sec, secs, second, seconds, Sek, Sek., Sekunden",
+        ),
+        (D::Time, 0.0, 0.001, "ms, msec"),
         // The sign of micro and the Greek letter.
-        (D::Time, 0.0, 0.000_001, "us, \u{b5}s, \u{3bc}s"),
-        (D::Time, 0.0, 0.000_000_001, "ns"),
+        (D::Time, 0.0, 0.000_001, "us, \u{b5}s, \u{3bc}s, usec"),
+        (D::Time, 0.0, 0.000_000_001, "ns, nsec"),
         (D::Time, 0.0, 60.0, "min, minute, minutes"),
         (D::Time, 0.0, 3600.0, "h, hr, hour, hours, Std"),
         (D::Time, 0.0, 86_400.0, "d, day, days"),

@@ -81,10 +81,16 @@
 //! | NaN or infinity recorded | NaN in the frame; counted per signal |
 //! | signal all NaN, constant (100 frames, 1 s) | reported as implausible |
 //! | joint position beyond 2π | reported as "looks like degrees"; not converted |
+//! | times in a unit that gives an unusual rate | reported, with the unit that gives a usual one |
 //! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | reported: degrees, gear ratio, sign |
 //! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
 //! | table without a time or joint column, column twice | rejected |
-//! | CSV line that begins with `#` | a comment, or the header where numbers follow |
+//! | CSV line that begins with `#`, `%`, `//` or, without `;` between cells, `;` | a comment, or the header where numbers follow |
+//! | names and values above the header of a table, units below it | skipped |
+//! | table without a header | rejected, unless the mapping names columns by numbers |
+//! | clock times and dates as times | read; a clock continues after midnight |
+//! | PLC scope export | read, if its channels have the same times |
+//! | MCAP with messages of ROS 1 | joint states are read |
 //! | non-numeric CSV cell | rejected with line, column and value; empty, `nan`, `null`, `n/a` are NaN |
 //! | CSV row with too few or too many cells | padded, or cut; counted |
 //! | CSV last line without line end and with too few cells or half a number | discarded; damage. A number truncated to a shorter number is not detected |
@@ -115,8 +121,9 @@ mod sources;
 pub use error::{Ambiguity, LogError};
 pub use files::{
     Arrays, Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, GivenMessages,
-    McapOptions, McapWriter, Packing, Progress, ReadSeek, RecordedNames, Recording, RowWriter,
-    Table, TableWriter, Topic, TopicWriter, open, open_parts, parse_mcap_record, recordings_of,
+    MappingProposal, McapOptions, McapWriter, Packing, Progress, ProposedJoint, ProposedSource,
+    ProposedTime, ReadSeek, RecordedNames, Recording, RowWriter, Table, TableColumn, TableWriter,
+    Topic, TopicWriter, open, open_parts, parse_mcap_record, recordings_of,
 };
 pub use frame::{Axis, Channels, Frame, OwnedAxis, Quantities, Quantity};
 pub use health::{

@@ -295,7 +295,7 @@ fn mapping_names_columns_and_units_of_tensions() {
 #[test]
 fn invalid_tension_mapping_is_error() {
     for (text, words) in [
-        ("[tendons.t]\ntension = 3\n", "text in quotes"),
+        ("[tendons.t]\ntension = 0\n", "its number from 1"),
         ("[tendons.t]\ntensoin = \"x\"\n", "unknown key"),
         (
             "[tendons.t]\ntension = { column = \"x\", unit = \"rad\" }\n",

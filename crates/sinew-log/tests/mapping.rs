@@ -28,7 +28,7 @@ fn keys_and_types() {
         &["unknown key", "position", "theta"],
     );
     refused(&joint("{ colum = \"x\" }"), 2, &["unknown key", "colum"]);
-    refused(&joint("{ column = 3 }"), 2, &["text in quotes"]);
+    refused(&joint("{ column = 0 }"), 2, &["its number from 1"]);
     refused("[joints.a]\nq = { column = \"x\"\n", 2, &[]);
     refused(
         "[mcap]\ntopic = \"x\"\n",
@@ -51,9 +51,9 @@ fn keys_and_types() {
 #[test]
 fn units_and_factors() {
     refused(
-        &joint("{ column = \"x\", unit = \"degrees\" }"),
+        &joint("{ column = \"x\", unit = \"gradians\" }"),
         2,
-        &["unknown unit 'degrees'", "deg"],
+        &["unknown unit 'gradians'", "deg"],
     );
     refused(
         &joint("{ column = \"x\", unit = \"N·m\" }"),

@@ -132,10 +132,59 @@ fn unsupported_representation_skips_message() {
 #[test]
 fn unsupported_message_encoding_is_error() {
     let mut bag = Bag::new();
-    bag.channel(JOINT, "sensor_msgs/msg/JointState", "ros1");
+    bag.channel(JOINT, "sensor_msgs/msg/JointState", "json");
     bag.raw(JOINT, b"whatever");
     let error = error_of(&bag.bytes(), "a.mcap", &OpenOptions::default());
-    assert!(error.contains("encoded as 'ros1'"), "{error}");
+    assert!(error.contains("encoded as 'json'"), "{error}");
+    assert!(error.contains("rosbags-convert"), "{error}");
+}
+
+/// A joint state as ROS 1 writes it.
+fn ros1_joint_state(time_ns: i64, joints: &[(&str, f64)]) -> Vec<u8> {
+    let word = |value: usize| (value as u32).to_le_bytes();
+    let text = |text: &str| [&word(text.len()), text.as_bytes()].concat();
+    let mut bytes = Vec::new();
+    bytes.extend(word(5));
+    bytes.extend(word((time_ns / 1_000_000_000) as usize));
+    bytes.extend(word((time_ns % 1_000_000_000) as usize));
+    bytes.extend(text("base"));
+    bytes.extend(word(joints.len()));
+    bytes.extend(joints.iter().flat_map(|(name, _)| text(name)));
+    bytes.extend(word(joints.len()));
+    bytes.extend(
+        joints
+            .iter()
+            .flat_map(|(_, position)| position.to_le_bytes()),
+    );
+    bytes.extend([word(0), word(0)].concat());
+    bytes
+}
+
+#[test]
+fn ros1_joint_states_are_converted() {
+    const MOTORS: &str = "/motor_states";
+    let mut bag = Bag::new();
+    for topic in [JOINT, MOTORS] {
+        bag.channel(topic, "sensor_msgs/JointState", "ros1");
+    }
+    for step in 0..50 {
+        let time_ns = START_NS + 10 * MS * step;
+        let q = 0.01 * step as f64;
+        // Names whose lengths are no multiples of 4, so that CDR needs bytes of alignment that ROS 1 has not.
+        bag.raw(JOINT, &ros1_joint_state(time_ns, &[("tilt", q), ("a", -q)]));
+        bag.raw(
+            MOTORS,
+            &ros1_joint_state(time_ns, &[("tilt", q + 0.004), ("a", 0.0)]),
+        );
+    }
+    bag.raw(JOINT, b"cut");
+    let (frames, health) = read_bytes(&bag.bytes(), "a.mcap");
+    assert_eq!(frames.len(), 50);
+    let last = &frames[49];
+    assert_eq!(last.time_ns, START_NS + 490 * MS);
+    assert_eq!((last.q[0], last.q[1]), (0.49, -0.49));
+    assert!((last.theta[0] - last.q[0] - 0.004).abs() < 1e-15);
+    assert_eq!(health.undecodable, 1, "{health:?}");
 }
 
 #[test]

@@ -85,6 +85,41 @@ fn rosbag2_folder_contains_files_of_metadata() {
 }
 
 #[test]
+fn rosbag2_paths_of_old_metadata_start_above_folder() {
+    let above = folder();
+    let bag = above.path().join("renamed");
+    std::fs::create_dir(&bag).unwrap();
+    three(&bag);
+    let metadata = "rosbag2_bagfile_information:\n  version: 3\n  relative_file_paths:\n    - old/run_1.mcap\n    - old/run_2.mcap\n    - old/run_0.mcap\n";
+    std::fs::write(bag.join("metadata.yaml"), metadata).unwrap();
+    is_whole(open(&bag, &OpenOptions::default()).unwrap());
+    // Another bag of the former name is not read instead.
+    let other = above.path().join("old");
+    std::fs::create_dir(&other).unwrap();
+    std::fs::write(other.join("run_1.mcap"), part(7)).unwrap();
+    is_whole(open(&bag, &OpenOptions::default()).unwrap());
+}
+
+#[test]
+fn rosbag2_renamed_file_error_names_present_file() {
+    let bag = folder();
+    std::fs::write(bag.path().join("monday.mcap"), part(0)).unwrap();
+    let metadata =
+        "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - rec_0.mcap\n";
+    std::fs::write(bag.path().join("metadata.yaml"), metadata).unwrap();
+    let error = open(bag.path(), &OpenOptions::default()).unwrap_err();
+    let error = error.to_string();
+    for words in ["metadata.yaml", "'rec_0.mcap'", "monday.mcap instead"] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
+    // Packed afterwards, it is the same file.
+    let packed = zstd::encode_all(&part(0)[..], 3).unwrap();
+    std::fs::write(bag.path().join("rec_0.mcap.zstd"), packed).unwrap();
+    let recording = open(bag.path(), &OpenOptions::default()).unwrap();
+    assert_eq!(read_all(recording).0.len(), 100);
+}
+
+#[test]
 fn packed_files_are_unpacked() {
     let folder = folder();
     for (k, path) in three(folder.path()).into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! CSV as people and programs write it, and what is wrong with some of it.
 
 use crate::support::*;
-use sinew_log::{Axis, Frame, Health, Mapping, OpenOptions, Quantity};
+use sinew_log::{Axis, Frame, Health, LogError, Mapping, OpenOptions, Quantity, Recording};
 
 fn read(text: &str) -> (Vec<Frame>, Health) {
     read_bytes(text.as_bytes(), "a.csv")
@@ -405,7 +405,7 @@ fn mapping_without_matching_column_is_error() {
         "{message}"
     );
     let message = mapped("[joints.a]\nq = { unit = \"deg\" }\n", text).unwrap_err();
-    assert!(message.contains("a 'column' is needed"), "{message}");
+    assert!(message.contains("'column' is missing"), "{message}");
     let message = mapped("[time]\ncolumn = \"clock\"\n", text).unwrap_err();
     assert!(
         message.contains("no time column 'clock'; columns are"),
@@ -451,6 +451,242 @@ fn lines_that_begin_with_a_hash_are_comments_or_the_header() {
     );
     let error = error_of(b"# nothing\n", "a.csv", &OpenOptions::default());
     assert!(error.contains("no header line"), "{error}");
+}
+
+/// Three columns of one joint: time, q and theta, which differ by 6 mrad.
+fn rows_of(steps: i64, separator: &str) -> String {
+    let row = |k: i64| {
+        let q = (0.05 * k as f64).sin();
+        let cells = [
+            format!("{:.2}", 0.01 * k as f64),
+            format!("{q:.6}"),
+            format!("{:.6}", q + 0.006),
+        ];
+        cells.join(separator) + "\n"
+    };
+    (0..steps).map(row).collect()
+}
+
+#[track_caller]
+fn is_whole(recording: Result<Recording, LogError>, steps: usize) -> Health {
+    let (frames, health) = read_all(recording.expect("opened"));
+    assert_eq!(frames.len(), steps);
+    let span_ns = frames[steps - 1].time_ns - frames[0].time_ns;
+    assert_eq!(span_ns, 10_000_000 * (steps as i64 - 1));
+    for frame in &frames {
+        assert!((frame.theta[0] - frame.q[0] - 0.006).abs() < 2e-6);
+    }
+    assert!(
+        !health.is_damaged() && health.ragged_rows == 0,
+        "{health:?}"
+    );
+    health
+}
+
+fn with_mapping(text: &str, mapping: &str) -> Result<Recording, LogError> {
+    let options = OpenOptions {
+        mapping: Some(Mapping::from_toml(mapping, "mapping.toml").expect("a mapping")),
+        ..OpenOptions::default()
+    };
+    open_bytes(text.as_bytes(), "a.csv", &options)
+}
+
+#[test]
+fn heads_of_other_programs_are_skipped() {
+    let names = "time_s,q.a_rad,theta.a_rad\n";
+    for head in [
+        format!("% rec of monday\n% {names}"),
+        format!("% rec of monday, second\n%{names}% s,rad,rad\n"),
+        format!("// rec of monday\n//\n{names}"),
+        format!("; rec of monday\n; \n{names}"),
+        format!("robot,head-07\noperator,X\ndate,2024-03-01\n\n{names}"),
+        format!("Recording\nrate,100\nmass,1.5,kg\n,,\n{names}"),
+        format!("{names}(s),(rad),(rad)\n"),
+        format!("{names}[s],[rad],[rad]\n"),
+        format!("robot,head-07\n\n{names}\"(sec)\",\"(rad)\",\"\"\n"),
+        format!("\u{feff}\r\n# Montag\r\n{}", names.replace('\n', "\r\n")),
+    ] {
+        let text = head + &rows_of(200, ",");
+        is_whole(
+            open_bytes(text.as_bytes(), "a.csv", &OpenOptions::default()),
+            200,
+        );
+        let wide: Vec<u8> = format!("\u{feff}{}", text.trim_start_matches('\u{feff}'))
+            .encode_utf16()
+            .flat_map(u16::to_le_bytes)
+            .collect();
+        is_whole(open_bytes(&wide, "a.csv", &OpenOptions::default()), 200);
+        // Places are those of the file.
+        let line = 1 + text.matches('\n').count();
+        let error = error(&format!("{text}2.0,1,one\n"));
+        assert!(error.contains(&format!("log.csv, line {line},")), "{error}");
+    }
+    // Comments between rows, whatever their mark.
+    let rows = rows_of(200, ",").replacen("\n1.00,", "\n% pause, \"here\n// and\n1.00,", 1);
+    let options = OpenOptions::default();
+    is_whole(
+        open_bytes(format!("# a\n{names}{rows}").as_bytes(), "a.csv", &options),
+        200,
+    );
+}
+
+#[test]
+fn table_without_header_needs_numbers_of_columns() {
+    let text = rows_of(200, ",");
+    let message = error(&text);
+    for words in ["no header", "line 1", "column = 2", "rate_hz", "column 3"] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let joints = "[joints.a]\nq = { column = 2 }\ntheta = { column = 3 }\n";
+    let timed = format!("[time]\ncolumn = 1\nunit = \"s\"\n{joints}");
+    is_whole(with_mapping(&text, &timed), 200);
+    is_whole(with_mapping(&format!("# of monday\n{text}"), &timed), 200);
+    let german = text.replace(',', ";").replace('.', ",");
+    is_whole(with_mapping(&german, &timed), 200);
+    // Without the times, by their rate.
+    let without: String = text
+        .lines()
+        .map(|row| row[row.find(',').unwrap() + 1..].to_owned() + "\n")
+        .collect();
+    let by_rate = "[time]\nrate_hz = 100\n[joints.a]\nq = { column = 1 }\ntheta = { column = 2 }\n";
+    is_whole(with_mapping(&without, by_rate), 200);
+    // Numbers count columns with names too.
+    is_whole(with_mapping(&format!("a,b,c\n{text}"), &timed), 200);
+    let error = with_mapping(
+        &text,
+        "[joints.a]\nq = { column = 4 }\n[time]\ncolumn = 1\n",
+    )
+    .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("no column 4 in a.csv: 3 columns"),
+        "{error}"
+    );
+    for (mapping, words) in [
+        (
+            "[time]\nrate_hz = 100\ncolumn = 1\n",
+            "rate_hz is for a table without times",
+        ),
+        ("[time]\nrate_hz = 0\n", "above 0"),
+        ("[time]\ncolumn = 0\n", "its number from 1"),
+        ("[time]\ncolumn = 1.5\n", "its number from 1"),
+    ] {
+        let error = Mapping::from_toml(mapping, "m.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn clock_times_dates_and_units_of_header_are_read() {
+    let rows = |stamp: &dyn Fn(i64) -> String| -> String {
+        let row = |k: i64| {
+            format!(
+                "{};{};{}\n",
+                stamp(k),
+                0.001 * k as f64,
+                0.001 * k as f64 + 0.006
+            )
+        };
+        (0..200).map(row).collect()
+    };
+    let clock = |k: i64| format!("23:59:{:02}.{:02}", 59 + k / 100, k % 100);
+    let across = |k: i64| match k {
+        0..100 => clock(k),
+        _ => format!("00:00:00,{:02}", k - 100),
+    };
+    let stamps: [(&str, &dyn Fn(i64) -> String); 6] = [
+        ("Zeit", &across),
+        ("Time (hh:mm:ss)", &across),
+        ("timestamp", &|k| {
+            format!("2024-03-01T10:00:{:02}.{:02}Z", k / 100, k % 100)
+        }),
+        ("Zeit", &|k| {
+            format!("01.03.2024 10:00:{:02},{:02}", k / 100, k % 100)
+        }),
+        ("Time [ms]", &|k| format!("{}", 10 * k)),
+        ("time_s", &|k| format!("{},{:02}", 1000 + k / 100, k % 100)),
+    ];
+    for (name, stamp) in stamps {
+        let text = format!("{name};q.a_rad;theta.a_rad\n{}", rows(stamp));
+        is_whole(
+            open_bytes(text.as_bytes(), "a.csv", &OpenOptions::default()),
+            200,
+        );
+        // By a mapping too, which need not repeat the unit.
+        let mapping = format!("[time]\ncolumn = \"{name}\"\n");
+        is_whole(with_mapping(&text, &mapping), 200);
+    }
+    let text = format!(
+        "Time;q.a_rad;theta.a_rad\n(ms);(rad);(rad)\n{}",
+        rows(&|k| format!("{}", 10 * k))
+    );
+    is_whole(
+        open_bytes(text.as_bytes(), "a.csv", &OpenOptions::default()),
+        200,
+    );
+    // Thousands of seconds with a point, and those without a fraction.
+    let grouped = |k: i64| match k % 100 {
+        0 => format!("1.00{}", k / 100),
+        _ => format!("1.00{},{:02}", k / 100, k % 100),
+    };
+    let text = format!("time_s;q.a_rad;theta.a_rad\n{}", rows(&grouped));
+    is_whole(
+        open_bytes(text.as_bytes(), "a.csv", &OpenOptions::default()),
+        200,
+    );
+    let message = error("Zeit;q.a_rad\n10:00:00;1\n10:00;2\n");
+    assert!(
+        message.contains("'10:00'") && message.contains("line 3"),
+        "{message}"
+    );
+}
+
+#[test]
+fn times_in_other_unit_are_reported() {
+    let text = "t,q.a_rad,theta.a_rad\n".to_owned()
+        + &(0..100)
+            .map(|k| format!("{},{k}e-3,{k}e-3\n", 10 * k))
+            .collect::<String>();
+    let suspected = |mapping: &str| {
+        let (_, health) = read_all(with_mapping(&text, mapping).unwrap());
+        health.implausible_signals.join("\n")
+    };
+    let said = suspected("[time]\ncolumn = \"t\"\nunit = \"s\"\n");
+    assert!(
+        said.contains("unit = \"ms\"") && said.contains("100 Hz"),
+        "{said}"
+    );
+    let said = suspected("[time]\ncolumn = \"t\"\nunit = \"ns\"\n");
+    assert!(said.contains("unit = \"ms\""), "{said}");
+    let said = suspected("[time]\ncolumn = \"t\"\nunit = \"ms\"\n");
+    assert!(!said.contains("unit ="), "{said}");
+}
+
+#[test]
+fn scope_export_is_a_table_of_its_channels() {
+    let block = "Name\thead_07\nFile\tC:\\scope\\head_07.csv\nStarttime of export\t133000000000000000\tFriday, 1 March 2024\t10:00:00.000\n\n\nName\ttilt_joint\tName\ttilt_motor\nSymbolComment\t\tSymbolComment\t\nData-Type\tREAL64\tData-Type\tREAL64\nSampleTime[ms]\t10\tSampleTime[ms]\t10\nUnit\tdeg\tUnit\tdeg\n\n";
+    let row = |k: i64, shift: i64| {
+        let q = (0.05 * k as f64).sin();
+        let (joint, motor) = (q.to_degrees(), 50.0 * (q + 0.006).to_degrees());
+        format!("{}\t{joint}\t{}\t{motor}\n", 10 * k, 10 * k + shift)
+    };
+    let rows = |shift| (0..200).map(|k| row(k, shift)).collect::<String>();
+    let mapping = "[joints.tilt]\nq = { column = \"tilt_joint\", unit = \"deg\" }\ntheta = { column = \"tilt_motor\", unit = \"deg\", gear_ratio = 50 }\n";
+    is_whole(with_mapping(&format!("{block}{}", rows(0)), mapping), 200);
+    let message = error(&format!("{block}{}", rows(0)));
+    for words in ["time_ms", "tilt_joint", "tilt_motor"] {
+        assert!(message.contains(words), "{message}");
+    }
+    // Channels at other instants are not taken for one row.
+    let mut recording = with_mapping(&format!("{block}{}", rows(2)), mapping).unwrap();
+    let message = recording.next_frame().unwrap_err().to_string();
+    assert!(
+        message.contains("time_ms of tilt_motor") && message.contains("common time column"),
+        "{message}"
+    );
 }
 
 /// A motor at its shaft is not taken to the turn of a joint, nor compared with it; its own turns are counted.

@@ -3,10 +3,11 @@
 use crate::text::{TerminalText, plain};
 use sinew_estimate::init::{Init, InitChoice, InitGap, InitPlan};
 use sinew_estimate::robot_toml::quoted;
+use sinew_log::{MappingProposal, Quantity};
 use std::fmt::Write as _;
 
-/// Returns the text of a mapping file template for a choice between topics or columns.
-pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
+/// Returns the text of a mapping file template for a choice between topics or columns. `proposal` is for columns.
+pub fn mapping_toml(source: &str, choice: &InitChoice, proposal: &MappingProposal) -> String {
     let mut out = format!("# Made by `sinew init` from {}.\n", plain(source));
     match choice {
         InitChoice::Topic(open) => {
@@ -26,10 +27,11 @@ pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
             for column in columns {
                 let _ = writeln!(out, "#   {}", plain(column));
             }
-            let first = columns.first().map_or("\"\"".into(), |c| quoted(c));
+            out += "#\n";
+            propose(&mut out, columns, proposal);
             let _ = write!(
                 out,
-                "#\n# [time]\n# column = {first}\n# unit = \"s\"\n#\n\
+                "#\n# Form of a joint:\n\
                  # [joints.NAME]                     # name in the URDF\n\
                  # q = {{ column = \"\", unit = \"rad\" }}                          # joint side\n\
                  # theta = {{ column = \"\", unit = \"rad\", gear_ratio = 1.0 }}      # motor side; motor turns per joint turn\n\
@@ -38,6 +40,105 @@ pub fn mapping_toml(source: &str, choice: &InitChoice) -> String {
         }
     }
     out
+}
+
+/// Adds the proposed time and joints. Lines are comments where neither a name nor a unit supports them.
+fn propose(out: &mut String, columns: &[String], proposal: &MappingProposal) {
+    let key = |index: usize| match proposal.columns.get(index) {
+        Some(column) => match column.number {
+            Some(number) => number.to_string(),
+            None => quoted(&column.name),
+        },
+        None => columns
+            .get(index)
+            .map_or("\"\"".into(), |name| quoted(name)),
+    };
+    match &proposal.time {
+        None => {
+            let first = key(0);
+            let _ = write!(
+                out,
+                "# [time]\n# column = {first}                     # no column rises; without times: rate_hz = 100\n# unit = \"s\"\n"
+            );
+        }
+        Some(time) => {
+            let named = if time.is_named { "name, " } else { "" };
+            let _ = writeln!(
+                out,
+                "[time]\ncolumn = {}  # assumed: {named}rises from row to row",
+                key(time.column)
+            );
+            let rate = time.rate_hz.map_or(String::new(), |hz| {
+                format!("; {} Hz", sinew_files::number::three_digits(hz))
+            });
+            let _ = match (&time.unit, time.is_unit_stated) {
+                (Some(unit), true) => {
+                    writeln!(out, "unit = {}  # from the header{rate}", quoted(unit))
+                }
+                (Some(unit), false) => {
+                    writeln!(
+                        out,
+                        "unit = {}  # assumed: a usual rate{rate}",
+                        quoted(unit)
+                    )
+                }
+                (None, _) => writeln!(out, "# clock times and dates need no unit"),
+            };
+        }
+    }
+    for joint in &proposal.joints {
+        let has = |quantity| joint.sources.iter().any(|s| s.quantity == quantity);
+        let is_supported = has(Quantity::Q)
+            && has(Quantity::Theta)
+            && joint.name != "NAME"
+            && joint.sources.iter().all(|s| s.is_named && s.is_unit_stated);
+        let mark = if is_supported { "" } else { "# " };
+        let name = match joint
+            .name
+            .bytes()
+            .all(|b| b.is_ascii_alphanumeric() || b == b'_')
+        {
+            true => joint.name.clone(),
+            false => quoted(&joint.name),
+        };
+        let _ = writeln!(
+            out,
+            "{}\n{mark}[joints.{name}]  # assumed: name in the URDF",
+            mark.trim_end()
+        );
+        for source in &joint.sources {
+            let (symbol, unit) = (source.quantity.symbol(), quoted(&source.unit));
+            let ratio = source
+                .gear_ratio
+                .map_or(String::new(), |r| format!(", gear_ratio = {r}"));
+            let named = match source.is_named {
+                true => "assumed: name",
+                false => "assumed: order of the columns",
+            };
+            let range = proposal
+                .columns
+                .get(source.column)
+                .and_then(|column| column.range);
+            let range = range.map_or(String::new(), |[low, high]| {
+                let digits = sinew_files::number::three_digits;
+                format!("; first values {} to {}", digits(low), digits(high))
+            });
+            let stated = match source.is_unit_stated {
+                true => "unit from the header",
+                false => "unit assumed",
+            };
+            let moves = match (source.quantity, source.gear_ratio) {
+                (Quantity::Theta, Some(ratio)) => format!("; moves {ratio} times as far as q"),
+                (Quantity::Theta, None) => "; set gear_ratio".to_owned(),
+                _ => String::new(),
+            };
+            let _ = writeln!(
+                out,
+                "# {named}; {stated}{range}{moves}\n{mark}{symbol} = {{ column = {}, unit = {unit}{ratio} }}",
+                key(source.column)
+            );
+        }
+    }
 }
 
 /// Renders the written files, the missing values, and the next commands.
@@ -51,6 +152,9 @@ pub fn render(init: &Init, folder: &str) -> String {
             false => "wrote",
         };
         out.paragraph(format!("{word} {file}"));
+    }
+    for warning in &init.warnings {
+        out.paragraph(format!("warning: {warning}"));
     }
     for source in init.recording.iter().flat_map(|r| &r.sources) {
         out.paragraph(format!(
@@ -158,10 +262,11 @@ mod tests {
         });
         let columns = InitChoice::Columns(vec!["t".into(), "pos".into()]);
         for choice in [&open, &columns] {
-            let text = mapping_toml("a\n[b", choice);
+            let text = mapping_toml("a\n[b", choice, &MappingProposal::default());
             Mapping::from_toml(&text, "mapping.toml").expect(&text);
         }
-        let chosen = mapping_toml("a", &open).replace("# motor_topic", "motor_topic");
+        let none = MappingProposal::default();
+        let chosen = mapping_toml("a", &open, &none).replace("# motor_topic", "motor_topic");
         let one = chosen.replacen("motor_topic = \"/right", "# motor_topic = \"/right", 1);
         Mapping::from_toml(&one, "mapping.toml").expect(&one);
         assert!(one.contains(r#"motor_topic = "/left/motor\"s""#), "{one}");

@@ -64,6 +64,16 @@ impl CatalogueRope {
 pub struct Catalogue {
     ropes: Vec<CatalogueRope>,
     namesakes: Vec<Namesake>,
+    unreadable: Vec<UnreadableRope>,
+}
+
+/// File of a user folder that contains no valid entry, or names its rope as another file of the folder.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnreadableRope {
+    /// Name of the rope, by its file if the entry is invalid.
+    pub name: String,
+    /// Error with its location.
+    pub error: Located,
 }
 
 /// User file that gives its rope the name of an earlier rope.
@@ -112,6 +122,35 @@ pub enum CatalogueError {
     },
 }
 
+impl UnreadableRope {
+    /// The file of an error; an error without a file is returned.
+    fn of(error: CatalogueError) -> Result<Self, CatalogueError> {
+        match error {
+            CatalogueError::File(error) => {
+                let stem = Path::new(&error.file).file_stem();
+                Ok(Self {
+                    name: stem.map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+                    error,
+                })
+            }
+            CatalogueError::Twice {
+                name,
+                first,
+                second,
+            } => {
+                let problem = format!("names its rope '{name}', as {} does", first.display());
+                let file = second.display().to_string();
+                let error = Located::new(&file, Fault::Contradiction, problem);
+                Ok(Self {
+                    name,
+                    error: error.cure("rename one of them"),
+                })
+            }
+            other => Err(other),
+        }
+    }
+}
+
 impl Catalogue {
     /// The ropes that ship with the program.
     ///
@@ -138,7 +177,7 @@ impl Catalogue {
         };
         Ok(Self {
             ropes: texts.map(parse).collect::<Result<_, CatalogueError>>()?,
-            namesakes: Vec::new(),
+            ..Self::default()
         })
     }
 
@@ -150,12 +189,42 @@ impl Catalogue {
     pub fn with_folders(folders: &[&Path]) -> Result<Self, CatalogueError> {
         let mut out = Self::shipped()?;
         for folder in folders {
-            out.add_folder(folder)?;
+            out.add_folder(folder, Err)?;
         }
         Ok(out)
     }
 
-    fn add_folder(&mut self, folder: &Path) -> Result<(), CatalogueError> {
+    /// The shipped ropes, those of `implied` folders such as `./ropes`, and then those of the requested `folders`. A
+    /// file without a valid entry in the former is an error only of a command that needs its rope, see
+    /// [`Catalogue::find`].
+    ///
+    /// # Errors
+    /// [`CatalogueError`] of `folders`, and of a folder that cannot be listed.
+    pub fn with_implied_folders(
+        implied: &[&Path],
+        folders: &[&Path],
+    ) -> Result<Self, CatalogueError> {
+        let mut out = Self::shipped()?;
+        for folder in implied {
+            let mut unreadable = Vec::new();
+            out.add_folder(folder, |error| {
+                unreadable.push(UnreadableRope::of(error)?);
+                Ok(())
+            })?;
+            out.unreadable.append(&mut unreadable);
+        }
+        for folder in folders {
+            out.add_folder(folder, Err)?;
+        }
+        Ok(out)
+    }
+
+    /// Adds the files of a folder; `reject` decides about a file that is invalid.
+    fn add_folder(
+        &mut self,
+        folder: &Path,
+        mut reject: impl FnMut(CatalogueError) -> Result<(), CatalogueError>,
+    ) -> Result<(), CatalogueError> {
         let read_error = |error: std::io::Error| {
             let problem = format!("cannot be read: {error}");
             Located::new(&folder.display().to_string(), Fault::Unreadable, problem)
@@ -170,14 +239,22 @@ impl Catalogue {
         files.sort();
         let mut fresh: Vec<CatalogueRope> = Vec::new();
         for path in files {
-            let text = read_text(&path, &limits::ROPE_ENTRY)?;
-            let entry = CatalogueEntry::parse(&text, &path.display().to_string())?;
+            let text = read_text(&path, &limits::ROPE_ENTRY);
+            let parse = |text: String| CatalogueEntry::parse(&text, &path.display().to_string());
+            let entry = match text.and_then(parse) {
+                Ok(entry) => entry,
+                Err(error) => {
+                    reject(error.into())?;
+                    continue;
+                }
+            };
             if let Some(twin) = fresh.iter().find(|r| r.entry.name == entry.name) {
-                return Err(CatalogueError::Twice {
+                reject(CatalogueError::Twice {
                     name: entry.name,
                     first: twin.file.clone().unwrap_or_default(),
                     second: path,
-                });
+                })?;
+                continue;
             }
             fresh.push(CatalogueRope {
                 entry,
@@ -216,6 +293,11 @@ impl Catalogue {
         &self.namesakes
     }
 
+    /// Files of implied folders that are not used.
+    pub fn unreadable(&self) -> &[UnreadableRope] {
+        &self.unreadable
+    }
+
     /// Ropes of the catalogue in reading order.
     pub fn ropes(&self) -> &[CatalogueRope] {
         &self.ropes
@@ -229,8 +311,12 @@ impl Catalogue {
     /// A rope by name.
     ///
     /// # Errors
-    /// Returns [`CatalogueError::Unknown`] with the names in the catalogue.
+    /// Returns [`CatalogueError::File`] if the file of the rope is invalid, otherwise [`CatalogueError::Unknown`] with
+    /// the names in the catalogue.
     pub fn find(&self, name: &str) -> Result<&CatalogueRope, CatalogueError> {
+        if let Some(unreadable) = self.unreadable.iter().find(|rope| rope.name == name) {
+            return Err(unreadable.error.clone().into());
+        }
         self.ropes
             .iter()
             .find(|r| r.entry.name == name)
@@ -394,5 +480,42 @@ mod tests {
         std::fs::write(folder.path().join("c.toml"), own.to_toml()).expect("written");
         let error = Catalogue::with_folders(&[folder.path()]).expect_err("twice");
         assert!(error.to_string().contains("b.toml"), "{error}");
+    }
+
+    #[test]
+    fn broken_file_of_implied_folder_is_error_of_its_rope_only() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let shipped = Catalogue::shipped().expect("shipped");
+        let entry = &shipped.ropes()[1].entry;
+        let renamed = |name: &str| {
+            let mut entry = entry.clone();
+            entry.name = name.into();
+            entry.to_toml()
+        };
+        let taken = shipped.ropes()[0].entry.name.clone();
+        for (file, text) in [
+            ("good.toml", renamed("good")),
+            ("bad.toml", "name = \"bad".to_owned()),
+            ("one.toml", renamed("same")),
+            ("two.toml", renamed("same")),
+            // A broken replacement of a shipped rope.
+            (&*format!("{taken}.toml"), "diameter".to_owned()),
+        ] {
+            std::fs::write(folder.path().join(file), text).expect("written");
+        }
+        assert!(Catalogue::with_folders(&[folder.path()]).is_err());
+        let all = Catalogue::with_implied_folders(&[folder.path()], &[]).expect("read");
+        assert_eq!(all.unreadable().len(), 3);
+        assert!(all.find("good").is_ok());
+        let names = [
+            ("bad", "bad.toml"),
+            ("same", "two.toml"),
+            (&*taken, &*taken),
+        ];
+        for (name, file) in names {
+            let error = all.find(name).expect_err("broken").to_string();
+            assert!(error.contains(file), "{error}");
+        }
+        assert!(Catalogue::with_implied_folders(&[], &[folder.path()]).is_err());
     }
 }

@@ -37,7 +37,7 @@ pub mod thermal;
 mod times;
 pub mod work;
 
-pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake};
+pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake, UnreadableRope};
 pub use caution::Caution;
 pub use describe::{CatalogueValue, Published, RopeDescription, RopeList, RopeSummary};
 pub use draws::Draws;

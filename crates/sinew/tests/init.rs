@@ -221,7 +221,7 @@ fn init_incomplete_recording_lists_missing_values() {
     }
     let text = std::fs::read_to_string(dir.join("mapping.toml")).expect("written");
     assert!(
-        text.contains("#   mot1") && text.contains("# column = \"clock\""),
+        text.contains("#   mot1") && text.contains("\ncolumn = \"clock\"  # assumed"),
         "{text}"
     );
     std::fs::write(

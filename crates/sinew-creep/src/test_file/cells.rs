@@ -34,6 +34,15 @@ impl Cell {
         matches!(self, Cell::Number(_) | Cell::Clock(_))
     }
 
+    /// Whether the cell is a clock time or a date, as a value or as text.
+    pub(super) fn is_clock(&self) -> bool {
+        match self {
+            Cell::Clock(_) => true,
+            Cell::Text(text) => sinew_files::date::is_stamp(text),
+            Cell::Empty | Cell::Number(_) => false,
+        }
+    }
+
     pub(super) fn text(&self) -> String {
         match self {
             Cell::Empty => String::new(),

@@ -1,5 +1,6 @@
 //! Quantity and unit of a column from its header.
 
+use super::header::Head;
 use super::quantity::{TestQuantity as Q, parse_unit};
 use super::{ColumnChoice, TestQuantity};
 use crate::error::TestFileError;
@@ -39,6 +40,16 @@ const WORDS: [(TestQuantity, &str); 10] = [
 /// Words that change the quantity of the word next to them; the last three are ends of an interval,
 /// and a force on two strands at the same time.
 const STRANGERS: &str = "compliance rate degree velocity speed std error target max min setpoint soll date low high carriage";
+
+/// Words of a header of clock times or dates, which are the time where no other column is.
+const CLOCK_WORDS: [&str; 6] = [
+    "uhrzeit",
+    "zeitstempel",
+    "zeitpunkt",
+    "datetime",
+    "date",
+    "datum",
+];
 
 /// Units at the end of a name in Sinew's own tables.
 const IN_NAMES: [(&str, &str); 8] = [
@@ -132,29 +143,46 @@ pub(super) fn column_index(
 
 /// Role of every column that has one.
 pub(super) fn roles(
-    headers: &[String],
-    units: &[String],
+    head: &Head,
     choices: &[ColumnChoice],
     file: &str,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Role>, TestFileError> {
     let invalid =
         |reason: String| TestFileError::from(Located::new(file, Fault::NotAllowed, reason));
-    let below = |index: usize| units.get(index).filter(|unit| !unit.is_empty()).cloned();
+    let headers = &head.headers;
+    let below = |index: usize| {
+        head.units
+            .get(index)
+            .filter(|unit| !unit.is_empty())
+            .cloned()
+    };
+    // The unit of clock times is their own, independent of the header, such as hh:mm:ss.
+    let clock = |index: usize| {
+        head.clocks
+            .get(index)
+            .is_some_and(|is| *is)
+            .then(|| "s".to_owned())
+    };
     let mut roles: Vec<Role> = Vec::new();
     for choice in choices {
         let index = column_index(headers, &choice.column, true, file)?;
         let header = &headers[index];
-        let stated = choice.unit.clone().or_else(|| split(header).1);
+        let stated = choice.unit.clone().or_else(|| clock(index));
+        let stated = stated.or_else(|| split(header).1);
         let unit = stated.or_else(|| below(index));
         roles.push(role(choice.quantity, index, header, unit, notes).map_err(invalid)?);
     }
-    for (index, header) in headers.iter().enumerate() {
+    // Clock times last: a time in seconds next to them has the finer resolution.
+    let mut order: Vec<usize> = (0..headers.len()).collect();
+    order.sort_by_key(|index| clock(*index).is_some());
+    for index in order {
+        let header = &headers[index];
         if roles.iter().any(|role| role.index == index) {
             continue;
         }
         let (name, unit) = split(header);
-        let unit = unit.or_else(|| below(index));
+        let unit = clock(index).or(unit).or_else(|| below(index));
         let Some(quantity) = quantity_of(&name, unit.as_deref()) else {
             continue;
         };
@@ -175,6 +203,18 @@ pub(super) fn roles(
                 return Err(invalid(reason));
             }
             Err(reason) => notes.push(format!("column not used: {reason}")),
+        }
+    }
+    if !roles.iter().any(|role| role.quantity == Q::Time) {
+        let is_named = |index: usize, word: &str| {
+            let name = headers[index].to_lowercase();
+            name.split(|c: char| !c.is_alphanumeric())
+                .any(|w| w == word)
+        };
+        let named = |word| (0..headers.len()).find(|i| clock(*i).is_some() && is_named(*i, word));
+        if let Some(index) = CLOCK_WORDS.into_iter().find_map(named) {
+            let unit = clock(index);
+            roles.push(role(Q::Time, index, &headers[index], unit, notes).map_err(invalid)?);
         }
     }
     Ok(roles)

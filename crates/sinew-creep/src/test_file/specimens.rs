@@ -5,6 +5,7 @@ use super::columns::{Role, column_index, roles, split};
 use super::header::{self, Head};
 use super::{SourceColumn, TestFile, TestOptions, TestQuantity};
 use crate::error::TestFileError;
+use sinew_files::date::{ClockColumn, is_stamp};
 use sinew_files::names::{list, shorten};
 use sinew_files::{Fault, Located};
 
@@ -86,6 +87,7 @@ fn numbers(
     row: &[Cell],
     roles: &[Role],
     is_last: bool,
+    clock: &mut ClockColumn,
     wrong: impl Fn(String, &Role) -> Located,
 ) -> Result<Option<Vec<f64>>, Located> {
     let mut values = Vec::with_capacity(roles.len());
@@ -98,6 +100,9 @@ fn numbers(
             Cell::Clock(_) => {
                 let name = role.quantity.name();
                 return Err(wrong(format!("a date or a time of day is no {name}"), role));
+            }
+            Cell::Text(text) if role.quantity == TestQuantity::Time && is_stamp(text) => {
+                clock.read(text).map_or(f64::NAN, |ns| ns as f64 * 1e-9)
             }
             Cell::Text(_) if is_last => return Ok(None),
             Cell::Text(text) => {
@@ -122,7 +127,7 @@ impl TestFile {
         let head = header::find(table).map_err(invalid)?;
         let mut notes = table.notes.clone();
         let chosen = &options.columns;
-        let roles = roles(&head.headers, &head.units, chosen, &name, &mut notes)?;
+        let roles = roles(&head, chosen, &name, &mut notes)?;
         check_roles(&roles, &head, &name)?;
         let keys = key_columns(table, &head, &roles, &options.specimen_columns, &name)?;
         for role in &roles {
@@ -142,8 +147,9 @@ impl TestFile {
         let mut key_open: Option<Vec<String>> = None;
         let (mut first_time, mut last_time) = (f64::NAN, f64::NAN);
         let mut ignored = 0_usize;
+        let mut clock = ClockColumn::default();
         for (index, row) in table.rows.iter().enumerate().skip(head.first_row) {
-            if row.iter().all(|cell| matches!(cell, Cell::Empty)) {
+            if header::is_remark(row) || row.iter().all(|cell| matches!(cell, Cell::Empty)) {
                 continue;
             }
             let line = table.places[index];
@@ -153,7 +159,7 @@ impl TestFile {
                     .column(&head.headers[role.index])
             };
             let is_last = index + 1 == table.rows.len();
-            let Some(values) = numbers(row, &roles, is_last, wrong)? else {
+            let Some(values) = numbers(row, &roles, is_last, &mut clock, wrong)? else {
                 notes.push(format!("the last line ({line}) is incomplete and ignored"));
                 break;
             };
@@ -283,10 +289,13 @@ fn key_columns(
     let names_specimens = |index: &usize| {
         let lower = split(&head.headers[*index]).0.to_lowercase();
         let mut words = lower.split(|c: char| !c.is_alphanumeric());
-        let mut cells = table.rows[head.first_row..]
-            .iter()
+        let rows = table.rows[head.first_row..].iter();
+        let mut cells = rows
+            .filter(|row| !header::is_remark(row))
             .filter_map(|row| row.get(*index));
-        words.any(|word| SPECIMEN_WORDS.contains(&word)) || cells.any(Cell::is_text)
+        // A date or a clock next to the time names no specimen.
+        words.any(|word| SPECIMEN_WORDS.contains(&word))
+            || cells.any(|cell| cell.is_text() && !cell.is_clock())
     };
     Ok((0..head.headers.len())
         .filter(|index| !roles.iter().any(|role| role.index == *index))

@@ -28,6 +28,8 @@ pub enum FindingKind {
     Density,
     /// Inertia too large for the size of the link (compared: radius of gyration).
     InertiaSize,
+    /// Mass and inertia that are probably placeholders (compared: radius of gyration, or density of a ball).
+    InertiaPlaceholder,
     /// Inertia that is not positive definite.
     InertiaNotDefinite,
     /// Principal moments that violate the triangle inequality.

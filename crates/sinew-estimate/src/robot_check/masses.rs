@@ -169,6 +169,19 @@ impl Outline<'_> {
             unit,
             power: 0.0,
         };
+        if is_placeholder(one.link) {
+            // No unit explains a placeholder.
+            let at = || self.at_link(one.link, "inertia");
+            let written = Written {
+                value: trace / 3.0,
+                unit: "kg·m²",
+            };
+            let kind = FindingKind::InertiaPlaceholder;
+            return check_range(kind, at, written, measure, bounds).map(|finding| Finding {
+                slip: None,
+                ..finding
+            });
+        }
         let of = |what: &str, written: Written| {
             let at = || self.at_link(one.link, what);
             check_range(kind, at, written, measure, bounds)
@@ -279,6 +292,24 @@ fn density(mass: f64, trace: f64) -> f64 {
 
 fn gyration_m(mass: f64, trace: f64) -> f64 {
     libm::sqrt(trace / (2.0 * mass))
+}
+
+/// Whether mass and inertia look like placeholders: equal moments about all axes, or round numbers throughout, without
+/// products of inertia.
+fn is_placeholder(link: &UrdfLink) -> bool {
+    let [ixx, ixy, ixz, iyy, iyz, izz] = link.inertia;
+    let is_round = |value: f64| {
+        let size = 10_f64.powf(value.abs().log10().floor());
+        let digit = value / size;
+        (digit - digit.round()).abs() < 1e-9
+    };
+    let moments = [ixx, iyy, izz];
+    let are_equal = moments.iter().all(|moment| *moment == ixx);
+    let are_round = moments
+        .iter()
+        .chain([&link.mass_kg])
+        .all(|value| is_round(*value));
+    [ixy, ixz, iyz] == [0.0; 3] && (are_equal || are_round)
 }
 
 fn length(xyz: &[f64; 3]) -> f64 {

@@ -11,7 +11,9 @@
 
 mod cdr;
 mod message;
+mod ros1;
 
 pub(crate) use cdr::Cdr;
 pub use cdr::{DecodeError, set_stamp_ns, stamp_ns};
 pub use message::{Entry, Field, Layout, MessageKind, Parsed, parse, rewrite};
+pub(crate) use ros1::{ROS1, Ros1Kind};

@@ -20,7 +20,9 @@ pub use parts::recordings_of;
 pub use read_seek::ReadSeek;
 pub use reader::{Format, Progress};
 pub use recording::{Recording, open, open_parts};
-pub use table::Arrays;
+pub use table::{
+    Arrays, MappingProposal, ProposedJoint, ProposedSource, ProposedTime, TableColumn,
+};
 pub use write::{
     Cell, CellKind, Column, Compression, FrameWriter, McapOptions, McapWriter, Packing,
     RecordedNames, RowWriter, RowWriter as CsvWriter, Table, TableWriter, Topic, TopicWriter,

@@ -3,7 +3,7 @@
 use super::lerobot::INFO;
 use crate::error::LogError;
 use sinew_files::names::natural_key;
-use sinew_files::{limits, read_text};
+use sinew_files::{Fault, Located, limits, read_text};
 use std::path::{Path, PathBuf};
 
 /// File name extensions of recordings in a folder.
@@ -81,7 +81,7 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     if let Ok(metadata) = read_text(&path.join("metadata.yaml"), &limits::SETTINGS) {
         let listed = bag_files(&metadata);
         if !listed.is_empty() {
-            return Ok(listed.iter().map(|file| path.join(file)).collect());
+            return listed.iter().map(|file| bag_file(path, file)).collect();
         }
     }
     some(named(path, is_recording)?, || no_recording(path))
@@ -113,6 +113,39 @@ fn bag_files(metadata: &str) -> Vec<String> {
         .map_while(|line| line.strip_prefix("- "))
         .map(|file| file.trim().trim_matches(['"', '\'']).to_owned())
         .collect()
+}
+
+/// File that the metadata of a bag list. Up to version 3 its path starts at the folder above, which may have been
+/// renamed since; the file may have been compressed.
+fn bag_file(folder: &Path, listed: &str) -> Result<PathBuf, LogError> {
+    let name = Path::new(listed)
+        .file_name()
+        .map_or(Path::new(listed), Path::new);
+    let mut candidates = vec![folder.join(listed), folder.join(name)];
+    for ending in [".zst", ".zstd"] {
+        candidates.push(folder.join(format!("{}{ending}", name.display())));
+    }
+    if let Some(found) = candidates.into_iter().find(|file| file.is_file()) {
+        return Ok(found);
+    }
+    let present = named(folder, is_recording)?;
+    let file = folder.join("metadata.yaml").display().to_string();
+    let cure = match &present[..] {
+        [] => "no recording is in the folder".to_owned(),
+        [only] => format!(
+            "read {} instead, or correct relative_file_paths",
+            only.display()
+        ),
+        [first, ..] => format!(
+            "the folder has {} recordings such as {}; read them by their names, or correct relative_file_paths",
+            present.len(),
+            first.display()
+        ),
+    };
+    let problem = format!("names '{listed}', which is not in the folder");
+    Err(Located::new(&file, Fault::UnknownName, problem)
+        .cure(cure)
+        .into())
 }
 
 /// Files of a folder by their names, numbers in order.

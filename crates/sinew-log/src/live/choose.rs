@@ -27,7 +27,7 @@ pub(crate) fn check_mapping(mapping: &Mapping) -> Result<(), Located> {
                 let problem = "an MCAP recording has topics, not columns";
                 return Err(Located::new(&mapping.file, Fault::NotAllowed, problem)
                     .line(term.line)
-                    .column(column)
+                    .column(&column.to_string().replace('\'', ""))
                     .cure("omit column and sum; the term then converts the value of the topic"));
             }
         }
@@ -186,11 +186,11 @@ pub(crate) fn choose(
             found.ok_or_else(|| topics.no_joint_side(survey))?
         }
     };
-    if joint.encoding != "cdr" {
+    if !joint.is_decoded() {
         return Err(LogError::request(
             file,
             format!(
-                "topic '{}' is encoded as '{}'; ROS 2 recordings use cdr",
+                "topic '{}' is encoded as '{}'; supported are cdr (ROS 2) and ros1; convert the recording with rosbags-convert or ros2 bag convert",
                 joint.name, joint.encoding
             ),
         ));

@@ -1,6 +1,6 @@
 //! Content of messages before any role is assigned: topics, joints, interfaces.
 
-use crate::decode::{Cdr, Field, MessageKind, parse, stamp_ns};
+use crate::decode::{Cdr, Field, MessageKind, ROS1, parse, stamp_ns};
 use crate::health::Health;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -52,6 +52,11 @@ impl Topic {
         }
     }
 
+    /// Whether the encoding of its messages is supported.
+    pub(crate) fn is_decoded(&self) -> bool {
+        matches!(self.encoding.as_str(), "cdr" | ROS1)
+    }
+
     /// Interfaces that its joints have, sorted.
     pub(crate) fn interfaces(&self) -> Vec<String> {
         let all = self
@@ -88,7 +93,7 @@ impl Survey {
         let is_early = topic.messages <= NAMED_MESSAGES;
         let is_new = !topic.lengths.contains(&payload.len());
         let is_searched = is_early || is_new && topic.messages <= RECORDED_MESSAGES;
-        if !is_searched || topic.encoding != "cdr" {
+        if !is_searched || !topic.is_decoded() {
             return;
         }
         if is_new && topic.lengths.len() < LENGTHS_LIMIT {

@@ -4,6 +4,7 @@
 //! [time]
 //! column = "transmit_time"       # default: time_s or time_ns
 //! unit = "s"                     # s, ms, us, ns
+//! # rate_hz = 100                # instead of both, for a table without times
 //!
 //! [temperature]
 //! column = "board_temperature"
@@ -33,11 +34,14 @@
 //! in rad, deg, turn or count are unwrapped with the period `wrap_period`
 //! (in SI at the joint; default 2π, for counts one turn of the encoder: 2π divided by
 //! `gear_ratio`) unless `wrap = false`; lengths are not.
+//! `column` is the name of a column or its number from 1, as `column = 2`.
 //! In an MCAP recording the terms have no `column` and no `sum`: the topic's own
 //! fields are converted.
 
 mod parse;
 mod unit;
+
+pub(crate) use unit::time_unit_exponent;
 
 use std::path::Path;
 
@@ -107,11 +111,41 @@ impl Mapping {
     }
 }
 
+/// Column of a table as a mapping specifies it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum ColumnRef {
+    /// Name in the header.
+    Name(String),
+    /// Number of the column, from 1.
+    Number(usize),
+}
+
+impl ColumnRef {
+    /// Index of the column among these; `None` if there is none.
+    pub(crate) fn index(&self, names: &[String]) -> Option<usize> {
+        match self {
+            Self::Name(wanted) => names.iter().position(|name| name == wanted),
+            Self::Number(number) => number.checked_sub(1).filter(|index| *index < names.len()),
+        }
+    }
+}
+
+impl std::fmt::Display for ColumnRef {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Name(name) => write!(f, "'{name}'"),
+            Self::Number(number) => write!(f, "{number}"),
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TimeMap {
-    pub(crate) column: Option<String>,
+    pub(crate) column: Option<ColumnRef>,
     /// Power of ten to nanoseconds; `None`: by the column's suffix.
     pub(crate) exponent: Option<i32>,
+    /// Rate of the rows of a table without times, Hz.
+    pub(crate) rate_hz: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -173,9 +207,9 @@ pub(crate) struct Source {
 
 impl Source {
     /// A column that is recorded in SI and does not wrap.
-    pub(crate) fn of_column(column: &str, line: u64) -> Self {
+    pub(crate) fn of_column(column: ColumnRef, line: u64) -> Self {
         let term = Term {
-            column: Some(column.to_owned()),
+            column: Some(column),
             scale: 1.0,
             offset: 0.0,
             line,
@@ -200,7 +234,7 @@ impl Source {
 /// `si = scale · raw + offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Term {
-    pub(crate) column: Option<String>,
+    pub(crate) column: Option<ColumnRef>,
     pub(crate) scale: f64,
     pub(crate) offset: f64,
     pub(crate) line: u64,

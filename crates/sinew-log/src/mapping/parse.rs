@@ -1,9 +1,11 @@
 //! Parser of TOML text to a checked [`Mapping`].
 
-use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
+use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile, Value};
 
 use super::unit::{self, time_unit_exponent};
-use super::{JointEffort, JointMap, Mapping, McapMap, Source, TendonMap, Term, TimeMap, Wrap};
+use super::{
+    ColumnRef, JointEffort, JointMap, Mapping, McapMap, Source, TendonMap, Term, TimeMap, Wrap,
+};
 use crate::frame::Quantity;
 use sinew_files::unit::{Dimension, Unit};
 
@@ -80,10 +82,29 @@ fn time(s: &Section<'_>) -> Result<TimeMap, Located> {
         let exponent = time_unit_exponent(unit.text()?);
         exponent.map_err(|reason| unit.fault(Fault::NotAllowed, reason))
     });
+    let rate_hz = s.number("rate_hz", Bound::Positive)?;
+    if rate_hz.is_some() && (s.has("column") || s.has("unit")) {
+        let problem = "rate_hz is for a table without times; remove it, or column and unit";
+        return Err(s.here(Fault::Contradiction, problem));
+    }
     Ok(TimeMap {
-        column: s.text("column")?,
+        column: column(s)?,
         exponent: exponent.transpose()?,
+        rate_hz,
     })
+}
+
+/// Column of a section, by its name or number.
+fn column(s: &Section<'_>) -> Result<Option<ColumnRef>, Located> {
+    s.value("column").map(|value| column_of(&value)).transpose()
+}
+
+fn column_of(value: &Value<'_>) -> Result<ColumnRef, Located> {
+    match (value.text(), value.count()) {
+        (Ok(name), _) => Ok(ColumnRef::Name(name.to_owned())),
+        (_, Ok(number)) if number > 0 => Ok(ColumnRef::Number(number as usize)),
+        _ => Err(value.invalid("the name of a column in quotes, or its number from 1")),
+    }
 }
 
 fn mcap(s: &Section<'_>) -> Result<McapMap, Located> {
@@ -127,7 +148,7 @@ fn tendon(s: &Section<'_>, name: &str) -> Result<TendonMap, Located> {
             let read = |s: &Section<'_>| source(s, Quantity::Tension);
             Some(value.section()?.whole(read)?)
         }
-        Some(value) => Some(Source::of_column(value.text()?, value.line())),
+        Some(value) => Some(Source::of_column(column_of(&value)?, value.line())),
     };
     Ok(TendonMap {
         name: name.to_owned(),
@@ -177,7 +198,12 @@ fn add_motor(joints: &mut Vec<JointMap>, motor: JointMap) -> Result<(), String> 
 fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {
     let contradiction = |problem: &str| Err(s.here(Fault::Contradiction, problem));
     let mut terms = s.each("sum", |s| {
-        s.need_text("column", "term without a column")?;
+        s.needed(
+            column(s)?,
+            "column",
+            "term without a column",
+            ColumnRef::Number(1),
+        );
         term(s, quantity)
     })?;
     let has_term_keys = TERM_KEYS.map(|key| s.has(key)).contains(&true);
@@ -289,7 +315,7 @@ fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
         return Err(s.here(Fault::NotAllowed, problem));
     }
     let term = Term {
-        column: s.text("column")?,
+        column: column(s)?,
         scale,
         offset,
         line: s.line(),

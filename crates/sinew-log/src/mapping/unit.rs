@@ -38,10 +38,10 @@ pub(super) fn fits(unit: Unit, quantity: Quantity) -> bool {
 /// Power of ten from a time unit to nanoseconds.
 pub(crate) fn time_unit_exponent(text: &str) -> Result<i32, String> {
     match text {
-        "s" => Ok(9),
-        "ms" => Ok(6),
-        "us" | "µs" => Ok(3),
-        "ns" => Ok(0),
+        "s" | "sec" | "seconds" => Ok(9),
+        "ms" | "msec" => Ok(6),
+        "us" | "µs" | "μs" | "usec" => Ok(3),
+        "ns" | "nsec" => Ok(0),
         _ => Err(format!(
             "unknown time unit '{text}': valid units are s, ms, us, ns"
         )),

@@ -111,7 +111,8 @@ fn read_xml(text: &str, file: &str) -> Result<Vec<MappedTendon>, Located> {
         located.line(u64::from(error.pos().row))
     })?;
     let source = Source { file };
-    if let Some(node) = xacro_element(&document) {
+    let is_shape = |tag: &str| matches!(tag, "visual" | "collision");
+    if let Some(node) = xacro_element(&document, is_shape) {
         return Err(source.xacro(node));
     }
     let root = document.root_element();

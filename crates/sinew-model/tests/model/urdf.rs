@@ -305,6 +305,50 @@ fn urdf_extras_are_ignored() {
 }
 
 #[test]
+fn xacro_within_ignored_elements_gives_warning_with_line() {
+    let plain = parse(PENDULUM, &UrdfOptions::default()).expect("a URDF");
+    for element in ["visual", "collision", "gazebo"] {
+        let inside = format!(
+            "<link name=\"base\">\n<{element}><geometry/><xacro:steel_look/></{element}></link>"
+        );
+        let text = PENDULUM.replace("<link name=\"base\"/>", &inside);
+        let parsed = parse(&text, &UrdfOptions::default()).expect("read");
+        assert_eq!(parsed.arm, plain.arm, "{element}");
+        let [warning] = &parsed.warnings[..] else {
+            panic!("{element}: {:?}", parsed.warnings);
+        };
+        let line = 1 + text[..text.find("<xacro").expect("there")]
+            .matches('\n')
+            .count();
+        assert!(
+            warning.starts_with(&format!("line {line}: <xacro:steel_look>")),
+            "{warning}"
+        );
+        // Where it would be read, it is an error.
+        let inside = "<link name=\"base\"><inertial><xacro:steel/></inertial></link>";
+        let text = PENDULUM.replace("<link name=\"base\"/>", inside);
+        assert!(message(&text).contains("<xacro:steel> is xacro"));
+    }
+}
+
+#[test]
+fn declaration_after_blank_lines_is_accepted() {
+    let declaration = "<?xml version=\"1.0\" encoding=\"utf-8\"?>";
+    let plain = parse(PENDULUM, &UrdfOptions::default()).expect("a URDF");
+    for before in ["\n", "\u{feff}", " \r\n\t", "\u{feff}\n\n", "\n\u{feff}"] {
+        let text = format!("{before}{declaration}\n{PENDULUM}");
+        let parsed = parse(&text, &UrdfOptions::default());
+        assert_eq!(parsed.expect("read").arm, plain.arm, "{before:?}");
+    }
+    // Lines stay where they are.
+    let text = format!("\n\n{declaration}\n<robot name='a'><link></robot>");
+    let UrdfError::Xml { line, .. } = refused(&text) else {
+        panic!("no XML error");
+    };
+    assert_eq!(line, 4);
+}
+
+#[test]
 fn xacro_error_names_expand_command() {
     let macros = PENDULUM.replace(
         "<robot name=\"pendulum\">",

@@ -94,6 +94,15 @@ fn what(finding: &Finding) -> String {
             "mass and inertia imply a density of at least {value} (solid sphere); lead: 11 340"
         ),
         K::InertiaSize => format!("radius of gyration is {value}, far larger than the link"),
+        K::InertiaPlaceholder => {
+            let measure = match assessed.map_or("", |j| j.unit) {
+                "m" => "radius of gyration",
+                _ => "density of a solid sphere",
+            };
+            format!(
+                "probably a placeholder ({measure} {value}); take mass and inertia from the CAD model, or remove <inertial> of a link of negligible mass"
+            )
+        }
         K::InertiaNotDefinite => {
             "inertia not positive definite, physically impossible (possible in identified models); used unchanged".into()
         }

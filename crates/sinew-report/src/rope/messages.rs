@@ -6,7 +6,7 @@ use sinew_figure::rounded;
 use sinew_rope::law::CELSIUS_ZERO_K;
 use sinew_rope::law::validity::{HMPE_HOT_K, LimitViolation};
 use sinew_rope::select::Rejection;
-use sinew_rope::{Caution, Namesake};
+use sinew_rope::{Caution, Namesake, UnreadableRope};
 
 /// Returns a warning about a rope with its code.
 pub(crate) fn caution_message(c: Caution) -> Message {
@@ -128,6 +128,11 @@ pub fn namesake(n: &Namesake) -> String {
     } else {
         format!("{file} is a copy of '{name}' with the same name; rename it")
     }
+}
+
+/// States that a file of the catalogue is not used.
+pub fn unreadable(rope: &UnreadableRope) -> String {
+    format!("{}; the rope is not in the catalogue", rope.error)
 }
 
 /// States why a rope was rejected.

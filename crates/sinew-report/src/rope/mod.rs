@@ -15,7 +15,7 @@ pub use bench::{bench_csv, bench_figure, bench_table};
 pub use catalogue::{catalogue_table, rope_table};
 pub use choice::figure;
 pub(crate) use messages::caution_message;
-pub use messages::{caution, namesake, rejection};
+pub use messages::{caution, namesake, rejection, unreadable};
 pub use planned::{plan_table, planned};
 pub use predicted::{predicted, prediction_table};
 pub use selected::{selected, selection_table};

@@ -1072,6 +1072,7 @@ fn robot_results(list: &mut List) {
         Kind::LightLink,
         Kind::Density,
         Kind::InertiaSize,
+        Kind::InertiaPlaceholder,
         Kind::InertiaNotDefinite,
         Kind::InertiaTriangle,
         Kind::Frequency,

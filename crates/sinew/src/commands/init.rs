@@ -3,10 +3,10 @@
 use crate::args::Opening;
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
-use sinew_estimate::init::Init;
+use sinew_estimate::init::{Init, InitChoice};
 use sinew_estimate::robot_toml::robot_toml;
 use sinew_files::{read_text, write_file};
-use sinew_log::{LogError, Recording};
+use sinew_log::{LogError, MappingProposal, Recording};
 use sinew_model::transmission_map::TransmissionMap;
 use sinew_report::init::{mapping_toml, render};
 use std::io::Read as _;
@@ -138,10 +138,12 @@ impl InitCommand {
 /// Returns the mapping template for ambiguous topics or columns.
 fn choose(source: &str, folder: &Path, error: LogError) -> Result<(Init, Vec<Planned>), Failure> {
     let init = Init::undecided(source, error)?;
-    let text = init
-        .choice
-        .as_ref()
-        .map(|choice| mapping_toml(source, choice));
+    let proposal = match &init.choice {
+        Some(InitChoice::Columns(_)) => MappingProposal::of_file(Path::new(source)),
+        _ => MappingProposal::default(),
+    };
+    let choice = init.choice.as_ref();
+    let text = choice.map(|choice| mapping_toml(source, choice, &proposal));
     let planned = text.map(|text| (folder.join("mapping.toml"), text));
     Ok((init, planned.into_iter().collect()))
 }

@@ -10,6 +10,7 @@ use mcap::records::{ChunkHeader, Record, op};
 use super::chunk::Unpacker;
 use super::lengths::parse_mcap_record;
 use super::messages::Item;
+use super::ros1::Ros1Channels;
 use super::source::Source;
 use crate::health::Health;
 
@@ -49,6 +50,8 @@ pub(in crate::files) struct Container {
     pending: usize,
     ended: bool,
     last_log_ns: Option<i64>,
+    /// Channels of ROS 1, whose payloads are converted.
+    pub(super) ros1: Ros1Channels,
 }
 
 impl Container {
@@ -67,6 +70,7 @@ impl Container {
             pending: 0,
             ended: false,
             last_log_ns: None,
+            ros1: Ros1Channels::default(),
         }
     }
 
@@ -97,7 +101,7 @@ impl Container {
         &mut self.source
     }
 
-    /// Payload of the latest message.
+    /// Payload of the latest message as recorded.
     #[inline]
     pub(super) fn payload(&self) -> &[u8] {
         let (place, start, end) = self.payload;

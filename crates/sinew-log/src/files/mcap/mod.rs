@@ -5,6 +5,7 @@ mod container;
 mod given;
 mod lengths;
 pub(in crate::files) mod messages;
+mod ros1;
 mod scan;
 mod source;
 

@@ -146,16 +146,32 @@ impl Messages for Container {
     const FORMAT: Format = Format::Mcap;
 
     fn next(&mut self, health: &mut Health) -> std::io::Result<Item> {
-        Container::next(self, health)
+        let item = Container::next(self, health)?;
+        if matches!(item, Item::Message { .. }) && self.ros1.is_empty() {
+            return Ok(item);
+        }
+        let mut ros1 = std::mem::take(&mut self.ros1);
+        let payload = match item {
+            Item::Message { .. } => Container::payload(self),
+            _ => &[],
+        };
+        ros1.see(&item, payload);
+        self.ros1 = ros1;
+        Ok(item)
     }
 
     #[inline]
     fn payload(&self) -> &[u8] {
-        Container::payload(self)
+        let converted = self.ros1.converted();
+        converted.unwrap_or_else(|| Container::payload(self))
     }
 
     fn summary(&mut self) -> std::io::Result<Option<Summary>> {
-        read_summary(self)
+        let summary = read_summary(self)?;
+        if let Some(summary) = &summary {
+            self.ros1.announce(summary);
+        }
+        Ok(summary)
     }
 
     fn rewind(&mut self) -> std::io::Result<()> {

@@ -1,6 +1,6 @@
 //! Rows of numbers in memory of the caller.
 
-use super::columns::Columns;
+use super::columns::{Columns, Headers};
 use super::{Row, Rows, Table};
 use crate::error::LogError;
 use crate::files::reader::{Format, Progress};
@@ -92,7 +92,7 @@ impl ArrayReader {
             mapping: None,
             ..options.clone()
         };
-        let columns = Columns::new(&names, &options, file)?;
+        let columns = Columns::new(&Headers::of_names(names), &options, file)?;
         let rows = ArrayRows {
             arrays,
             file: file.to_owned(),

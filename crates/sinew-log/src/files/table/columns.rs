@@ -3,7 +3,7 @@
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::error::LogError;
 use crate::frame::{ABSENT, AxisNames, Channels, Quantities, Quantity, blocks};
-use crate::mapping::{Mapping, Source, Wrap};
+use crate::mapping::{ColumnRef, Mapping, Source, Wrap, time_unit_exponent};
 use crate::options::OpenOptions;
 use crate::options::to_ns;
 use crate::sources::SignalSource;
@@ -52,9 +52,12 @@ pub(crate) struct Columns {
     tendons: Vec<String>,
     channels: Channels,
     signals: Vec<SignalPlan>,
-    pub(crate) time_column: usize,
+    /// Column of the times; `None` where the rows have a rate.
+    pub(crate) time_column: Option<usize>,
     /// Power of ten from the time column's unit to nanoseconds.
     pub(crate) time_exponent: i32,
+    /// Rate of rows without times, Hz.
+    rate_hz: f64,
     /// Used columns, ascending, with the index of their value in the row of cells.
     pub(crate) used: Vec<usize>,
     /// Signals of the joints selected: place in the wide row, range of `addends`.
@@ -86,10 +89,11 @@ fn parse_name(name: &str) -> Option<(Quantity, &str, bool)> {
 
 impl Columns {
     pub(crate) fn new(
-        names: &[String],
+        headers: &Headers,
         options: &OpenOptions,
         file: &str,
     ) -> Result<Self, LogError> {
+        let names = &headers.names;
         let header = |reason: String| LogError::from(Located::new(file, Fault::NotAllowed, reason));
         if names.len() > COLUMN_LIMIT {
             return Err(header(format!(
@@ -107,7 +111,11 @@ impl Columns {
             }
         }
         let mapping = options.mapping.as_ref();
-        let (time_column, time_exponent) = time_of(names, mapping, file)?;
+        let rate_hz = mapping.and_then(|mapping| mapping.time.as_ref()?.rate_hz);
+        let (time_column, time_exponent) = match rate_hz {
+            Some(_) => (None, 0),
+            None => time_of(headers, mapping, file).map(|(column, e)| (Some(column), e))?,
+        };
         let mut columns = Columns {
             names: names.to_vec(),
             joints: Vec::new(),
@@ -116,6 +124,7 @@ impl Columns {
             signals: Vec::new(),
             time_column,
             time_exponent,
+            rate_hz: rate_hz.unwrap_or(f64::NAN),
             used: Vec::new(),
             selected: Vec::new(),
             addends: Vec::new(),
@@ -221,10 +230,13 @@ impl Columns {
                 let problem = "joint side and motor side are the same column";
                 return Err(Located::new(&mapping.file, Fault::Contradiction, problem)
                     .line(theta.terms.first().map_or(theta.line, |term| term.line))
-                    .value(format!(
-                        "'{}'",
-                        theta.terms[0].column.as_deref().unwrap_or("")
-                    ))
+                    .value(
+                        theta
+                            .terms
+                            .iter()
+                            .find_map(|term| term.column.as_ref())
+                            .map_or(String::new(), ColumnRef::to_string),
+                    )
                     .cure("the motor's own position is needed")
                     .into());
             }
@@ -317,7 +329,7 @@ impl Columns {
     pub(super) fn unused(&self) -> Vec<String> {
         let used = |column| {
             let mut read = self.signals.iter().flat_map(|s| &s.addends);
-            column == self.time_column || read.any(|a| a.column == column)
+            Some(column) == self.time_column || read.any(|a| a.column == column)
         };
         let names = self.names.iter().enumerate();
         names
@@ -331,7 +343,7 @@ impl Columns {
         self.width = blocks(axes).len() * axes.len();
         self.selected.clear();
         self.addends.clear();
-        let mut used = vec![self.time_column];
+        let mut used = Vec::from_iter(self.time_column);
         for signal in &self.signals {
             let place = if signal.quantity == Quantity::Temperature {
                 Some(0)
@@ -364,8 +376,20 @@ impl Columns {
 
     /// Place of the time among the used cells.
     #[cfg(feature = "parquet")]
-    pub(crate) fn time_place(&self) -> usize {
-        self.used.binary_search(&self.time_column).unwrap_or(0)
+    pub(crate) fn time_place(&self) -> Option<usize> {
+        self.used.binary_search(&self.time_column?).ok()
+    }
+
+    /// Time of a row without one by the rate of the mapping, ns from the first row.
+    pub(crate) fn time_of_row(&self, row: u64) -> Option<i64> {
+        let ns = (row as f64 * 1e9 / self.rate_hz).round();
+        ns.is_finite().then_some(ns as i64)
+    }
+
+    /// Name of the time column, for messages.
+    pub(super) fn time_name(&self) -> &str {
+        let name = self.time_column.and_then(|column| self.names.get(column));
+        name.map_or("time", String::as_str)
     }
 
     /// Computes the wide row from the used cells; an absent cell makes its signal absent.
@@ -424,16 +448,13 @@ fn addends_of(
                     "'column' is missing; it is required because {file} is a table"
                 ))
             })?;
-            let column = names
-                .iter()
-                .position(|name| name == wanted)
-                .ok_or_else(|| {
-                    let hint = hint(wanted, names);
-                    error(format!(
-                        "no column '{wanted}' in {file}{hint} columns are {}",
-                        list(names)
-                    ))
-                })?;
+            let column = wanted.index(names).ok_or_else(|| {
+                let hint = near(wanted, names);
+                let there = list(names);
+                error(format!(
+                    "no column {wanted} in {file}{hint} columns are {there}"
+                ))
+            })?;
             Ok(Addend {
                 column,
                 scale: term.scale,
@@ -443,50 +464,133 @@ fn addends_of(
         .collect()
 }
 
+/// The nearest name of a column that is not there.
+fn near(wanted: &ColumnRef, names: &[String]) -> String {
+    match wanted {
+        ColumnRef::Name(wanted) => hint(wanted, names),
+        ColumnRef::Number(_) => format!(": {} columns;", names.len()),
+    }
+}
+
+/// Names of time columns with the power of ten from their unit to nanoseconds.
+const TIMES: [(&str, i32); 5] = [
+    ("time_s", 9),
+    ("time_ns", 0),
+    ("time_us", 3),
+    ("time_ms", 6),
+    // LeRobot's, in seconds.
+    ("timestamp", 9),
+];
+
+/// Time units of a mapping and their powers of ten to nanoseconds.
+pub(super) const TIME_UNITS: [(&str, i32); 4] = [("s", 9), ("ms", 6), ("us", 3), ("ns", 0)];
+
+/// The first time unit in which rows with this step have a usual rate, 5 Hz to 20 kHz.
+pub(super) fn time_unit_of_rate(step: f64) -> Option<&'static str> {
+    const USUAL_HZ: std::ops::Range<f64> = 5.0..20_000.0;
+    let rate_hz = |exponent| 10_f64.powi(9 - exponent) / step;
+    let mut units = TIME_UNITS.iter();
+    let found = units.find(|(_, exponent)| USUAL_HZ.contains(&rate_hz(*exponent)));
+    found.map(|(unit, _)| *unit)
+}
+
+/// Names of a time, if its unit or its cells determine the conversion.
+pub(super) const TIME_WORDS: [&str; 10] = [
+    "time",
+    "t",
+    "zeit",
+    "elapsed",
+    "elapsed time",
+    "timestamp",
+    "uhrzeit",
+    "zeitstempel",
+    "datetime",
+    "date/time",
+];
+
+/// Whether a column has one of the names that need no mapping.
+pub(super) fn has_usual_name(name: &str) -> bool {
+    TIMES.iter().any(|(usual, _)| *usual == name) || parse_name(name).is_some()
+}
+
+/// Names of the columns, and their units in the table.
+#[derive(Debug, Default)]
+pub(crate) struct Headers {
+    pub(crate) names: Vec<String>,
+    /// Units below the names; empty if the table has none there.
+    pub(crate) units: Vec<String>,
+    /// Columns of clock times or dates.
+    pub(crate) clocks: Vec<usize>,
+}
+
+impl Headers {
+    /// Headers without units.
+    pub(crate) fn of_names(names: Vec<String>) -> Self {
+        Self {
+            names,
+            ..Self::default()
+        }
+    }
+
+    /// Name of a column without its unit, and its unit: `Time [ms]`, `Time (ms)`, `Time / ms`, or in the row below.
+    pub(crate) fn split(&self, column: usize) -> (&str, Option<&str>) {
+        let name = self.names.get(column).map_or("", |name| name.trim());
+        let below = self.units.get(column).map(String::as_str);
+        let below = below.filter(|unit| !unit.is_empty());
+        let parted = [('[', ']'), ('(', ')')]
+            .into_iter()
+            .find_map(|(open, close)| name.strip_suffix(close)?.rsplit_once(open));
+        match parted.or_else(|| name.rsplit_once(" / ")) {
+            Some((name, unit)) => (name.trim(), Some(unit.trim())),
+            None => (name, below),
+        }
+    }
+
+    /// Power of ten from the unit of a time column to nanoseconds, by its name, its unit or its cells.
+    fn time_exponent(&self, column: usize) -> Option<i32> {
+        let (_, unit) = self.split(column);
+        let usual = TIMES.iter().find(|(name, _)| *name == self.names[column]);
+        let stated = || unit.and_then(|unit| time_unit_exponent(unit).ok());
+        let clock = || self.clocks.contains(&column).then_some(9);
+        usual
+            .map(|(_, exponent)| *exponent)
+            .or_else(stated)
+            .or_else(clock)
+    }
+}
+
 fn time_of(
-    names: &[String],
+    headers: &Headers,
     mapping: Option<&Mapping>,
     file: &str,
 ) -> Result<(usize, i32), LogError> {
-    const KNOWN: [(&str, i32); 5] = [
-        ("time_s", 9),
-        ("time_ns", 0),
-        ("time_us", 3),
-        ("time_ms", 6),
-        // LeRobot's, in seconds.
-        ("timestamp", 9),
-    ];
+    let names = &headers.names;
     let map = mapping.and_then(|mapping| mapping.time.as_ref());
-    if let Some((wanted, map)) = map.and_then(|map| Some((map.column.as_ref()?, map))) {
-        let column = names.iter().position(|name| name == wanted);
-        let exponent = map
-            .exponent
-            .or_else(|| KNOWN.iter().find(|(name, _)| name == wanted).map(|k| k.1))
-            .unwrap_or(9);
-        return column.map(|column| (column, exponent)).ok_or_else(|| {
-            let hint = hint(wanted, names);
+    let stated = map.and_then(|map| map.exponent);
+    if let Some(wanted) = map.and_then(|map| map.column.as_ref()) {
+        let column = wanted.index(names).ok_or_else(|| {
+            let (hint, there) = (near(wanted, names), list(names));
             LogError::request(
                 file,
-                format!(
-                    "no time column '{wanted}'{hint} columns are {}",
-                    list(names)
-                ),
+                format!("no time column {wanted}{hint} columns are {there}"),
             )
-        });
+        })?;
+        let exponent = stated.or_else(|| headers.time_exponent(column));
+        return Ok((column, exponent.unwrap_or(9)));
     }
-    KNOWN
+    let usual = TIMES
         .iter()
-        .find_map(|(known, exponent)| {
-            let column = names.iter().position(|name| name == known)?;
-            Some((
-                column,
-                map.and_then(|map| map.exponent).unwrap_or(*exponent),
-            ))
-        })
-        .ok_or_else(|| {
-            let reason = "no time column: time_s or time_ns, or [time] column in a mapping";
-            LogError::columns(file, reason, names)
-        })
+        .find_map(|(usual, _)| names.iter().position(|name| name == usual));
+    let is_time = |column: &usize| {
+        let name = headers.split(*column).0.to_lowercase();
+        TIME_WORDS.contains(&name.as_str()) && headers.time_exponent(*column).is_some()
+    };
+    let column = usual.or_else(|| (0..names.len()).find(is_time));
+    let found = column.and_then(|column| Some((column, stated.or(headers.time_exponent(column))?)));
+    found.ok_or_else(|| {
+        let reason = "no time column: time_s or time_ns, or [time] column in a mapping";
+        LogError::columns(file, reason, names)
+    })
 }
 
 #[cfg(test)]

@@ -1,16 +1,18 @@
 //! Delimited text: one header line, one row per instant.
 
-use std::io::{BufRead as _, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::ByteRecord;
-use sinew_files::csv::Dialect;
+use sinew_files::csv::{Dialect, is_comment};
+use sinew_files::date::ClockColumn;
 use sinew_files::text::Encoding;
 use sinew_files::{Fault, Located, Utf16Reader};
 
-use super::columns::Columns;
+use super::columns::{Columns, Headers};
 use super::decimal::parse_ns;
+use super::head::{self, Header};
 use super::{Row, Rows, Table};
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
@@ -24,8 +26,6 @@ use sinew_files::names::shorten;
 const ROW_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
 /// Bytes of the start in which the header line must end.
 const HEADER_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
-/// First character of a line without a row.
-const COMMENT: u8 = b'#';
 /// Size of one read of the operating system, bytes.
 const BUFFER_BYTES: usize = 256 << 10;
 
@@ -68,6 +68,13 @@ pub(crate) struct CsvRows {
     /// The file's last byte is not a line end.
     unterminated: bool,
     dialect: Dialect,
+    /// Lines before the first that the reader sees.
+    lines_before: u64,
+    /// Time columns of further channels.
+    further_times: Vec<usize>,
+    clock: ClockColumn,
+    /// Number of rows read.
+    rows: u64,
 }
 
 /// Delimited text as a recording.
@@ -75,10 +82,31 @@ pub(crate) type CsvReader = Table<CsvRows>;
 
 impl CsvReader {
     pub(crate) fn open(
-        mut reader: Box<dyn ReadSeek>,
+        reader: Box<dyn ReadSeek>,
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
+        let (rows, headers, has_names) = CsvRows::open(reader, file)?;
+        let is_mapped =
+            (options.mapping.as_ref()).is_some_and(|m| m.joint_names().next().is_some());
+        if !has_names && !is_mapped {
+            let reason = format!(
+                "no header: line {} holds numbers; name the columns by their numbers in a mapping, such as column = 2, with rate_hz in [time] if no column is a time",
+                rows.lines_before + 1
+            );
+            return Err(LogError::columns(file, &reason, &headers.names));
+        }
+        let columns = Columns::new(&headers, options, file)?;
+        Ok(Table::new(rows, columns, file))
+    }
+}
+
+impl CsvRows {
+    /// Reads the head of a text; returns its rows, its headers, and whether the text names its columns.
+    pub(super) fn open(
+        mut reader: Box<dyn ReadSeek>,
+        file: &str,
+    ) -> Result<(Self, Headers, bool), LogError> {
         let io = |source| LogError::io(file, "read", source);
         let to_error = |reason: String| LogError::not_a_recording(file, reason);
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
@@ -96,15 +124,13 @@ impl CsvReader {
         let mut length = reader.seek(SeekFrom::End(0)).map_err(io)?;
         let mut last = b'\n';
         reader.seek(SeekFrom::Start(start)).map_err(io)?;
-        let (header, is_comment) = match wide {
-            true => find_header(Utf16Reader::new(&mut reader, encoding == Encoding::Utf16Be)),
-            false => find_header(&mut reader),
+        let head = match wide {
+            true => head::find(Utf16Reader::new(&mut reader, encoding == Encoding::Utf16Be)),
+            false => head::find(&mut reader),
         }
         .map_err(io)?;
-        let names_in = Encoding::of(&header).0;
-        let header = names_in.decode(&header);
-        let dialect = Dialect::of_header(header.as_bytes());
-        let reader: Box<dyn Read + Send> = if wide {
+        let dialect = head.dialect;
+        let mut reader: Box<dyn Read + Send> = if wide {
             // Places count in UTF-8; how many there are takes a reading of its own.
             let big_endian = encoding == Encoding::Utf16Be;
             reader.seek(SeekFrom::Start(start)).map_err(io)?;
@@ -121,7 +147,11 @@ impl CsvReader {
         };
         let unterminated = last != b'\n' && last != b'\r';
 
-        let done = Arc::new(AtomicU64::new(0));
+        let mut before = reader.by_ref().take(head.skipped_bytes);
+        std::io::copy(&mut before, &mut std::io::sink()).map_err(io)?;
+        start += head.skipped_bytes;
+
+        let done = Arc::new(AtomicU64::new(start));
         let meter = Meter {
             reader,
             given: start,
@@ -131,27 +161,39 @@ impl CsvReader {
             .delimiter(dialect.delimiter)
             .flexible(true)
             .has_headers(false)
-            .comment(Some(COMMENT))
+            .comment(Some(head.comment))
             .buffer_capacity(BUFFER_BYTES)
             .from_reader(meter);
         let mut record = ByteRecord::new();
-        let found = match is_comment {
-            true => csv::ReaderBuilder::new()
-                .delimiter(dialect.delimiter)
-                .has_headers(false)
-                .from_reader(header.as_bytes())
-                .read_byte_record(&mut record),
-            false => reader.read_byte_record(&mut record),
+        let mut read = |record: &mut ByteRecord| {
+            let found = reader.read_byte_record(record);
+            found.map_err(|error| csv_error(file, head.line - 1, error))
         };
-        if !found.map_err(|error| csv_error(file, error))? {
+        let names = match &head.header {
+            Header::Stated(names) => names.clone(),
+            Header::Row => {
+                read(&mut record)?;
+                let names_in = Encoding::of(record.as_slice()).0;
+                let names = record
+                    .iter()
+                    .map(|name| names_in.decode(name).trim().to_owned());
+                let names = names.collect();
+                if head.has_units_row {
+                    read(&mut record)?;
+                }
+                names
+            }
+            Header::None => {
+                let columns = head.columns;
+                (1..=columns)
+                    .map(|number| format!("column {number}"))
+                    .collect()
+            }
+        };
+        if names.iter().all(String::is_empty) {
             return Err(to_error("it has no header line".to_owned()));
         }
-        let names_in = if is_comment { Encoding::Utf8 } else { names_in };
-        let names: Vec<String> = record
-            .iter()
-            .map(|name| names_in.decode(name).trim().to_owned())
-            .collect();
-        let columns = Columns::new(&names, options, file)?;
+        let headers = head.headers(names);
         done.store(start + reader.position().byte(), Ordering::Relaxed);
         let rows = CsvRows {
             file: file.to_owned(),
@@ -162,8 +204,21 @@ impl CsvReader {
             base: start,
             unterminated,
             dialect,
+            lines_before: head.line - 1,
+            further_times: head.further_times,
+            clock: ClockColumn::default(),
+            rows: 0,
         };
-        Ok(Table::new(rows, columns, file))
+        Ok((rows, headers, head.header != Header::None))
+    }
+
+    /// Numbers of the next row, `None` at the end; a cell that is no number is NaN.
+    pub(super) fn numbers(&mut self) -> Option<Vec<f64>> {
+        let read = self.reader.read_byte_record(&mut self.record);
+        read.is_ok_and(|found| found).then(|| {
+            let number = |cell| self.dialect.number(cell).flatten().unwrap_or(f64::NAN);
+            self.record.iter().map(number).collect()
+        })
     }
 }
 
@@ -184,14 +239,19 @@ impl Rows for CsvRows {
         last_ns: Option<i64>,
         health: &mut Health,
     ) -> Result<Row, LogError> {
-        let start = self.base + self.reader.position().byte();
-        let found = self
-            .reader
-            .read_byte_record(&mut self.record)
-            .map_err(|error| csv_error(&self.file, error))?;
-        if !found {
-            self.done.store(self.length, Ordering::Relaxed);
-            return Ok(Row::End);
+        let mut start = self.base + self.reader.position().byte();
+        loop {
+            let found = self.reader.read_byte_record(&mut self.record);
+            if !found.map_err(|error| csv_error(&self.file, self.lines_before, error))? {
+                self.done.store(self.length, Ordering::Relaxed);
+                return Ok(Row::End);
+            }
+            // The CSV reader knows one mark of a comment.
+            if !is_comment(self.record.get(0).unwrap_or_default().trim_ascii_start()) {
+                break;
+            }
+            start = self.base + self.reader.position().byte();
+            self.done.store(start, Ordering::Relaxed);
         }
         let end = self.base + self.reader.position().byte();
         self.done.store(end, Ordering::Relaxed);
@@ -206,7 +266,7 @@ impl Rows for CsvRows {
             health.ragged_rows += 1;
         }
         for (place, &column) in columns.used.iter().enumerate() {
-            if column == columns.time_column {
+            if Some(column) == columns.time_column {
                 continue;
             }
             let cell = self.record.get(column).unwrap_or(b"");
@@ -223,11 +283,20 @@ impl Rows for CsvRows {
                 None => return Err(self.bad_cell(columns, column, "is not a number")),
             };
         }
-        let cell = self
-            .record
-            .get(columns.time_column)
-            .unwrap_or(b"")
-            .trim_ascii();
+        let row = self.rows;
+        self.rows += 1;
+        let Some(time_column) = columns.time_column else {
+            return Ok(columns.time_of_row(row).map_or(Row::Skipped, Row::At));
+        };
+        let cell = self.record.get(time_column).unwrap_or(b"").trim_ascii();
+        for &further in &self.further_times {
+            if self.record.get(further).unwrap_or(b"").trim_ascii() != cell {
+                let problem = "differs from the time of the first channel";
+                let error = self.located(columns, further, problem);
+                let cure = "export the channels with a common time column, or each to a file";
+                return Err(error.cure(cure).into());
+            }
+        }
         let time_ns = match self.time(cell, columns.time_exponent) {
             Some(time_ns) => time_ns,
             None if cell.is_empty()
@@ -236,15 +305,19 @@ impl Rows for CsvRows {
                 health.rows_without_time += 1;
                 return Ok(Row::Skipped);
             }
-            None if cut_off && columns.time_column + 1 == self.record.len() => {
-                return Ok(self.lost_tail(start, last_ns, health, "its last cell is not a time"));
-            }
             None => {
-                return Err(self.bad_cell(
-                    columns,
-                    columns.time_column,
-                    "is not a time within the years 1677 to 2262",
-                ));
+                let text = String::from_utf8_lossy(self.record.get(time_column).unwrap_or(b""));
+                match self.clock.read(&text) {
+                    Some(time_ns) => time_ns,
+                    None if cut_off && time_column + 1 == self.record.len() => {
+                        let reason = "its last cell is not a time";
+                        return Ok(self.lost_tail(start, last_ns, health, reason));
+                    }
+                    None => {
+                        let what = "is not a time within the years 1677 to 2262";
+                        return Err(self.bad_cell(columns, time_column, what));
+                    }
+                }
             }
         };
         Ok(Row::At(time_ns))
@@ -253,12 +326,17 @@ impl Rows for CsvRows {
 
 impl CsvRows {
     fn time(&self, cell: &[u8], exponent: i32) -> Option<i64> {
-        parse_ns(cell, exponent).or_else(|| {
-            if !self.dialect.decimal_comma {
-                return None;
+        let exact = parse_ns(cell, exponent).filter(|_| !self.dialect.thousands_point);
+        exact.or_else(|| {
+            let grouped = || {
+                let number = self.dialect.number(cell).flatten()?;
+                parse_ns(number.to_string().as_bytes(), exponent)
+            };
+            let text = std::str::from_utf8(cell).ok()?;
+            if !self.dialect.decimal_comma || text.contains('.') {
+                return grouped();
             }
-            let text = std::str::from_utf8(cell).ok()?.replacen(',', ".", 1);
-            parse_ns(text.as_bytes(), exponent)
+            parse_ns(text.replacen(',', ".", 1).as_bytes(), exponent)
         })
     }
 
@@ -279,14 +357,19 @@ impl CsvRows {
     }
 
     fn bad_cell(&self, columns: &Columns, column: usize, what: &str) -> LogError {
+        let located = self.located(columns, column, what);
+        located.cure("empty or nan means not recorded").into()
+    }
+
+    /// Fault of a cell of the row.
+    fn located(&self, columns: &Columns, column: usize, what: &str) -> Located {
         let cell = self.record.get(column).unwrap_or(b"");
         let cell = String::from_utf8_lossy(cell);
+        let line = self.record.position().map_or(0, csv::Position::line);
         Located::new(&self.file, Fault::WrongType, what)
-            .line(self.record.position().map_or(0, |position| position.line()))
+            .line(self.lines_before + line)
             .column(columns.names.get(column).map_or("", String::as_str))
             .value(format!("'{}'", shorten(&cell, 60)))
-            .cure("empty or nan means not recorded")
-            .into()
     }
 }
 
@@ -318,37 +401,7 @@ fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// The line of column names, and whether it is a comment: the last one above rows that begin with numbers.
-fn find_header(text: impl Read) -> std::io::Result<(Vec<u8>, bool)> {
-    let mut text = BufReader::new(text.take(HEADER_LIMIT_BYTES));
-    let (mut line, mut comment) = (Vec::new(), None);
-    loop {
-        line.clear();
-        if text.read_until(b'\n', &mut line)? == 0 {
-            return Ok((Vec::new(), false));
-        }
-        // Old line ends part lines too.
-        let own = line.split(|byte| *byte == b'\r').next().unwrap_or(&line);
-        let own = own.trim_ascii();
-        match own.strip_prefix(&[COMMENT]) {
-            Some(text) => comment = Some(text.trim_ascii().to_vec()),
-            None if own.is_empty() => {}
-            None => {
-                let is_number = |comment: &Vec<u8>| {
-                    let dialect = Dialect::of_header(comment);
-                    let mut cells = own.split(|byte| *byte == dialect.delimiter);
-                    cells.all(|cell| dialect.number(cell).is_some())
-                };
-                return Ok(match comment.filter(is_number) {
-                    Some(comment) => (comment, true),
-                    None => (own.to_vec(), false),
-                });
-            }
-        }
-    }
-}
-
-fn csv_error(file: &str, error: csv::Error) -> LogError {
+fn csv_error(file: &str, lines_before: u64, error: csv::Error) -> LogError {
     let line = error.position().map(csv::Position::line);
     match error.into_kind() {
         csv::ErrorKind::Io(source) if source.kind() == std::io::ErrorKind::InvalidData => {
@@ -356,7 +409,7 @@ fn csv_error(file: &str, error: csv::Error) -> LogError {
         }
         csv::ErrorKind::Io(source) => LogError::io(file, "read", source),
         other => Located::new(file, Fault::Syntax, format!("{other:?}"))
-            .line(line.unwrap_or(0))
+            .line(lines_before + line.unwrap_or(0))
             .into(),
     }
 }

@@ -4,16 +4,19 @@ mod arrays;
 mod columns;
 mod csv_read;
 mod decimal;
+mod head;
 #[cfg(feature = "parquet")]
 mod parquet_cells;
 #[cfg(feature = "parquet")]
 mod parquet_read;
+mod propose;
 
 pub(super) use arrays::ArrayReader;
 pub use arrays::Arrays;
 pub(super) use csv_read::CsvReader;
 #[cfg(feature = "parquet")]
 pub(super) use parquet_read::ParquetReader;
+pub use propose::{MappingProposal, ProposedJoint, ProposedSource, ProposedTime, TableColumn};
 
 use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
@@ -22,7 +25,8 @@ use crate::frame::{ABSENT, AxisNames, Channels};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::SignalSource;
-use columns::Columns;
+use columns::{Columns, TIME_UNITS, time_unit_of_rate};
+use sinew_files::number::three_digits;
 use sinew_files::{Fault, Located};
 use std::cmp::Ordering;
 
@@ -72,7 +76,12 @@ struct Clock {
     rising: u64,
     falling: u64,
     equal: u64,
+    /// Sum of the rising steps, s.
+    rise_s: f64,
 }
+
+/// Plausible rates of a recording, Hz: slower ones have a gap from row to row, faster ones exceed encoder buses.
+const PLAUSIBLE_HZ: std::ops::Range<f64> = 2.0..50_000.0;
 
 impl Clock {
     /// Steps after which a clock is known.
@@ -88,10 +97,32 @@ impl Clock {
 
     fn step(&mut self, from_ns: i64, to_ns: i64) {
         match to_ns.cmp(&from_ns) {
-            Ordering::Greater => self.rising += 1,
+            Ordering::Greater => {
+                self.rising += 1;
+                self.rise_s += (to_ns as f64 - from_ns as f64) * 1e-9;
+            }
             Ordering::Less => self.falling += 1,
             Ordering::Equal => self.equal += 1,
         }
+    }
+
+    /// Warning of times in another unit than that of `exponent`.
+    fn other_unit(&self, exponent: i32) -> Option<String> {
+        /// Number of steps that show a rate.
+        const MIN_RISES: u64 = 20;
+        let step_s = self.rise_s / self.rising as f64;
+        if self.rising < MIN_RISES || PLAUSIBLE_HZ.contains(&step_s.recip()) {
+            return None;
+        }
+        let stated = TIME_UNITS.iter().find(|unit| unit.1 == exponent)?.0;
+        let step = step_s * 10_f64.powi(9 - exponent);
+        let unit = time_unit_of_rate(step)?;
+        let other = TIME_UNITS.iter().find(|found| found.0 == unit)?.1;
+        let hz = three_digits(10_f64.powi(9 - other) / step);
+        let step = three_digits(step_s);
+        Some(format!(
+            "the times advance by {step} s per row in {stated}: probably in {unit} ({hz} Hz); set unit = \"{unit}\" in [time] of the mapping"
+        ))
     }
 
     /// Fault of the times, with its remedy.
@@ -131,8 +162,8 @@ impl<R> Table<R> {
         let Some((problem, cure)) = self.clock.fault() else {
             return Ok(());
         };
-        let time = &self.columns.names[self.columns.time_column];
         let located = Located::new(&self.file, Fault::Contradiction, problem);
+        let time = self.columns.time_name();
         Err(located.column(time).cure(cure).into())
     }
 
@@ -203,8 +234,12 @@ impl<R: Rows> Reader for Table<R> {
                         "{} of {} rows have the same {} as the row before and are discarded: {ROUNDED}",
                         self.clock.equal,
                         self.clock.steps() + 1,
-                        self.columns.names[self.columns.time_column],
+                        self.columns.time_name(),
                     ));
+                }
+                let (column, exponent) = (self.columns.time_column, self.columns.time_exponent);
+                if let Some(warning) = column.and_then(|_| self.clock.other_unit(exponent)) {
+                    health.implausible_signal(warning);
                 }
                 Ok(false)
             }

@@ -8,7 +8,7 @@ use parquet::basic::{LogicalType, TimeUnit, Type as Physical};
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 
-use super::columns::Columns;
+use super::columns::{Columns, Headers};
 use super::decimal::float_ns;
 use super::parquet_cells::{Cells, Leaf, first_length, guarded};
 use super::{Row, Rows, Table};
@@ -164,7 +164,7 @@ impl ParquetReader {
                 });
             }
         }
-        let columns = Columns::new(&names, options, file)?;
+        let columns = Columns::new(&Headers::of_names(names), options, file)?;
         let rows_total = reader.metadata().file_metadata().num_rows().max(0) as u64;
         let rows = ParquetRows {
             leaves,
@@ -231,9 +231,12 @@ impl Rows for ParquetRows {
         for (cell, column) in cells.iter_mut().zip(&self.group) {
             *cell = column.values[at];
         }
-        let place = columns.time_place();
+        let Some((column, place)) = columns.time_column.zip(columns.time_place()) else {
+            let time_ns = columns.time_of_row(self.rows_done - 1);
+            return Ok(time_ns.map_or(Row::Skipped, Row::At));
+        };
         let time = &self.group[place];
-        let exponent = self.leaves[columns.time_column]
+        let exponent = self.leaves[column]
             .timestamp
             .unwrap_or(columns.time_exponent);
         let time_ns = if is_absent(time.values[at]) {

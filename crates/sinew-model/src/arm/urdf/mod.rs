@@ -10,8 +10,9 @@
 //! | any of these with `<mimic>` | an independent joint, with a warning: the recording contains its position |
 //! | `floating`, `planar`, `spherical` | error: lock it, or cut the description at the arm's base |
 //!
-//! Visuals, collisions, sensors, transmissions and tags of vendors are ignored. Xacro files are rejected with
-//! an error that names xacro.
+//! Visuals, collisions, sensors, transmissions and tags of vendors are ignored, with a warning for an element of xacro
+//! in them. Xacro files are rejected with an error that names xacro. Empty lines before the XML declaration are
+//! accepted.
 //!
 //! Treatment of implausible values: a negative mass, NaN or infinity is an error; an inertia that is impossible
 //! for a rigid body (identified models contain such values), a joint that carries no mass and a negative
@@ -32,7 +33,7 @@ use sinew_files::limits;
 
 pub use links::{is_positive_semidefinite, obeys_triangle};
 pub use located::line_of;
-pub use xml::{JointType, Origin, UrdfJoint, UrdfLink, UrdfRobot, read as outline};
+pub use xml::{JointType, Origin, UrdfJoint, UrdfLink, UrdfRobot, XacroElement, read as outline};
 
 /// How to read a URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -344,6 +345,11 @@ impl<'a> Reader<'a> {
                 "N·m·s/rad",
             )?);
         }
+        let remnants = self.robot.ignored_xacro.iter();
+        self.warnings.extend(remnants.map(|element| {
+            let XacroElement { line, tag } = element;
+            format!("line {line}: <xacro:{tag}> was not expanded; ignored, because its element is not read")
+        }));
         self.warnings.extend(self.implausible.sentences());
         Ok(UrdfArm {
             name: self.robot.name.clone(),

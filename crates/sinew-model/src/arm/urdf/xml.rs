@@ -17,6 +17,17 @@ pub struct UrdfRobot {
     pub links: Vec<UrdfLink>,
     /// Joints in the file's order.
     pub joints: Vec<UrdfJoint>,
+    /// Elements of xacro within ignored elements, such as a visual.
+    pub ignored_xacro: Vec<XacroElement>,
+}
+
+/// Element of xacro, which was not expanded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct XacroElement {
+    /// Line, from 1.
+    pub line: u32,
+    /// Name of the tag, without its prefix.
+    pub tag: String,
 }
 
 /// A link of a URDF.
@@ -120,7 +131,7 @@ pub fn read(text: &str) -> Result<UrdfRobot, UrdfError> {
 
 /// The text with prefixes declared that it uses without; lines stay where they are.
 pub(crate) fn declared(text: &str) -> Cow<'_, str> {
-    let mut text = Cow::from(text);
+    let mut text = without_late_declaration(text);
     for _ in 0..PREFIXES_MOST {
         match undeclared(&text) {
             Some(declared) => text = declared.into(),
@@ -128,6 +139,27 @@ pub(crate) fn declared(text: &str) -> Cow<'_, str> {
         }
     }
     text
+}
+
+/// The text without an XML declaration that empty lines or a byte order mark precede, which XML forbids and other
+/// readers of URDF accept; lines stay where they are.
+fn without_late_declaration(text: &str) -> Cow<'_, str> {
+    let start = text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}');
+    let end = start.find("?>").filter(|_| start.starts_with("<?xml "));
+    match end {
+        Some(end) if start.len() < text.len() => {
+            let (before, after) = (
+                &text[..text.len() - start.len()],
+                &start[end + "?>".len()..],
+            );
+            let lines = before
+                .chars()
+                .chain(start[..end].chars())
+                .filter(|c| *c == '\n');
+            Cow::from(lines.chain(after.chars()).collect::<String>())
+        }
+        _ => Cow::from(text.trim_start_matches('\u{feff}')),
+    }
 }
 
 /// Parses XML of at most [`limits::URDF_NODES`] nodes.
@@ -149,17 +181,31 @@ fn undeclared(text: &str) -> Option<String> {
     Some(format!("{before} xmlns:{prefix}=\"{prefix}\"{after}"))
 }
 
-/// The first element of xacro, where there is one.
-pub(crate) fn xacro_element<'a, 'i>(document: &'a Document<'i>) -> Option<Node<'a, 'i>> {
-    document.root().descendants().find(|node| {
+/// Elements of URDF whose content matters; every other one is ignored with all it contains.
+const READ: [&str; 4] = ["robot", "link", "joint", "inertial"];
+
+/// All elements of xacro.
+fn xacro_elements<'a, 'i>(document: &'a Document<'i>) -> impl Iterator<Item = Node<'a, 'i>> {
+    document.root().descendants().filter(|node| {
         let uri = node.tag_name().namespace();
         uri.is_some_and(|uri| uri.ends_with("xacro"))
     })
 }
 
+/// The first element of xacro outside elements with ignored tags.
+pub(crate) fn xacro_element<'a, 'i>(
+    document: &'a Document<'i>,
+    is_ignored: impl Fn(&str) -> bool,
+) -> Option<Node<'a, 'i>> {
+    xacro_elements(document).find(|node| {
+        let mut around = node.ancestors().skip(1).filter(Node::is_element);
+        !around.any(|node| is_ignored(node.tag_name().name()))
+    })
+}
+
 fn robot(document: &Document<'_>) -> Result<UrdfRobot, UrdfError> {
     let root = document.root_element();
-    if let Some(node) = xacro_element(document) {
+    if let Some(node) = xacro_element(document, |tag| !READ.contains(&tag)) {
         let what = format!("<xacro:{}>", node.tag_name().name());
         return Err(xacro(node, what));
     }
@@ -176,6 +222,12 @@ fn robot(document: &Document<'_>) -> Result<UrdfRobot, UrdfError> {
         joints: all("joint")
             .map(|node| joint(node, version))
             .collect::<Result<_, _>>()?,
+        ignored_xacro: xacro_elements(document)
+            .map(|node| XacroElement {
+                line: line(node),
+                tag: node.tag_name().name().to_string(),
+            })
+            .collect(),
     })
 }
 

@@ -13,7 +13,7 @@ use crate::terminal::{Failure, Finish, Word, complain};
 use crate::text::plain;
 use clap::{Args, Subcommand};
 pub(crate) use duty_args::DutyArgs;
-use sinew_report::rope::namesake;
+use sinew_report::rope::{namesake, unreadable};
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 use std::path::{Path, PathBuf};
 pub(crate) use values::{celsius, duration};
@@ -50,15 +50,15 @@ pub(crate) struct Ropes {
 }
 
 impl Ropes {
-    /// Reads the built-in and additional catalogues; name conflicts are printed as notes unless `quiet`.
+    /// Reads the built-in and additional catalogues; name conflicts and invalid files of ./ropes are printed as notes unless `quiet`.
     pub(crate) fn catalogue(&self, quiet: bool) -> Result<Catalogue, CatalogueError> {
-        let here = Path::new("ropes");
-        let mut folders: Vec<&Path> = Vec::new();
-        if here.is_dir() {
-            folders.push(here);
+        let mut implied = vec![Path::new("ropes")];
+        implied.retain(|folder| folder.is_dir());
+        let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
+        let catalogue = Catalogue::with_implied_folders(&implied, &folders)?;
+        for rope in catalogue.unreadable().iter().filter(|_| !quiet) {
+            complain(Word::Note, &plain(&unreadable(rope)));
         }
-        folders.extend(self.folders.iter().map(PathBuf::as_path));
-        let catalogue = Catalogue::with_folders(&folders)?;
         for same in catalogue.namesakes().iter().filter(|_| !quiet) {
             complain(Word::Note, &plain(&namesake(same)));
         }
