@@ -132,8 +132,8 @@ impl MotorRatio {
     /// Keys of the mapping's `theta` (or `q`) with which the slope is near one.
     fn remedy(&self) -> String {
         /// Maximum relative distance of a slope from the factor between two units: deflections of the spring.
-        const NEAR: f64 = 0.1;
-        let is = |factor: f64| (self.slope.abs() / factor - 1.0).abs() < NEAR;
+        const MAX_FACTOR_ERROR: f64 = 0.1;
+        let is = |factor: f64| (self.slope.abs() / factor - 1.0).abs() < MAX_FACTOR_ERROR;
         let sign = if self.slope < 0.0 { ", sign = -1" } else { "" };
         let degrees_per_rad = 180.0 / std::f64::consts::PI;
         let name = &self.joint;

@@ -1,4 +1,4 @@
-//! Recordings with faults that real robots make: what the estimate uses, and what the command says of the rest.
+//! Recordings with faults that real robots make: the part that the estimate uses, and the warnings about the rest.
 
 use crate::skipped::shared;
 use serde_json::Value;

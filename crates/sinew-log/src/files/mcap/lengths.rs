@@ -1,7 +1,7 @@
 //! Parsing of MCAP records whose lengths have been checked.
 //!
-//! The parser of the format allocates the memory that a length in a record asks for before it reads: a length of 2³² − 1 in
-//! a record of 20 bytes would end the process.
+//! The parser of the format allocates memory by the lengths in a record before it has the bytes: a length of 2³² − 1 in a
+//! record of 20 bytes would end the process.
 
 use mcap::records::{Record, op};
 

@@ -56,7 +56,7 @@ pub struct TableColumn {
 pub struct MappingProposal {
     /// Columns of the table.
     pub columns: Vec<TableColumn>,
-    /// Time column.
+    /// Column of the time, if one rises.
     pub time: Option<ProposedTime>,
     /// Joints, in the order of their columns.
     pub joints: Vec<ProposedJoint>,
@@ -95,7 +95,7 @@ pub struct ProposedSource {
     pub quantity: Quantity,
     /// Whether a word of the name, not only the order of the columns, indicates the quantity.
     pub is_named: bool,
-    /// Unit.
+    /// Unit as written in a mapping file.
     pub unit: String,
     /// Whether the header states the unit.
     pub is_unit_stated: bool,
@@ -106,11 +106,11 @@ pub struct ProposedSource {
 impl MappingProposal {
     /// Proposes a mapping for a file; empty if it cannot be read or is not delimited text.
     pub fn of_file(path: &Path) -> Self {
-        let opened = File::open(path).ok().and_then(|file| {
+        let read = File::open(path).ok().and_then(|file| {
             let name = path.display().to_string();
             CsvRows::open(Box::new(file), &name).ok()
         });
-        let Some((mut rows, headers, has_names)) = opened else {
+        let Some((mut rows, headers, has_names)) = read else {
             return Self::default();
         };
         let mut columns = Vec::new();
@@ -385,9 +385,9 @@ fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
 /// A ratio without the effect of the elastic tendon: whole, where one is near.
 fn rounded(ratio: f64) -> f64 {
     /// Largest relative distance of a ratio from the whole number that it is taken for.
-    const NEAR: f64 = 0.02;
+    const MAX_ROUNDING_RATIO: f64 = 0.02;
     let whole = ratio.round();
-    match (ratio - whole).abs() <= NEAR * ratio.abs() {
+    match (ratio - whole).abs() <= MAX_ROUNDING_RATIO * ratio.abs() {
         true => whole,
         false => (1000.0 * ratio).round() / 1000.0,
     }
@@ -440,7 +440,7 @@ mod tests {
 
     #[test]
     fn time_is_named_column_that_rises() {
-        // A joint that rises stands before the time.
+        // A column of a joint that rises precedes the time.
         let found = propose("q1,theta1,timestamp\n", |k| {
             format!("{},{},{}", 0.01 * k, 0.01 * k, 1e6 * k)
         });
