@@ -246,7 +246,7 @@ fn clock_ns(text: &str, is_dated: bool) -> Option<i64> {
     let lower = clock.trim_end().to_ascii_lowercase();
     let (clock, half) = match lower
         .strip_suffix('m')
-        .and_then(|c| Some((c.get(..c.len() - 1)?, c)))
+        .and_then(|c| Some((c.get(..c.len().checked_sub(1)?)?, c)))
     {
         Some((clock, half)) if half.ends_with('a') => (clock.trim_end(), Some(0)),
         Some((clock, half)) if half.ends_with('p') => (clock.trim_end(), Some(12)),

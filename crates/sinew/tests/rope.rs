@@ -89,8 +89,10 @@ fn user_rope_from_builtin_template_is_valid() {
         "toe_percent = { value = -0.2",
     );
     std::fs::write(dir.path().join("ropes/bad.toml"), bad).expect("written");
+    // An invalid file is an error only for its own rope.
+    assert!(told(&["rope", "list"], dir.path()).contains("\nmine "));
     refused(
-        &["rope", "list"],
+        &["rope", "show", "bad"],
         dir.path(),
         1,
         &["bad.toml, line", "law.toe_percent.value = -0.2"],

@@ -1,7 +1,7 @@
 //! Location of the table in a file: names and values above, header, units, rows.
 
 use super::cells::{Cell, Table};
-use super::columns::{quantity_of, split};
+use super::names::{quantity_of, split};
 use super::quantity::{TestQuantity, parse_unit};
 use sinew_files::csv::is_comment;
 use sinew_files::unit::bare;

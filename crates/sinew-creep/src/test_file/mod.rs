@@ -13,6 +13,7 @@
 mod cells;
 mod columns;
 mod header;
+mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod quantity;

@@ -1,8 +1,9 @@
 //! Conversion of table rows to specimens.
 
 use super::cells::{Cell, Table};
-use super::columns::{Role, column_index, roles, split};
+use super::columns::{Role, column_index, roles};
 use super::header::{self, Head};
+use super::names::split;
 use super::{SourceColumn, TestFile, TestOptions, TestQuantity};
 use crate::error::TestFileError;
 use sinew_files::date::{ClockColumn, is_stamp};

@@ -311,7 +311,11 @@ fn candidate((index, column): (usize, &TableColumn)) -> Option<Candidate> {
         Some(D::Current) => Some(Quantity::TauM),
         Some(_) => return None,
     };
-    let lower = column.label.to_lowercase();
+    // A column that has only a number has no name of a joint.
+    let lower = match column.number {
+        Some(_) => String::new(),
+        None => column.label.to_lowercase(),
+    };
     let (mut of_word, mut is_motor, mut is_joint) = (None, false, false);
     let mut joint: Vec<String> = Vec::new();
     for word in lower
@@ -333,7 +337,8 @@ fn candidate((index, column): (usize, &TableColumn)) -> Option<Candidate> {
             true => number,
             false => word,
         };
-        if !rest.is_empty() && Unit::parse(rest, &D::ALL).is_err() {
+        let is_number = !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit());
+        if is_number || !rest.is_empty() && Unit::parse(rest, &D::ALL).is_err() {
             joint.push(rest.to_owned());
         }
     }
