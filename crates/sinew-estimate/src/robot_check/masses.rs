@@ -294,22 +294,12 @@ fn gyration_m(mass: f64, trace: f64) -> f64 {
     libm::sqrt(trace / (2.0 * mass))
 }
 
-/// Whether mass and inertia look like placeholders: equal moments about all axes, or round numbers throughout, without
-/// products of inertia.
+/// Whether the inertia looks like a placeholder: one power of ten about all axes, without products of inertia.
 fn is_placeholder(link: &UrdfLink) -> bool {
     let [ixx, ixy, ixz, iyy, iyz, izz] = link.inertia;
-    let is_round = |value: f64| {
-        let size = 10_f64.powf(value.abs().log10().floor());
-        let digit = value / size;
-        (digit - digit.round()).abs() < 1e-9
-    };
-    let moments = [ixx, iyy, izz];
-    let are_equal = moments.iter().all(|moment| *moment == ixx);
-    let are_round = moments
-        .iter()
-        .chain([&link.mass_kg])
-        .all(|value| is_round(*value));
-    [ixy, ixz, iyz] == [0.0; 3] && (are_equal || are_round)
+    let exponent = ixx.log10();
+    let is_power_of_ten = (exponent - exponent.round()).abs() < 1e-9;
+    [ixy, ixz, iyz] == [0.0; 3] && iyy == ixx && izz == ixx && is_power_of_ten
 }
 
 fn length(xyz: &[f64; 3]) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::recorder::Recorded;
 use crate::error::{EstimateError, MotorRatio, OpposedSpring, SidesFault};
-use sinew_model::offset::{Payload, PayloadRange, Prior};
+use sinew_model::offset::{Block, Payload, PayloadRange, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::statistics::upper_median;
 use sinew_model::tendons::Routings;
@@ -23,23 +23,28 @@ const MIN_BLOCKS: usize = 100;
 /// Checks that no joint has positions in degrees.
 ///
 /// # Errors
-/// Returns [`EstimateError::Sides`] with the joints that exceed their limits by more than their range, and are within
-/// the limits as degrees.
+/// Returns [`EstimateError::Sides`] with the joints whose both sides exceed the limits by more than a turn, and are within
+/// the limits as degrees. A joint whose transmission is lost swings freely, but its motor does not.
 fn check_units(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), EstimateError> {
-    let names = robot.joint_names().iter();
-    let in_degrees = names
-        .zip(&robot.limits)
-        .enumerate()
-        .filter_map(|(i, (joint, limits))| {
-            let positions = recorded.blocks.iter().filter_map(|block| block.q.get(i));
-            let [low, high] = positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], q| {
-                [a.min(*q), b.max(*q)]
-            });
-            let span = limits.upper - limits.lower;
-            let is_beyond = high > limits.upper + span || low < limits.lower - span;
-            let fits = low.to_radians() > limits.lower && high.to_radians() < limits.upper;
-            (span.is_finite() && is_beyond && fits).then(|| (joint.clone(), [low, high]))
-        });
+    const TURN_RAD: f64 = std::f64::consts::TAU;
+    let in_degrees = recorded.elastic.iter().filter_map(|&i| {
+        let limits = robot.limits.get(i)?;
+        let range = |of: &dyn Fn(&Block) -> Option<f64>| {
+            let positions = recorded.blocks.iter().filter_map(of);
+            positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
+                [a.min(x), b.max(x)]
+            })
+        };
+        let is_degrees = |[low, high]: [f64; 2]| {
+            let is_beyond = high > limits.upper + TURN_RAD || low < limits.lower - TURN_RAD;
+            is_beyond && low.to_radians() > limits.lower && high.to_radians() < limits.upper
+        };
+        let joint = range(&|block| block.turned.get(i).copied());
+        let motor = range(&|block| Some(block.turned.get(i)? + block.y.get(i)?));
+        let is_limited = (limits.upper - limits.lower).is_finite();
+        let are_degrees = is_limited && is_degrees(joint) && is_degrees(motor);
+        are_degrees.then(|| (robot.tendon_name(i).to_owned(), joint))
+    });
     let joints: Vec<(String, [f64; 2])> = in_degrees.collect();
     match joints.is_empty() {
         true => Ok(()),
@@ -125,8 +130,8 @@ pub(super) fn check(
     payload: Payload,
     name: &str,
 ) -> Result<(), EstimateError> {
-    check_units(robot, recorded, name)?;
     check_ratios(robot, recorded, name)?;
+    check_units(robot, recorded, name)?;
     let held = prior.payload_range(payload);
     let is_excluded = |i: usize| recorded.blocks.iter().any(|b| b.y[i].is_nan());
     let intact = recorded.elastic.iter().filter(|&&i| !is_excluded(i));
