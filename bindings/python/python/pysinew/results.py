@@ -6190,10 +6190,14 @@ class WarningFramesIncomplete(Record):
 
 
 class WarningJointSeized(Record):
-    """Joint that hardly moved while its motor turned: the joint or its encoder is seized."""
+    """Joint that hardly moved while its motor turned: the joint or its encoder is seized. A phase of a constant
+    reading in which the motor travels farther than the effort limit bends the spring is excluded.
+    """
 
     __slots__ = ()
 
+    from_s: float
+    """Start of the phase since the start of the recording, s."""
     joint: str
     """Name of the joint."""
     joint_travel_rad: float
@@ -6203,6 +6207,7 @@ class WarningJointSeized(Record):
     """Range of the motor position, rad."""
 
     _fields = {
+        "from_s": "",
         "joint": "",
         "joint_travel_rad": "",
         "kind": "",

@@ -294,12 +294,15 @@ fn gyration_m(mass: f64, trace: f64) -> f64 {
     libm::sqrt(trace / (2.0 * mass))
 }
 
-/// Whether the inertia looks like a placeholder: one power of ten about all axes, without products of inertia.
+/// Whether the inertia looks like a placeholder, without products of inertia: one power of ten about all axes, or numbers
+/// of one digit like the mass.
 fn is_placeholder(link: &UrdfLink) -> bool {
     let [ixx, ixy, ixz, iyy, iyz, izz] = link.inertia;
-    let exponent = ixx.log10();
-    let is_power_of_ten = (exponent - exponent.round()).abs() < 1e-9;
-    [ixy, ixz, iyz] == [0.0; 3] && iyy == ixx && izz == ixx && is_power_of_ten
+    let digit = |value: f64| value / 10_f64.powf(value.abs().log10().floor());
+    let is_whole = |value: f64| (value - value.round()).abs() < 1e-9;
+    let is_power_of_ten = iyy == ixx && izz == ixx && is_whole(ixx.abs().log10());
+    let all = [ixx, iyy, izz, link.mass_kg];
+    [ixy, ixz, iyz] == [0.0; 3] && (is_power_of_ten || all.iter().all(|x| is_whole(digit(*x))))
 }
 
 fn length(xyz: &[f64; 3]) -> f64 {
