@@ -27,7 +27,7 @@ pub(crate) fn check_mapping(mapping: &Mapping) -> Result<(), Located> {
                 let problem = "an MCAP recording has topics, not columns";
                 return Err(Located::new(&mapping.file, Fault::NotAllowed, problem)
                     .line(term.line)
-                    .column(&column.to_string().replace('\'', ""))
+                    .column(column.to_string().replace('\'', ""))
                     .cure("omit column and sum; the term then converts the value of the topic"));
             }
         }

@@ -290,7 +290,7 @@ impl Scope {
         for (index, line) in rows.iter().enumerate() {
             let dialect = Dialect::of_header(line.text.as_bytes());
             let row = cells(&line.text, dialect);
-            if row.first().is_some_and(|cell| cell == "Name") && row.len() % 2 == 0 {
+            if row.first().is_some_and(|cell| cell == "Name") && row.len().is_multiple_of(2) {
                 found = Some((index, dialect));
             }
         }
