@@ -128,7 +128,9 @@ fn propose(out: &mut String, columns: &[String], proposal: &MappingProposal) {
                 false => "unit assumed",
             };
             let moves = match (source.quantity, source.gear_ratio) {
-                (Quantity::Theta, Some(ratio)) => format!("; moves about {ratio} times as far as q, compare the data sheet"),
+                (Quantity::Theta, Some(ratio)) => {
+                    format!("; moves about {ratio} times as far as q, compare the data sheet")
+                }
                 (Quantity::Theta, None) => "; set gear_ratio".to_owned(),
                 _ => String::new(),
             };
