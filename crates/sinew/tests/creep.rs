@@ -56,6 +56,46 @@ fn analyze_example_recovers_truth() {
     assert!(kinds(2).contains(&"slip".to_owned()), "{:?}", kinds(2));
 }
 
+/// At the change of the load the bench writes two rows at one time.
+#[test]
+fn analyze_simulated_bench_recovers_at_load_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("e.csv");
+    let csv = csv.to_str().unwrap();
+    let run = json(&["bench", "simulate", "E", "--csv", csv, "--json"]);
+    let report = json(&["creep", "analyze", csv, "--json", "--quiet"]);
+    let rows = run["readings"].as_array().unwrap();
+    let number = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
+    let strain = |row: usize| rows[row]["strain_ratio"]["value"].as_f64().unwrap();
+    let change = (1..rows.len())
+        .find(|&row| number(row, "force_n") < number(row - 1, "force_n"))
+        .unwrap();
+    assert_eq!(number(change, "time_s"), number(change - 1, "time_s"));
+    let specimen = &report["specimens"][0];
+    let recovery = &specimen["recovery"][0];
+    let last = strain(rows.len() - 1);
+    for (found, expected) in [
+        (&specimen["end_strain_ratio"], strain(change - 1)),
+        (&recovery["before_strain_ratio"], strain(change - 1)),
+        (
+            &recovery["immediate_strain_ratio"],
+            strain(change - 1) - strain(change),
+        ),
+        (&recovery["delayed_strain_ratio"], strain(change) - last),
+    ] {
+        let found = found.as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        assert!(found > 0.0);
+    }
+    let kinds: Vec<&str> = specimen["artefacts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|artefact| artefact["kind"].as_str())
+        .collect();
+    assert_eq!(kinds, ["no-ramp"]);
+}
+
 #[test]
 fn fit_example_selects_true_law() {
     let report = json(&["creep", "fit", "rope-A.csv", "--json", "--quiet"]);

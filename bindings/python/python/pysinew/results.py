@@ -112,7 +112,7 @@ class Arrhenius(Record):
 
 
 class ArtefactDuplicateTimestamps(Record):
-    """Measurements with duplicate time stamps; all are used."""
+    """Measurements with duplicate time stamps under one load; all are used."""
 
     __slots__ = ()
 

@@ -46,7 +46,7 @@ pub enum Artefact {
         /// Duration of the ramp, s.
         ramp_s: f64,
     },
-    /// Measurements with duplicate time stamps; all are used.
+    /// Measurements with duplicate time stamps under one load; all are used.
     DuplicateTimestamps {
         /// Number of such measurements.
         readings: usize,
@@ -99,7 +99,7 @@ pub(super) fn clean(
     force: Option<&[f64]>,
     artefacts: &mut Vec<Artefact>,
 ) -> Vec<usize> {
-    let (mut kept, mut gaps, mut back, mut repeated) = (Vec::new(), 0, 0, 0);
+    let (mut kept, mut gaps, mut back) = (Vec::new(), 0, 0);
     let mut latest = f64::NEG_INFINITY;
     for i in 0..time.len() {
         let whole = time[i].is_finite()
@@ -110,7 +110,6 @@ pub(super) fn clean(
         } else if time[i] < latest {
             back += 1;
         } else {
-            repeated += usize::from(time[i] == latest);
             latest = time[i];
             kept.push(i);
         }
@@ -118,10 +117,6 @@ pub(super) fn clean(
     let found = [
         (gaps, Artefact::Gap { readings: gaps }),
         (back, Artefact::NonMonotonicTime { readings: back }),
-        (
-            repeated,
-            Artefact::DuplicateTimestamps { readings: repeated },
-        ),
     ];
     artefacts.extend(
         found

@@ -5,8 +5,8 @@ use crate::test_file::{Specimen, TestQuantity};
 mod artefacts;
 mod load;
 
-use super::artefacts::median;
-use super::curve::{Curve, Tension};
+use super::artefacts::{MIN_STAGE_CHANGE, median};
+use super::curve::{Curve, StepWindow, Tension};
 use super::error::{CreepError, Unusable};
 use super::span::Span;
 pub use artefacts::Artefact;
@@ -106,11 +106,16 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
             needed: MIN_MEASUREMENTS,
         }));
     }
-    let time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
+    let mut time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
     let mut strain: Vec<f64> = kept.iter().map(|&i| raw_strain[i]).collect();
     let force: Option<Vec<f64>> = raw_force
         .as_ref()
         .map(|force| kept.iter().map(|&i| force[i]).collect());
+    let at_once = separate_loads(&mut time, force.as_deref());
+    let repeated = time.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if repeated > 0 {
+        artefacts.push(Artefact::DuplicateTimestamps { readings: repeated });
+    }
     let most = strain.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
     // No fibre, rope or plastic elongates by its own length; wood and metals far less.
     if most > 2.0 {
@@ -142,13 +147,16 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         StrainZero::AsRecorded
     };
     let start = load.start_s;
+    // The time of these steps is recorded.
+    let is_recorded = |window: &StepWindow| at_once.iter().any(|&i| time[i] - start == window.to_s);
+    let windows = load.windows.iter().filter(|w| !is_recorded(w)).copied();
     let mut curve = Curve {
         name: specimen.name.clone(),
         time_s: time[at_zero..].iter().map(|t| t - start).collect(),
         strain: strain[at_zero..].to_vec(),
         count: vec![1.0; time.len() - at_zero],
         steps: load.steps.clone(),
-        windows: load.windows.clone(),
+        windows: windows.collect(),
         temperature_c: None,
         tension: load.reference_n.map(|reference| {
             let preload_n = load.preload_n.unwrap_or(0.0);
@@ -215,6 +223,35 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         humidity_percent: range(specimen, TestQuantity::Humidity),
         artefacts,
     })
+}
+
+/// Separates measurements at one time stamp under different loads: the first one under the new load follows the
+/// last one under the old load after a moment, in the order of the file. Returns the indices of the former.
+fn separate_loads(time: &mut [f64], force: Option<&[f64]>) -> Vec<usize> {
+    /// Moment as a share of the interval to the next time stamp: a numerical tolerance, far below any ramp.
+    const MOMENT_SHARE: f64 = 1e-6;
+    /// Minimum moment, s: ten times the tolerance of the ends of a stage.
+    const MIN_MOMENT_S: f64 = 1e-8;
+    let Some(force) = force else {
+        return Vec::new();
+    };
+    let largest = force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    let stamps = time.to_vec();
+    let mut at_once = Vec::new();
+    for i in 1..time.len() {
+        time[i] = time[i].max(time[i - 1]);
+        let change = (force[i] - force[i - 1]).abs();
+        if stamps[i] > stamps[i - 1] || change <= MIN_STAGE_CHANGE * largest {
+            continue;
+        }
+        let next = stamps[i..].partition_point(|t| *t <= stamps[i]);
+        let interval_s = stamps.get(i + next).map_or(0.0, |t| t - stamps[i]);
+        // A large time, such as a date, is stored with fewer digits.
+        let stored_s = 4.0 * f64::EPSILON * time[i].abs();
+        time[i] += (MOMENT_SHARE * interval_s).max(MIN_MOMENT_S).max(stored_s);
+        at_once.push(i);
+    }
+    at_once
 }
 
 type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);

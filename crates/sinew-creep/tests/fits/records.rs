@@ -238,3 +238,36 @@ fn slope_interval_accounts_for_correlated_errors() {
     // Three standard errors below 95 %.
     assert!(share >= 0.85, "{share}");
 }
+
+/// Two rows at the time of a change of the load stay in the order of the file.
+#[test]
+fn load_change_at_one_time_keeps_the_order() {
+    for start_s in [0.0, 1.7e9] {
+        let mut time: Vec<f64> = (0..=80).map(|i| start_s + 60.0 * f64::from(i)).collect();
+        time.extend((80..=160).map(|i| start_s + 60.0 * f64::from(i)));
+        let force: Vec<f64> = (0..162)
+            .map(|i| if i <= 80 { 100.0 } else { 60.0 })
+            .collect();
+        let strain: Vec<f64> = (0..162)
+            .map(|i| {
+                let age = f64::from(if i <= 80 { i } else { i - 81 });
+                let creep = 1e-4 * (1.0 + age).ln();
+                if i <= 80 {
+                    5e-3 + creep
+                } else {
+                    4.5e-3 - creep
+                }
+            })
+            .collect();
+        let test = specimen(time, force, strain.clone());
+        let prepared = prepare(&test, &PrepareOptions::default()).unwrap();
+        assert_eq!(prepared.artefacts, [Artefact::NoRamp]);
+        assert_eq!(prepared.curve.strain, strain);
+        assert!(prepared.curve.windows.is_empty());
+        let analysis = analyze(&prepared, &AnalyzeOptions::default()).unwrap();
+        assert_eq!(analysis.end_strain_ratio, strain[80]);
+        let recovery = analysis.recovery[0];
+        assert_eq!(recovery.immediate_strain_ratio, strain[80] - strain[81]);
+        fit(Law::LogTime, &[prepared.curve], &FitOptions::default()).unwrap();
+    }
+}
