@@ -61,6 +61,15 @@ pub enum Artefact {
         /// Number of such measurements.
         readings: usize,
     },
+    /// Measurements on straight lines between others, to the rounding of the file: interpolated, not measured.
+    Interpolated {
+        /// Number of such measurements.
+        readings: usize,
+        /// Number of the other measurements.
+        recorded: usize,
+        /// Whether they were kept in the measurements.
+        kept: bool,
+    },
     /// Possible strain that suggests another unit.
     ImplausibleStrain {
         /// Largest strain, m/m.
@@ -168,22 +177,7 @@ pub(super) fn remove_artefacts(
         }
     }
     if !keep {
-        let mut i = 0;
-        let mut keep_reading = || {
-            i += 1;
-            !drop.contains(&(i - 1))
-        };
-        let kept: Vec<bool> = curve.time_s.iter().map(|_| keep_reading()).collect();
-        let filter = |v: &[f64]| -> Vec<f64> {
-            v.iter()
-                .zip(&kept)
-                .filter(|(_, k)| **k)
-                .map(|(v, _)| *v)
-                .collect()
-        };
-        curve.time_s = filter(&curve.time_s);
-        curve.strain = filter(&curve.strain);
-        curve.count = filter(&curve.count);
+        curve.select(|i| !drop.contains(&i));
     }
     artefacts
 }

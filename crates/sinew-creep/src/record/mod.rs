@@ -3,6 +3,7 @@
 use crate::test_file::{Specimen, TestQuantity};
 
 mod artefacts;
+mod interpolated;
 mod load;
 
 use super::artefacts::{MIN_STAGE_CHANGE, median};
@@ -11,6 +12,7 @@ use super::error::{CreepError, Unusable};
 use super::span::Span;
 pub use artefacts::Artefact;
 use artefacts::{clean, remove_artefacts};
+use interpolated::{Digits, interpolated};
 use load::Load;
 
 /// Properties that a file may lack.
@@ -111,6 +113,7 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
     let force: Option<Vec<f64>> = raw_force
         .as_ref()
         .map(|force| kept.iter().map(|&i| force[i]).collect());
+    let lines = interpolated(&time, &strain, digits(specimen, options));
     let at_once = separate_loads(&mut time, force.as_deref());
     let repeated = time.windows(2).filter(|pair| pair[0] == pair[1]).count();
     if repeated > 0 {
@@ -168,6 +171,19 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         }),
         zero_count: load.before as f64,
     };
+    let lines = &lines[at_zero..];
+    let count = lines.iter().filter(|line| **line).count();
+    let recorded = lines.len() - count;
+    if count > 0 {
+        artefacts.push(Artefact::Interpolated {
+            readings: count,
+            recorded,
+            kept: options.keep_artefacts,
+        });
+        if !options.keep_artefacts {
+            curve.select(|i| !lines[i]);
+        }
+    }
     artefacts.extend(remove_artefacts(
         &mut curve,
         &load.stages,
@@ -180,12 +196,8 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
             .iter()
             .any(|s| t >= s.start_s - 1e-9 && t <= s.end_s + 1e-9)
     };
-    let keep: Vec<usize> = (0..curve.time_s.len())
-        .filter(|&i| in_stage(curve.time_s[i]))
-        .collect();
-    curve.time_s = keep.iter().map(|&i| curve.time_s[i]).collect();
-    curve.strain = keep.iter().map(|&i| curve.strain[i]).collect();
-    curve.count = vec![1.0; keep.len()];
+    let are_in_stage: Vec<bool> = curve.time_s.iter().map(|t| in_stage(*t)).collect();
+    curve.select(|i| are_in_stage[i]);
     let first_end = load
         .stages
         .first()
@@ -268,10 +280,8 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
     let strain = if let Some(strain) = specimen.column(TestQuantity::Strain) {
         strain.to_vec()
     } else if let Some(elongation) = specimen.column(TestQuantity::Elongation) {
-        let length = options
-            .gauge_length_m
-            .or_else(|| specimen.constant(TestQuantity::GaugeLength))
-            .ok_or_else(|| invalid(Unusable::NoGaugeLength))?;
+        let length =
+            gauge_length_m(specimen, options).ok_or_else(|| invalid(Unusable::NoGaugeLength))?;
         if length <= 0.0 || length.is_nan() {
             return Err(invalid(Unusable::GaugeLength { length_m: length }));
         }
@@ -284,6 +294,27 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
         strain,
         specimen.column(TestQuantity::Force).map(<[f64]>::to_vec),
     ))
+}
+
+/// Last digits of the times and strains of a file.
+fn digits(specimen: &Specimen, options: &PrepareOptions) -> Digits {
+    let strain_ratio = if specimen.column(TestQuantity::Strain).is_some() {
+        specimen.last_digit(TestQuantity::Strain)
+    } else {
+        let length_m = gauge_length_m(specimen, options).unwrap_or(f64::INFINITY);
+        specimen.last_digit(TestQuantity::Elongation) / length_m
+    };
+    Digits {
+        time_s: specimen.last_digit(TestQuantity::Time),
+        strain_ratio,
+    }
+}
+
+/// Gauge length as specified, else of the file, m.
+fn gauge_length_m(specimen: &Specimen, options: &PrepareOptions) -> Option<f64> {
+    options
+        .gauge_length_m
+        .or_else(|| specimen.constant(TestQuantity::GaugeLength))
 }
 
 fn range(specimen: &Specimen, quantity: TestQuantity) -> Option<Span> {

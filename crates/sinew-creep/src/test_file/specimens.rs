@@ -51,6 +51,8 @@ pub struct Specimen {
     /// Line, or row of a workbook, of each sample.
     pub lines: Vec<u64>,
     columns: [Option<Vec<f64>>; TestQuantity::ALL.len()],
+    /// Last written digit of each column, in its internal unit; 0 if unknown.
+    digits: [f64; TestQuantity::ALL.len()],
 }
 
 impl Specimen {
@@ -62,6 +64,11 @@ impl Specimen {
     /// Sets a column of a specimen created by a program.
     pub fn set_column(&mut self, quantity: TestQuantity, values: Vec<f64>) {
         self.columns[quantity as usize] = Some(values);
+    }
+
+    /// Value of the last digit in which a column is written, in its internal unit; 0 if unknown.
+    pub(crate) fn last_digit(&self, quantity: TestQuantity) -> f64 {
+        self.digits[quantity as usize]
     }
 
     /// Value of a quantity that is constant within one part in a million.
@@ -94,6 +101,18 @@ impl Specimen {
             }
         }
     }
+}
+
+/// Smallest power of ten of which a number, as it is written, is a multiple; 0 for a number that is not finite.
+fn last_digit(raw: f64) -> f64 {
+    let written = format!("{raw:e}");
+    let Some((mantissa, exponent)) = written.split_once('e') else {
+        return 0.0;
+    };
+    let decimals = mantissa.split_once('.').map_or(0, |(_, d)| d.len() as i32);
+    exponent
+        .parse()
+        .map_or(0.0, |exponent: i32| 10f64.powi(exponent - decimals))
 }
 
 /// Row of a table as numbers, one for each role; `None` for a last line that ends within a word.
@@ -266,6 +285,17 @@ impl TestFile {
             for (role, value) in roles.iter().zip(&values) {
                 if let Some(column) = &mut specimen.columns[role.quantity as usize] {
                     column.push(*value);
+                }
+                if let Some(Cell::Number(raw)) = row.get(role.index)
+                    && *raw != 0.0
+                {
+                    let digit = role.unit.factor * last_digit(*raw);
+                    let least = &mut specimen.digits[role.quantity as usize];
+                    *least = if *least > 0.0 {
+                        least.min(digit)
+                    } else {
+                        digit
+                    };
                 }
             }
             specimen.add_attributes(row, head, all);
