@@ -216,8 +216,8 @@ fn plan_writes_table_and_programme() {
         "23",
         "--durations",
         "85min",
-        "--bench-hours",
-        "5",
+        "--bench-time",
+        "5h",
     ];
     fn with<'a>(asked: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
         [asked, more].concat()
@@ -332,8 +332,8 @@ fn tables_stay_within_80_columns() {
             "log-time",
             "--law",
             "findley",
-            "--forecast-h",
-            "100",
+            "--forecast",
+            "100h",
         ],
         &["creep", "compare", "rope-A.csv", "rope-B.csv", "--quiet"],
         &[
@@ -479,8 +479,8 @@ fn errors_suggest_fix_and_leave_no_files() {
                 "100",
                 "--length",
                 "700",
-                "--bench-hours",
-                "0.5",
+                "--bench-time",
+                "0.5h",
                 "--csv",
                 page,
             ],
@@ -514,8 +514,8 @@ fn forecast_states_load_of_test() {
         "rope-A.csv",
         "--law",
         "log-time",
-        "--forecast-h",
-        "8760",
+        "--forecast",
+        "8760h",
         "--json",
         "--quiet",
     ]);
@@ -547,8 +547,8 @@ fn forecast_states_load_of_test() {
         "rope-A.csv",
         "--law",
         "log-time",
-        "--forecast-h",
-        "8760",
+        "--forecast",
+        "8760h",
         "--quiet",
     ]);
     let text = String::from_utf8(table.stdout).unwrap();
@@ -563,10 +563,10 @@ fn forecast_states_load_of_test() {
         "rope-A.csv",
         "--law",
         "log-time",
-        "--forecast-h",
-        "9",
-        "--forecast-load-n",
-        "90",
+        "--forecast",
+        "9h",
+        "--forecast-load",
+        "90N",
     ]);
     assert_eq!(output.status.code(), Some(3));
     let text = String::from_utf8_lossy(&output.stdout);
