@@ -94,6 +94,7 @@ fn baseline(
     Baseline {
         temperature_std_k: 0.0,
         change_std_k: 0.0,
+        model_error: None,
         anchors: Vec::new(),
         zero_time_ns: None,
         format: "sinew-baseline".into(),
