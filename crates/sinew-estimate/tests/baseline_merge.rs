@@ -95,6 +95,7 @@ fn baseline(
         temperature_std_k: 0.0,
         change_std_k: 0.0,
         anchors: Vec::new(),
+        cables: Vec::new(),
         zero_time_ns: None,
         format: "sinew-baseline".into(),
         version: 5,

@@ -1,6 +1,7 @@
 //! Baseline file: posterior of a robot from its recordings.
 
 use crate::anchored::ReferenceMeasurement;
+use crate::cable::CableBaseline;
 use crate::error::SessionError;
 use serde::{Deserialize, Serialize};
 use sinew_files::{OutputError, limits, read_text, write_file};
@@ -55,6 +56,9 @@ pub struct Baseline {
     /// Reference measurements (end stops and index marks) directly after tensioning.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub anchors: Vec<ReferenceMeasurement>,
+    /// Parameters of the tendons with friction along their path.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cables: Vec<CableBaseline>,
     /// Mean of the state vector.
     pub mean: Vec<f64>,
     /// Lower triangle of the covariance of the state, row by row.
@@ -101,6 +105,7 @@ impl Baseline {
             temperature_std_k: 0.0,
             change_std_k: 0.0,
             anchors: Vec::new(),
+            cables: Vec::new(),
             mean: state_estimate.mean.clone(),
             covariance_lower: lower,
             noise_rad,
@@ -189,7 +194,9 @@ impl Baseline {
         let d = read.mean.len();
         let noise = read.noise_rad.iter().chain(&read.motor_noise_nm);
         let numbers = read.mean.iter().chain(&read.covariance_lower).chain(noise);
-        if read.covariance_lower.len() != d * (d + 1) / 2 || numbers.clone().any(|x| !x.is_finite())
+        let of_cables = read.cables.iter().flat_map(CableBaseline::numbers);
+        if read.covariance_lower.len() != d * (d + 1) / 2
+            || numbers.copied().chain(of_cables).any(|x| !x.is_finite())
         {
             return Err(wrong(
                 "contains invalid numbers; create it again with sinew baseline LOG --out FILE"

@@ -202,6 +202,7 @@ impl<'r> Search<'r> {
                 temperature_std_k: 0.0,
                 change_std_k: 0.0,
                 anchors: Vec::new(),
+                cables: Vec::new(),
                 zero_time_ns: None,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
