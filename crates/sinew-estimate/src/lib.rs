@@ -2,11 +2,12 @@
 //!
 //! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
 //! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
-//! [`excitation`] (poses that make offsets identifiable). Results are data in SI units; `sinew-report` formats them.
+//! [`cable`] (tendons with friction along their path), [`excitation`] (poses that make offsets identifiable). Results are data in SI units; `sinew-report` formats them.
 
 mod anchored;
 mod answer;
 pub mod baseline;
+pub mod cable;
 mod cause;
 mod document;
 mod each;

@@ -227,7 +227,7 @@ fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), Estim
         let Some(i) = place else {
             return Err(EstimateError::Injection(no_joint(&injection.joint, loaded)));
         };
-        if loaded.robot.transmissions[i].is_none() {
+        if loaded.robot.transmissions[i].is_none() && loaded.robot.cable(i).is_none() {
             return Err(EstimateError::Injection(format!(
                 "joint '{}' is rigid",
                 injection.joint

@@ -96,6 +96,7 @@ fn baseline(
         change_std_k: 0.0,
         model_error: None,
         anchors: Vec::new(),
+        cables: Vec::new(),
         zero_time_ns: None,
         format: "sinew-baseline".into(),
         version: 5,

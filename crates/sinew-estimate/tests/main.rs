@@ -7,6 +7,7 @@ mod anchor;
 mod answers;
 mod bad_input;
 mod baseline_merge;
+mod cables;
 mod coupled;
 mod coverage;
 mod external_force;

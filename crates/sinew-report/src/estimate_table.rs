@@ -81,7 +81,12 @@ pub(crate) fn rows(document: &EstimateDocument) -> impl Iterator<Item = Row<'_>>
         })
     });
     let online = session.into_iter().flat_map(|session| {
-        let joints = session.joints.iter().enumerate();
+        // Tendons with friction along their path have no online estimate.
+        let names = session.online.iter().flat_map(|online| &online.joints);
+        let joints = names.enumerate().filter_map(move |(at, now)| {
+            let mut all = session.joints.iter();
+            Some((at, all.find(|joint| joint.name == now.name)?))
+        });
         joints.flat_map(move |(at, joint)| {
             let blocks = session.online.iter().flat_map(|online| &online.blocks);
             blocks.map(move |block| {

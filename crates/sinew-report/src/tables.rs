@@ -1,12 +1,13 @@
 //! Estimates and baselines as tables and paragraphs for a terminal.
 
-use super::format::{CI_HEAD, CI_LEGEND, name_head, or_nan, plus_minus_cells};
+use super::format::{CI_HEAD, CI_LEGEND, counted, name_head, or_nan, plus_minus_cells};
 use super::session::{nuisance_columns, render};
 pub use super::session::{provisional_intervals, verdict};
 use super::text::TerminalText;
 use super::uncorrected::{differences, headline, losses, offsets};
 use sinew_estimate::EstimateDocument;
 use sinew_estimate::baseline::MergeSummary;
+use sinew_estimate::cable::CableBaseline;
 use sinew_estimate::replay::{Estimate, JointEstimate};
 use sinew_estimate::session::SessionEstimate;
 use sinew_figure::{Columns, rounded};
@@ -87,6 +88,30 @@ pub fn baseline(learned: &SessionEstimate, joints: &[String]) -> String {
     out.table(change.table());
     out.paragraph(CI_LEGEND);
     out.add("\n");
+    out.0
+}
+
+/// Renders the loads and positions that a baseline contains for tendons with friction along their path.
+pub fn cables(cables: &[CableBaseline]) -> String {
+    let mut out = TerminalText::default();
+    for cable in cables {
+        let ([least, most], [low, high]) = (cable.loads_nm(), cable.range_rad());
+        let loads = counted(cable.loads.len() as u64, "recording");
+        let compliance = match cable.has_two_loads() {
+            true => "",
+            false => {
+                "; one load does not determine the compliance: sessions at other loads are inconclusive; add a recording with at least twice the load"
+            }
+        };
+        out.paragraph(format!(
+            "{}: friction along the path from {loads}, {} to {} N·m, {} to {} rad{compliance}",
+            cable.joint,
+            rounded(least, 3),
+            rounded(most, 3),
+            rounded(low, 3),
+            rounded(high, 3)
+        ));
+    }
     out.0
 }
 

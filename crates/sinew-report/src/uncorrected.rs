@@ -239,6 +239,7 @@ pub fn joint_error(error: JointError) -> String {
         JointError::NoMotorTorque => "motor torque not recorded".into(),
         JointError::NoMotorInertia => "motor_inertia_kg_m2 missing in robot.toml".into(),
         JointError::JointEquations => "coupled with other tendons at a joint".into(),
+        JointError::FrictionAlongPath => "friction along the path of its tendon".into(),
         JointError::NoUsableFrame(None) => "no usable frame".into(),
         JointError::NoUsableFrame(Some(main)) => {
             format!("no usable frame: {}", loss_reason(main))

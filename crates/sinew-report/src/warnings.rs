@@ -3,6 +3,7 @@
 use crate::format::{counted, newtons, plus_minus};
 use crate::message::Message;
 use crate::units::{in_units, of_joint};
+use sinew_estimate::cable::CableLimit;
 use sinew_estimate::session::{MotorTorqueError, SessionEstimate, Warning};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::{probability as format_probability, rounded, with_interval};
@@ -392,6 +393,9 @@ pub fn session_warning(warning: &Warning) -> String {
                 "{joint}: tension cannot be verified, and that of another tendon is inconsistent with its extension; not used"
             ),
         },
+        Warning::CableInconclusive { joint, reason } => {
+            format!("{joint}: {}", cable_limit(*reason))
+        }
         Warning::FarFromPrior {
             joint,
             name,
@@ -442,5 +446,43 @@ fn quoted(names: &[String]) -> String {
     match names.len().saturating_sub(MAX_NAMES) {
         0 => text,
         more => format!("{text} and {more} more"),
+    }
+}
+
+/// States why the elongation of a tendon with friction along its path is inconclusive.
+fn cable_limit(reason: CableLimit) -> String {
+    let interval = |[low, high]: [f64; 2]| format!("{} to {}", rounded(low, 3), rounded(high, 3));
+    match reason {
+        CableLimit::NoBaseline => "friction along the path of the tendon is not separable from elongation without a baseline of this joint; create one with sinew baseline from recordings of at least two loads".into(),
+        CableLimit::OneLoad {
+            learned_nm,
+            load_nm,
+        } => format!(
+            "load {} N·m, but the baseline contains only {} N·m, which does not determine the compliance of the tendon; add a recording at {} N·m to the baseline",
+            rounded(load_nm, 3),
+            interval(learned_nm),
+            rounded(load_nm, 3)
+        ),
+        CableLimit::Load {
+            learned_nm,
+            load_nm,
+        } => format!(
+            "load {} N·m is outside the loads of the baseline ({} N·m); add a recording at {} N·m to the baseline",
+            rounded(load_nm, 3),
+            interval(learned_nm),
+            rounded(load_nm, 3)
+        ),
+        CableLimit::Range {
+            learned_rad,
+            range_rad,
+        } => format!(
+            "positions {} rad are outside those of the baseline ({} rad); add a recording over this range to the baseline",
+            interval(range_rad),
+            interval(learned_rad)
+        ),
+        CableLimit::Reversals { reversals } => format!(
+            "{}, expected at least 2: friction along the path of the tendon is not separable from elongation; record motion to and fro",
+            counted(reversals as u64, "complete reversal")
+        ),
     }
 }

@@ -3,6 +3,7 @@
 mod architecture;
 mod baseline_merge;
 mod build_budget;
+mod cables;
 mod cases;
 mod causes;
 #[cfg(feature = "schema")]

@@ -521,6 +521,111 @@ class Bounded(Record):
     }
 
 
+class CableLimitLoad(Record):
+    """Load outside those of the baseline."""
+
+    __slots__ = ()
+
+    load: CableLimitLoadLoad
+
+    _fields = {
+        "load": "CableLimitLoadLoad",
+    }
+
+
+class CableLimitLoadLoad(Record):
+
+    __slots__ = ()
+
+    learned_nm: list[float]
+    """Lowest and highest load of the baseline, N·m."""
+    load_nm: float
+    """Load of the recording, N·m."""
+
+    _fields = {
+        "learned_nm": "",
+        "load_nm": "",
+    }
+
+
+class CableLimitOneLoad(Record):
+    """Baseline with loads whose ratio is below two, which do not determine the compliance, and another load."""
+
+    __slots__ = ()
+
+    one_load: CableLimitOneLoadOneLoad
+
+    _fields = {
+        "one_load": "CableLimitOneLoadOneLoad",
+    }
+
+
+class CableLimitOneLoadOneLoad(Record):
+
+    __slots__ = ()
+
+    learned_nm: list[float]
+    """Lowest and highest load of the baseline, N·m."""
+    load_nm: float
+    """Load of the recording, N·m."""
+
+    _fields = {
+        "learned_nm": "",
+        "load_nm": "",
+    }
+
+
+class CableLimitRange(Record):
+    """Joint positions outside those of the baseline."""
+
+    __slots__ = ()
+
+    range: CableLimitRangeRange
+
+    _fields = {
+        "range": "CableLimitRangeRange",
+    }
+
+
+class CableLimitRangeRange(Record):
+
+    __slots__ = ()
+
+    learned_rad: list[float]
+    """Lowest and highest position in the baseline, rad."""
+    range_rad: list[float]
+    """Lowest and highest position in the recording, rad."""
+
+    _fields = {
+        "learned_rad": "",
+        "range_rad": "",
+    }
+
+
+class CableLimitReversals(Record):
+    """Too few reversals to separate friction and elongation."""
+
+    __slots__ = ()
+
+    reversals: CableLimitReversalsReversals
+
+    _fields = {
+        "reversals": "CableLimitReversalsReversals",
+    }
+
+
+class CableLimitReversalsReversals(Record):
+
+    __slots__ = ()
+
+    reversals: int
+    """Number of reversals in the recording."""
+
+    _fields = {
+        "reversals": "",
+    }
+
+
 class Candidate(Record):
     """Rope that meets every constraint."""
 
@@ -6052,6 +6157,26 @@ class WarningBeyondPretension(Record):
     }
 
 
+class WarningCableInconclusive(Record):
+    """Tendon with friction along its path whose elongation the baseline does not determine under the conditions
+    of this recording.
+    """
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint."""
+    kind: Literal["cable-inconclusive"]
+    reason: CableLimit
+    """Condition that is missing."""
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+        "reason": "CableLimit",
+    }
+
+
 class WarningChangeNearEnd(Record):
     """Change so close to the end of the recording that it may be a contact that has not ended."""
 
@@ -6583,6 +6708,7 @@ AnchorKind = Literal["stop", "joint-mark", "motor-mark"]
 Artefact = Union[ArtefactDuplicateTimestamps, ArtefactGap, ArtefactImplausibleStrain, ArtefactImplausibleTime, ArtefactInterpolated, ArtefactLoadDrift, ArtefactNoForce, ArtefactNoRamp, ArtefactNonMonotonicTime, ArtefactOutlier, ArtefactShortens, ArtefactSlip, ArtefactSlowRamp]
 BaselineSource = Union[BaselineSourceAssumed, BaselineSourceGiven]
 BreakCause = Literal["creep-rupture", "bending-fatigue"]
+CableLimit = Union[Literal["no-baseline"], CableLimitLoad, CableLimitOneLoad, CableLimitRange, CableLimitReversals]
 Cause = Union[Literal["motor-encoder", "joint-encoder", "rope"], CauseUnknown]
 Caution = Union[CautionAssumedParameters, CautionBeyondData, CautionBreakingLoadAssumed, CautionCreepsApart, CautionExtrapolated, CautionHighLoad, CautionHot, CautionLoadShare, CautionLowLoad, CautionReplace, CautionTerminationNotSpecified, CautionTightBend, CautionWornOut]
 Comparison = Literal["matched", "paper"]
@@ -6593,7 +6719,7 @@ FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distanc
 Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
 GroupEquations = Literal["tendon", "joint"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
-JointError = Union[Literal["rigid", "no-joint-position", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia", "joint-equations"], JointErrorNoUsableFrame]
+JointError = Union[Literal["rigid", "no-joint-position", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia", "joint-equations", "friction-along-path"], JointErrorNoUsableFrame]
 JointMotion = Literal["revolute", "prismatic"]
 Law = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched", "line", "rope"]
 LifeNotUsed = Literal["age-unknown", "strain-limit"]
@@ -6640,7 +6766,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["elongated", "shortened", "no-change-detected", "offset-detected", "none-detected", "inconclusive", "transmission-lost"]
-Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
+Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningCableInconclusive, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
 Forecaster = Union[Literal["combined"], Law]
 
 _CLASSES: Mapping[str, Any] = {
@@ -6666,6 +6792,14 @@ _CLASSES: Mapping[str, Any] = {
     "BaselineSourceGiven": BaselineSourceGiven,
     "Basis": Basis,
     "Bounded": Bounded,
+    "CableLimitLoad": CableLimitLoad,
+    "CableLimitLoadLoad": CableLimitLoadLoad,
+    "CableLimitOneLoad": CableLimitOneLoad,
+    "CableLimitOneLoadOneLoad": CableLimitOneLoadOneLoad,
+    "CableLimitRange": CableLimitRange,
+    "CableLimitRangeRange": CableLimitRangeRange,
+    "CableLimitReversals": CableLimitReversals,
+    "CableLimitReversalsReversals": CableLimitReversalsReversals,
     "Candidate": Candidate,
     "CatalogueValue": CatalogueValue,
     "CauseUnknown": CauseUnknown,
@@ -6903,6 +7037,7 @@ _CLASSES: Mapping[str, Any] = {
     "UnusableTooFewReadings": UnusableTooFewReadings,
     "WarningAtRestAtEnd": WarningAtRestAtEnd,
     "WarningBeyondPretension": WarningBeyondPretension,
+    "WarningCableInconclusive": WarningCableInconclusive,
     "WarningChangeNearEnd": WarningChangeNearEnd,
     "WarningEncoderDelay": WarningEncoderDelay,
     "WarningEncoderZeroOffset": WarningEncoderZeroOffset,
@@ -6933,6 +7068,7 @@ _CLASSES: Mapping[str, Any] = {
     "Wlf": Wlf,
     "Artefact": {"slip": ArtefactSlip, "outlier": ArtefactOutlier, "load-drift": ArtefactLoadDrift, "no-force": ArtefactNoForce, "no-ramp": ArtefactNoRamp, "slow-ramp": ArtefactSlowRamp, "duplicate-timestamps": ArtefactDuplicateTimestamps, "non-monotonic-time": ArtefactNonMonotonicTime, "gap": ArtefactGap, "interpolated": ArtefactInterpolated, "implausible-strain": ArtefactImplausibleStrain, "shortens": ArtefactShortens, "implausible-time": ArtefactImplausibleTime},
     "BaselineSource": {"given": BaselineSourceGiven, "assumed": BaselineSourceAssumed},
+    "CableLimit": {"one-load": CableLimitOneLoad, "load": CableLimitLoad, "range": CableLimitRange, "reversals": CableLimitReversals},
     "Cause": {"unknown": CauseUnknown},
     "Caution": {"low-load": CautionLowLoad, "high-load": CautionHighLoad, "hot": CautionHot, "breaking-load-assumed": CautionBreakingLoadAssumed, "extrapolated": CautionExtrapolated, "creeps-apart": CautionCreepsApart, "worn-out": CautionWornOut, "replace": CautionReplace, "tight-bend": CautionTightBend, "load-share": CautionLoadShare, "termination-not-specified": CautionTerminationNotSpecified, "beyond-data": CautionBeyondData, "assumed-parameters": CautionAssumedParameters},
     "CreepError": {"too-few": CreepErrorTooFew, "no-plan": CreepErrorNoPlan, "flat": CreepErrorFlat, "not-finite": CreepErrorNotFinite, "specimen": CreepErrorSpecimen, "nothing-analysed": CreepErrorNothingAnalysed, "no-group-column": CreepErrorNoGroupColumn, "no-rope": CreepErrorNoRope, "incomplete-rope": CreepErrorIncompleteRope, "no-entry": CreepErrorNoEntry, "no-forecast": CreepErrorNoForecast, "isotherm": CreepErrorIsotherm, "one-temperature": CreepErrorOneTemperature},
@@ -6950,6 +7086,6 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-specified": TrendNoteTensioningNotSpecified, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "cable-inconclusive": WarningCableInconclusive, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
 }
 Record._classes = _CLASSES

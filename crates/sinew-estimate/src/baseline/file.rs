@@ -1,6 +1,7 @@
 //! Baseline file: posterior of a robot from its recordings.
 
 use crate::anchored::ReferenceMeasurement;
+use crate::cable::CableBaseline;
 use crate::error::SessionError;
 use serde::{Deserialize, Serialize};
 use sinew_files::{OutputError, limits, read_text, write_file};
@@ -59,6 +60,9 @@ pub struct Baseline {
     /// Reference measurements (end stops and index marks) directly after tensioning.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub anchors: Vec<ReferenceMeasurement>,
+    /// Parameters of the tendons with friction along their path.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cables: Vec<CableBaseline>,
     /// Mean of the state vector.
     pub mean: Vec<f64>,
     /// Lower triangle of the covariance of the state, row by row.
@@ -106,6 +110,7 @@ impl Baseline {
             change_std_k: 0.0,
             model_error: None,
             anchors: Vec::new(),
+            cables: Vec::new(),
             mean: state_estimate.mean.clone(),
             covariance_lower: lower,
             noise_rad,
@@ -195,8 +200,9 @@ impl Baseline {
         let noise = read.noise_rad.iter().chain(&read.motor_noise_nm);
         let numbers = read.mean.iter().chain(&read.covariance_lower).chain(noise);
         let is_valid = read.model_error.as_ref().is_none_or(ModelError::is_valid);
+        let of_cables = read.cables.iter().flat_map(CableBaseline::numbers);
         if read.covariance_lower.len() != d * (d + 1) / 2
-            || numbers.clone().any(|x| !x.is_finite())
+            || numbers.copied().chain(of_cables).any(|x| !x.is_finite())
             || !is_valid
         {
             return Err(wrong(

@@ -203,6 +203,7 @@ impl<'r> Search<'r> {
                 change_std_k: 0.0,
                 model_error: None,
                 anchors: Vec::new(),
+                cables: Vec::new(),
                 zero_time_ns: None,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),

@@ -23,6 +23,7 @@ pub(super) fn joint_errors(
     for (joint, (transmission, channel)) in joints.enumerate() {
         errors.push(match (transmission, config.source) {
             (None, _) if without_encoder.contains(&joint) => Some(JointError::NoJointPosition),
+            (None, _) if loaded.robot.cable(joint).is_some() => Some(JointError::FrictionAlongPath),
             (None, _) => Some(JointError::Rigid),
             (Some(_), _) if loaded.robot.pulling_tendon(joint).is_some() => {
                 Some(JointError::JointEquations)
@@ -38,8 +39,14 @@ pub(super) fn joint_errors(
             (Some(_), _) => None,
         });
     }
-    let is_coupled = |error: &Option<JointError>| *error == Some(JointError::JointEquations);
-    if errors.iter().all(Option::is_some) && !errors.iter().any(is_coupled) {
+    // The absolute method estimates these.
+    let is_estimated = |error: &Option<JointError>| {
+        matches!(
+            error,
+            Some(JointError::JointEquations | JointError::FrictionAlongPath)
+        )
+    };
+    if errors.iter().all(Option::is_some) && !errors.iter().any(is_estimated) {
         let mut reason = "no joint can be estimated".to_string();
         for (i, error) in errors.iter().enumerate() {
             let name = loaded.robot.axis_name(i);
@@ -75,6 +82,9 @@ fn message(error: JointError) -> &'static str {
         JointError::NoJointTorque => "its joint torque is not recorded",
         JointError::NoMotorTorque => "its motor torque is not recorded",
         JointError::NoMotorInertia => "motor_inertia_kg_m2 is missing in robot.toml",
+        JointError::FrictionAlongPath => {
+            "friction acts along the path of its tendon, which this method does not contain"
+        }
         JointError::JointEquations => "it is coupled with other tendons at a joint",
         JointError::NoUsableFrame(_) => "no frame could be used",
     }

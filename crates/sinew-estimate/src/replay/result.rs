@@ -161,6 +161,8 @@ pub enum JointError {
     NoMotorInertia,
     /// Tendon coupled with others at a joint; the method of the paper has only one offset per joint.
     JointEquations,
+    /// Tendon with friction along its path, which the method of the paper does not contain.
+    FrictionAlongPath,
     /// No usable frame, with the most frequent reason.
     NoUsableFrame(Option<LossReason>),
 }

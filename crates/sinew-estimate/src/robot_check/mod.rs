@@ -181,7 +181,7 @@ impl RobotCheck {
     fn understood(loaded: &LoadedRobot) -> Self {
         let robot = &loaded.robot;
         let joint = |(i, name): (usize, &String)| {
-            let transmission = robot.transmissions[i].as_ref();
+            let transmission = robot.transmissions[i].as_ref().or(robot.cable(i));
             let limits = &robot.limits[i];
             let ends = limits.lower.is_finite() && limits.upper.is_finite();
             JointCheck {
@@ -252,7 +252,8 @@ fn implausible(loaded: &LoadedRobot, catalogue: &Catalogue) -> Result<Vec<Findin
     for ((i, joint), load) in robot.joint_names().iter().enumerate().zip(loads) {
         let in_urdf = described.joints.iter().find(|j| j.name == *joint);
         of_limits.extend(in_urdf.map(|j| limits::findings(&outline, j, load)));
-        if let (Some(transmission), Some(load)) = (robot.transmissions[i].as_ref(), load) {
+        let transmission = robot.transmissions[i].as_ref().or(robot.cable(i));
+        if let (Some(transmission), Some(load)) = (transmission, load) {
             let effort_nm = Some(robot.limits[i].effort).filter(|effort| *effort > 0.0);
             let drive = Drive {
                 joint,

@@ -13,9 +13,11 @@
 //! Reading order: `recorder` (frames to blocks), `poses`, `transmission_loss`, `frozen_encoder`,
 //! `independent_torque` and `temperature` (validity of the recorded channels), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
 //! (contact or step in the last seconds), `encoder_slips`, `changes`, `inflation`, `summary` and `checks`
-//! (posteriors to the [`result`](SessionEstimate)), `anchor` (reference contacts and index marks), `run`.
+//! (posteriors to the [`result`](SessionEstimate)), `anchor` (reference contacts and index marks),
+//! `cables` (tendons with friction along their path), `run`.
 
 mod anchor;
+mod cables;
 mod changes;
 mod checks;
 mod context;
@@ -60,7 +62,7 @@ pub use result::{
 };
 pub use run::{
     Learning, Since, estimate, estimate_recorded, estimate_segment, estimate_with_replay, learn,
-    learn_recorded,
+    learn_recorded, learn_runs,
 };
 pub(crate) use run::{Solved, continues, solve_stretch};
 pub use sinew_model::offset::Payload;

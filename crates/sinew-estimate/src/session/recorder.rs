@@ -1,5 +1,6 @@
 //! Conversion of a recording into blocks of features.
 
+use crate::cable::{CableSample, CableSamples};
 use crate::error::EstimateError;
 use crate::feeder::{FeedOutcome, Feeder, FeederOptions, Injection, RejectionReason};
 use crate::jumps::Jumps;
@@ -60,6 +61,8 @@ pub struct Recorded {
     pub touches: Vec<TouchReading>,
     /// Indices of the joints treated as rigid, because their positions are not recorded.
     pub without_encoder: Vec<usize>,
+    /// Joints whose tendons have friction along their path, with their samples; empty without a recording file.
+    pub cables: Vec<(usize, CableSamples)>,
 }
 
 /// Correction of the positions of a joint from the time on at which its encoder slipped.
@@ -403,10 +406,12 @@ fn without_positions(joint: &str, lacks: &str, warnings: &[RecordingWarning]) ->
 /// Reader of the blocks of an interval of a recording.
 pub(super) struct Blocks<'a> {
     request: &'a Request,
+    robot: Robot,
     window: Window,
     recorder: Recorder,
     start_ns: Option<i64>,
     frames: u64,
+    cables: Vec<(usize, CableSamples)>,
     /// Number of frames without joint position and without motor position, per joint.
     missing: Vec<[u64; 2]>,
 }
@@ -425,7 +430,7 @@ impl<'a> Blocks<'a> {
         let axes = motors.iter().zip(&robot.transmissions).zip(channels);
         for (i, ((motor, transmission), channel)) in axes.enumerate() {
             let joint = robot.joint_names().get(i);
-            let lacks = match transmission.is_some() {
+            let lacks = match transmission.is_some() || robot.cable(i).is_some() {
                 _ if opened.without_encoder.contains(&i) => None,
                 _ if joint.is_some() && !channel.q => Some("joint position"),
                 true if !channel.theta && !robot.shares_motor(i) => Some("motor position"),
@@ -441,6 +446,7 @@ impl<'a> Blocks<'a> {
         }
         Ok(Self {
             request,
+            robot: robot.clone(),
             window,
             recorder: Recorder::new(robot, &FeatureConfig::default(), request.open.gap_s)
                 .with_injections(robot, &request.injections)
@@ -448,6 +454,9 @@ impl<'a> Blocks<'a> {
                 .with_corrections(corrections),
             start_ns: None,
             frames: 0,
+            cables: (robot.cables.iter())
+                .map(|cable| (cable.axis, CableSamples::default()))
+                .collect(),
             missing: vec![[0; 2]; robot.axes()],
         })
     }
@@ -466,8 +475,27 @@ impl<'a> Blocks<'a> {
                 count[1] += u64::from(!theta.is_finite());
             }
             self.recorder.push(frame, t);
+            self.push_cables(frame, t);
         }
         true
+    }
+
+    /// Adds a frame at `time_s` to the samples of the joints whose tendons have friction along their path.
+    fn push_cables(&mut self, frame: &Frame, time_s: f64) {
+        let robot = &self.robot;
+        for (axis, samples) in &mut self.cables {
+            let injected = self.request.injections.iter().filter(|injection| {
+                robot.tendon_index(&injection.joint) == Some(*axis)
+                    && injection.from_s.is_none_or(|from_s| time_s >= from_s)
+            });
+            let injected_rad: f64 = injected.map(|injection| injection.offset_rad).sum();
+            samples.push(CableSample {
+                time_s,
+                theta_rad: frame.theta[*axis] + injected_rad,
+                q_rad: frame.q[*axis],
+                torque_nm: frame.tau_el.get(*axis).copied().unwrap_or(f64::NAN),
+            });
+        }
     }
 
     /// Message part that names the joint with most missing positions; empty if none is missing.
@@ -493,7 +521,10 @@ impl<'a> Blocks<'a> {
     pub(super) fn finish(self, opened: &Opened) -> Result<Recorded, EstimateError> {
         let most_missing = self.most_missing(&opened.loaded.robot);
         let Self {
-            request, window, ..
+            request,
+            window,
+            mut cables,
+            ..
         } = self;
         let config = FeatureConfig::default();
         let missed = self.recorder.missed_touch().cloned();
@@ -502,6 +533,8 @@ impl<'a> Blocks<'a> {
         let mapping = request.open.mapping.as_ref();
         out.without_encoder.clone_from(&opened.without_encoder);
         out.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
+        cables.iter_mut().for_each(|(_, samples)| samples.finish());
+        out.cables = cables;
         if out.blocks.is_empty() {
             return Err(mismatch(
                 request,

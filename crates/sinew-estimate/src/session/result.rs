@@ -235,7 +235,7 @@ pub struct TendonCreep {
 /// Result of the test whether an offset differs from zero at the 95 % level.
 ///
 /// With a baseline the offset is the elongation since then, and with `zero_mrad` in robot.toml that since the encoders
-/// were zeroed. Otherwise the reference is the encoder zero, and no verdict speaks of the rope. An interval that contains zero never shows that nothing has changed.
+/// were zeroed. The width of a detection is not limited for tendons with friction along their path. Otherwise the reference is the encoder zero, and no verdict speaks of the rope. An interval that contains zero never shows that nothing has changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]

@@ -1,6 +1,7 @@
 //! Estimation of a baseline, and of a session relative to it.
 
 use super::anchor;
+use super::cables;
 use super::context::Context;
 use super::frozen_encoder;
 use super::predictive::PredictiveCheck;
@@ -15,7 +16,7 @@ use super::warning::Warning;
 use super::{independent_torque, sides, temperature, zero};
 use crate::baseline::Baseline;
 use crate::cause::Cause;
-use crate::error::SessionError;
+use crate::error::{EstimateError, SessionError};
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
 use crate::recording::Opened;
 use crate::replay;
@@ -89,8 +90,51 @@ pub fn learn(
     learning: &Learning<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
-    let (loaded, recorded) = read(request, window, &[], progress)?;
-    learn_recorded(&loaded.robot, &recorded, &request.name(), learning)
+    learn_runs(std::slice::from_ref(request), window, learning, progress)
+}
+
+/// Estimates a baseline from several recordings made directly after tensioning, with a load each.
+///
+/// The first recording has an empty gripper, and determines the parameters of the arm as [`learn`]. The further ones add
+/// loads for tendons with friction along their path.
+///
+/// # Errors
+/// As [`learn`]; [`EstimateError::Mismatch`] for further recordings of a robot without such tendons.
+pub fn learn_runs(
+    requests: &[Request],
+    window: Window,
+    learning: &Learning<'_>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Baseline, SessionEstimate), SessionError> {
+    let mut robot = None;
+    let mut recordings = Vec::with_capacity(requests.len());
+    for request in requests {
+        let (loaded, recorded) = read(request, window, &[], progress)?;
+        let robot = robot.get_or_insert(loaded.robot);
+        if !recordings.is_empty() && robot.cables.is_empty() {
+            return Err(EstimateError::Mismatch {
+                file: request.name(),
+                reason: "is a further recording of a baseline, but robot.toml has no joint with friction_along_path = true, which alone requires several loads; specify one recording".into(),
+            }
+            .into());
+        }
+        recordings.push((recorded, request.name()));
+    }
+    let (Some(robot), Some((recorded, name))) = (&robot, recordings.first()) else {
+        return Err(EstimateError::Mismatch {
+            file: "baseline".into(),
+            reason: "no recording specified; specify at least one".into(),
+        }
+        .into());
+    };
+    let (mut baseline, mut estimate) = learn_recorded(robot, recorded, name, learning)?;
+    baseline.cables = cables::learn(robot, &recordings)?;
+    // The first recording relative to all of them, for the parameters in the result.
+    cables::add(robot, recorded, Some((&baseline, name)), &mut estimate)?;
+    for (further, _) in recordings.iter().skip(1) {
+        estimate.damaged |= further.damaged;
+    }
+    Ok((baseline, estimate))
 }
 
 /// Estimates a baseline from blocks, as [`learn`]; `name` is that of the recording in the result and in errors.
@@ -368,7 +412,8 @@ pub fn estimate_segment(
     baseline: (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
-    let solved = solve_stretch(robot, recorded, name, baseline, options)?;
+    let mut solved = solve_stretch(robot, recorded, name, baseline, options)?;
+    cables::add(robot, recorded, baseline.0, &mut solved.estimate)?;
     Ok((solved.estimate, solved.next))
 }
 
@@ -619,6 +664,7 @@ fn estimate_with_lag(
         next.change_std_k = change_k;
         next.model_error = model_error;
         next.anchors.clone_from(&baseline.anchors);
+        next.cables.clone_from(&baseline.cables);
     }
     let shared = segments.shared_errors(prior, &common, everything.continues, name)?;
     let stated_rad = Some(robot.tolerances.zero_rad);

@@ -264,7 +264,7 @@ fn noise_rad(context: &Context<'_>, axis: usize) -> f64 {
 }
 
 /// Range of a sequence of torques, N·m.
-fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
+pub(super) fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
     let (min, max) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
         (a.min(t), b.max(t))
     });
@@ -274,7 +274,11 @@ fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
 /// Tests whether the 95 % interval of the elongation exceeds the re-tensioning limit; `None` without a limit.
 ///
 /// The error due to an excess residual may exceed its size: if `held_out`, the test is inconclusive like the verdict.
-fn retension(tendon: &Tendon, offset_rad: Gaussian, held_out: bool) -> Option<RetensionLimit> {
+pub(super) fn retension(
+    tendon: &Tendon,
+    offset_rad: Gaussian,
+    held_out: bool,
+) -> Option<RetensionLimit> {
     let limit = tendon.retension_at_m?;
     let interval = offset_rad.interval_95();
     let [least, most] = [interval.low, interval.high].map(|x| tendon.elongation_m(x));

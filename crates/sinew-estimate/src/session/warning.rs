@@ -1,6 +1,7 @@
 //! Warnings of a session estimate as data; the report formats their text.
 
 use super::torque_range::TorqueRange;
+use crate::cable::CableLimit;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 
@@ -217,6 +218,14 @@ pub enum Warning {
         joint: String,
         /// Reason for the rejection.
         fault: MotorTorqueError,
+    },
+    /// Tendon with friction along its path whose elongation the baseline does not determine under the conditions of this
+    /// recording.
+    CableInconclusive {
+        /// Name of the joint.
+        joint: String,
+        /// Condition that is missing.
+        reason: CableLimit,
     },
     /// Posterior mean of a parameter that is far from its prior: wrong value or too narrow tolerance in robot.toml.
     FarFromPrior {

@@ -11,6 +11,7 @@
 //! motor_inertia_kg_m2 = 0.12           # optional, reflected to the joint
 //! joint_friction = { coulomb_nm = 0.08, viscous_nm_s_per_rad = 0.05 } # optional, else the URDF's
 //! motor_friction = { coulomb_nm = 0.4, viscous_nm_s_per_rad = 0.1 }   # optional
+//! friction_along_path = true           # optional: a cable in a shaft or sheath, or over several pulleys
 //! [joints.shoulder.tendon]             # optional: without it no elongation in mm, no strain
 //! length_mm = 700.0
 //! joint_pulley_radius_mm = 25.0
@@ -65,6 +66,9 @@ pub struct Robot {
     pub transmissions: Vec<Option<Transmission>>,
     /// Joints, motors and tendons, where `robot.toml` has `[[tendons]]`.
     pub coupling: Option<Coupling>,
+    /// Tendons with friction along their path, in the order of the joints. Their entries of `transmissions` are `None`: no
+    /// equation of a spring holds for them.
+    pub cables: Vec<Cable>,
     /// One entry per joint, as the URDF states them.
     pub limits: Vec<JointLimits>,
     /// Tolerances of the robot's description.
@@ -73,7 +77,22 @@ pub struct Robot {
     pub warnings: Vec<String>,
 }
 
+/// Tendon with friction along its path, which alone drives a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cable {
+    /// Index of the joint.
+    pub axis: usize,
+    /// Spring, friction of the drive and tendon.
+    pub transmission: Transmission,
+}
+
 impl Robot {
+    /// Tendon with friction along its path that drives a joint.
+    pub fn cable(&self, axis: usize) -> Option<&Transmission> {
+        let cable = self.cables.iter().find(|cable| cable.axis == axis)?;
+        Some(&cable.transmission)
+    }
+
     /// Joint names in the order of `q`.
     pub fn joint_names(&self) -> &[String] {
         self.arm.joint_names()
@@ -188,6 +207,8 @@ struct Drive {
     transmission: Transmission,
     /// Else the URDF's.
     joint_friction: Option<Friction>,
+    /// Line of the joint, if friction acts along the path of its tendon.
+    cable_line: Option<u64>,
 }
 
 impl RobotFile {
@@ -303,6 +324,7 @@ impl RobotFile {
         };
         let mut transmissions = Vec::with_capacity(arm.dof());
         let mut joints = Vec::with_capacity(arm.dof());
+        let mut cable_lines = Vec::new();
         for (i, name) in arm.joint_names().iter().enumerate() {
             let entry = self.joints.iter().find(|entry| entry.name == *name);
             // A joint that a tendon crosses, or a spring holds, needs no drive of its own.
@@ -320,6 +342,8 @@ impl RobotFile {
                 None
             });
             let own = drive.as_ref().map(|d| d.transmission.stiffness_nm_per_rad);
+            let cable_line = drive.as_ref().and_then(|d| d.cable_line);
+            cable_lines.extend(cable_line.map(|line| (i, line)));
             joints.push(JointOfFile {
                 name,
                 is_rigid: is_rigid || (own.is_none() && !is_held),
@@ -369,11 +393,24 @@ impl RobotFile {
                 tendon.frame_expansion_per_k = own.or(self.frame_expansion_per_k);
             }
         }
+        let mut cables = Vec::new();
+        for (axis, line) in cable_lines {
+            match transmissions[axis].take() {
+                Some(transmission) if !is_coupled => {
+                    cables.push(Cable { axis, transmission });
+                }
+                other => {
+                    transmissions[axis] = other;
+                    gaps.push(self.coupled_cable(&arm.joint_names()[axis], line));
+                }
+            }
+        }
         let robot = Robot {
             name,
             arm,
             transmissions,
             coupling,
+            cables,
             limits,
             tolerances: self.tolerances,
             warnings,
@@ -389,6 +426,16 @@ impl RobotFile {
         let problem =
             format!("joint '{name}' is not in the URDF{hint} joints of the URDF: {joints}");
         Located::new(&self.file, Fault::UnknownName, problem).line(joint.line)
+    }
+
+    /// Returns the error for a tendon with friction along its path in a robot with coupled tendons.
+    fn coupled_cable(&self, joint: &str, line: u64) -> Located {
+        let problem = format!(
+            "friction_along_path of joint '{joint}' conflicts with [[tendons]] and with springs of joints"
+        );
+        Located::new(&self.file, Fault::Contradiction, problem)
+            .line(line)
+            .cure("remove friction_along_path; it requires that each joint has a tendon of its own")
     }
 
     /// Returns the error for a joint of the URDF that is missing in the file.
@@ -414,6 +461,7 @@ fn tolerances(s: &Section<'_>) -> Result<Tolerances, Located> {
 fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> {
     let stiffness = s.number("stiffness_nm_per_rad", Bound::Positive)?;
     let rigid = s.flag("rigid")?;
+    let is_cable = s.flag("friction_along_path")?;
     let tendon = s.read("tendon", tendon)?;
     let joint_friction = s.read("joint_friction", friction)?;
     let motor_friction = s.read("motor_friction", friction)?.unwrap_or_default();
@@ -427,6 +475,11 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
             "is rigid and has a tendon",
             "give stiffness_nm_per_rad and drop rigid",
         ),
+        (None, true) if is_cable => wrong(
+            Fault::Contradiction,
+            "is rigid and has friction along the path of a tendon",
+            "give stiffness_nm_per_rad and drop rigid",
+        ),
         (None, true) => Ok(None),
         (None, false) => wrong(
             Fault::MissingKey,
@@ -437,6 +490,11 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
             Fault::Contradiction,
             "is rigid and has a stiffness",
             "drop one of the two",
+        ),
+        (Some(_), false) if is_cable && !(motor_friction.coulomb_nm > 0.0) => wrong(
+            Fault::Contradiction,
+            "friction_along_path requires the friction of the drive",
+            "add motor_friction = { coulomb_nm = VALUE }, N·m at the joint that just turns the unloaded drive with its tendon",
         ),
         (Some(stiffness_nm_per_rad), false) => Ok(Some(Drive {
             transmission: Transmission {
@@ -450,6 +508,7 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
                 routing: None,
             },
             joint_friction,
+            cable_line: is_cable.then_some(line),
         })),
     };
     Ok(JointEntry {

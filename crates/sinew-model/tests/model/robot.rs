@@ -121,3 +121,22 @@ fn urdf_errors_carry_the_file() {
     let error = file.build("<robot").unwrap_err().to_string();
     assert!(error.starts_with("biorob-like.urdf, line 1: "), "{error}");
 }
+
+#[test]
+fn friction_along_path_replaces_spring() {
+    let head = "[joints.elbow]\n";
+    let with = TOML.replacen(head, &format!("{head}friction_along_path = true\n"), 1);
+    let (robot, spring) = (build(&with).unwrap(), build(TOML).unwrap());
+    assert_eq!((robot.cables.len(), robot.cables[0].axis), (1, 2));
+    assert_eq!(robot.transmissions[2], None);
+    assert_eq!(robot.cable(2), spring.transmissions[2].as_ref());
+    assert_eq!(robot.cable(1), None);
+    assert_eq!(robot.transmissions[1], spring.transmissions[1]);
+    // The friction of the drive is the scale of its priors.
+    let friction = "motor_friction = { coulomb_nm = 0.25";
+    assert_eq!(with.matches(friction).count(), 1);
+    let without = with.replacen(friction, "motor_friction = { coulomb_nm = 0.0", 1);
+    let error = build(&without).unwrap_err().to_string();
+    assert!(error.contains("friction_along_path requires"), "{error}");
+    assert!(error.contains("coulomb_nm = VALUE"), "{error}");
+}

@@ -108,7 +108,14 @@ fn render_online(
 ) {
     out.paragraph("Online estimate at the end of the recording");
     let heads = of_heads(session.joints.iter().map(|j| j.slides));
-    let pairs = || online.joints.iter().zip(&session.joints);
+    // The online estimate does not contain tendons with friction along their path.
+    let pairs = || {
+        let joints = online.joints.iter();
+        joints.filter_map(move |now| {
+            let mut all = session.joints.iter();
+            Some((now, all.find(|joint| joint.name == now.name)?))
+        })
+    };
     let table = Columns::of(pairs())
         .words(head, |(_, joint)| {
             name_in_table(&joint.name, joint.slides, heads)

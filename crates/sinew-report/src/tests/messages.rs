@@ -13,6 +13,7 @@ use sinew_creep::{
     Artefact, ConditionSource, ForecastConditions, NotIdentifiable, NotIdentifiableReason,
     StrainZero,
 };
+use sinew_estimate::cable::CableLimit;
 use sinew_estimate::replay::{JointError, LossReason};
 use sinew_estimate::robot_check::{Finding, FindingKind, Location, RangeCheck, Severity, UnitHint};
 use sinew_estimate::session::*;
@@ -304,6 +305,27 @@ fn session_warnings(list: &mut List) {
         joint: "flexor".into(),
         fault,
     }));
+    let learned_nm = [0.0113, 0.0466];
+    let cable_limits = [
+        CableLimit::NoBaseline,
+        CableLimit::OneLoad {
+            learned_nm: [0.0113, 0.0121],
+            load_nm: 0.0466,
+        },
+        CableLimit::Load {
+            learned_nm,
+            load_nm: 0.0945,
+        },
+        CableLimit::Range {
+            learned_rad: [0.393, 1.356],
+            range_rad: [0.21, 1.3],
+        },
+        CableLimit::Reversals { reversals: 1 },
+    ];
+    all.extend(cable_limits.map(|reason| Warning::CableInconclusive {
+        joint: joint(),
+        reason,
+    }));
     all.extend(
         [("compliance", false), ("motor torque scale", true)].map(|(name, is_scale)| {
             Warning::FarFromPrior {
@@ -556,6 +578,7 @@ fn uncorrected_results(list: &mut List) {
         JointError::NoMotorTorque,
         JointError::NoMotorInertia,
         JointError::JointEquations,
+        JointError::FrictionAlongPath,
         JointError::NoUsableFrame(None),
         JointError::NoUsableFrame(Some(LossReason::Range)),
     ] {

@@ -13,24 +13,27 @@ use sinew_report::text::{paragraph, plain};
 use sinew_report::{session_warnings, tables};
 use std::path::{Path, PathBuf};
 
-/// Estimate a baseline from a recording made directly after tensioning
+/// Estimate a baseline from recordings made directly after tensioning
 ///
 /// Offsets are zero by definition, so that stiffness, masses, friction and encoder errors are
 /// identifiable. Record with an empty gripper about 12 poses that use the range of each joint, for
-/// one minute. Then: sinew estimate LOG --baseline FILE
+/// one minute. Then: sinew estimate LOG --baseline FILE. Joints with friction_along_path in
+/// robot.toml require further recordings, with a load each
 #[derive(Debug, Args)]
 #[command(
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     after_help = "Example:\n  \
-    sinew baseline first-day.mcap --robot robots/biorob-like --out first-day.baseline"
+    sinew baseline first-day.mcap --robot robots/biorob-like --out first-day.baseline\n  \
+    sinew baseline light.mcap heavy.mcap --robot my-robot --out first-day.baseline"
 )]
 pub(crate) struct Baseline {
     #[command(subcommand)]
     merge: Option<Part>,
-    /// Recording made directly after tensioning
-    #[arg(required = true)]
-    log: Option<PathBuf>,
+    /// Recording made directly after tensioning; further ones with other loads for joints with
+    /// friction_along_path
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
     /// Robot folder [default: folder of LOG, then current folder]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
@@ -65,27 +68,33 @@ enum Part {
 impl Baseline {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        match (&self.merge, &self.log, &self.out) {
-            (Some(Part::Merge(merge)), ..) => merge.run(),
-            (None, Some(log), Some(out)) => self.learn(log, out),
+        match (&self.merge, &self.out) {
+            (Some(Part::Merge(merge)), _) => merge.run(),
+            (None, Some(out)) => self.learn(out),
             // clap requires both.
             _ => Err(Failure::Error("LOG or --out FILE missing".into())),
         }
     }
 
-    fn learn(&self, log: &Path, out: &Path) -> Result<Finish, Failure> {
-        let inputs = [
-            ("the recording", Some(log)),
-            ("--start", self.start.as_deref()),
-        ];
+    fn learn(&self, out: &Path) -> Result<Finish, Failure> {
+        let logs = self.logs.iter();
+        let mut inputs: Vec<_> = logs
+            .map(|log| ("the recording", Some(log.as_path())))
+            .collect();
+        inputs.push(("--start", self.start.as_deref()));
         check_outputs(&[("--out", Some(out))], &inputs)?;
         let failure = |e: SessionError| Failure::Error(e.to_string());
         let window = self.window.window()?;
         let known = read_baseline(self.start.as_deref()).map_err(failure)?;
-        let mut request = Request::new(log.to_path_buf());
-        request.robot.clone_from(&self.robot);
-        request.touches.clone_from(&self.window.touches);
-        request.open = self.opening.options()?;
+        let open = self.opening.options()?;
+        let request = |log: &PathBuf| {
+            let mut request = Request::new(log.clone());
+            request.robot.clone_from(&self.robot);
+            request.touches.clone_from(&self.window.touches);
+            request.open.clone_from(&open);
+            request
+        };
+        let requests: Vec<Request> = self.logs.iter().map(request).collect();
         let bar = Bar::new("estimating baseline");
         let learning = Learning {
             prior: known.as_ref().map(|(b, file)| (b, file.as_str())),
@@ -93,7 +102,7 @@ impl Baseline {
             temperature_c: self.temperature,
             ..Learning::default()
         };
-        let learned = session::learn(&request, window, &learning, &mut |at| {
+        let learned = session::learn_runs(&requests, window, &learning, &mut |at| {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         });
         drop(bar);
@@ -110,7 +119,11 @@ impl Baseline {
             complain_coded(Word::Warning, &warning);
         }
         let written = format!("baseline written to {}", out.display());
-        answer(&(tables::baseline(&learned, &baseline.joints) + &paragraph(&plain(&written), 2)))?;
+        answer(
+            &(tables::baseline(&learned, &baseline.joints)
+                + &tables::cables(&baseline.cables)
+                + &paragraph(&plain(&written), 2)),
+        )?;
         Ok(finish)
     }
 }
