@@ -29,3 +29,4 @@ mod support;
 mod tendons;
 mod thermal;
 mod transmission_loss;
+mod wrong_channels;

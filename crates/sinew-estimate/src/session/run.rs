@@ -112,6 +112,7 @@ pub fn learn_recorded(
         external_force_n: None,
         creep: false,
     };
+    sides::check_scales(robot, recorded, name)?;
     let session = Session::new(robot, recorded, &options);
     if let Some(loss) = session.losses.first() {
         return Err(SessionError::TransmissionLost {
@@ -501,6 +502,7 @@ fn estimate_with_lag(
     options: &SessionOptions,
     (lag_s, stated): (f64, Option<Payload>),
 ) -> Result<Solved, SessionError> {
+    sides::check_scales(robot, recorded, name)?;
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
