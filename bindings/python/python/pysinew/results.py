@@ -1888,6 +1888,8 @@ class Health(Record):
     """Duration of the longest gap, s."""
     messages: int
     """Number of messages (MCAP, of the topics used) or rows (tables) read."""
+    motor_ratios: list[MotorRatio]
+    """Motors whose position is a constant multiple of the joint position that is not near one."""
     non_finite: list[SignalCount]
     """Number of NaN or infinite samples per signal; they are NaN in the frames."""
     out_of_order: int
@@ -1931,6 +1933,7 @@ class Health(Record):
         "late_starts": "LateStart",
         "longest_gap_s": "",
         "messages": "",
+        "motor_ratios": "MotorRatio",
         "non_finite": "SignalCount",
         "out_of_order": "",
         "ragged_rows": "",
@@ -2548,6 +2551,22 @@ class Loss(Record):
     }
 
 
+class MotorRatio(Record):
+    """Motor whose position is proportional to the position of its joint with a factor that is not near one."""
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint."""
+    slope: float
+    """Slope of the motor position over the joint position."""
+
+    _fields = {
+        "joint": "",
+        "slope": "",
+    }
+
+
 class MotorTorqueErrorContradicts(Record):
     """Channel that does not follow the spring torque."""
 
@@ -2569,6 +2588,32 @@ class MotorTorqueErrorContradictsContradicts(Record):
 
     _fields = {
         "slope": "",
+    }
+
+
+class MotorTorqueErrorNegativeWork(Record):
+    """Channel whose work is negative, though a drive with friction does positive work: wrong sign of the
+    channel, or of both positions.
+    """
+
+    __slots__ = ()
+
+    negative_work: MotorTorqueErrorNegativeWorkNegativeWork
+
+    _fields = {
+        "negative_work": "MotorTorqueErrorNegativeWorkNegativeWork",
+    }
+
+
+class MotorTorqueErrorNegativeWorkNegativeWork(Record):
+
+    __slots__ = ()
+
+    work_j: float
+    """Work of the channel over the recording, J."""
+
+    _fields = {
+        "work_j": "",
     }
 
 
@@ -6008,6 +6053,36 @@ class WarningAtRestAtEnd(Record):
     }
 
 
+class WarningBeyondLimits(Record):
+    """Joint positions beyond the limits of the URDF: wrong sign, zero, unit or joint."""
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint."""
+    kind: Literal["beyond-limits"]
+    lower_rad: float
+    """Lower limit, rad."""
+    max_rad: float
+    """Largest position, rad."""
+    min_rad: float
+    """Smallest position, rad."""
+    opposite_is_within: bool
+    """Whether the positions with the opposite sign are within the limits."""
+    upper_rad: float
+    """Upper limit, rad."""
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+        "lower_rad": "",
+        "max_rad": "",
+        "min_rad": "",
+        "opposite_is_within": "",
+        "upper_rad": "",
+    }
+
+
 class WarningBeyondPretension(Record):
     """Loop whose load exceeded twice its pretension, so that one of its strands was slack and its stiffness was
     halved.
@@ -6212,6 +6287,32 @@ class WarningJointSeized(Record):
         "joint_travel_rad": "",
         "kind": "",
         "motor_travel_rad": "",
+    }
+
+
+class WarningMotorEncoderFrozen(Record):
+    """Motor position that is constant from a time on while its joint travels farther than the effort limit bends
+    the spring: the motor encoder or its channel is frozen. The phase is excluded.
+    """
+
+    __slots__ = ()
+
+    from_s: float
+    """Start of the phase since the start of the recording, s."""
+    joint: str
+    """Name of the joint."""
+    joint_travel_rad: float
+    """Range of the joint position in the phase, rad."""
+    kind: Literal["motor-encoder-frozen"]
+    motor_rad: float
+    """Constant motor position, rad."""
+
+    _fields = {
+        "from_s": "",
+        "joint": "",
+        "joint_travel_rad": "",
+        "kind": "",
+        "motor_rad": "",
     }
 
 
@@ -6583,7 +6684,7 @@ LossReason = Literal["settling", "joint-position", "joint-velocity", "motor-posi
 Method = Literal["absolute", "paper"]
 MissingFromRobot = Literal["tendon", "rope", "pretension"]
 MotorTorque = Literal["unused", "measured", "from-current"]
-MotorTorqueError = Union[Literal["constant", "untested"], MotorTorqueErrorContradicts]
+MotorTorqueError = Union[Literal["constant", "untested"], MotorTorqueErrorContradicts, MotorTorqueErrorNegativeWork]
 NoEntry = Union[NoEntryNoRopeLaw, NoEntryNotARopeFit, NoEntrySeveralAmplitudes, NoEntrySeveralRopes]
 NoForecast = Union[NoForecastLoad, NoForecastNoForce, NoForecastNoLoad, NoForecastNoTemperature, NoForecastTemperature]
 NoSlope = Union[NoSlopeNotFitted, NoSlopeTooFewReadings]
@@ -6619,7 +6720,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["elongated", "shortened", "no-change-detected", "offset-detected", "none-detected", "inconclusive", "transmission-lost"]
-Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
+Warning = Union[WarningAtRestAtEnd, WarningBeyondLimits, WarningBeyondPretension, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorEncoderFrozen, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
 Forecaster = Union[Literal["combined"], Law]
 
 _CLASSES: Mapping[str, Any] = {
@@ -6729,8 +6830,11 @@ _CLASSES: Mapping[str, Any] = {
     "Load": Load,
     "Location": Location,
     "Loss": Loss,
+    "MotorRatio": MotorRatio,
     "MotorTorqueErrorContradicts": MotorTorqueErrorContradicts,
     "MotorTorqueErrorContradictsContradicts": MotorTorqueErrorContradictsContradicts,
+    "MotorTorqueErrorNegativeWork": MotorTorqueErrorNegativeWork,
+    "MotorTorqueErrorNegativeWorkNegativeWork": MotorTorqueErrorNegativeWorkNegativeWork,
     "NoEntryNoRopeLaw": NoEntryNoRopeLaw,
     "NoEntryNotARopeFit": NoEntryNotARopeFit,
     "NoEntrySeveralAmplitudes": NoEntrySeveralAmplitudes,
@@ -6880,6 +6984,7 @@ _CLASSES: Mapping[str, Any] = {
     "UnusableTemperature": UnusableTemperature,
     "UnusableTooFewReadings": UnusableTooFewReadings,
     "WarningAtRestAtEnd": WarningAtRestAtEnd,
+    "WarningBeyondLimits": WarningBeyondLimits,
     "WarningBeyondPretension": WarningBeyondPretension,
     "WarningChangeNearEnd": WarningChangeNearEnd,
     "WarningEncoderDelay": WarningEncoderDelay,
@@ -6891,6 +6996,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningFewPosesOfBaseline": WarningFewPosesOfBaseline,
     "WarningFramesIncomplete": WarningFramesIncomplete,
     "WarningJointSeized": WarningJointSeized,
+    "WarningMotorEncoderFrozen": WarningMotorEncoderFrozen,
     "WarningMotorTorqueRejected": WarningMotorTorqueRejected,
     "WarningMuchRejected": WarningMuchRejected,
     "WarningNegativePayload": WarningNegativePayload,
@@ -6916,7 +7022,7 @@ _CLASSES: Mapping[str, Any] = {
     "CreepError": {"too-few": CreepErrorTooFew, "no-plan": CreepErrorNoPlan, "flat": CreepErrorFlat, "not-finite": CreepErrorNotFinite, "specimen": CreepErrorSpecimen, "nothing-analysed": CreepErrorNothingAnalysed, "no-group-column": CreepErrorNoGroupColumn, "no-rope": CreepErrorNoRope, "incomplete-rope": CreepErrorIncompleteRope, "no-entry": CreepErrorNoEntry, "no-forecast": CreepErrorNoForecast, "isotherm": CreepErrorIsotherm, "one-temperature": CreepErrorOneTemperature},
     "JointError": {"no-usable-frame": JointErrorNoUsableFrame},
     "LimitForecast": {"retension": LimitForecastRetension, "replace": LimitForecastReplace},
-    "MotorTorqueError": {"contradicts": MotorTorqueErrorContradicts},
+    "MotorTorqueError": {"contradicts": MotorTorqueErrorContradicts, "negative-work": MotorTorqueErrorNegativeWork},
     "NoEntry": {"several-amplitudes": NoEntrySeveralAmplitudes, "several-ropes": NoEntrySeveralRopes, "no-rope-law": NoEntryNoRopeLaw, "not-a-rope-fit": NoEntryNotARopeFit},
     "NoForecast": {"no-load": NoForecastNoLoad, "no-force": NoForecastNoForce, "no-temperature": NoForecastNoTemperature, "load": NoForecastLoad, "temperature": NoForecastTemperature},
     "NoSlope": {"too-few-readings": NoSlopeTooFewReadings, "not-fitted": NoSlopeNotFitted},
@@ -6928,6 +7034,6 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-specified": TrendNoteTensioningNotSpecified, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "beyond-limits": WarningBeyondLimits, "motor-encoder-frozen": WarningMotorEncoderFrozen, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
 }
 Record._classes = _CLASSES
