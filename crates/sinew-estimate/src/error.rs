@@ -2,7 +2,7 @@
 
 use crate::robot_dir::RobotDirError;
 use sinew_files::OutputError;
-use sinew_log::LogError;
+use sinew_log::{LogError, MotorRatio, describe_ratios};
 use sinew_model::offset::{MapError, OffsetConfigError};
 
 /// Error of an estimate; no file has been written then.
@@ -112,6 +112,11 @@ pub enum SidesFault {
         /// Joints with the ratio of their motors.
         ratios: Vec<MotorRatio>,
     },
+    /// Motor positions that are constant in the whole recording while their joints move.
+    ConstantMotor {
+        /// Motors with their constant position.
+        motors: Vec<ConstantMotor>,
+    },
     /// Joint positions far beyond the limits of the URDF, and within these as degrees.
     Degrees {
         /// Joints with the range of their positions, rad.
@@ -119,35 +124,17 @@ pub enum SidesFault {
     },
 }
 
-/// Motor whose position is not proportional to the position of its joint with a factor near one.
+/// Motor whose position is constant while its joint travels farther than its spring can be bent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MotorRatio {
+pub struct ConstantMotor {
     /// Name of the joint.
     pub joint: String,
-    /// Slope of the motor position over the joint position.
-    pub slope: f64,
-}
-
-impl MotorRatio {
-    /// Keys of the mapping's `theta` (or `q`) with which the slope is near one.
-    fn remedy(&self) -> String {
-        /// Maximum relative distance of a slope from the factor between two units: deflections of the spring.
-        const MAX_FACTOR_ERROR: f64 = 0.1;
-        let is = |factor: f64| (self.slope.abs() / factor - 1.0).abs() < MAX_FACTOR_ERROR;
-        let sign = if self.slope < 0.0 { ", sign = -1" } else { "" };
-        let degrees_per_rad = 180.0 / std::f64::consts::PI;
-        let name = &self.joint;
-        if is(1.0) {
-            format!("[joints.{name}] theta = {{ …{sign} }}")
-        } else if is(degrees_per_rad) {
-            format!("[joints.{name}] theta = {{ …, unit = \"deg\"{sign} }}")
-        } else if is(1.0 / degrees_per_rad) {
-            format!("[joints.{name}] q = {{ …, unit = \"deg\"{sign} }}")
-        } else {
-            let ratio = self.slope.abs();
-            format!("[joints.{name}] theta = {{ …, gear_ratio = {ratio:.4}{sign} }}")
-        }
-    }
+    /// Constant motor position, rad.
+    pub motor_rad: f64,
+    /// Range of the joint position, rad.
+    pub joint_travel_rad: f64,
+    /// Whether the joint is prismatic: values in rad are then in m.
+    pub slides: bool,
 }
 
 /// Spring whose deflection has the opposite sign of its load.
@@ -187,6 +174,26 @@ impl std::fmt::Display for SidesFault {
                     springs.join(", ")
                 )
             }
+            Self::ConstantMotor { motors } => {
+                let constant: Vec<String> = (motors.iter())
+                    .map(|m| {
+                        let unit = if m.slides { "m" } else { "rad" };
+                        format!(
+                            "'{}' at {:.4} {unit} while the joint moved {:.2} {unit}",
+                            m.joint, m.motor_rad, m.joint_travel_rad
+                        )
+                    })
+                    .collect();
+                let lines: Vec<String> = (motors.iter())
+                    .map(|m| format!("[joints.{}] theta = {{ … }}", m.joint))
+                    .collect();
+                write!(
+                    f,
+                    "motor positions are constant in the whole recording: {}; the motor encoder is not connected, or the channel is another one; check the drive, or specify the channel of the motor in a mapping (--mapping): {}",
+                    constant.join(", "),
+                    lines.join("; ")
+                )
+            }
             Self::Degrees { joints } => {
                 let ranges: Vec<String> = (joints.iter())
                     .map(|(name, [low, high])| format!("'{name}' {low:.1} to {high:.1} rad"))
@@ -197,18 +204,7 @@ impl std::fmt::Display for SidesFault {
                     ranges.join(", ")
                 )
             }
-            Self::Ratio { ratios } => {
-                let slopes: Vec<String> = (ratios.iter())
-                    .map(|r| format!("{:.4} at '{}'", r.slope, r.joint))
-                    .collect();
-                let lines: Vec<String> = ratios.iter().map(MotorRatio::remedy).collect();
-                write!(
-                    f,
-                    "motor positions are a multiple of the joint positions, by a factor of {}; expected 1: a unit, the gear ratio or a sign is wrong; specify it in a mapping (--mapping): {}",
-                    slopes.join(", "),
-                    lines.join("; ")
-                )
-            }
+            Self::Ratio { ratios } => f.write_str(&describe_ratios(ratios)),
         }
     }
 }

@@ -18,7 +18,8 @@
 //! s = Σₖ wₖ (x₊ₖ − x₋ₖ),     w = 0.85, 0.45, 0.05, −0.35
 //! ```
 //!
-//! and compared with the steps that noise and quantisation cause every second. The cause is ambiguous if these are too
+//! and compared with the steps that noise and quantisation cause every second. A single wrong sample is a step there and
+//! back: without its pair of samples the line shows no step, and it is not counted. The cause is ambiguous if these are too
 //! large, if samples are missing, or if the arm is too fast for the sampling rate.
 //! A slip of an encoder over tens of milliseconds is indistinguishable from one of the rope.
 
@@ -31,6 +32,16 @@ use std::ops::Range;
 const SIDE: usize = 4;
 /// Weights `w`, oldest sample first.
 const WEIGHTS: [f64; 2 * SIDE] = [0.35, -0.05, -0.45, -0.85, 0.85, 0.45, 0.05, -0.35];
+/// Weights `w` without one of the pairs, the innermost pair excluded first; zero for the excluded pair.
+const WEIGHTS_WITHOUT: [[f64; SIDE]; SIDE] = [
+    [0.0, 19.0 / 12.0, 1.0 / 3.0, -11.0 / 12.0],
+    [31.0 / 28.0, 0.0, 5.0 / 28.0, -2.0 / 7.0],
+    [6.0 / 7.0, 13.0 / 28.0, 0.0, -9.0 / 28.0],
+    [13.0 / 12.0, 1.0 / 3.0, -5.0 / 12.0, 0.0],
+];
+/// Minimum share of a step that the samples show without one of the pairs; a single wrong sample shows none of it without
+/// its own.
+const MIN_LASTING_SHARE: f64 = 0.5;
 /// Duration of the time slots, each of which stores its largest step, s.
 const SLOT_S: f64 = 1.0;
 /// Maximum difference between the times of a detected change and of a step, s.
@@ -271,7 +282,7 @@ impl Jumps {
         let from = self.largest.len() - width;
         for (largest, reading) in self.largest[from..].iter_mut().zip(&self.readings) {
             let size_rad: f64 = WEIGHTS.iter().zip(reading).map(|(w, x)| w * x).sum();
-            if size_rad.abs() > largest.size_rad.abs() {
+            if size_rad.abs() > largest.size_rad.abs() && lasts(reading, size_rad) {
                 *largest = Jump { time_s, size_rad };
             }
         }
@@ -354,6 +365,17 @@ impl Jumps {
     }
 }
 
+/// Whether a step of `size_rad` in the middle of the samples does not depend on a single one of them.
+fn lasts(reading: &[f64; 2 * SIDE], size_rad: f64) -> bool {
+    WEIGHTS_WITHOUT.iter().all(|weights| {
+        let pairs = weights.iter().enumerate();
+        let size_without_rad: f64 = pairs
+            .map(|(k, w)| w * (reading[SIDE + k] - reading[SIDE - 1 - k]))
+            .sum();
+        size_without_rad / size_rad > MIN_LASTING_SHARE
+    })
+}
+
 /// Returns the acceleration per deflection, `K max(1/J, (M⁻¹)ᵢᵢ)`, of joint `i` at pose `q`, 1/s²; NaN without
 /// motor inertia or with invalid masses.
 pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option<f64>) -> f64 {
@@ -377,6 +399,49 @@ pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    // The weights of every selection of pairs measure a step exactly, on any parabola.
+    #[test]
+    fn weights_measure_step_on_parabola() {
+        for (step, excluded) in [(0.0, 0), (1.0, 1), (-0.3, 2), (2.0, 3)] {
+            let reading: [f64; 2 * SIDE] = std::array::from_fn(|k| {
+                let t = k as f64 - 3.5;
+                0.2 + 0.7 * t - 0.05 * t * t + if k < SIDE { 0.0 } else { step }
+            });
+            let of_all: f64 = WEIGHTS.iter().zip(reading).map(|(w, x)| w * x).sum();
+            let pairs = WEIGHTS_WITHOUT[excluded].iter().enumerate();
+            let without: f64 = pairs
+                .map(|(k, w)| w * (reading[SIDE + k] - reading[SIDE - 1 - k]))
+                .sum();
+            assert!((of_all - step).abs() < 1e-12, "{of_all} {step}");
+            assert!((without - step).abs() < 1e-12, "{without} {step}");
+        }
+    }
+
+    // A single wrong sample is not a slip of the encoder, next to a slip of the rope of the same size.
+    #[test]
+    fn cause_single_outlier_is_no_encoder_slip() {
+        let cause = |wrong_rad: f64, slips_rad: f64| {
+            let mut jumps = Jumps::new(1);
+            for k in 0..5000_u32 {
+                let time_s = 4e-3 * f64::from(k);
+                let noise = 1e-4 * (1e3 * time_s).sin();
+                let wrong = if k == 2600 { wrong_rad } else { 0.0 };
+                let slipped = if k >= 2550 { slips_rad } else { 0.0 };
+                let q = 0.3 * time_s.sin() + noise + wrong + slipped;
+                jumps.push(time_s, &[0.3 * time_s.sin() - noise], &[q]);
+            }
+            let size = Gaussian {
+                mean: 8e-3,
+                std: 2e-4,
+            };
+            jumps.cause(0, 10.3, size, 1e3)
+        };
+        for wrong_rad in [-7e-3, -9.4e-3, -18e-3, 9.4e-3] {
+            assert_eq!(cause(wrong_rad, 0.0), Cause::Rope, "{wrong_rad}");
+            assert_eq!(cause(wrong_rad, -8e-3), Cause::JointEncoder, "{wrong_rad}");
+        }
+    }
 
     // Positions with steps and a pause, as one record and as consecutive parts.
     #[test]

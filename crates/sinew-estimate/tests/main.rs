@@ -31,3 +31,4 @@ mod support;
 mod tendons;
 mod thermal;
 mod transmission_loss;
+mod wrong_channels;

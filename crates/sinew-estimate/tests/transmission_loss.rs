@@ -2,15 +2,11 @@
 
 use crate::support;
 
-use sinew_estimate::session::Recorder;
 use sinew_estimate::session::{
     self, SessionError, SessionEstimate, SessionOptions, TendonChange, TendonChangeKind, Verdict,
     Warning,
 };
-use sinew_model::offset::FeatureConfig;
-use sinew_model::robot::Robot;
-use sinew_sim::{Scenario, Simulation};
-use support::{biorob_like, repository, seeds, work_session};
+use support::{biorob_like, seeds, work_session, work_session_with};
 
 const JOINTS: [&str; 4] = ["shoulder_yaw", "shoulder_pitch", "elbow", "wrist"];
 /// Joints with a gravity load. The axis of the yaw is vertical: there a loss is not distinguishable from a faulty encoder.
@@ -36,36 +32,6 @@ fn torn(joint: usize, at_s: f64, seed: u64, motor_torque: bool) -> (SessionEstim
     let baseline = Some((&baseline, "baseline"));
     let found = session::estimate_recorded(&robot, &parts[1], "B", baseline, &options);
     (found.unwrap().0, truth)
-}
-
-/// Baseline and session B of the example; `frozen` names a joint whose encoder is frozen, with its first reading.
-fn work_session_with(
-    robot: &Robot,
-    seed: u64,
-    frozen: impl Fn(&[f64], f64) -> Option<(usize, f64)>,
-) -> Vec<session::Recorded> {
-    let place = repository().join("examples/scenarios");
-    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
-    let mut scenario = Scenario::from_toml(&text, "work-session.toml").unwrap();
-    scenario.seed = seed;
-    let mut simulation = Simulation::new(robot, &scenario).unwrap();
-    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
-    let (mut a, mut b) = (recorder(), recorder());
-    let (mut t_s, mut held) = (0.0, None);
-    while let Some(frame) = simulation.next_frame().unwrap() {
-        let mut frame = frame.clone();
-        held = held.or_else(|| frozen(&frame.q, t_s));
-        if let Some((joint, rad)) = held {
-            frame.q[joint] = rad;
-        }
-        match t_s {
-            ..60.0 => drop(a.push(&frame, t_s)),
-            ..120.0 => drop(b.push(&frame, t_s)),
-            _ => break,
-        }
-        t_s += 1.0 / 250.0;
-    }
-    vec![a.finish(), b.finish()]
 }
 
 fn losses(found: &SessionEstimate) -> Vec<(usize, &TendonChange)> {
@@ -158,9 +124,12 @@ fn baseline_with_torn_tendon_is_rejected() {
 fn frozen_encoder_is_no_lost_transmission() {
     let robot = biorob_like();
     for joint in 0..JOINTS.len() {
-        let parts = work_session_with(&robot, 340, |q, t_s| {
+        let mut held = None;
+        let parts = work_session_with(&robot, 340, |frame, t_s| {
             // The reading of the session is constant from 85 s on.
-            (t_s >= 85.0).then_some((joint, q[joint]))
+            if t_s >= 85.0 {
+                frame.q[joint] = *held.get_or_insert(frame.q[joint]);
+            }
         });
         let learning = session::Learning::default();
         let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A", &learning).unwrap();

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::frame::Quantity;
+use crate::motor_ratio::MotorRatio;
 
 /// Maximum number of events kept; later ones are only counted.
 pub const EVENT_LIMIT: usize = 256;
@@ -215,6 +216,9 @@ pub struct Health {
     pub bytes_lost: u64,
     /// Damaged parts of the file, with the reasons.
     pub damage: Vec<Damage>,
+    /// Motors whose position is a constant multiple of the joint position that is not near one.
+    #[serde(default)]
+    pub motor_ratios: Vec<MotorRatio>,
     /// Implausible signals: degrees, constant, gear ratio, all NaN.
     pub implausible_signals: Vec<String>,
     /// Events in reading order, at most [`EVENT_LIMIT`].

@@ -128,6 +128,7 @@ impl RecordingInfo {
         }
         // The checks of signals are not valid for topics chosen arbitrarily.
         self.health.implausible_signals.clear();
+        self.health.motor_ratios.clear();
         self.health.non_finite.clear();
         self.health.unwrapped.clear();
         self.health.signals.clear();

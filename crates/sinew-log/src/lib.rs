@@ -76,13 +76,14 @@
 //! | out of order within the window | reordered; counted |
 //! | later than the window | discarded; counted. Eight in a row are a clock step |
 //! | duplicate time stamp | the first is kept; counted |
+//! | rows or messages of a second publisher between those of the first | excluded; counted |
 //! | clock that steps back permanently, or ahead while the log times continue | new segment; counted; the time of the frames continues by the log times, else by the last period |
 //! | pause longer than [`OpenOptions::gap_s`] (0.5 s) | new segment; counted, the longest kept |
 //! | NaN or infinity recorded | NaN in the frame; counted per signal |
 //! | signal all NaN, constant (100 frames, 1 s) | reported as implausible |
 //! | joint position beyond 2π | reported as "looks like degrees"; not converted |
 //! | times in a unit that gives an unusual rate | reported, with the unit that gives a usual one |
-//! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | reported: degrees, gear ratio, sign |
+//! | `theta` a constant multiple of `q`, with a factor outside 0.5 to 2 | reported in [`Health::motor_ratios`], with the line of the mapping that corrects unit, gear ratio or sign |
 //! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
 //! | table without a time or joint column, column twice | rejected |
 //! | CSV line that begins with `#`, `%`, `//` or, without `;` between cells, `;` | a comment, or the header where numbers follow |
@@ -115,6 +116,7 @@ mod health;
 mod info;
 pub mod live;
 mod mapping;
+mod motor_ratio;
 mod options;
 mod sources;
 
@@ -133,5 +135,6 @@ pub use health::{
 pub use info::{FrameCounter, RecordingInfo};
 pub use live::JointInfo;
 pub use mapping::{JointEffort, Mapping};
+pub use motor_ratio::{MotorRatio, RatioSums, describe_ratios};
 pub use options::OpenOptions;
 pub use sources::{SignalSource, TopicInfo, TopicUse};

@@ -130,10 +130,11 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
     );
 
     for (factor, word) in [
-        (57.29578, "theta looks like degrees"),
-        (1.0 / 57.29578, "q looks like degrees"),
-        (100.0, "gear ratio"),
-        (-1.0, "wrong sign"),
+        (57.29578, "[joints.a] theta = { …, unit = \"deg\" }"),
+        (1.0 / 57.29578, "[joints.a] q = { …, unit = \"deg\" }"),
+        (100.0, "[joints.a] theta = { …, gear_ratio = 100.0000 }"),
+        (0.1, "[joints.a] theta = { …, gear_ratio = 0.1000 }"),
+        (-1.0, "[joints.a] theta = { …, sign = -1 }"),
     ] {
         let text = table("time_s,q.a_rad,theta.a_rad", 400, |step| {
             let q = 1.2 * (0.05 * step as f64).sin();
@@ -142,6 +143,10 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
         let (_, health) = read(&text);
         let all = health.implausible_signals.join("\n");
         assert!(all.contains(word), "{factor}: {all}");
+        let [ratio] = &health.motor_ratios[..] else {
+            panic!("{health:?}");
+        };
+        assert!((ratio.slope / factor - 1.0).abs() < 1e-9, "{ratio:?}");
     }
     // What is right is not suspected.
     let text = table("time_s,q.a_rad,theta.a_rad", 400, |step| {
@@ -149,6 +154,33 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
         format!("{q},{}", q + 0.05 * (0.05 * step as f64).cos())
     });
     assert!(read(&text).1.implausible_signals.is_empty());
+}
+
+/// A node that repeats a pose writes rows between those of the driver, or at their times.
+#[test]
+fn rows_of_second_publisher_are_excluded() {
+    let q = |k: i64| 0.8 * (0.005 * k as f64).sin();
+    for (after_s, every) in [(0.0, 1), (0.002, 1), (0.002, 3), (0.0004, 50)] {
+        let mut text = String::from("time_s,q.a_rad,theta.a_rad\n");
+        let mut others = 0;
+        for k in 0..1500 {
+            let time_s = 0.004 * k as f64;
+            text += &format!("{time_s:.4},{},{}\n", q(k), q(k) + 0.01);
+            if k % every == 0 {
+                text += &format!("{:.4},0.5,0.5\n", time_s + after_s);
+                others += 1;
+            }
+        }
+        let (frames, health) = read(&text);
+        assert_eq!(frames.len(), 1500, "{after_s} {every}: {health:?}");
+        for (k, frame) in frames.iter().enumerate() {
+            assert_eq!(frame.q[0], q(k as i64), "{after_s} {every}: {k}");
+        }
+        let [second] = &health.second_publishers[..] else {
+            panic!("{health:?}");
+        };
+        assert_eq!(second.samples, others, "{after_s} {every}");
+    }
 }
 
 #[test]

@@ -70,6 +70,8 @@ fn session_joint(warning: &Warning) -> Option<&str> {
         | Warning::UnexplainedResidual { joint, .. }
         | Warning::BeyondPretension { joint, .. }
         | Warning::JointSeized { joint, .. }
+        | Warning::BeyondLimits { joint, .. }
+        | Warning::MotorEncoderFrozen { joint, .. }
         | Warning::TemperatureUnknown { joint, .. }
         | Warning::ThermalEffect { joint, .. }
         | Warning::ReferenceInconsistent { joint, .. } => Some(joint),
@@ -300,6 +302,34 @@ pub fn session_warning(warning: &Warning) -> String {
             1e3 * joint_travel_rad,
             1e3 * motor_travel_rad
         ),
+        Warning::BeyondLimits {
+            joint,
+            min_rad,
+            max_rad,
+            lower_rad,
+            upper_rad,
+            opposite_is_within,
+        } => format!(
+            "{joint}: positions of {} to {} mrad are beyond the limits of the URDF ({} to {} mrad){}; check sign, encoder zero, unit and joint of the channel, or the limits",
+            signed_integer(1e3 * min_rad),
+            signed_integer(1e3 * max_rad),
+            signed_integer(1e3 * lower_rad),
+            signed_integer(1e3 * upper_rad),
+            match opposite_is_within {
+                true => ", and within them with the opposite sign",
+                false => "",
+            }
+        ),
+        Warning::MotorEncoderFrozen {
+            joint,
+            from_s,
+            motor_rad,
+            joint_travel_rad,
+        } => format!(
+            "{joint}: motor position constant at {:.0} mrad from {from_s:.1} s on while the joint moved {:.0} mrad: motor encoder or its channel frozen; phase excluded; check encoder and driver",
+            1e3 * motor_rad,
+            1e3 * joint_travel_rad
+        ),
         Warning::NegativePayload { payload_kg } => format!(
             "payload estimate {} kg is negative: tool lighter than described, or wrong unit or sign of the positions; check gripper mass, units and signs (sinew log info) before using the offsets",
             plus_minus(*payload_kg, 1.0)
@@ -374,8 +404,16 @@ pub fn session_warning(warning: &Warning) -> String {
                 format!("{joint}: motor torque is constant; not used; check the channel")
             }
             MotorTorqueError::Contradicts { slope } => format!(
-                "{joint}: motor torque is {} % of the spring torque (expected 100 %); not used; check sign, unit, torque constant and gear ratio",
-                rounded(100.0 * slope, 2)
+                "{joint}: motor torque is {} % of the spring torque (expected 100 %); not used; check {}unit, torque constant and gear ratio",
+                rounded(100.0 * slope, 2),
+                match *slope < 0.0 {
+                    true => "the sign of the torque and that of both positions, ",
+                    false => "",
+                }
+            ),
+            MotorTorqueError::NegativeWork { work_j } => format!(
+                "{joint}: motor torque does a work of {} J over the recording (a drive with friction does positive work); not used; check the sign of the torque and that of both positions",
+                rounded(*work_j, 2)
             ),
             MotorTorqueError::Untested => format!(
                 "{joint}: motor torque cannot be verified, and that of another joint is inconsistent with its spring; not used"
@@ -389,6 +427,9 @@ pub fn session_warning(warning: &Warning) -> String {
                 "{joint}: tension is {} % of the tension expected from the extension (expected 100 %); not used; check unit (N), sign and tendon of the sensor",
                 rounded(100.0 * slope, 2)
             ),
+            MotorTorqueError::NegativeWork { .. } => {
+                format!("{joint}: tension does negative work; not used; check its sign")
+            }
             MotorTorqueError::Untested => format!(
                 "{joint}: tension cannot be verified, and that of another tendon is inconsistent with its extension; not used"
             ),
@@ -431,6 +472,11 @@ pub fn session_warning(warning: &Warning) -> String {
             )
         }
     }
+}
+
+/// Formats a whole number with a typographic minus.
+fn signed_integer(value: f64) -> String {
+    format!("{value:.0}").replace('-', "−")
 }
 
 /// Formats a torque with two decimals and a typographic minus.

@@ -11,6 +11,9 @@ use sinew_model::tendons::{Routing, TendonKind};
 
 /// Minimum range of the spring deflection, rad: below it, stiffness and offset are not separable.
 const MIN_DEFLECTION_RANGE_RAD: f64 = 10e-3;
+/// Maximum distance of a position from the limits of the URDF without a warning, relative to their range: overshoot of the
+/// controller and error of the encoder zero. Engineering estimate.
+const MAX_BEYOND_LIMITS_RATIO: f64 = 0.05;
 /// Maximum residual without a warning, robust standard deviation, rad.
 const MAX_RESIDUAL_RAD: f64 = 1e-3;
 /// Maximum travel of a seized joint, rad; its motor travels more than ten times that of the joint.
@@ -47,6 +50,32 @@ fn beyond_pretension(context: &Context<'_>, joints: &[TendonEstimate]) -> Vec<Wa
     joints.iter().filter_map(of).collect()
 }
 
+/// Warnings for joints with positions beyond the limits of the URDF.
+fn beyond_limits(context: &Context<'_>) -> Vec<Warning> {
+    let of = |joint: usize| {
+        let limits = context.robot.limits.get(joint)?;
+        let positions = || context.recorded.blocks.iter().map(|b| b.turned[joint]);
+        let min_rad = positions().fold(f64::INFINITY, f64::min);
+        let max_rad = positions().fold(f64::NEG_INFINITY, f64::max);
+        let margin_rad = MAX_BEYOND_LIMITS_RATIO * (limits.upper - limits.lower);
+        let is_within = |min: f64, max: f64| {
+            min >= limits.lower - margin_rad && max <= limits.upper + margin_rad
+        };
+        let is_limited = margin_rad.is_finite() && margin_rad > 0.0;
+        (is_limited && !is_within(min_rad, max_rad)).then(|| Warning::BeyondLimits {
+            joint: context.robot.joint_names()[joint].clone(),
+            min_rad,
+            max_rad,
+            lower_rad: limits.lower,
+            upper_rad: limits.upper,
+            opposite_is_within: is_within(-max_rad, -min_rad),
+        })
+    };
+    (0..context.robot.joint_names().len())
+        .filter_map(of)
+        .collect()
+}
+
 /// Returns the warnings of an estimate; `far` are those of parameters far from their prior, `rest_phases` has the final
 /// rest phase of each elastic joint.
 pub(super) fn warnings(
@@ -79,6 +108,7 @@ pub(super) fn warnings(
             before_end_s: recorded.end_s() - change.time_s,
         }));
     }
+    out.extend(beyond_limits(context));
     out.extend(beyond_pretension(context, joints));
     out.extend(at_rest_at_end(joints, rest_phases));
     for (joint, inflation) in joints.iter().zip(inflations) {

@@ -23,6 +23,8 @@ enum Finding {
     Constant,
     /// Spring torque that changed by less than the friction of the drive.
     Untested,
+    /// Motor torque that does negative work, J.
+    NegativeWork(f64),
     /// Channel that follows the spring torque.
     Agrees,
     /// Channel that does not follow the spring torque, with its regression slope; 1 is expected.
@@ -66,13 +68,15 @@ fn reject_channel(
     let findings: Vec<(usize, Finding)> = (recorded.elastic.iter())
         .map(|&i| (i, finding(robot, recorded, i, channel)))
         .collect();
-    let is_inconsistent = |f: &Finding| matches!(f, Finding::Contradicts(_));
+    let is_inconsistent =
+        |f: &Finding| matches!(f, Finding::Contradicts(_) | Finding::NegativeWork(_));
     let any = findings.iter().any(|(_, f)| is_inconsistent(f));
     let mut out = Vec::new();
     for (axis, finding) in findings {
         let fault = match finding {
             Finding::Constant => MotorTorqueError::Constant,
             Finding::Contradicts(slope) => MotorTorqueError::Contradicts { slope },
+            Finding::NegativeWork(work_j) => MotorTorqueError::NegativeWork { work_j },
             Finding::Untested if any => MotorTorqueError::Untested,
             Finding::Absent | Finding::Untested | Finding::Agrees => continue,
         };
@@ -136,7 +140,13 @@ fn finding(robot: &Robot, recorded: &Recorded, axis: usize, channel: Channel) ->
     let variance = mean(&|p| (p.0 - spring).powi(2));
     let friction = (transmission.motor_friction).or_default(stiffness, Friction::DEFAULT_DRIVE_RAD);
     if !(variance.sqrt() > friction.coulomb_nm) {
-        return Finding::Untested;
+        let work_j = match channel {
+            Channel::MotorTorque if routings.is_none() => {
+                negative_work_j(&recorded.blocks, axis, friction.coulomb_nm, stiffness)
+            }
+            Channel::MotorTorque | Channel::Tension => None,
+        };
+        return work_j.map_or(Finding::Untested, Finding::NegativeWork);
     }
     let slope = mean(&|p| (p.0 - spring) * (p.1 - measured)) / variance;
     // A slack strand pulls less than its extension indicates.
@@ -148,6 +158,34 @@ fn finding(robot: &Robot, recorded: &Recorded, axis: usize, channel: Channel) ->
         true => Finding::Agrees,
         false => Finding::Contradicts(slope),
     }
+}
+
+/// Work of a motor torque over a recording, J, if it is negative by more than the load can have stored.
+///
+/// Over a recording the drive does the work of its friction, `F_c ∫|dθ|`, and that of the load between the first and the last
+/// pose, which is at most the largest load times the range of the motor. A wrong sign of the torque, or of both positions,
+/// reverses the work.
+fn negative_work_j(blocks: &[Block], axis: usize, coulomb_nm: f64, stiffness: f64) -> Option<f64> {
+    /// Minimum magnitude of negative work, relative to the work of the nominal friction: friction varies by less.
+    const MIN_FRICTION_SHARE: f64 = 0.5;
+    let motor_rad = |block: &Block| block.turned[axis] + block.y[axis];
+    let (mut work_j, mut travel_rad) = (0.0, 0.0);
+    for pair in blocks.windows(2) {
+        let step_rad = motor_rad(&pair[1]) - motor_rad(&pair[0]);
+        let torque_nm = 0.5 * (pair[0].motor_torque[axis] + pair[1].motor_torque[axis]);
+        if (step_rad * torque_nm).is_finite() {
+            work_j += torque_nm * step_rad;
+            travel_rad += step_rad.abs();
+        }
+    }
+    let finite = || blocks.iter().filter(|block| block.y[axis].is_finite());
+    let load_nm = finite().fold(0.0, |most: f64, b| most.max(stiffness * b.y[axis].abs()));
+    let ends = finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], b| {
+        [low.min(motor_rad(b)), high.max(motor_rad(b))]
+    });
+    let stored_j = load_nm * (ends[1] - ends[0]);
+    let least_j = MIN_FRICTION_SHARE * coulomb_nm * travel_rad + stored_j;
+    (least_j > 0.0 && work_j < -least_j).then_some(work_j)
 }
 
 /// Load of the tendons of one motor by their nominal stiffness, N·m in the coordinate of the first of them.

@@ -156,6 +156,7 @@ pub fn learn_recorded(
         external_force_n: None,
         creep: false,
     };
+    sides::check_scales(robot, recorded, name)?;
     let session = Session::new(robot, recorded, &options);
     if let Some(loss) = session.losses.first() {
         return Err(SessionError::TransmissionLost {
@@ -552,6 +553,7 @@ fn estimate_with_lag(
     options: &SessionOptions,
     (lag_s, stated): (f64, Option<Payload>),
 ) -> Result<Solved, SessionError> {
+    sides::check_scales(robot, recorded, name)?;
     let mut session = Session::new(robot, recorded, options);
     let prior = &session.estimator.prior().clone();
     sides::check(robot, prior, &session.recorded, options.payload, name)?;

@@ -1,7 +1,9 @@
-//! Detection of exchanged motor and joint sides, of wrong signs, units and gear ratios.
+//! Detection of exchanged motor and joint sides, of constant motor positions, of wrong signs, units and gear ratios.
 
+use super::frozen_encoder;
 use super::recorder::Recorded;
-use crate::error::{EstimateError, MotorRatio, OpposedSpring, SidesFault};
+use crate::error::{EstimateError, OpposedSpring, SidesFault};
+use sinew_log::{MotorRatio, RatioSums};
 use sinew_model::offset::{Block, Payload, PayloadRange, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::statistics::upper_median;
@@ -55,16 +57,24 @@ fn check_units(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), Est
     }
 }
 
-/// Range of the slope of the motor position over the joint position of a tendon: it differs from one by the change of the
-/// deflection over the travel of the joint.
-const PLAUSIBLE_SLOPES: std::ops::Range<f64> = 0.5..2.0;
-/// Minimum share of the variance of the motor position that the joint position explains for a constant ratio.
-const MIN_EXPLAINED_SHARE: f64 = 0.99;
-/// Minimum standard deviation of the joint position for its ratio to be tested, rad.
-const MIN_TRAVEL_STD_RAD: f64 = 0.05;
-
-/// Minimum number of blocks for a ratio, about four seconds: a ratio that explains the motion is no contact.
-const MIN_RATIO_BLOCKS: usize = 20;
+/// Checks that no motor position is constant in the whole recording while its joint moves.
+///
+/// # Errors
+/// Returns [`EstimateError::Sides`] with the motors.
+fn check_constant_motors(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+) -> Result<(), EstimateError> {
+    let motors = frozen_encoder::constant_motors(robot, recorded);
+    match motors.is_empty() {
+        true => Ok(()),
+        false => Err(EstimateError::Sides {
+            file: name.into(),
+            fault: SidesFault::ConstantMotor { motors },
+        }),
+    }
+}
 
 /// Checks that no motor moves by a multiple of its joint other than one.
 ///
@@ -76,11 +86,12 @@ fn check_ratios(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), Es
         return Ok(());
     }
     let ratios = recorded.elastic.iter().filter_map(|&i| {
-        let slope = constant_slope(recorded.blocks.iter().map(|b| (b.turned[i], b.y[i])))?;
-        (!PLAUSIBLE_SLOPES.contains(&slope)).then(|| MotorRatio {
-            joint: robot.tendon_name(i).to_owned(),
-            slope,
-        })
+        let mut sums = RatioSums::default();
+        for block in &recorded.blocks {
+            sums.push(block.turned[i], block.turned[i] + block.y[i]);
+        }
+        let held_rad = frozen_encoder::held_travel_rad(robot, i);
+        sums.implausible(robot.tendon_name(i), held_rad)
     });
     let ratios: Vec<MotorRatio> = ratios.collect();
     match ratios.is_empty() {
@@ -92,37 +103,28 @@ fn check_ratios(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), Es
     }
 }
 
-/// Slope of `q + y` over `q` by least squares; `None` if `q` hardly varies, or if the relation is not linear.
-fn constant_slope(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
-    let finite = pairs.filter(|(q, y)| (q + y).is_finite());
-    let count = finite.clone().count();
-    if count < MIN_RATIO_BLOCKS {
-        return None;
-    }
-    let n = count as f64;
-    let (q_sum, y_sum) = finite
-        .clone()
-        .fold((0.0, 0.0), |(a, b), (q, y)| (a + q, b + y));
-    let (mut qq, mut qt, mut tt) = (0.0, 0.0, 0.0);
-    for (q, y) in finite {
-        let q_off = q - q_sum / n;
-        let theta_off = q_off + y - y_sum / n;
-        qq += q_off * q_off;
-        qt += q_off * theta_off;
-        tt += theta_off * theta_off;
-    }
-    let moves = (qq / n).sqrt() > MIN_TRAVEL_STD_RAD;
-    (moves && qt * qt > MIN_EXPLAINED_SHARE * qq * tt).then(|| qt / qq)
+/// Checks that no position has a wrong unit, gear ratio or sign, before any block is excluded: a transmission that is lost
+/// has no constant ratio.
+///
+/// # Errors
+/// Returns [`EstimateError::Sides`] with the ratios, or with the positions in degrees.
+pub(super) fn check_scales(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+) -> Result<(), EstimateError> {
+    check_ratios(robot, recorded, name)?;
+    check_units(robot, recorded, name)
 }
 
-/// Checks that no joint has exchanged motor and joint sides, or a wrong sign, unit or gear ratio.
+/// Checks that no joint has exchanged motor and joint sides, a wrong sign, or a constant motor position.
 ///
 /// The deflection `y` of a spring follows the load of the joint, `d = Φ z / K` with the described masses `z`. With
 /// exchanged sides it follows `−d`, which no tolerance of stiffness or mass explains, nor any possible payload. The
 /// check uses medians, because a contact is present for part of the time only but can reverse the sign of a regression.
 ///
 /// # Errors
-/// Returns [`EstimateError::Sides`] with the ratios or the reversed springs.
+/// Returns [`EstimateError::Sides`] with the constant motor positions or the reversed springs.
 pub(super) fn check(
     robot: &Robot,
     prior: &Prior,
@@ -130,8 +132,7 @@ pub(super) fn check(
     payload: Payload,
     name: &str,
 ) -> Result<(), EstimateError> {
-    check_ratios(robot, recorded, name)?;
-    check_units(robot, recorded, name)?;
+    check_constant_motors(robot, recorded, name)?;
     let held = prior.payload_range(payload);
     let is_excluded = |i: usize| recorded.blocks.iter().any(|b| b.y[i].is_nan());
     let intact = recorded.elastic.iter().filter(|&&i| !is_excluded(i));
@@ -289,20 +290,6 @@ mod tests {
             turned * (alone + held) + 0.003 + pushed + 2e-4 * wave(k, 7.7)
         });
         (y.collect(), described)
-    }
-
-    #[test]
-    fn constant_slope_is_found_only_for_linear_motion() {
-        let q = |k: usize| (0.1 * k as f64).sin();
-        let slope = |y: &dyn Fn(usize) -> f64| constant_slope((0..200).map(|k| (q(k), y(k))));
-        for ratio in [-1.0, 1.0, 6.0, 57.3] {
-            let found = slope(&|k| (ratio - 1.0) * q(k) + 0.01 * (0.7 * k as f64).sin()).unwrap();
-            assert!((found / ratio - 1.0).abs() < 0.01, "{found} {ratio}");
-        }
-        // A motor that does not drive its joint, and a joint at rest.
-        assert_eq!(slope(&|k| 3.0 * (0.23 * k as f64).sin() - q(k)), None);
-        let at_rest = constant_slope((0..200).map(|k| (1e-3 * q(k), 0.2 * q(k))));
-        assert_eq!(at_rest, None);
     }
 
     // A load behind the joint reverses its spring. A payload range that contains the load explains it, an empty gripper

@@ -17,6 +17,12 @@ pub enum MotorTorqueError {
         /// Regression slope of the channel on the spring torque; 1 is expected.
         slope: f64,
     },
+    /// Channel whose work is negative, though a drive with friction does positive work: wrong sign of the channel, or of both
+    /// positions.
+    NegativeWork {
+        /// Work of the channel over the recording, J.
+        work_j: f64,
+    },
     /// Channel that cannot be tested, while that of another joint is inconsistent with its spring torque.
     Untested,
 }
@@ -131,6 +137,33 @@ pub enum Warning {
         joint_travel_rad: f64,
         /// Range of the motor position, rad.
         motor_travel_rad: f64,
+    },
+    /// Joint positions beyond the limits of the URDF: wrong sign, zero, unit or joint.
+    BeyondLimits {
+        /// Name of the joint.
+        joint: String,
+        /// Smallest position, rad.
+        min_rad: f64,
+        /// Largest position, rad.
+        max_rad: f64,
+        /// Lower limit, rad.
+        lower_rad: f64,
+        /// Upper limit, rad.
+        upper_rad: f64,
+        /// Whether the positions with the opposite sign are within the limits.
+        opposite_is_within: bool,
+    },
+    /// Motor position that is constant from a time on while its joint travels farther than the effort limit bends the spring:
+    /// the motor encoder or its channel is frozen. The phase is excluded.
+    MotorEncoderFrozen {
+        /// Name of the joint.
+        joint: String,
+        /// Start of the phase since the start of the recording, s.
+        from_s: f64,
+        /// Constant motor position, rad.
+        motor_rad: f64,
+        /// Range of the joint position in the phase, rad.
+        joint_travel_rad: f64,
     },
     /// Negative payload estimate: the tool is lighter than described, or units or signs are wrong.
     NegativePayload {

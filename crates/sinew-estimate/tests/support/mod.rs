@@ -7,6 +7,7 @@ use sinew_estimate::baseline::Baseline;
 use sinew_estimate::online::{OnlineAnswer, Window};
 use sinew_estimate::robot_dir;
 use sinew_estimate::session::{Payload, Recorded, Recorder, SessionOptions};
+use sinew_log::Frame;
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 use sinew_sim::protocol::Plan;
@@ -138,4 +139,31 @@ pub(crate) fn online_answer(
     window.push(recorded);
     window.solve();
     window.answer().clone()
+}
+
+/// Baseline and session B of the example; `change` changes the frame at a time, s.
+pub(crate) fn work_session_with(
+    robot: &Robot,
+    seed: u64,
+    mut change: impl FnMut(&mut Frame, f64),
+) -> Vec<Recorded> {
+    let place = repository().join("examples/scenarios");
+    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
+    let mut scenario = Scenario::from_toml(&text, "work-session.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let (mut a, mut b) = (recorder(), recorder());
+    let mut t_s = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        let mut frame = frame.clone();
+        change(&mut frame, t_s);
+        match t_s {
+            ..60.0 => drop(a.push(&frame, t_s)),
+            ..120.0 => drop(b.push(&frame, t_s)),
+            _ => break,
+        }
+        t_s += 1.0 / 250.0;
+    }
+    vec![a.finish(), b.finish()]
 }

@@ -13,6 +13,7 @@ use super::key::Key;
 use super::timeline::{Step, Timeline};
 use crate::frame::{ABSENT, AxisNames, Frame, Quantity, blocks, is_absent};
 use crate::health::{EventKind, Health, LateStart, SignalCount, SignalCoverage};
+use crate::motor_ratio::{RatioSums, describe_ratios};
 use sinew_files::WORKS_AT_C;
 
 /// Minimum period, rad, for which the motor side starts in the same revolution as the joint; with a shorter period,
@@ -26,9 +27,10 @@ const CONSTANT_SECONDS: f64 = 1.0;
 /// A joint position beyond this is more likely to be in degrees, rad.
 const DEGREES_FROM_RAD: f64 = 2.0 * std::f64::consts::PI * 1.01;
 /// Interval of the frames in the comparison of motor and joint side.
-const SLOPE_EVERY: u64 = 8;
-/// Minimum motion of a joint for that comparison, rad.
-const SLOPE_SPAN_RAD: f64 = 0.05;
+const SIDES_EVERY: u64 = 8;
+/// Minimum number of compared frames, and minimum motion of the joint, rad, for both sides to be one signal.
+const ONE_SIGNAL_FRAMES: u64 = 16;
+const ONE_SIGNAL_SPAN_RAD: f64 = 0.05;
 /// Sides that move apart by less are one signal: rounding, rad.
 const ONE_SIGNAL_RAD: f64 = 1e-9;
 
@@ -84,15 +86,14 @@ impl Signal {
     }
 }
 
-/// Running sums of the line `theta = intercept + slope · q`.
+/// Both sides of a joint.
 #[derive(Debug, Clone, Copy, Default)]
-struct Slope {
-    count: f64,
-    origin: (f64, f64),
-    q: f64,
-    theta: f64,
-    qq: f64,
-    q_theta: f64,
+struct Sides {
+    ratio: RatioSums,
+    /// Number of frames with both sides.
+    count: u64,
+    /// Value of `theta − q` in the first of them.
+    first: f64,
     /// Smallest and largest `theta − q`, relative to the first one.
     apart: [f64; 2],
 }
@@ -121,7 +122,7 @@ pub struct Conditioner {
     half_period: Vec<f64>,
     turned: [bool; 2],
     wraps: Vec<u64>,
-    slopes: Vec<Slope>,
+    sides: Vec<Sides>,
     /// Coverage of the recording by each signal of q and theta.
     coverage: Vec<Coverage>,
     /// Lowest and highest temperature outside the working range of a robot, °C.
@@ -185,7 +186,7 @@ impl Conditioner {
             half_period,
             turned: [false; 2],
             wraps: vec![0; 2 * n],
-            slopes: vec![Slope::default(); n],
+            sides: vec![Sides::default(); n],
             coverage: vec![Coverage::default(); 2 * n],
             implausible_temperatures: None,
             timeline: Timeline::new(gap_ns),
@@ -295,8 +296,8 @@ impl Conditioner {
         if !whole && frame.theta.iter().all(|value| value.is_nan()) {
             health.frames_without_motor_side += 1;
         }
-        if health.frames.is_multiple_of(SLOPE_EVERY) {
-            self.watch_slopes(frame);
+        if health.frames.is_multiple_of(SIDES_EVERY) {
+            self.watch_sides(frame);
         }
         health.frames += 1;
     }
@@ -512,23 +513,20 @@ impl Conditioner {
         *value = unwrapped;
     }
 
-    fn watch_slopes(&mut self, frame: &Frame) {
-        for (joint, slope) in self.slopes.iter_mut().enumerate() {
+    fn watch_sides(&mut self, frame: &Frame) {
+        for (joint, sides) in self.sides.iter_mut().enumerate() {
             let (q, theta) = (frame.q[joint], frame.theta[joint]);
             if !(q.is_finite() && theta.is_finite()) {
                 continue;
             }
-            if slope.count == 0.0 {
-                slope.origin = (q, theta);
+            sides.ratio.push(q, theta);
+            if sides.count == 0 {
+                sides.first = theta - q;
             }
-            let (q, theta) = (q - slope.origin.0, theta - slope.origin.1);
-            slope.count += 1.0;
-            slope.q += q;
-            slope.theta += theta;
-            slope.qq += q * q;
-            slope.q_theta += q * theta;
-            let [least, most] = slope.apart;
-            slope.apart = [least.min(theta - q), most.max(theta - q)];
+            sides.count += 1;
+            let apart = theta - q - sides.first;
+            let [least, most] = sides.apart;
+            sides.apart = [least.min(apart), most.max(apart)];
         }
     }
 
@@ -580,8 +578,12 @@ impl Conditioner {
             let signals = Vec::from_iter(signals);
             health.signals.extend(signals);
         }
+        health.motor_ratios.clear();
         for joint in 0..n {
             self.suspect_sides(joint, health);
+        }
+        if !health.motor_ratios.is_empty() {
+            health.implausible_signal(describe_ratios(&health.motor_ratios));
         }
         if let Some(range) = self.implausible_temperatures {
             health.implausible_signal(implausible_temperatures(range));
@@ -625,40 +627,20 @@ impl Conditioner {
 
     /// Compares the motor side with the joint side: one signal, unit, gear ratio, sign.
     fn suspect_sides(&self, joint: usize, health: &mut Health) {
-        const RAD_TO_DEG: f64 = 180.0 / std::f64::consts::PI;
-        let slope = &self.slopes[joint];
-        let variance = slope.qq - slope.q * slope.q / slope.count;
-        let covariance = slope.q_theta - slope.q * slope.theta / slope.count;
-        let span = self.maximum[joint] - self.minimum[joint];
-        let enough = slope.count >= 16.0 && variance > 0.0 && span.is_finite();
         let axis = &self.axes[joint];
         let Some(name) = axis.joint.as_ref().filter(|_| axis.is_reflected) else {
             return;
         };
-        if !enough || span < SLOPE_SPAN_RAD {
-            return;
-        }
-        let ratio = covariance / variance;
-        if slope.apart[1] - slope.apart[0] <= ONE_SIGNAL_RAD {
+        let sides = &self.sides[joint];
+        let span = self.maximum[joint] - self.minimum[joint];
+        let is_compared = sides.count >= ONE_SIGNAL_FRAMES && span >= ONE_SIGNAL_SPAN_RAD;
+        if is_compared && sides.apart[1] - sides.apart[0] <= ONE_SIGNAL_RAD {
             health.implausible_signal(format!(
                 "theta.{name} is bitwise identical to q.{name}: probably one encoder or one topic for both sides; expected only for a rigid joint"
             ));
-        } else if (ratio / RAD_TO_DEG - 1.0).abs() < 0.1 {
-            health.implausible_signal(format!(
-                "theta.{name} moves {ratio:.1} times as much as q.{name}: theta looks like degrees"
-            ));
-        } else if (ratio * RAD_TO_DEG - 1.0).abs() < 0.1 {
-            health.implausible_signal(format!(
-                "theta.{name} moves {ratio:.4} times as much as q.{name}: q looks like degrees"
-            ));
-        } else if ratio.abs() > 2.0 {
-            health.implausible_signal(format!(
-                "theta.{name} moves {ratio:.1} times as much as q.{name}: probably not divided by the gear ratio; set gear_ratio in the mapping"
-            ));
-        } else if ratio < -0.2 {
-            health.implausible_signal(format!(
-                "theta.{name} moves against q.{name} (factor {ratio:.2}): probably wrong sign; set sign = -1 in the mapping"
-            ));
         }
+        // How far the motor of a held joint can travel is not known without the robot.
+        let ratio = sides.ratio.implausible(name, f64::INFINITY);
+        health.motor_ratios.extend(ratio);
     }
 }

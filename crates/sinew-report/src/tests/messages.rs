@@ -195,6 +195,8 @@ fn session_warnings(list: &mut List) {
     let faults = [
         MotorTorqueError::Constant,
         MotorTorqueError::Contradicts { slope: 0.22 },
+        MotorTorqueError::Contradicts { slope: -0.98 },
+        MotorTorqueError::NegativeWork { work_j: -7.31 },
         MotorTorqueError::Untested,
     ];
     let mut all = vec![
@@ -257,6 +259,28 @@ fn session_warnings(list: &mut List) {
             from_s: 12.0,
             joint_travel_rad: 1.2e-3,
             motor_travel_rad: 0.412,
+        },
+        Warning::BeyondLimits {
+            joint: joint(),
+            min_rad: -1.7,
+            max_rad: 0.02,
+            lower_rad: -0.3,
+            upper_rad: 2.4,
+            opposite_is_within: true,
+        },
+        Warning::BeyondLimits {
+            joint: joint(),
+            min_rad: 0.1,
+            max_rad: 3.1,
+            lower_rad: -0.3,
+            upper_rad: 2.4,
+            opposite_is_within: false,
+        },
+        Warning::MotorEncoderFrozen {
+            joint: joint(),
+            from_s: 27.2,
+            motor_rad: 1.517,
+            joint_travel_rad: 1.62,
         },
         Warning::NegativePayload {
             payload_kg: plain(-0.3, 0.1),

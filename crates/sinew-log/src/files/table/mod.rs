@@ -207,7 +207,9 @@ impl<R: Rows> Reader for Table<R> {
     }
 
     fn joiner(&self, axes: &[AxisNames], options: &OpenOptions) -> Joiner {
-        self.columns.joiner(axes, options)
+        let mut joiner = self.columns.joiner(axes, options);
+        joiner.exclude_second_publishers();
+        joiner
     }
 
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError> {
@@ -229,7 +231,9 @@ impl<R: Rows> Reader for Table<R> {
             Row::End => {
                 if self.clock.steps() < Clock::STEPS {
                     self.check_clock()?;
-                } else if Clock::EQUAL_TIMES_RATIO * self.clock.equal > self.clock.steps() {
+                } else if Clock::EQUAL_TIMES_RATIO * self.clock.equal > self.clock.steps()
+                    && joiner.primary.counts.second == 0
+                {
                     health.implausible_signal(format!(
                         "{} of {} rows have the same {} as the row before and are discarded: {ROUNDED}",
                         self.clock.equal,
