@@ -83,7 +83,7 @@
 //! | joint position beyond 2π | reported as "looks like degrees"; not converted |
 //! | times in a unit that gives an unusual rate | reported, with the unit that gives a usual one |
 //! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | reported: degrees, gear ratio, sign |
-//! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
+//! | table in UTF-16 with its mark, or in code page 1252; `;`, tab or blanks; decimal comma | read |
 //! | table without a time or joint column, column twice | rejected |
 //! | CSV line that begins with `#`, `%`, `//` or, without `;` between cells, `;` | a comment, or the header where numbers follow |
 //! | names and values above the header of a table, units below it | skipped |

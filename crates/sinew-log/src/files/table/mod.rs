@@ -1,6 +1,7 @@
 //! Tables: one row is one instant, columns are named signals.
 
 mod arrays;
+mod blanks;
 mod columns;
 mod csv_read;
 mod decimal;

@@ -159,6 +159,21 @@ impl TableColumn {
         self.values.len() > 1 && self.values.windows(2).all(|pair| pair[0] < pair[1])
     }
 
+    /// Whether the values count the rows.
+    fn is_index(&self) -> bool {
+        self.rises() && self.values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
+    }
+
+    /// Whether the values rise about evenly, as a clock does.
+    fn is_steady(&self) -> bool {
+        /// Ratio of a step to the mean step, either way: a stalled logger, not a motion.
+        const MAX_STEP_RATIO: f64 = 10.0;
+        let near =
+            |step: f64, mean: f64| (mean / MAX_STEP_RATIO..=mean * MAX_STEP_RATIO).contains(&step);
+        self.step()
+            .is_some_and(|mean| (self.values.windows(2)).all(|pair| near(pair[1] - pair[0], mean)))
+    }
+
     /// Mean difference of successive values.
     fn step(&self) -> Option<f64> {
         let steps = self
@@ -197,8 +212,12 @@ fn time(columns: &[TableColumn]) -> Option<ProposedTime> {
             .is_none_or(|dimension| dimension == D::Time);
         is_time && (column.is_clock || column.rises())
     };
+    // A column that counts the rows is the time only if no column is a clock.
+    let has_clock = columns.iter().any(|c| c.is_steady() && !c.is_index());
     let weight = |column: &TableColumn| {
-        4 * u8::from(column.is_named_time()) + 2 * u8::from(column.time_unit().is_some())
+        4 * u8::from(column.is_named_time())
+            + 2 * u8::from(column.time_unit().is_some())
+            + u8::from(has_clock && column.is_steady() && !column.is_index())
     };
     // Of equal columns the first.
     let candidates = columns
@@ -237,7 +256,8 @@ struct Candidate {
 
 fn joints(columns: &[TableColumn], time: Option<usize>) -> Vec<ProposedJoint> {
     let others = columns.iter().enumerate().filter(|(index, column)| {
-        Some(*index) != time && !column.is_named_time() && column.range.is_some()
+        let is_time = Some(*index) == time || column.is_named_time() || column.is_index();
+        !is_time && column.range.is_some()
     });
     let mut candidates: Vec<Candidate> = others.filter_map(candidate).collect();
     // Two positions without a name: the first is the joint side.
@@ -474,6 +494,22 @@ mod tests {
         let quantities: Vec<Quantity> = sources.iter().map(|s| s.quantity).collect();
         assert_eq!(quantities, [Quantity::Q, Quantity::Theta]);
         assert!(sources.iter().all(|s| !s.is_named && s.unit == "deg"));
+    }
+
+    #[test]
+    fn clock_is_time_where_rows_are_counted() {
+        let found = propose("", |k| {
+            let late = if k > 50.0 { 0.03 } else { 0.0 };
+            let time = 1_634_500_000.0 + 0.01 * k + late;
+            format!("{k} {time:.6} {:.6} {:.6}", q(k), 2.0 * q(k))
+        });
+        let time = found.time.expect("rises");
+        assert_eq!((time.column, time.unit.as_deref()), (1, Some("s")));
+        let columns: Vec<usize> = found.joints[0].sources.iter().map(|s| s.column).collect();
+        assert_eq!(columns, [2, 3]);
+        // Without a clock the number of the row is the only time.
+        let found = propose("", |k| format!("{k} {:.6} {:.6}", q(k), q(k)));
+        assert_eq!(found.time.expect("rises").column, 0);
     }
 
     #[test]
