@@ -1,4 +1,4 @@
-//! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet; SQLite bags with the feature `db3`.
+//! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet, NumPy; SQLite bags with the feature `db3`.
 //!
 //! Measured data only: no physics, no clock, no network. Layers: [`decode`] (bytes to messages), [`assemble`]
 //! (samples to frames, time as an argument), [`live`] (messages to frames online), and the files on top.
@@ -88,6 +88,10 @@
 //! | CSV line that begins with `#`, `%`, `//` or, without `;` between cells, `;` | a comment, or the header where numbers follow |
 //! | names and values above the header of a table, units below it | skipped |
 //! | table without a header | rejected, unless the mapping names columns by numbers |
+//! | arrays of NumPy | columns by the names of an archive, or by numbers; arrays of another length are ignored |
+//! | array cut off | a `.npy` array is read up to there; an archive is rejected |
+//! | compressed array whose checksum or size is wrong | rejected; never unpacked beyond the size that its shape states |
+//! | ROS 1 bag, MATLAB, HDF5 | rejected, with the command that converts it |
 //! | clock times and dates as times | read; a clock continues after midnight |
 //! | PLC scope export | read, if its channels have the same times |
 //! | MCAP with messages of ROS 1 | joint states are read |

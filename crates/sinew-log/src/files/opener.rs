@@ -12,6 +12,8 @@ use super::spool::{Spool, ZSTD_MAGIC};
 use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
+#[cfg(feature = "numpy")]
+use super::table::{NPY_MAGIC, NPZ_MAGIC, NumpyReader, is_archive_of_arrays};
 use crate::error::LogError;
 use crate::options::OpenOptions;
 
@@ -92,8 +94,15 @@ pub(super) fn open_reader(
                 return open_spool(spool, name, options, names);
             }
         }
-    } else if let Some(what) = other_format(magic) {
-        return Err(to_error(what.to_owned()));
+    } else if is_numpy(magic, reader.as_mut()) {
+        #[cfg(not(feature = "numpy"))]
+        return Err(to_error(format!(
+            "it has arrays of NumPy, which this build does not support (cargo feature numpy); python3 -c \"import numpy as np; np.savetxt('{name}.txt', np.load('{name}'))\" writes an .npy array as text"
+        )));
+        #[cfg(feature = "numpy")]
+        Box::new(NumpyReader::open(reader, name, options)?)
+    } else if let Some(reason) = other_format(&start, name) {
+        return Err(to_error(reason));
     } else {
         Box::new(CsvReader::open(reader, name, options)?)
     };

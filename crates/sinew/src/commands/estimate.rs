@@ -18,7 +18,7 @@ const PAPER: &str = "Uncorrected (paper) estimate";
 
 /// Estimate the elongation of each tendon from a recording
 ///
-/// LOG is MCAP (ROS 2), CSV or Parquet with motor and joint positions. The robot folder contains
+/// LOG is MCAP (ROS 2), CSV, Parquet or NumPy with motor and joint positions. The robot folder contains
 /// robot.toml (stiffness, tendons) and the URDF.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \

@@ -1,11 +1,15 @@
 //! Proposal of a mapping for a table whose columns have other names.
 
-use super::columns::{TIME_WORDS, time_unit_of_rate};
+use super::columns::{Headers, TIME_WORDS, time_unit_of_rate};
 use super::csv_read::CsvRows;
+#[cfg(feature = "numpy")]
+use super::numpy::{self, NumpyRows};
 use crate::frame::Quantity;
 use crate::mapping::time_unit_exponent;
 use sinew_files::unit::{Dimension as D, Unit};
 use std::fs::File;
+#[cfg(feature = "numpy")]
+use std::io::Read;
 use std::path::Path;
 
 /// Rows whose values are considered.
@@ -104,17 +108,13 @@ pub struct ProposedSource {
 }
 
 impl MappingProposal {
-    /// Proposes a mapping for a file; empty if it cannot be read or is not delimited text.
+    /// Proposes a mapping for a file; empty if it cannot be read or is neither delimited text nor arrays of NumPy.
     pub fn of_file(path: &Path) -> Self {
-        let read = File::open(path).ok().and_then(|file| {
-            let name = path.display().to_string();
-            CsvRows::open(Box::new(file), &name).ok()
-        });
-        let Some((mut rows, headers, has_names)) = read else {
+        let Some((headers, has_names, values)) = first_values(path) else {
             return Self::default();
         };
         let mut columns = Vec::new();
-        for (index, name) in headers.names.iter().enumerate() {
+        for ((index, name), values) in headers.names.iter().enumerate().zip(values) {
             let (label, unit) = headers.split(index);
             columns.push(TableColumn {
                 name: name.clone(),
@@ -123,14 +123,8 @@ impl MappingProposal {
                 range: None,
                 label: label.to_owned(),
                 is_clock: headers.clocks.contains(&index),
-                values: Vec::new(),
+                values,
             });
-        }
-        for _ in 0..ROWS {
-            let Some(row) = rows.numbers() else { break };
-            for (column, value) in columns.iter_mut().zip(row) {
-                column.values.push(value);
-            }
         }
         for column in &mut columns {
             let finite = column
@@ -151,6 +145,31 @@ impl MappingProposal {
             joints,
         }
     }
+}
+
+/// Headers of a table, whether it names its columns, and the first values of each.
+fn first_values(path: &Path) -> Option<(Headers, bool, Vec<Vec<f64>>)> {
+    let name = path.display().to_string();
+    #[cfg(feature = "numpy")]
+    {
+        let mut magic = [0; 6];
+        File::open(path).ok()?.read_exact(&mut magic).ok()?;
+        if magic.starts_with(numpy::NPY_MAGIC) || magic.starts_with(numpy::NPZ_MAGIC) {
+            let file = Box::new(File::open(path).ok()?);
+            let (mut rows, headers, has_names) = NumpyRows::open(file, &name).ok()?;
+            return Some((headers, has_names, rows.first_values(ROWS)));
+        }
+    }
+    let file = Box::new(File::open(path).ok()?);
+    let (mut rows, headers, has_names) = CsvRows::open(file, &name).ok()?;
+    let mut values = vec![Vec::new(); headers.names.len()];
+    for _ in 0..ROWS {
+        let Some(row) = rows.numbers() else { break };
+        for (column, value) in values.iter_mut().zip(row) {
+            column.push(value);
+        }
+    }
+    Some((headers, has_names, values))
 }
 
 impl TableColumn {
