@@ -2145,8 +2145,6 @@ class JointEstimate(Record):
     """Reason why there is no estimate; `None` if there is one."""
     scatter_rad: float | None
     """Standard deviation of the estimates of single frames, rad."""
-    series: Series
-    """Time series of the estimate."""
     slides: bool | None
     """Whether the joint is prismatic: values in rad are then in m, and values in N·m in N."""
     standard_error_rad: float | None
@@ -2174,7 +2172,6 @@ class JointEstimate(Record):
         "offset_rad": "",
         "reason": "JointError",
         "scatter_rad": "",
-        "series": "Series",
         "slides": "",
         "standard_error_rad": "",
         "stiffness_nm_per_rad": "",
@@ -3480,7 +3477,7 @@ class RecordingOutcome(Record):
     error: str | None
     """Reason why the recording could not be estimated; none if it was."""
     estimate: EstimateDocument | None
-    """Estimate of the recording as printed by `sinew estimate`, without the time series."""
+    """Estimate of the recording as printed by `sinew estimate`."""
     recording: str
     """Recording as named on the command line."""
 
@@ -4542,42 +4539,6 @@ class SelectionResult(Record):
         "rejected": "Rejected",
         "schema": "",
         "time_s": "",
-    }
-
-
-class Series(Record):
-    """Time series of the estimate of a joint, averaged over at most `Series::POINTS` intervals. All columns have
-    the same length; intervals without an estimate contain NaN (null in JSON).
-    """
-
-    __slots__ = ()
-
-    offset_max_rad: list[float | None]
-    """Largest offset in the interval, rad."""
-    offset_min_rad: list[float | None]
-    """Smallest offset in the interval, rad."""
-    offset_rad: list[float | None]
-    """Mean offset in the interval, rad."""
-    q_rad: list[float | None]
-    """Mean joint position in the interval, rad."""
-    tau_el_nm: list[float | None]
-    """Mean elastic torque from the selected source, N·m."""
-    tau_spring_nm: list[float | None]
-    """Mean torque of the spring by the encoders, `K (theta_measured − q)`, N·m."""
-    time_s: list[float]
-    """Middle of each interval since the start of the recording, s."""
-    usable_share: list[float | None]
-    """Share of usable frames in the interval, 0 to 1."""
-
-    _fields = {
-        "offset_max_rad": "",
-        "offset_min_rad": "",
-        "offset_rad": "",
-        "q_rad": "",
-        "tau_el_nm": "",
-        "tau_spring_nm": "",
-        "time_s": "",
-        "usable_share": "",
     }
 
 
@@ -6818,7 +6779,6 @@ _CLASSES: Mapping[str, Any] = {
     "SecondPublisher": SecondPublisher,
     "SegmentEstimate": SegmentEstimate,
     "SelectionResult": SelectionResult,
-    "Series": Series,
     "SessionEstimate": SessionEstimate,
     "SessionPoint": SessionPoint,
     "Settings": Settings,

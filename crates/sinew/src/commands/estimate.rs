@@ -78,7 +78,7 @@ pub(crate) struct Estimate {
     #[command(flatten)]
     pub(super) opening: Opening,
 
-    /// Print one JSON document instead of the table (missing values: null)
+    /// Print one JSON document instead of the table (missing values: null; time series: --series)
     #[arg(long, help_heading = "Output")]
     pub(super) json: bool,
     /// Write the uncorrected estimate of every frame; .csv or .parquet
