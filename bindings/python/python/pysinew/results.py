@@ -380,7 +380,9 @@ class BaselineResult(Record):
     segments: list[SegmentEstimate]
     """Offsets at the end of each segment of the recording."""
     start_time_utc_s: float | None
-    """Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date."""
+    """Start of the evaluated interval by the clock of the recording, or the specified date, s since 1970 UTC;
+    `None` without a date.
+    """
     temperature_c: float | None
     """Mean temperature, °C; `None` if neither recorded nor specified."""
     temperature_source: TemperatureSource
@@ -4592,7 +4594,9 @@ class SessionEstimate(Record):
     segments: list[SegmentEstimate]
     """Offsets at the end of each segment of the recording."""
     start_time_utc_s: float | None
-    """Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date."""
+    """Start of the evaluated interval by the clock of the recording, or the specified date, s since 1970 UTC;
+    `None` without a date.
+    """
     temperature_c: float | None
     """Mean temperature, °C; `None` if neither recorded nor specified."""
     temperature_source: TemperatureSource
@@ -6013,6 +6017,26 @@ class WarningChangeNearEnd(Record):
     }
 
 
+class WarningDateInconsistent(Record):
+    """Specified date that differs by more than a day from the clock of the recording; the specified date is
+    used.
+    """
+
+    __slots__ = ()
+
+    kind: Literal["date-inconsistent"]
+    recorded_utc_s: float
+    """Start of the evaluated interval by the clock of the recording, s since 1970 UTC."""
+    specified_utc_s: float
+    """Specified date, s since 1970 UTC."""
+
+    _fields = {
+        "kind": "",
+        "recorded_utc_s": "",
+        "specified_utc_s": "",
+    }
+
+
 class WarningEncoderDelay(Record):
     """Time offset between motor and joint encoder, which is estimated jointly."""
 
@@ -6580,7 +6604,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["elongated", "shortened", "no-change-detected", "offset-detected", "none-detected", "inconclusive", "transmission-lost"]
-Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
+Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningChangeNearEnd, WarningDateInconsistent, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
 Forecaster = Union[Literal["combined"], Law]
 
 _CLASSES: Mapping[str, Any] = {
@@ -6842,6 +6866,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningAtRestAtEnd": WarningAtRestAtEnd,
     "WarningBeyondPretension": WarningBeyondPretension,
     "WarningChangeNearEnd": WarningChangeNearEnd,
+    "WarningDateInconsistent": WarningDateInconsistent,
     "WarningEncoderDelay": WarningEncoderDelay,
     "WarningEncoderZeroOffset": WarningEncoderZeroOffset,
     "WarningExternalForce": WarningExternalForce,
@@ -6888,6 +6913,6 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-specified": TrendNoteTensioningNotSpecified, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged, "date-inconsistent": WarningDateInconsistent},
 }
 Record._classes = _CLASSES

@@ -25,6 +25,7 @@ const PAPER: &str = "Uncorrected (paper) estimate";
     sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
     sinew estimate monday.mcap --baseline first-day.baseline --nuisance\n  \
     sinew estimate monday.mcap --reference first-day.mcap --json\n  \
+    sinew estimate monday.csv --baseline first-day.baseline --date 2026-11-29 --json\n  \
     sinew estimate --each runs/*.mcap --baseline first-day.baseline --table runs.parquet\n  \
     sinew estimate monday.mcap --mcap monday-tendons.mcap\n  \
     sinew estimate monday.mcap --inject elbow=0.010@20")]
@@ -174,6 +175,7 @@ impl Estimate {
         request.reference.clone_from(&self.reference);
         request.open = self.opening.options()?;
         request.csv.clone_from(&self.csv);
+        request.date_utc_s = self.session.date;
         Ok(request)
     }
 
