@@ -38,7 +38,7 @@ CASES = {
         lambda: sn.estimate(SHIPPED, ROBOT, reference=SHIPPED),
     ),
     "estimate of a part, payload and temperature stated": (
-        ["estimate", SHIPPED, "--robot", ROBOT, "--payload-kg", "0.1±0.05", "--temperature-c", "22", "--from", 2, "--to", 30],
+        ["estimate", SHIPPED, "--robot", ROBOT, "--payload", "0.1±0.05", "--temperature", "22degC", "--from", 2, "--to", 30],
         lambda: sn.estimate(SHIPPED, ROBOT, payload_kg=(0.1, 0.05), temperature_c=22.0, from_s=2.0, to_s=30.0),
     ),
     "estimate with a date stated": (
@@ -46,7 +46,7 @@ CASES = {
         lambda: sn.estimate(SHIPPED, ROBOT, date="2018-07-05"),
     ),
     "estimate with a force stated": (
-        ["estimate", SHIPPED, "--robot", ROBOT, "--external-force-n", "0,0,5±0.5"],
+        ["estimate", SHIPPED, "--robot", ROBOT, "--external-force", "0,0,5±0.5"],
         lambda: sn.estimate(SHIPPED, ROBOT, external_force_n=((0, 0, 5), 0.5)),
     ),
     "estimate of each": (
@@ -63,7 +63,7 @@ CASES = {
     "creep analyze": (["creep", "analyze", CREEP[2]], lambda: sn.CreepTests(CREEP[2]).analyze()),
     "creep compare": (["creep", "compare", *CREEP], lambda: sn.CreepTests(CREEP).compare()),
     "creep fit": (
-        ["creep", "fit", CREEP[0], "--law", "log-time", "--law", "findley", "--forecast-h", 24],
+        ["creep", "fit", CREEP[0], "--law", "log-time", "--law", "findley", "--forecast", "24h"],
         lambda: sn.CreepTests(CREEP[0]).fit(["log-time", "findley"], forecast_s=86_400.0),
     ),
     "creep fit, hold-out": (

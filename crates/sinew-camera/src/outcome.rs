@@ -100,7 +100,7 @@ impl Outcome {
                 1e3 * MAX_STEP * self.scale.pitch_m
             )),
             (Some(every @ (4 | 5 | 20)), None) => notes.push(format!(
-                "every {every}th line is longer, which is unusual for a half-millimetre scale; check --pitch-mm"
+                "every {every}th line is longer, which is unusual for a half-millimetre scale; check --pitch"
             )),
             _ => {}
         }

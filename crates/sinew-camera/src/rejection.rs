@@ -129,7 +129,7 @@ pub(crate) fn millimetres(metres: f64) -> f64 {
 /// The scale is inconsistent with the options.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "every {every}th line is longer, as on a scale of whole millimetres, but the expected pitch is 0.5 mm; set --pitch-mm 1, or --pitch-mm 0.5 to confirm"
+    "every {every}th line is longer, as on a scale of whole millimetres, but the expected pitch is 0.5 mm; set --pitch 1mm, or --pitch 0.5mm to confirm"
 )]
 pub struct WrongPitch {
     /// Distance of the longer lines, graduations.

@@ -71,7 +71,7 @@ fn millimetre_scale_with_default_pitch_returns_error() {
     said_nothing.read(&picture(&camera, &print, 0.0)).unwrap();
     let error = said_nothing.check_pitch().unwrap_err();
     assert!(error.to_string().contains("every 5th line"), "{error}");
-    assert!(error.to_string().contains("--pitch-mm 1"), "{error}");
+    assert!(error.to_string().contains("--pitch 1mm"), "{error}");
     let mut said = ScaleReader::new(ReadOptions {
         pitch_m: Some(1e-3),
         ..ReadOptions::default()

@@ -4,7 +4,7 @@ use super::span::extremes;
 use sinew_model::statistics::quantile;
 
 /// Minimum change of the load for a new stage, as a share of the largest load.
-const MIN_STAGE_CHANGE: f64 = 0.05;
+pub(super) const MIN_STAGE_CHANGE: f64 = 0.05;
 /// Minimum number of measurements of a plateau.
 const MIN_PLATEAU: usize = 3;
 

@@ -71,6 +71,17 @@ impl Curve {
         }
     }
 
+    /// Keeps the measurements for which `is_kept` returns true.
+    pub(super) fn select(&mut self, is_kept: impl Fn(usize) -> bool) {
+        for column in [&mut self.time_s, &mut self.strain, &mut self.count] {
+            let mut i = 0;
+            column.retain(|_| {
+                i += 1;
+                is_kept(i - 1)
+            });
+        }
+    }
+
     /// Rescales the steps to another reference load; `factor` is the ratio of the present to the new reference load.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {

@@ -146,7 +146,7 @@ pub enum Unusable {
     NoStrain,
     /// Elongation without a gauge length.
     #[error(
-        "an elongation needs the gauge length: set --gauge-length-mm, or write 'L0 (mm)' above the header"
+        "an elongation needs the gauge length: set --gauge-length, or write 'L0 (mm)' above the header"
     )]
     NoGaugeLength,
     /// Invalid gauge length.
@@ -235,7 +235,7 @@ pub enum NoForecast {
     #[error("a load in N is specified, but the record has no force (--column force=…:N)")]
     NoForce,
     /// Temperature specified, but none recorded.
-    #[error("a temperature is specified, but the record has none (--temperature-c)")]
+    #[error("a temperature is specified, but the record has none (--temperature)")]
     NoTemperature,
     /// Load outside the range of the records.
     #[error(

@@ -325,3 +325,161 @@ fn clock_times_and_thousands_are_read() {
         Some(&[86_390.0, 86_400.0, 86_410.0][..])
     );
 }
+
+#[test]
+fn dates_without_seconds_are_read() {
+    for (first, second) in [
+        ("01.03.2024 23:58", "02.03.2024 00:08"),
+        ("2024-03-01 23:58", "2024-03-02 00:08"),
+        ("2024-03-01T23:58Z", "2024-03-02T00:08Z"),
+    ] {
+        let text = format!("Datum;Kraft [N];Dehnung [%]\n{first};60;0,1\n{second};60;0,2\n");
+        let file = read(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let time = file.specimens[0].column(TestQuantity::Time).unwrap();
+        assert!((time[1] - time[0] - 600.0).abs() < 1e-6, "{text}: {time:?}");
+    }
+}
+
+/// Names of the specimens, and a column of each.
+fn columns(text: &str, quantity: TestQuantity) -> Vec<(String, Vec<f64>)> {
+    let file = read(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let specimens = file.specimens.into_iter();
+    let column = |s: &sinew_creep::Specimen| s.column(quantity).unwrap_or_default().to_vec();
+    specimens.map(|s| (s.name.clone(), column(&s))).collect()
+}
+
+#[test]
+fn specimens_in_columns_are_read_separately() {
+    for header in [
+        "time_h,A_mm,B_mm,C_mm",
+        "time_h,elongation A [mm],elongation B [mm],elongation C [mm]",
+        "time_h,elongation_A_mm,elongation_B_mm,elongation_C_mm",
+        "\"Time, h\",Rope A (mm),Rope B (mm),Rope C (mm)",
+    ] {
+        let text = format!("{header}\n0,0,0,0\n1,1.5,2.5,3.5\n2,2,3,\n");
+        let read = columns(&text, TestQuantity::Elongation);
+        let names: Vec<&str> = read.iter().map(|s| s.0.as_str()).collect();
+        assert_eq!(names, ["A", "B", "C"], "{header}");
+        let lengths: Vec<usize> = read.iter().map(|s| s.1.len()).collect();
+        assert_eq!(lengths, [3, 3, 2], "{header}");
+        assert!((read[1].1[1] - 2.5e-3).abs() < 1e-15, "{header}");
+        let time = columns(&text, TestQuantity::Time);
+        assert_eq!(time[2].1, [0.0, 3600.0], "{header}");
+    }
+    // Times, forces and strains of each specimen, and a temperature of all.
+    let text = "time 1 [s],time 2 [s],force 1 [N],force 2 [N],strain 1 [%],strain 2 [%],temperature_c\n\
+                0,5,60,80,0,0,23\n10,15,60,80,1,2,23\n";
+    let force = columns(text, TestQuantity::Force);
+    let names: Vec<&str> = force.iter().map(|s| s.0.as_str()).collect();
+    assert_eq!(names, ["strain 1", "strain 2"]);
+    assert_eq!(force[1].1, [80.0, 80.0]);
+    assert_eq!(columns(text, TestQuantity::Time)[1].1, [5.0, 15.0]);
+    assert_eq!(columns(text, TestQuantity::Temperature)[1].1, [23.0, 23.0]);
+    // The user selects one, or names several.
+    let text = "time_h,A_mm,B_mm\n0,0,0\n1,1.5,2.5\n";
+    for (chosen, expected) in [
+        (&["elongation=B_mm"][..], &["t"][..]),
+        (&["elongation=A_mm", "elongation=B_mm"], &["A", "B"]),
+    ] {
+        let options = TestOptions {
+            columns: chosen
+                .iter()
+                .map(|choice| choice.parse().unwrap())
+                .collect(),
+            ..TestOptions::default()
+        };
+        let file = read_test_bytes(text.as_bytes().to_vec(), "t.csv", &options).unwrap();
+        let names: Vec<&str> = file.specimens.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, expected);
+    }
+    let note = &read(text).unwrap().source.notes[0];
+    assert!(
+        note.contains("'A_mm', 'B_mm'") && note.contains("--column elongation=A_mm:mm"),
+        "{note}"
+    );
+}
+
+/// Gauges, axes and dimensions of one specimen are no specimens.
+#[test]
+fn columns_of_one_specimen_are_not_separated() {
+    for header in [
+        "time_s,strain axial [%],strain lateral [%]",
+        "time_s,elongation x [mm],elongation y [mm]",
+        "time_s,Standardweg [mm],Traversenweg [mm]",
+    ] {
+        let file = read(&format!("{header}\n0,0,0\n1,1,2\n")).unwrap();
+        assert_eq!(file.specimens.len(), 1, "{header}");
+        let note = file.source.notes.last().unwrap();
+        assert!(note.contains("is not used"), "{note}");
+    }
+    for header in [
+        "time_s,x_mm,y_mm",
+        "time_s,L_mm,D_mm",
+        "time_s,width_mm,diameter_mm",
+    ] {
+        let error = refusal(&format!("{header}\n0,0,0\n1,1,2\n"));
+        assert!(error.contains("no column is an elongation"), "{error}");
+        assert!(error.contains("elongation=COLUMN:mm"), "{error}");
+    }
+    let options = TestOptions {
+        columns: vec!["time=a:s".parse().unwrap(), "time=b:s".parse().unwrap()],
+        ..TestOptions::default()
+    };
+    let text = b"a,b,strain_1\n0,0,0\n1,1,0\n".to_vec();
+    let error = read_test_bytes(text, "t.csv", &options).unwrap_err();
+    assert!(
+        error.to_string().contains("time is set by 2 columns"),
+        "{error}"
+    );
+}
+
+#[test]
+fn rows_of_named_specimens_may_alternate() {
+    let text = "specimen,time_s,strain_1\na,0,0\nb,0,0\na,5,1e-3\nb,5,2e-3\na,9,2e-3\nb,9,3e-3\n";
+    let strain = columns(text, TestQuantity::Strain);
+    assert_eq!(
+        strain,
+        [
+            ("a".to_owned(), vec![0.0, 1e-3, 2e-3]),
+            ("b".to_owned(), vec![0.0, 2e-3, 3e-3])
+        ]
+    );
+}
+
+#[test]
+fn mixed_specimens_are_noted() {
+    let rows = |values: &dyn Fn(usize) -> String| -> String {
+        (0..20)
+            .map(|i| format!("{i},{}e-4,{}\n", i, values(i)))
+            .collect()
+    };
+    let two = |i: usize| if i < 10 { "1.0" } else { "1.5" }.to_owned();
+    for header in ["diameter_mm", "L0 [mm]", "Durchmesser [mm]"] {
+        let file = read(&format!("time_s,strain_1,{header}\n{}", rows(&two))).unwrap();
+        assert_eq!(file.specimens.len(), 1);
+        let notes = &file.source.notes;
+        assert!(
+            notes
+                .iter()
+                .any(|n| n.contains("2 values") && n.contains("--specimen")),
+            "{header}: {notes:?}"
+        );
+        // A measured diameter has as many values as rows.
+        let signal = |i: usize| format!("1.0{i}");
+        let file = read(&format!("time_s,strain_1,{header}\n{}", rows(&signal))).unwrap();
+        assert_eq!(file.source.notes, [""; 0], "{header}");
+    }
+    // A column of specimens next to the specified one.
+    let options = TestOptions {
+        specimen_columns: vec!["rope".to_owned()],
+        ..TestOptions::default()
+    };
+    let rows = rows(&|i| format!("dc,{}", two(i)));
+    let text = format!("time_s,strain_1,rope,sample\n{rows}");
+    let file = read_test_bytes(text.into_bytes(), "t.csv", &options).unwrap();
+    let note = &file.source.notes[0];
+    assert!(
+        note.contains("'sample' has 2 values") && note.contains("'dc'"),
+        "{note}"
+    );
+}

@@ -13,6 +13,7 @@ mod external_force;
 mod feeder;
 mod golden;
 mod in_memory;
+mod model_error;
 mod motor_current;
 mod offset_map;
 mod offset_scenarios;

@@ -139,6 +139,19 @@ impl Factor {
         Ok(())
     }
 
+    /// Number of rows of `A`.
+    pub fn dimension(&self) -> usize {
+        self.n
+    }
+
+    /// Logarithm of the determinant of `A`.
+    pub fn ln_determinant(&self) -> f64 {
+        // Rows beyond the last one are those of the identity.
+        let inverses = self.inverses.iter();
+        let diagonal = inverses.flat_map(|tile| (0..TILE).map(move |i| tile[i][i]));
+        -2.0 * diagonal.map(libm::log).sum::<f64>()
+    }
+
     /// Solves `L x = b` in place; of a shorter `x` with the first rows of `L`.
     pub fn forward(&self, x: &mut [f64]) {
         // Leading zeros need no computation.

@@ -265,7 +265,7 @@ pub fn session_warning(warning: &Warning) -> String {
             probability,
             force_n,
         } => format!(
-            "constant external force of {} N at the tool along x, y and z of the base (probability {}); estimated as a nuisance parameter; remove the cable, hose or balancer, or specify --external-force-n",
+            "constant external force of {} N at the tool along x, y and z of the base (probability {}); estimated as a nuisance parameter; remove the cable, hose or balancer, or specify --external-force",
             newtons(*force_n),
             format_probability(*probability)
         ),
@@ -305,7 +305,7 @@ pub fn session_warning(warning: &Warning) -> String {
             plus_minus(*payload_kg, 1.0)
         ),
         Warning::ExternalForceInconsistent { force_n } => format!(
-            "external force specified with --external-force-n is inconsistent with the data: {}; estimate used; check its direction (base frame)",
+            "external force specified with --external-force is inconsistent with the data: {}; estimate used; check its direction (base frame)",
             match force_n {
                 Some(force_n) => format!("estimated {} N", newtons(*force_n)),
                 None => "no force detected".into(),
@@ -335,7 +335,7 @@ pub fn session_warning(warning: &Warning) -> String {
             joint,
             half_width_95_rad,
         } => format!(
-            "temperature of recording or baseline unknown: change assumed 0 ± {:.0} K (95 %), contributes ± {} mrad at {joint}; record it, or specify --temperature-c",
+            "temperature of recording or baseline unknown: change assumed 0 ± {:.0} K (95 %), contributes ± {} mrad at {joint}; record it, or specify --temperature",
             Z95 * std_k,
             rounded(1e3 * half_width_95_rad, 2)
         ),

@@ -80,7 +80,9 @@ pub enum RecordError {
         expected: String,
     },
     /// Cycle counts without a cycle duration.
-    #[error("{place}: cycle counts without time; set the cycle duration with --cycle-s SECONDS")]
+    #[error(
+        "{place}: cycle counts without time; set the cycle duration with --cycle TIME, e.g. 12s"
+    )]
     CycleLength {
         /// File and location of the record.
         place: String,

@@ -489,7 +489,7 @@ fn log_of_cycles_is_reported_in_cycles() {
     let read = |cycle_s| read_sessions(std::slice::from_ref(&path), None, cycle_s);
     let error = read(None).unwrap_err().to_string();
     assert!(
-        error.contains("--cycle-s") && error.contains("log.csv, line 2"),
+        error.contains("--cycle") && error.contains("log.csv, line 2"),
         "{error}"
     );
     let records = read(Some(12.0)).unwrap().joints[0].1.clone();

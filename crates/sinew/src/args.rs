@@ -1,5 +1,6 @@
 //! Parsers of option values; errors name the unit.
 
+use crate::quantity::{Angle, Time, parse};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use sinew_estimate::feeder::Injection;
@@ -77,9 +78,9 @@ pub(crate) fn touch(text: &str) -> Result<Touch, String> {
     if joint.is_empty() {
         return Err(form.into());
     }
-    match number(time, "s")? {
-        time_s if time_s < 0.0 => Err(format!("{time_s} s is before the recording")),
-        time_s => Ok(Touch {
+    match parse(time)? {
+        Time(time_s) if time_s < 0.0 => Err(format!("{time_s} s is before the recording")),
+        Time(time_s) => Ok(Touch {
             joint: joint.into(),
             kind,
             time_s,
@@ -98,16 +99,16 @@ pub(crate) fn injection(text: &str) -> Result<Injection, String> {
         Some((offset, from)) => (offset, Some(from)),
         None => (rest, None),
     };
-    let offset_rad = number(offset, "rad")?;
+    let Angle(offset_rad) = parse(offset)?;
     // A larger offset is implausible; probably degrees were specified.
     if offset_rad.abs() > std::f64::consts::PI {
         return Err(format!(
-            "{offset_rad} rad is more than half a turn; expected rad, not deg"
+            "{offset_rad} rad is more than half a turn; degrees need their unit, e.g. 0.5deg"
         ));
     }
-    let from_s = match from.map(|t| number(t, "s")).transpose()? {
-        Some(t) if t < 0.0 => return Err(format!("{t} s is before the recording")),
-        t => t,
+    let from_s = match from.map(parse).transpose()? {
+        Some(Time(t)) if t < 0.0 => return Err(format!("{t} s is before the recording")),
+        from => from.map(|Time(t)| t),
     };
     Ok(Injection {
         joint: joint.into(),
@@ -260,13 +261,15 @@ mod tests {
             ("left=elbow", -0.01, Some(20.5))
         );
         assert_eq!(injection("elbow=1e-2").unwrap().from_s, None);
+        let i = injection("elbow=10mrad@1min").unwrap();
+        assert_eq!((i.offset_rad, i.from_s), (0.01, Some(60.0)));
         for (bad, word) in [
             ("elbow", "JOINT=RAD"),
             ("=0.1", "JOINT=RAD"),
-            ("elbow=", "not a number (rad)"),
+            ("elbow=", "without a unit: rad"),
             ("elbow=nan", "finite"),
             ("elbow=10", "half a turn"),
-            ("elbow=0.01@", "not a number (s)"),
+            ("elbow=0.01@", "without a unit: s"),
             ("elbow=0.01@-3", "before the recording"),
         ] {
             let error = injection(bad).unwrap_err();
@@ -286,7 +289,7 @@ mod tests {
         for (bad, word) in [
             ("elbow", "JOINT@SECONDS"),
             ("@3", "JOINT@SECONDS"),
-            ("elbow@x", "(s)"),
+            ("elbow@x", "without a unit: s"),
             ("elbow@-1", "before"),
         ] {
             let error = touch(bad).unwrap_err();

@@ -29,18 +29,14 @@ pub fn write_table(path: Option<&Path>, table: impl FnOnce() -> Table) -> Result
     path.map_or(Ok(()), |path| table().write(path))
 }
 
-/// Checks that the folders of all outputs exist, and that no output replaces an input or another output.
+/// Checks that no output replaces an input or another output, and creates missing folders of all outputs.
 ///
-/// Replaced files are listed on stderr at the end of the command, unless `quiet`.
+/// Replaced files are listed on stderr at the end of the command.
 ///
 /// # Errors
 ///
 /// Returns [`Failure::Error`] with the option and the path.
-pub fn check_outputs(
-    outputs: &[Named<'_>],
-    inputs: &[Named<'_>],
-    quiet: bool,
-) -> Result<(), Failure> {
+pub fn check_outputs(outputs: &[Named<'_>], inputs: &[Named<'_>]) -> Result<(), Failure> {
     for (i, (option, path)) in outputs.iter().enumerate() {
         let Some(path) = path else { continue };
         let place =
@@ -59,10 +55,7 @@ pub fn check_outputs(
         if path.is_dir() {
             return Err(place("is a folder; specify a file".into()));
         }
-        let folder = folder_of(path);
-        if !folder.is_dir() {
-            return Err(place(format!("folder {} not found", folder.display())));
-        }
+        create_folder(option, folder_of(path))?;
         let others = inputs.iter().chain(&outputs[..i]);
         let is_same = |p: Option<&Path>| p.is_some_and(|p| same(p, path));
         if let Some((other, _)) = others.into_iter().find(|(_, p)| is_same(*p)) {
@@ -70,11 +63,25 @@ pub fn check_outputs(
         }
     }
     for (option, path) in outputs {
-        if let (Some(path), false) = (path, quiet) {
+        if let Some(path) = path {
             name_output(option, path);
         }
     }
     Ok(())
+}
+
+/// Creates a folder and its parents if they are missing.
+///
+/// * `option`: option that names the folder or a file in it.
+///
+/// # Errors
+///
+/// Returns [`Failure::Error`] with the option and the folder.
+pub(crate) fn create_folder(option: &str, folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| {
+        let folder = folder.display();
+        Failure::Error(format!("{option}: cannot create the folder {folder}: {e}"))
+    })
 }
 
 /// Whether two paths refer to the same file, which need not exist.

@@ -7,6 +7,7 @@
 pub mod args;
 mod commands;
 pub mod files;
+mod quantity;
 pub mod terminal;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -23,6 +24,8 @@ use terminal::{Failure, Finish};
     arg_required_else_help = true,
     after_help = "Exit codes: 0 success, 1 invalid input, 2 invalid usage, 3 success, but data\n\
                   lost or limit exceeded.\n\n\
+                  Values may have a unit: 60N, 700mm, 3weeks, 22degC, 80%. Without one, the unit\n\
+                  in the description of the option applies.\n\n\
                   Example:\n  sinew estimate monday.mcap --robot robots/biorob-like --report monday.html"
 )]
 struct Cli {
@@ -143,5 +146,173 @@ pub fn run_program<P: Parser>(
             terminal::complain(terminal::Word::Error, &message);
             1
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::builder::ValueParser;
+    use clap::{Arg, Command};
+    use quantity::{Angle, Area, Force, Length, Mass, Quantity, Share, Temperature, Time, Torque};
+
+    /// All commands with their names, parents first.
+    fn commands() -> Vec<(String, Command)> {
+        let mut cli = Cli::command();
+        cli.build();
+        let mut found = Vec::new();
+        let mut open = vec![(String::new(), cli)];
+        while let Some((parent, command)) = open.pop() {
+            let name = format!("{parent} {}", command.get_name()).trim().to_owned();
+            let parts = command.get_subcommands().cloned();
+            open.extend(parts.map(|part| (name.clone(), part)));
+            found.push((name, command));
+        }
+        found
+    }
+
+    /// Whether an option has values of a type.
+    fn has_type<T: Send + Sync + Clone + 'static>(arg: &Arg) -> bool {
+        fn none<T: Clone>(_: &str) -> Result<T, String> {
+            Err(String::new())
+        }
+        arg.get_value_parser().type_id() == ValueParser::from(none::<T>).type_id()
+    }
+
+    #[test]
+    fn quiet_is_an_option_of_all_commands() {
+        let commands = commands();
+        assert!(commands.len() > 25, "{}", commands.len());
+        for (name, command) in commands {
+            // The argument of `help` is the name of a command.
+            if name.split(' ').any(|word| word == "help") {
+                continue;
+            }
+            let mut options = command.get_arguments().filter_map(Arg::get_long);
+            assert!(options.any(|option| option == "quiet"), "{name}");
+        }
+    }
+
+    /// The parser of a quantity, its value name, and its unit in `--help`.
+    #[test]
+    fn options_of_a_quantity_accept_units() {
+        type Row = (&'static str, fn(&Arg) -> bool, &'static str);
+        fn row<Q: Quantity + Send + Sync + 'static>(name: &'static str) -> Row {
+            (name, has_type::<Q>, Q::UNIT)
+        }
+        let quantities = [
+            row::<Angle>("ANGLE"),
+            row::<Area>("AREA"),
+            row::<Force>("FORCE"),
+            row::<Length>("LENGTH"),
+            row::<Mass>("MASS"),
+            row::<Share>("SHARE"),
+            row::<Temperature>("TEMPERATURE"),
+            row::<Time>("TIME"),
+            row::<Torque>("TORQUE"),
+        ];
+        // Dates, and quantities whose unit is in the value name.
+        let others = [
+            "DATE",
+            "1/H",
+            "1/S",
+            "FACTOR",
+            "G/M",
+            "HZ",
+            "MM/MM",
+            "N/MM",
+            "PER_S",
+            "RAD_PER_S",
+            "RATIO",
+        ];
+        // Words of options that name a quantity, and the quantity; stiffness and the like end in other words.
+        let words = [
+            ("length", "LENGTH"),
+            ("diameter", "LENGTH"),
+            ("radius", "LENGTH"),
+            ("stroke", "LENGTH"),
+            ("elongation", "LENGTH"),
+            ("pitch", "LENGTH"),
+            ("area", "AREA"),
+            ("tension", "FORCE"),
+            ("force", "FORCE"),
+            ("load", "FORCE"),
+            ("loads", "FORCE"),
+            ("preload", "FORCE"),
+            ("torque", "TORQUE"),
+            ("payload", "MASS"),
+            ("temperature", "TEMPERATURE"),
+            ("temperatures", "TEMPERATURE"),
+            ("duration", "TIME"),
+            ("durations", "TIME"),
+            ("horizon", "TIME"),
+            ("forecast", "TIME"),
+            ("pause", "TIME"),
+            ("cycle", "TIME"),
+            ("at", "TIME"),
+            ("from", "TIME"),
+            ("to", "TIME"),
+            ("level", "SHARE"),
+            ("scatter", "SHARE"),
+            ("share", "SHARE"),
+            ("risk", "SHARE"),
+        ];
+        let mut seen = 0;
+        for (name, command) in commands() {
+            for arg in command
+                .get_arguments()
+                .filter(|arg| arg.get_long().is_some())
+            {
+                let long = arg.get_long().unwrap_or_default();
+                let place = format!("{name} --{long}");
+                let value = arg.get_value_names().and_then(|names| names.first());
+                let value = value.map_or("", |value| value.as_str());
+                if !arg.get_action().takes_values() {
+                    continue;
+                }
+                for unit in [
+                    "-mm", "-mm2", "-n", "-c", "-s", "-min", "-h", "-kg", "-percent",
+                ] {
+                    assert!(
+                        !long.ends_with(unit),
+                        "{place}: a value has the unit, not the option"
+                    );
+                }
+                let is_plain = value.chars().all(|c| c.is_ascii_uppercase());
+                let quantity = value.split(['[', '\u{b1}']).next().unwrap_or_default();
+                let one = quantity.strip_suffix('S').unwrap_or(quantity);
+                let named = |row: &&Row| row.0 == quantity || row.0 == one;
+                let row = quantities.iter().find(named);
+                // A sign, a list or a standard deviation has its own type, made by the same parser.
+                let typed = quantities.iter().find(|row| (row.1)(arg));
+                if let Some((quantity, ..)) = typed {
+                    assert_eq!(row.map(|row| row.0), Some(*quantity), "{place} <{value}>");
+                }
+                if let Some((quantity, is_typed, unit)) = row {
+                    seen += 1;
+                    assert!(is_typed(arg) || !is_plain, "{place}: {quantity}");
+                    let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+                    let mut words = help.split(|c: char| c.is_whitespace() || ",:;()".contains(c));
+                    assert!(
+                        words.any(|word| word == *unit),
+                        "{place}: no {unit} in '{help}'"
+                    );
+                }
+                if has_type::<f64>(arg) {
+                    assert!(
+                        others.contains(&value),
+                        "{place} <{value}> is a number without a unit"
+                    );
+                }
+                // `--to` is a time, `--shift-to` is not.
+                let last = long.rsplit('-').next().unwrap_or_default();
+                let ends = ["at", "from", "to"];
+                let named = |word: &str| word == long || word == last && !ends.contains(&word);
+                if let Some((_, expected)) = words.iter().find(|(word, _)| named(word)) {
+                    assert_eq!(row.map(|row| row.0), Some(*expected), "{place} <{value}>");
+                }
+            }
+        }
+        assert!(seen > 40, "{seen}");
     }
 }

@@ -21,6 +21,9 @@ pub struct Style {
     /// Print data sources and computation times to stderr
     #[arg(long, short, global = true)]
     verbose: bool,
+    /// Suppress notes, warnings and progress on stderr
+    #[arg(long, global = true)]
+    quiet: bool,
     /// Use of colour [default: auto, i.e. on a terminal unless NO_COLOR is set]
     #[arg(
         long,
@@ -52,6 +55,7 @@ impl Colour {
 }
 
 static VERBOSE: AtomicBool = AtomicBool::new(false);
+static QUIET: AtomicBool = AtomicBool::new(false);
 static COLOUR_STDERR: AtomicBool = AtomicBool::new(false);
 
 impl Style {
@@ -59,6 +63,7 @@ impl Style {
     pub fn apply(self) {
         let _ = STYLE.set(self);
         VERBOSE.store(self.verbose, Ordering::Relaxed);
+        QUIET.store(self.quiet, Ordering::Relaxed);
         let disabled = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
         let on_stderr = self.color.on(!disabled && console::colors_enabled_stderr());
         COLOUR_STDERR.store(on_stderr, Ordering::Relaxed);
@@ -82,6 +87,9 @@ pub(crate) fn style_arguments() -> Vec<OsString> {
     };
     if style.verbose {
         arguments.push("--verbose".into());
+    }
+    if style.quiet {
+        arguments.push("--quiet".into());
     }
     if let Some(colour) = style.color.to_possible_value() {
         arguments.extend(["--color".into(), colour.get_name().into()]);
@@ -208,10 +216,13 @@ pub fn complain(word: Word, text: &str) {
     print_message(word, &format!(": {text}"));
 }
 
-/// Writes a message to stderr; a closed stderr is ignored.
+/// Writes a message to stderr, except with `--quiet` anything but an error; a closed stderr is ignored.
 ///
 /// * `text`: text after the word, starting with the code or the colon.
 fn print_message(word: Word, text: &str) {
+    if QUIET.load(Ordering::Relaxed) && !matches!(word, Word::Error) {
+        return;
+    }
     let (word, tone) = match word {
         Word::Error => ("error", Tone::Alarm),
         Word::Warning => ("warning", Tone::Caution),
@@ -248,10 +259,7 @@ pub fn end() {
                 );
             }
             // A file written in addition to a specified one.
-            None if !is_specified("--quiet") => {
-                complain(Word::Note, &format!("replaced the existing file {shown}"));
-            }
-            None => {}
+            None => complain(Word::Note, &format!("replaced the existing file {shown}")),
         }
     }
 }
@@ -269,9 +277,9 @@ pub struct Bar(ProgressBar, Instant);
 
 impl Bar {
     /// Makes a bar with a label.
-    pub fn new(word: &str, quiet: bool) -> Self {
+    pub fn new(word: &str) -> Self {
         const STEPS: u64 = 1000;
-        let target = if quiet || !stderr().is_terminal() {
+        let target = if QUIET.load(Ordering::Relaxed) || !stderr().is_terminal() {
             ProgressDrawTarget::hidden()
         } else {
             ProgressDrawTarget::stderr()

@@ -70,7 +70,7 @@ fn merged_baseline_is_valid_prior() {
     let (log, again) = (at("b.csv"), at("again.baseline"));
     let start = ["baseline", &log, "--start", &known, "--out", &again];
     done(&[&start[..], &robot].concat());
-    let fleet = [&merge[..], &["--fleet", "--scatter-percent", "2"]].concat();
+    let fleet = [&merge[..], &["--fleet", "--scatter", "2%"]].concat();
     done(&fleet);
 
     let twice = ["baseline", "merge", &a, &a, "--out", &known];
@@ -78,12 +78,12 @@ fn merged_baseline_is_valid_prior() {
     let alone = ["baseline", "merge", &a, "--out", &known];
     refused(&[&alone[..], &robot].concat(), 2, &["2"]);
     refused(
-        &[&merge[..], &["--scatter-percent", "2"]].concat(),
+        &[&merge[..], &["--scatter", "2%"]].concat(),
         2,
         &["--fleet"],
     );
     refused(
-        &[&merge[..], &["--fleet", "--scatter-percent", "-1"]].concat(),
+        &[&merge[..], &["--fleet", "--scatter", "-1%"]].concat(),
         2,
         &["-1"],
     );

@@ -110,8 +110,8 @@ fn shared_creep_tables_are_read() {
         "creep",
         "analyze",
         "instron-like.csv",
-        "--gauge-length-mm",
-        "350",
+        "--gauge-length",
+        "350mm",
     ];
     says("22", &tensile, 0, &["99.8", "1.00", "0.166"]);
     says("24", &["creep", "analyze", "clock-times.csv"], 0, &["1100"]);

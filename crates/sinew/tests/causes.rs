@@ -126,7 +126,7 @@ fn wrong_stated_payload_is_estimated_instead() {
     let output = run(&[&learn[..], &robot].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     let window = ["--baseline", &baseline, "--from", "60"];
-    for stated in [&["--empty"][..], &["--payload-kg", "0.5"]] {
+    for stated in [&["--empty"][..], &["--payload", "0.5kg"]] {
         let (joint, _, warnings) = estimate(&log, "elbow", &[&window[..], stated].concat());
         assert!(
             warnings.contains("payload-inconsistent"),
@@ -143,7 +143,7 @@ fn wrong_stated_payload_is_estimated_instead() {
     let (joint, _, warnings) = estimate(
         &log,
         "elbow",
-        &[&window[..], &["--payload-kg", "0.085"]].concat(),
+        &[&window[..], &["--payload", "0.085kg"]].concat(),
     );
     assert!(!warnings.contains("payload-inconsistent"), "{warnings}");
     assert!(contains(&joint["offset_rad"], 0.010), "{joint}");

@@ -144,7 +144,7 @@ fn paper_estimate_rejects_options_of_absolute() {
     let robot = robot();
     for option in [
         ["--save", "x.baseline"].as_slice(),
-        &["--payload-kg", "0.5"],
+        &["--payload", "0.5kg"],
         &["--empty"],
         &["--nuisance"],
         &["--no-motor-torque"],

@@ -56,6 +56,46 @@ fn analyze_example_recovers_truth() {
     assert!(kinds(2).contains(&"slip".to_owned()), "{:?}", kinds(2));
 }
 
+/// At the change of the load the bench writes two rows at one time.
+#[test]
+fn analyze_simulated_bench_recovers_at_load_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("e.csv");
+    let csv = csv.to_str().unwrap();
+    let run = json(&["bench", "simulate", "E", "--csv", csv, "--json"]);
+    let report = json(&["creep", "analyze", csv, "--json", "--quiet"]);
+    let rows = run["readings"].as_array().unwrap();
+    let number = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
+    let strain = |row: usize| rows[row]["strain_ratio"]["value"].as_f64().unwrap();
+    let change = (1..rows.len())
+        .find(|&row| number(row, "force_n") < number(row - 1, "force_n"))
+        .unwrap();
+    assert_eq!(number(change, "time_s"), number(change - 1, "time_s"));
+    let specimen = &report["specimens"][0];
+    let recovery = &specimen["recovery"][0];
+    let last = strain(rows.len() - 1);
+    for (found, expected) in [
+        (&specimen["end_strain_ratio"], strain(change - 1)),
+        (&recovery["before_strain_ratio"], strain(change - 1)),
+        (
+            &recovery["immediate_strain_ratio"],
+            strain(change - 1) - strain(change),
+        ),
+        (&recovery["delayed_strain_ratio"], strain(change) - last),
+    ] {
+        let found = found.as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        assert!(found > 0.0);
+    }
+    let kinds: Vec<&str> = specimen["artefacts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|artefact| artefact["kind"].as_str())
+        .collect();
+    assert_eq!(kinds, ["no-ramp"]);
+}
+
 #[test]
 fn fit_example_selects_true_law() {
     let report = json(&["creep", "fit", "rope-A.csv", "--json", "--quiet"]);
@@ -176,8 +216,8 @@ fn plan_writes_table_and_programme() {
         "23",
         "--durations",
         "85min",
-        "--bench-hours",
-        "5",
+        "--bench-time",
+        "5h",
     ];
     fn with<'a>(asked: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
         [asked, more].concat()
@@ -292,8 +332,8 @@ fn tables_stay_within_80_columns() {
             "log-time",
             "--law",
             "findley",
-            "--forecast-h",
-            "100",
+            "--forecast",
+            "100h",
         ],
         &["creep", "compare", "rope-A.csv", "rope-B.csv", "--quiet"],
         &[
@@ -439,8 +479,8 @@ fn errors_suggest_fix_and_leave_no_files() {
                 "100",
                 "--length",
                 "700",
-                "--bench-hours",
-                "0.5",
+                "--bench-time",
+                "0.5h",
                 "--csv",
                 page,
             ],
@@ -474,8 +514,8 @@ fn forecast_states_load_of_test() {
         "rope-A.csv",
         "--law",
         "log-time",
-        "--forecast-h",
-        "8760",
+        "--forecast",
+        "8760h",
         "--json",
         "--quiet",
     ]);
@@ -507,8 +547,8 @@ fn forecast_states_load_of_test() {
         "rope-A.csv",
         "--law",
         "log-time",
-        "--forecast-h",
-        "8760",
+        "--forecast",
+        "8760h",
         "--quiet",
     ]);
     let text = String::from_utf8(table.stdout).unwrap();
@@ -523,10 +563,10 @@ fn forecast_states_load_of_test() {
         "rope-A.csv",
         "--law",
         "log-time",
-        "--forecast-h",
-        "9",
-        "--forecast-load-n",
-        "90",
+        "--forecast",
+        "9h",
+        "--forecast-load",
+        "90N",
     ]);
     assert_eq!(output.status.code(), Some(3));
     let text = String::from_utf8_lossy(&output.stdout);

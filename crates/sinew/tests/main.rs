@@ -15,6 +15,7 @@ mod examples;
 mod init;
 #[cfg(unix)]
 mod limits;
+mod options;
 mod outputs;
 #[cfg(unix)]
 mod outputs_whole;

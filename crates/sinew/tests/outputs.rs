@@ -120,8 +120,8 @@ fn series_csv_equals_parquet() {
         "--quiet",
         "--law",
         "findley",
-        "--forecast-h",
-        "24",
+        "--forecast",
+        "24h",
     ];
     let table = both(at, &fit, "--series");
     assert!(column(&table, "kind").contains(&"forecast"));

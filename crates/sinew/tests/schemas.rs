@@ -95,7 +95,7 @@ fn outputs() -> Vec<&'static str> {
         log info examples/05-your-own-robot/nod.csv --json
         init examples/01-stretched-arm/stretched-arm.mcap --out OUT/robot --json
         estimate ARM --json
-        estimate ARM --method absolute --payload-kg 0.2 --json
+        estimate ARM --method absolute --payload 0.2kg --json
         estimate --each ARM --json
         baseline ARM --to 20 --out OUT/arm.baseline --json
         baseline ARM --from 20 --out OUT/later.baseline --json
@@ -313,7 +313,7 @@ fn command_json_matches_schema() {
     let mut seen = BTreeSet::new();
     let mut lines = outputs();
     let isotherms = "../shared/data/creep/pyvisco/time_user_raw.csv";
-    let shift = format!("creep fit {isotherms} --shift-c 3 --json");
+    let shift = format!("creep fit {isotherms} --shift-to 3degC --json");
     if repository().join(isotherms).exists() {
         lines.push(&shift);
     }

@@ -112,7 +112,7 @@ class Arrhenius(Record):
 
 
 class ArtefactDuplicateTimestamps(Record):
-    """Measurements with duplicate time stamps; all are used."""
+    """Measurements with duplicate time stamps under one load; all are used."""
 
     __slots__ = ()
 
@@ -168,6 +168,27 @@ class ArtefactImplausibleTime(Record):
     _fields = {
         "duration_s": "",
         "kind": "",
+    }
+
+
+class ArtefactInterpolated(Record):
+    """Measurements on straight lines between others, to the rounding of the file: interpolated, not measured."""
+
+    __slots__ = ()
+
+    kept: bool
+    """Whether they were kept in the measurements."""
+    kind: Literal["interpolated"]
+    readings: int
+    """Number of such measurements."""
+    recorded: int
+    """Number of the other measurements."""
+
+    _fields = {
+        "kept": "",
+        "kind": "",
+        "readings": "",
+        "recorded": "",
     }
 
 
@@ -6544,7 +6565,7 @@ class Wlf(Record):
 
 
 AnchorKind = Literal["stop", "joint-mark", "motor-mark"]
-Artefact = Union[ArtefactDuplicateTimestamps, ArtefactGap, ArtefactImplausibleStrain, ArtefactImplausibleTime, ArtefactLoadDrift, ArtefactNoForce, ArtefactNoRamp, ArtefactNonMonotonicTime, ArtefactOutlier, ArtefactShortens, ArtefactSlip, ArtefactSlowRamp]
+Artefact = Union[ArtefactDuplicateTimestamps, ArtefactGap, ArtefactImplausibleStrain, ArtefactImplausibleTime, ArtefactInterpolated, ArtefactLoadDrift, ArtefactNoForce, ArtefactNoRamp, ArtefactNonMonotonicTime, ArtefactOutlier, ArtefactShortens, ArtefactSlip, ArtefactSlowRamp]
 BaselineSource = Union[BaselineSourceAssumed, BaselineSourceGiven]
 BreakCause = Literal["creep-rupture", "bending-fatigue"]
 Cause = Union[Literal["motor-encoder", "joint-encoder", "rope"], CauseUnknown]
@@ -6615,6 +6636,7 @@ _CLASSES: Mapping[str, Any] = {
     "ArtefactGap": ArtefactGap,
     "ArtefactImplausibleStrain": ArtefactImplausibleStrain,
     "ArtefactImplausibleTime": ArtefactImplausibleTime,
+    "ArtefactInterpolated": ArtefactInterpolated,
     "ArtefactLoadDrift": ArtefactLoadDrift,
     "ArtefactNoForce": ArtefactNoForce,
     "ArtefactNoRamp": ArtefactNoRamp,
@@ -6894,7 +6916,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningUnexplainedResidual": WarningUnexplainedResidual,
     "WarningUnmodelledInterval": WarningUnmodelledInterval,
     "Wlf": Wlf,
-    "Artefact": {"slip": ArtefactSlip, "outlier": ArtefactOutlier, "load-drift": ArtefactLoadDrift, "no-force": ArtefactNoForce, "no-ramp": ArtefactNoRamp, "slow-ramp": ArtefactSlowRamp, "duplicate-timestamps": ArtefactDuplicateTimestamps, "non-monotonic-time": ArtefactNonMonotonicTime, "gap": ArtefactGap, "implausible-strain": ArtefactImplausibleStrain, "shortens": ArtefactShortens, "implausible-time": ArtefactImplausibleTime},
+    "Artefact": {"slip": ArtefactSlip, "outlier": ArtefactOutlier, "load-drift": ArtefactLoadDrift, "no-force": ArtefactNoForce, "no-ramp": ArtefactNoRamp, "slow-ramp": ArtefactSlowRamp, "duplicate-timestamps": ArtefactDuplicateTimestamps, "non-monotonic-time": ArtefactNonMonotonicTime, "gap": ArtefactGap, "interpolated": ArtefactInterpolated, "implausible-strain": ArtefactImplausibleStrain, "shortens": ArtefactShortens, "implausible-time": ArtefactImplausibleTime},
     "BaselineSource": {"given": BaselineSourceGiven, "assumed": BaselineSourceAssumed},
     "Cause": {"unknown": CauseUnknown},
     "Caution": {"low-load": CautionLowLoad, "high-load": CautionHighLoad, "hot": CautionHot, "breaking-load-assumed": CautionBreakingLoadAssumed, "extrapolated": CautionExtrapolated, "creeps-apart": CautionCreepsApart, "worn-out": CautionWornOut, "replace": CautionReplace, "tight-bend": CautionTightBend, "load-share": CautionLoadShare, "termination-not-specified": CautionTerminationNotSpecified, "beyond-data": CautionBeyondData, "assumed-parameters": CautionAssumedParameters},

@@ -28,9 +28,6 @@ pub(crate) struct Paper {
     /// Print one JSON document (curves and statements) instead of the statements
     #[arg(long)]
     json: bool,
-    /// Nothing on stderr
-    #[arg(long)]
-    quiet: bool,
 }
 
 impl Paper {
@@ -80,14 +77,15 @@ impl Paper {
         paper::write(&mut figure, &self.out)?;
         answer_as(self.json, &figure, paper::render)?;
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();
-        Ok(self.finish(failed, figure.sentences.len()))
+        Ok(finish(failed, figure.sentences.len()))
     }
+}
 
-    fn finish(&self, failed: usize, of: usize) -> Finish {
-        if failed > 0 && !self.quiet {
-            let text = format!("{failed} of {of} statements do not hold");
-            complain(Word::Warning, &text);
-        }
-        Finish::lossy(failed > 0)
+/// Warns of statements that do not hold.
+fn finish(failed: usize, of: usize) -> Finish {
+    if failed > 0 {
+        let text = format!("{failed} of {of} statements do not hold");
+        complain(Word::Warning, &text);
     }
+    Finish::lossy(failed > 0)
 }

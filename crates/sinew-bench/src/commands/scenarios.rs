@@ -70,9 +70,6 @@ pub(crate) struct Run {
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Suppress progress on stderr
-    #[arg(long, help_heading = "Output")]
-    quiet: bool,
 }
 
 /// Print a scenario as `sinew simulate` reads it
@@ -111,8 +108,8 @@ impl Run {
             ("--table", self.table.as_deref()),
         ];
         // Earlier results are resumed, not replaced.
-        check_outputs(&[out], &[], true)?;
-        check_outputs(&[table], &[out], self.quiet)?;
+        check_outputs(&[out], &[])?;
+        check_outputs(&[table], &[out])?;
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         let mut wanted: Vec<String> = if self.unmodelled {
             names(&UNMODELLED)
@@ -140,7 +137,7 @@ impl Run {
             jobs: self.jobs.unwrap_or(cores) as usize,
             out: self.out.clone(),
         };
-        let bar = Bar::new("recordings", self.quiet);
+        let bar = Bar::new("recordings");
         let mut progress = |done, all| bar.set(done as f64, all as f64);
         if self.trajectory {
             let report = scenarios::run_trajectories(&options, &mut progress)?;

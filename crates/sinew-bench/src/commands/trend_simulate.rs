@@ -68,9 +68,6 @@ pub(crate) struct TrendSimulate {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
-    /// Suppress progress on stderr
-    #[arg(long)]
-    quiet: bool,
 }
 
 /// Errors of sessions that are drawn.
@@ -147,7 +144,7 @@ impl Kind {
 impl TrendSimulate {
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         // Earlier results are resumed, not replaced.
-        check_outputs(&[("--out", self.out.as_deref())], &[], true)?;
+        check_outputs(&[("--out", self.out.as_deref())], &[])?;
         let loaded = robot_dir::load(&self.robot, None)?;
         let catalogue = Catalogue::shipped()?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
@@ -171,12 +168,12 @@ impl TrendSimulate {
                 jobs: request.jobs,
                 out: self.out.clone(),
             };
-            let bar = Bar::new("sessions", self.quiet);
+            let bar = Bar::new("sessions");
             let mut progress = |done, all| bar.set(done as f64, all as f64);
             let lived = year::run_chain(robot, &catalogue, &request, &chain, &mut progress)?;
             year::report_chain(robot, &request, &chain, lived)
         } else {
-            let bar = Bar::new("years", self.quiet);
+            let bar = Bar::new("years");
             let mut progress = |done, all| bar.set(done as f64, all as f64);
             let out = self.out.as_deref();
             year::run(robot, &catalogue, &request, out, &mut progress)?

@@ -46,7 +46,7 @@ pub enum Artefact {
         /// Duration of the ramp, s.
         ramp_s: f64,
     },
-    /// Measurements with duplicate time stamps; all are used.
+    /// Measurements with duplicate time stamps under one load; all are used.
     DuplicateTimestamps {
         /// Number of such measurements.
         readings: usize,
@@ -60,6 +60,15 @@ pub enum Artefact {
     Gap {
         /// Number of such measurements.
         readings: usize,
+    },
+    /// Measurements on straight lines between others, to the rounding of the file: interpolated, not measured.
+    Interpolated {
+        /// Number of such measurements.
+        readings: usize,
+        /// Number of the other measurements.
+        recorded: usize,
+        /// Whether they were kept in the measurements.
+        kept: bool,
     },
     /// Possible strain that suggests another unit.
     ImplausibleStrain {
@@ -99,7 +108,7 @@ pub(super) fn clean(
     force: Option<&[f64]>,
     artefacts: &mut Vec<Artefact>,
 ) -> Vec<usize> {
-    let (mut kept, mut gaps, mut back, mut repeated) = (Vec::new(), 0, 0, 0);
+    let (mut kept, mut gaps, mut back) = (Vec::new(), 0, 0);
     let mut latest = f64::NEG_INFINITY;
     for i in 0..time.len() {
         let whole = time[i].is_finite()
@@ -110,7 +119,6 @@ pub(super) fn clean(
         } else if time[i] < latest {
             back += 1;
         } else {
-            repeated += usize::from(time[i] == latest);
             latest = time[i];
             kept.push(i);
         }
@@ -118,10 +126,6 @@ pub(super) fn clean(
     let found = [
         (gaps, Artefact::Gap { readings: gaps }),
         (back, Artefact::NonMonotonicTime { readings: back }),
-        (
-            repeated,
-            Artefact::DuplicateTimestamps { readings: repeated },
-        ),
     ];
     artefacts.extend(
         found
@@ -173,22 +177,7 @@ pub(super) fn remove_artefacts(
         }
     }
     if !keep {
-        let mut i = 0;
-        let mut keep_reading = || {
-            i += 1;
-            !drop.contains(&(i - 1))
-        };
-        let kept: Vec<bool> = curve.time_s.iter().map(|_| keep_reading()).collect();
-        let filter = |v: &[f64]| -> Vec<f64> {
-            v.iter()
-                .zip(&kept)
-                .filter(|(_, k)| **k)
-                .map(|(v, _)| *v)
-                .collect()
-        };
-        curve.time_s = filter(&curve.time_s);
-        curve.strain = filter(&curve.strain);
-        curve.count = filter(&curve.count);
+        curve.select(|i| !drop.contains(&i));
     }
     artefacts
 }

@@ -3,14 +3,16 @@
 use crate::test_file::{Specimen, TestQuantity};
 
 mod artefacts;
+mod interpolated;
 mod load;
 
-use super::artefacts::median;
-use super::curve::{Curve, Tension};
+use super::artefacts::{MIN_STAGE_CHANGE, median};
+use super::curve::{Curve, StepWindow, Tension};
 use super::error::{CreepError, Unusable};
 use super::span::Span;
 pub use artefacts::Artefact;
 use artefacts::{clean, remove_artefacts};
+use interpolated::{Digits, interpolated};
 use load::Load;
 
 /// Properties that a file may lack.
@@ -106,11 +108,17 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
             needed: MIN_MEASUREMENTS,
         }));
     }
-    let time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
+    let mut time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
     let mut strain: Vec<f64> = kept.iter().map(|&i| raw_strain[i]).collect();
     let force: Option<Vec<f64>> = raw_force
         .as_ref()
         .map(|force| kept.iter().map(|&i| force[i]).collect());
+    let lines = interpolated(&time, &strain, digits(specimen, options));
+    let at_once = separate_loads(&mut time, force.as_deref());
+    let repeated = time.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if repeated > 0 {
+        artefacts.push(Artefact::DuplicateTimestamps { readings: repeated });
+    }
     let most = strain.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
     // No fibre, rope or plastic elongates by its own length; wood and metals far less.
     if most > 2.0 {
@@ -142,13 +150,16 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         StrainZero::AsRecorded
     };
     let start = load.start_s;
+    // The time of these steps is recorded.
+    let is_recorded = |window: &StepWindow| at_once.iter().any(|&i| time[i] - start == window.to_s);
+    let windows = load.windows.iter().filter(|w| !is_recorded(w)).copied();
     let mut curve = Curve {
         name: specimen.name.clone(),
         time_s: time[at_zero..].iter().map(|t| t - start).collect(),
         strain: strain[at_zero..].to_vec(),
         count: vec![1.0; time.len() - at_zero],
         steps: load.steps.clone(),
-        windows: load.windows.clone(),
+        windows: windows.collect(),
         temperature_c: None,
         tension: load.reference_n.map(|reference| {
             let preload_n = load.preload_n.unwrap_or(0.0);
@@ -160,6 +171,19 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         }),
         zero_count: load.before as f64,
     };
+    let lines = &lines[at_zero..];
+    let count = lines.iter().filter(|line| **line).count();
+    let recorded = lines.len() - count;
+    if count > 0 {
+        artefacts.push(Artefact::Interpolated {
+            readings: count,
+            recorded,
+            kept: options.keep_artefacts,
+        });
+        if !options.keep_artefacts {
+            curve.select(|i| !lines[i]);
+        }
+    }
     artefacts.extend(remove_artefacts(
         &mut curve,
         &load.stages,
@@ -172,12 +196,8 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
             .iter()
             .any(|s| t >= s.start_s - 1e-9 && t <= s.end_s + 1e-9)
     };
-    let keep: Vec<usize> = (0..curve.time_s.len())
-        .filter(|&i| in_stage(curve.time_s[i]))
-        .collect();
-    curve.time_s = keep.iter().map(|&i| curve.time_s[i]).collect();
-    curve.strain = keep.iter().map(|&i| curve.strain[i]).collect();
-    curve.count = vec![1.0; keep.len()];
+    let are_in_stage: Vec<bool> = curve.time_s.iter().map(|t| in_stage(*t)).collect();
+    curve.select(|i| are_in_stage[i]);
     let first_end = load
         .stages
         .first()
@@ -217,6 +237,35 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
     })
 }
 
+/// Separates measurements at one time stamp under different loads: the first one under the new load follows the
+/// last one under the old load after a moment, in the order of the file. Returns the indices of the former.
+fn separate_loads(time: &mut [f64], force: Option<&[f64]>) -> Vec<usize> {
+    /// Moment as a share of the interval to the next time stamp: a numerical tolerance, far below any ramp.
+    const MOMENT_SHARE: f64 = 1e-6;
+    /// Minimum moment, s: ten times the tolerance of the ends of a stage.
+    const MIN_MOMENT_S: f64 = 1e-8;
+    let Some(force) = force else {
+        return Vec::new();
+    };
+    let largest = force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    let stamps = time.to_vec();
+    let mut at_once = Vec::new();
+    for i in 1..time.len() {
+        time[i] = time[i].max(time[i - 1]);
+        let change = (force[i] - force[i - 1]).abs();
+        if stamps[i] > stamps[i - 1] || change <= MIN_STAGE_CHANGE * largest {
+            continue;
+        }
+        let next = stamps[i..].partition_point(|t| *t <= stamps[i]);
+        let interval_s = stamps.get(i + next).map_or(0.0, |t| t - stamps[i]);
+        // A large time, such as a date, is stored with fewer digits.
+        let stored_s = 4.0 * f64::EPSILON * time[i].abs();
+        time[i] += (MOMENT_SHARE * interval_s).max(MIN_MOMENT_S).max(stored_s);
+        at_once.push(i);
+    }
+    at_once
+}
+
 type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
 
 fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, CreepError> {
@@ -231,10 +280,8 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
     let strain = if let Some(strain) = specimen.column(TestQuantity::Strain) {
         strain.to_vec()
     } else if let Some(elongation) = specimen.column(TestQuantity::Elongation) {
-        let length = options
-            .gauge_length_m
-            .or_else(|| specimen.constant(TestQuantity::GaugeLength))
-            .ok_or_else(|| invalid(Unusable::NoGaugeLength))?;
+        let length =
+            gauge_length_m(specimen, options).ok_or_else(|| invalid(Unusable::NoGaugeLength))?;
         if length <= 0.0 || length.is_nan() {
             return Err(invalid(Unusable::GaugeLength { length_m: length }));
         }
@@ -247,6 +294,27 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
         strain,
         specimen.column(TestQuantity::Force).map(<[f64]>::to_vec),
     ))
+}
+
+/// Last digits of the times and strains of a file.
+fn digits(specimen: &Specimen, options: &PrepareOptions) -> Digits {
+    let strain_ratio = if specimen.column(TestQuantity::Strain).is_some() {
+        specimen.last_digit(TestQuantity::Strain)
+    } else {
+        let length_m = gauge_length_m(specimen, options).unwrap_or(f64::INFINITY);
+        specimen.last_digit(TestQuantity::Elongation) / length_m
+    };
+    Digits {
+        time_s: specimen.last_digit(TestQuantity::Time),
+        strain_ratio,
+    }
+}
+
+/// Gauge length as specified, else of the file, m.
+fn gauge_length_m(specimen: &Specimen, options: &PrepareOptions) -> Option<f64> {
+    options
+        .gauge_length_m
+        .or_else(|| specimen.constant(TestQuantity::GaugeLength))
 }
 
 fn range(specimen: &Specimen, quantity: TestQuantity) -> Option<Span> {

@@ -1,12 +1,13 @@
 //! Quantity and unit of a column from its header.
 
 use super::header::Head;
+use super::labels;
 use super::names::{quantity_of, split};
 use super::quantity::{TestQuantity as Q, parse_unit};
 use super::{ColumnChoice, TestQuantity};
 use crate::error::TestFileError;
 use sinew_files::names::{hint, list};
-use sinew_files::unit::Unit;
+use sinew_files::unit::{Dimension as D, Unit};
 use sinew_files::{Fault, Located};
 
 /// Column with its quantity and unit.
@@ -16,6 +17,8 @@ pub(super) struct Role {
     pub(super) index: usize,
     pub(super) unit: Unit,
     pub(super) unit_name: String,
+    /// Specimen of the column; `None` if the table has one specimen, or all share the column.
+    pub(super) label: Option<String>,
 }
 
 /// Words of a header of clock times or dates, which are the time where no other column is.
@@ -83,6 +86,9 @@ pub(super) fn roles(
         let unit = stated.or_else(|| below(index));
         roles.push(role(choice.quantity, index, header, unit, notes).map_err(invalid)?);
     }
+    label_choices(&mut roles, headers).map_err(invalid)?;
+    // Columns of a quantity that another column has already.
+    let mut others: Vec<Role> = Vec::new();
     // Clock times last: a time in seconds next to them has the finer resolution.
     let mut order: Vec<usize> = (0..headers.len()).collect();
     order.sort_by_key(|index| clock(*index).is_some());
@@ -96,13 +102,12 @@ pub(super) fn roles(
         let Some(quantity) = quantity_of(&name, unit.as_deref()) else {
             continue;
         };
-        if let Some(first) = roles.iter().find(|role| role.quantity == quantity) {
+        if roles.iter().any(|role| role.quantity == quantity) {
             if !choices.iter().any(|choice| choice.quantity == quantity) {
-                notes.push(format!(
-                    "column '{header}' is not used: '{}' is the {} already",
-                    headers[first.index],
-                    quantity.name()
-                ));
+                match role(quantity, index, header, unit, &mut Vec::new()) {
+                    Ok(other) => others.push(other),
+                    Err(reason) => notes.push(format!("column not used: {reason}")),
+                }
             }
             continue;
         }
@@ -115,6 +120,20 @@ pub(super) fn roles(
             Err(reason) => notes.push(format!("column not used: {reason}")),
         }
     }
+    for other in labels::assign(&mut roles, others, headers) {
+        let first = roles.iter().find(|role| role.quantity == other.quantity);
+        notes.push(format!(
+            "column '{}' is not used: '{}' is the {} already",
+            headers[other.index],
+            first.map_or("", |first| &headers[first.index]),
+            other.quantity.name()
+        ));
+    }
+    let is_measured = |role: &Role| labels::MEASURED.contains(&role.quantity);
+    if !roles.iter().any(is_measured) {
+        add_unnamed(&mut roles, head, notes).map_err(invalid)?;
+    }
+    labels::leave_shared(&mut roles, headers, notes);
     if !roles.iter().any(|role| role.quantity == Q::Time) {
         let is_named = |index: usize, word: &str| {
             let name = headers[index].to_lowercase();
@@ -128,6 +147,60 @@ pub(super) fn roles(
         }
     }
     Ok(roles)
+}
+
+/// Assigns columns that the user specified for one quantity to specimens.
+fn label_choices(roles: &mut [Role], headers: &[String]) -> Result<(), String> {
+    for quantity in Q::ALL {
+        let of = roles.iter().filter(|role| role.quantity == quantity);
+        let names: Vec<String> = of.map(|role| split(&headers[role.index]).0).collect();
+        if names.len() < 2 {
+            continue;
+        }
+        if !labels::MEASURED.contains(&quantity) {
+            return Err(format!(
+                "the {} is set by {} columns; set one",
+                quantity.name(),
+                names.len()
+            ));
+        }
+        let found = labels::labels(&names).unwrap_or(names);
+        labels::label(roles, quantity, &found);
+    }
+    Ok(())
+}
+
+/// Adds columns that only a specimen and a unit name, such as `A_mm`, `B_mm`: a length is an elongation, a ratio a
+/// strain.
+fn add_unnamed(roles: &mut Vec<Role>, head: &Head, notes: &mut Vec<String>) -> Result<(), String> {
+    for (quantity, dimension) in [(Q::Elongation, D::Length), (Q::Strain, D::Ratio)] {
+        let mut found: Vec<(usize, String, String)> = Vec::new();
+        for (index, header) in head.headers.iter().enumerate() {
+            let (name, unit) = split(header);
+            let below = head.units.get(index).filter(|unit| !unit.is_empty());
+            let Some(unit) = unit.or_else(|| below.cloned()) else {
+                continue;
+            };
+            let is_free = !roles.iter().any(|role| role.index == index);
+            if is_free && parse_unit(&unit).is_ok_and(|unit| unit.dimension == dimension) {
+                found.push((index, name, unit));
+            }
+        }
+        let names: Vec<String> = found.iter().map(|column| column.1.clone()).collect();
+        if names.len() < 2 {
+            continue;
+        }
+        let Some(labels) = labels::labels_alone(&names) else {
+            continue;
+        };
+        for (index, _, unit) in found {
+            let header = &head.headers[index];
+            roles.push(role(quantity, index, header, Some(unit), notes)?);
+        }
+        labels::label(roles, quantity, &labels);
+        return Ok(());
+    }
+    Ok(())
 }
 
 fn role(
@@ -164,5 +237,6 @@ fn role(
         index,
         unit,
         unit_name,
+        label: None,
     })
 }

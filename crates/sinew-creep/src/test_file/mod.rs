@@ -8,11 +8,13 @@
 //! rejected. A strain without a unit is interpreted as a ratio, with a note.
 //!
 //! Rows belong to one specimen as long as their text cells and the specimen columns are constant
-//! and time does not restart.
+//! and time does not restart. Columns of one quantity whose names differ by a label, such as
+//! `elongation A [mm]` and `elongation B [mm]`, belong to one specimen each.
 
 mod cells;
 mod columns;
 mod header;
+mod labels;
 mod names;
 #[cfg(feature = "parquet")]
 mod parquet;

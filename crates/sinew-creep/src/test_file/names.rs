@@ -73,13 +73,17 @@ pub(super) fn split(header: &str) -> (String, Option<String>) {
 /// Quantity of a header, if a word of it names one.
 pub(super) fn quantity_of(name: &str, unit: Option<&str>) -> Option<TestQuantity> {
     let unit = unit.and_then(|unit| parse_unit(unit).ok());
-    // A single letter is interpreted by its unit or its case.
-    match name.trim() {
-        "T" if unit.is_none_or(|unit| Q::Temperature.may_be_in(unit)) => {
-            return Some(Q::Temperature);
-        }
-        "E" => return Some(Q::Modulus),
-        _ => {}
+    // A single letter is interpreted by its case and its unit; with another unit it names a specimen.
+    let is_possible = |quantity: TestQuantity| unit.is_none_or(|unit| quantity.may_be_in(unit));
+    let letter = match name.trim() {
+        "T" if is_possible(Q::Temperature) => Some(Q::Temperature),
+        "E" => Some(Q::Modulus),
+        "F" | "f" => Some(Q::Force),
+        "T" | "t" => Some(Q::Time),
+        _ => None,
+    };
+    if letter.is_some() {
+        return letter.filter(|quantity| is_possible(*quantity));
     }
     let lower = name.to_lowercase();
     let is_among = |list: &str| {

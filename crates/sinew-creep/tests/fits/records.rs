@@ -238,3 +238,84 @@ fn slope_interval_accounts_for_correlated_errors() {
     // Three standard errors below 95 %.
     assert!(share >= 0.85, "{share}");
 }
+
+/// A file of few readings, interpolated by a program to one row per second.
+#[test]
+fn interpolated_readings_are_excluded_with_warning() {
+    let strain = |t: f64| 0.4 + 0.02 * (1.0 + t / 20.0).ln();
+    let readings = [0, 10, 20, 60, 180, 360, 720, 1800, 3600, 5400, 7200, 9000];
+    let rows = |values: &dyn Fn(u32) -> f64| -> String {
+        let row = |t: u32| format!("{t},60,{:.9}\n", values(t));
+        (0..=9000).map(row).collect()
+    };
+    let line = |t: u32| {
+        let after = readings
+            .partition_point(|r| *r <= t)
+            .min(readings.len() - 1);
+        let [from, to] = [readings[after - 1], readings[after]].map(f64::from);
+        let share = (f64::from(t) - from) / (to - from);
+        strain(from) + share * (strain(to) - strain(from))
+    };
+    let prepared = |rows: &str, options: &PrepareOptions| {
+        let text = format!("time_s,force_N,strain_percent\n{rows}");
+        let file = read_test_bytes(text.into_bytes(), "made", &TestOptions::default()).unwrap();
+        prepare(&file.specimens[0], options).unwrap()
+    };
+    let lines = rows(&line);
+    let found = prepared(&lines, &PrepareOptions::default());
+    let times: Vec<f64> = readings.map(f64::from).to_vec();
+    assert_eq!(found.curve.time_s, times);
+    let is_reported = |p: &Prepared, is_kept: bool| {
+        p.artefacts.contains(&Artefact::Interpolated {
+            readings: 9001 - readings.len(),
+            recorded: readings.len(),
+            kept: is_kept,
+        })
+    };
+    assert!(is_reported(&found, false), "{:?}", found.artefacts);
+    let options = PrepareOptions {
+        keep_artefacts: true,
+        ..PrepareOptions::default()
+    };
+    let kept = prepared(&lines, &options);
+    assert_eq!(kept.curve.time_s.len(), 9001);
+    assert!(is_reported(&kept, true), "{:?}", kept.artefacts);
+    // The curve itself, recorded every second, is complete.
+    let smooth = rows(&|t| strain(f64::from(t)));
+    let smooth = prepared(&smooth, &PrepareOptions::default());
+    assert_eq!(smooth.curve.time_s.len(), 9001);
+    assert_eq!(smooth.artefacts, [Artefact::NoRamp]);
+}
+
+/// Two rows at the time of a change of the load stay in the order of the file.
+#[test]
+fn load_change_at_one_time_keeps_the_order() {
+    for start_s in [0.0, 1.7e9] {
+        let mut time: Vec<f64> = (0..=80).map(|i| start_s + 60.0 * f64::from(i)).collect();
+        time.extend((80..=160).map(|i| start_s + 60.0 * f64::from(i)));
+        let force: Vec<f64> = (0..162)
+            .map(|i| if i <= 80 { 100.0 } else { 60.0 })
+            .collect();
+        let strain: Vec<f64> = (0..162)
+            .map(|i| {
+                let age = f64::from(if i <= 80 { i } else { i - 81 });
+                let creep = 1e-4 * (1.0 + age).ln();
+                if i <= 80 {
+                    5e-3 + creep
+                } else {
+                    4.5e-3 - creep
+                }
+            })
+            .collect();
+        let test = specimen(time, force, strain.clone());
+        let prepared = prepare(&test, &PrepareOptions::default()).unwrap();
+        assert_eq!(prepared.artefacts, [Artefact::NoRamp]);
+        assert_eq!(prepared.curve.strain, strain);
+        assert!(prepared.curve.windows.is_empty());
+        let analysis = analyze(&prepared, &AnalyzeOptions::default()).unwrap();
+        assert_eq!(analysis.end_strain_ratio, strain[80]);
+        let recovery = analysis.recovery[0];
+        assert_eq!(recovery.immediate_strain_ratio, strain[80] - strain[81]);
+        fit(Law::LogTime, &[prepared.curve], &FitOptions::default()).unwrap();
+    }
+}

@@ -5,7 +5,7 @@ use crate::error::SessionError;
 use serde::{Deserialize, Serialize};
 use sinew_files::{OutputError, limits, read_text, write_file};
 use sinew_model::arm::PARAMETERS_PER_BODY;
-use sinew_model::offset::{Prior, StateEstimate};
+use sinew_model::offset::{ModelError, Prior, StateEstimate};
 use sinew_model::robot::Robot;
 use std::path::Path;
 
@@ -52,6 +52,10 @@ pub struct Baseline {
     #[serde(default)]
     #[serde(alias = "change_deviation_k")]
     pub change_std_k: f64,
+    /// Model error in the recording of the baseline, with which the evidence about causes is compared; `None` in files
+    /// before version 6.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_error: Option<ModelError>,
     /// Reference measurements (end stops and index marks) directly after tensioning.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub anchors: Vec<ReferenceMeasurement>,
@@ -68,7 +72,7 @@ pub struct Baseline {
 
 impl Baseline {
     const FORMAT: &'static str = "sinew-baseline";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
     /// Oldest version that is still read: its standard deviations are called deviations.
     const MIN_VERSION: u32 = 4;
 
@@ -100,6 +104,7 @@ impl Baseline {
                 .then_some(state_estimate.temperature_c),
             temperature_std_k: 0.0,
             change_std_k: 0.0,
+            model_error: None,
             anchors: Vec::new(),
             mean: state_estimate.mean.clone(),
             covariance_lower: lower,
@@ -189,7 +194,10 @@ impl Baseline {
         let d = read.mean.len();
         let noise = read.noise_rad.iter().chain(&read.motor_noise_nm);
         let numbers = read.mean.iter().chain(&read.covariance_lower).chain(noise);
-        if read.covariance_lower.len() != d * (d + 1) / 2 || numbers.clone().any(|x| !x.is_finite())
+        let is_valid = read.model_error.as_ref().is_none_or(ModelError::is_valid);
+        if read.covariance_lower.len() != d * (d + 1) / 2
+            || numbers.clone().any(|x| !x.is_finite())
+            || !is_valid
         {
             return Err(wrong(
                 "contains invalid numbers; create it again with sinew baseline LOG --out FILE"

@@ -201,6 +201,7 @@ impl<'r> Search<'r> {
                 temperature_c: None,
                 temperature_std_k: 0.0,
                 change_std_k: 0.0,
+                model_error: None,
                 anchors: Vec::new(),
                 zero_time_ns: None,
                 mean: Vec::new(),

@@ -9,8 +9,8 @@ use super::segments::Segments;
 use sinew_model::Gaussian;
 use sinew_model::offset::{ChangeKind, JointParameter, MapEstimate, Prior};
 
-/// Minimum z-score of a stiffness change before the recording to be reported as an event.
-const MIN_Z_SCORE: f64 = 4.0;
+/// Minimum probability of a stiffness change before the recording to be reported as an event.
+const MIN_PROBABILITY: f64 = 0.95;
 /// Time before a change at which the previous offset is evaluated, s.
 const BEFORE_S: f64 = 1e-3;
 
@@ -107,8 +107,7 @@ fn kind(slip: Gaussian, compliance: Option<Gaussian>) -> TendonChangeKind {
     }
 }
 
-/// Change `k` of the stiffness alone; `None` for an insignificant one before `first_s`, the start of the recording in
-/// s.
+/// Change `k` of the stiffness alone; `None` for an improbable one before `first_s`, the start of the recording in s.
 fn stiffness_alone(
     prior: &Prior,
     map: &MapEstimate,
@@ -119,7 +118,9 @@ fn stiffness_alone(
     let increase = map.change(prior, k);
     let point = &map.changes[k];
     let before = point.at_s <= first_s;
-    if before && increase.mean.abs() < MIN_Z_SCORE * increase.std {
+    let since = map.stiffness_changes.get(joint).copied().flatten();
+    let since = since.filter(|_| before);
+    if before && since.is_none_or(|since| since.probability < MIN_PROBABILITY) {
         return None;
     }
     let posterior = map.posterior(point);
@@ -132,7 +133,9 @@ fn stiffness_alone(
         },
         time_s: posterior.map_or(point.at_s.max(0.0), |p| p.time_s),
         interval_s: posterior.map(|p| p.interval_s),
-        probability: posterior.map(|p| p.probability),
+        probability: since
+            .map(|since| since.probability)
+            .or(posterior.map(|p| p.probability)),
         size_rad: None,
         stiffness_change_ratio: Some(change_ratio(prior, map, joint, increase)),
         cause: None,
@@ -170,20 +173,12 @@ fn change_ratio(prior: &Prior, map: &MapEstimate, joint: usize, increase: Gaussi
 
 /// Probability and size of a stiffness change of a joint before the recording, from the first segment; `None` if not
 /// evaluated.
-pub(super) fn stiffness_change(
-    prior: &Prior,
-    segments: &Segments,
-    joint: usize,
-) -> Option<StiffnessSinceBefore> {
+pub(super) fn stiffness_change(segments: &Segments, joint: usize) -> Option<StiffnessSinceBefore> {
     let (_, map) = segments.estimates.first()?;
     let since = (*map.stiffness_changes.get(joint)?)?;
-    let index = prior.place(joint, JointParameter::Compliance);
-    let mean = map.state_estimate(prior).entry(index).mean;
-    // The mean averages over both hypotheses; this is the compliance if the stiffness changed.
-    let after = mean + (1.0 - since.probability) * since.compliance_increase.mean;
     Some(StiffnessSinceBefore {
         probability: since.probability,
-        change_ratio: stiffness_change_ratio(after, since.compliance_increase),
+        change_ratio: since.change_ratio,
     })
 }
 

@@ -339,11 +339,12 @@ pub enum MotorTorque {
     FromCurrent,
 }
 
-/// Stiffness change between two recordings. Offsets are averaged over both hypotheses (change, no change).
+/// Stiffness change between two recordings, under a model error that depends on pose and direction of motion and a drift
+/// of 2 %. Offsets are averaged over both hypotheses (change, no change).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StiffnessSinceBefore {
-    /// Probability of the change, 0 to 1.
+    /// Probability that the stiffness changed by more than 5 %, 0 to 1.
     pub probability: f64,
     /// Relative change of the stiffness if there is one; negative for a loss.
     pub change_ratio: Gaussian,

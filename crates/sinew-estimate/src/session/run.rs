@@ -192,12 +192,18 @@ pub fn learn_recorded(
         &segments.learned(prior),
         segments.noise(),
     );
+    let model_error = segments.model_error(estimator, &recorded.blocks);
+    baseline.model_error = model_error.map_err(|error| SessionError::Map {
+        file: name.into(),
+        error,
+    })?;
     baseline.temperature_std_k = learning.temperature_c.map_or(0.0, |t| t.std);
     match earlier {
         Some((previous, _)) if learning.continues => {
             baseline.recordings.clone_from(&previous.recordings);
             baseline.before.clone_from(&previous.before);
             baseline.zero_time_ns = previous.zero_time();
+            baseline.model_error.clone_from(&previous.model_error);
         }
         Some((previous, _)) => baseline.before = previous.based_on(),
         None => {}
@@ -501,10 +507,10 @@ fn estimate_with_lag(
     options: &SessionOptions,
     (lag_s, stated): (f64, Option<Payload>),
 ) -> Result<Solved, SessionError> {
-    let session = Session::new(robot, recorded, options);
-    let (recorded, estimator) = (&*session.recorded, &session.estimator);
-    let prior = estimator.prior();
-    sides::check(robot, prior, recorded, options.payload, name)?;
+    let mut session = Session::new(robot, recorded, options);
+    let prior = &session.estimator.prior().clone();
+    sides::check(robot, prior, &session.recorded, options.payload, name)?;
+    let recorded = &*session.recorded;
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
     // Prior that all sessions since the baseline have in common.
     let common: StateEstimate;
@@ -555,6 +561,12 @@ fn estimate_with_lag(
         }
     };
     prior.open_lag(&mut start, lag_s);
+    let model_error = baseline.and_then(|(baseline, _)| {
+        let then = baseline.model_error.as_ref()?;
+        Some(session.estimator.aged_model_error(then, &common, &start))
+    });
+    session.estimator = session.estimator.with_model_error(model_error.clone());
+    let estimator = &session.estimator;
     let everything = SearchScope {
         offsets: true,
         payload: true,
@@ -605,6 +617,7 @@ fn estimate_with_lag(
         next.zero_time_ns = baseline.zero_time();
         next.temperature_std_k = baseline.temperature_std_k;
         next.change_std_k = change_k;
+        next.model_error = model_error;
         next.anchors.clone_from(&baseline.anchors);
     }
     let shared = segments.shared_errors(prior, &common, everything.continues, name)?;

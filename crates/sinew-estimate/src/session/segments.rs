@@ -6,8 +6,8 @@ use super::recorder::Recorded;
 use crate::error::SessionError;
 use sinew_model::offset::excess_residual::tempered;
 use sinew_model::offset::{
-    Block, ChangeKind, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope,
-    SharedError, StateEstimate, shared_errors,
+    Block, ChangeKind, MapError, MapEstimate, MapEstimator, ModelError, Payload, Prior,
+    SearchScope, SharedError, StateEstimate, shared_errors,
 };
 use sinew_model::robot::Robot;
 use std::borrow::Cow;
@@ -173,6 +173,25 @@ impl Segments {
             .flat_map(|(_, map)| map.noise_rad.iter().copied())
             .collect();
         tempered(prior, &self.before, self.state_estimate.clone(), &noise)
+    }
+
+    /// Model error of all segments, for the evidence about causes in later recordings.
+    pub(super) fn model_error(
+        &self,
+        estimator: &MapEstimator,
+        blocks: &[Block],
+    ) -> Result<Option<ModelError>, MapError> {
+        let Some((_, last)) = self.estimates.last() else {
+            return Ok(None);
+        };
+        let weights = (self.estimates.iter()).flat_map(|(_, map)| map.weights.iter().copied());
+        let whole = MapEstimate {
+            weights: weights.collect(),
+            ..last.clone()
+        };
+        estimator
+            .model_error(&self.before, &whole, blocks)
+            .map(Some)
     }
 
     /// Noise of the link (rad) and motor (N·m) equations in the last segment, per joint.

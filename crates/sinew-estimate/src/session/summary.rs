@@ -223,7 +223,7 @@ fn tendon(
         // Relative to robot.toml: the whole difference of the compliance from nominal is the change.
         stiffness_change_ratio: changes::stiffness_change_ratio(compliance.mean, compliance),
         stiffness_change: match slack {
-            None => changes::stiffness_change(prior, segments, joint),
+            None => changes::stiffness_change(segments, joint),
             Some(_) => None,
         },
         creep: changes::creep(recorded, segments, joint),

@@ -12,10 +12,13 @@ use alloc::vec::Vec;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StiffnessChange {
-    /// Posterior probability that the stiffness has changed.
+    /// Posterior probability that the stiffness has changed by more than 5 %, under a model error that depends on pose and
+    /// direction of motion.
     pub probability: f64,
     /// Increase of the compliance if it has changed, relative to the nominal value.
     pub compliance_increase: Gaussian,
+    /// Relative change of the stiffness if it has changed; negative for a loss.
+    pub change_ratio: Gaussian,
 }
 
 /// Creep of a tendon during the recording.

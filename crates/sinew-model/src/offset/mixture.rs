@@ -31,7 +31,7 @@ pub(crate) enum Occurrence {
 
 impl PriorOdds {
     /// Logarithm of the prior odds of a set of `count` changes out of `n` against none.
-    fn ln_prior(&self, count: usize, n: usize) -> f64 {
+    pub(crate) fn ln_prior(&self, count: usize, n: usize) -> f64 {
         match self.occurrence {
             _ if count == 0 => return 0.0,
             Occurrence::Apart => return count as f64 * libm::log(self.odds),
@@ -332,7 +332,7 @@ impl Sums {
 }
 
 /// Sets of changes that may have happened, a bit each.
-fn sets(n: usize) -> impl Iterator<Item = u128> {
+pub(crate) fn sets(n: usize) -> impl Iterator<Item = u128> {
     let many = n > ALL_SETS;
     let (range, pairs) = if many { (0, n) } else { (bit(n), 0) };
     let ends = if many {
@@ -349,7 +349,8 @@ fn bit(i: usize) -> u128 {
     1_u128.checked_shl(i as u32).unwrap_or(0)
 }
 
-fn happened(set: u128, i: usize) -> bool {
+/// Whether change `i` is in a set.
+pub(crate) fn happened(set: u128, i: usize) -> bool {
     set & bit(i) != 0
 }
 

@@ -36,7 +36,7 @@ pub mod state_estimates;
 pub mod stated_payload;
 mod systematic_error;
 
-pub use batch::{Innovation, MapEstimator, MotorInnovation, Prediction};
+pub use batch::{Innovation, MapEstimator, ModelError, MotorInnovation, Prediction};
 pub use block::Block;
 pub use change::{ChangeKind, ChangePoint, Onset, SearchScope};
 pub use config::{

@@ -130,6 +130,15 @@ fn artefact_text(artefact: &Artefact) -> String {
                 counted(readings as u64, "measurement")
             )
         }
+        Artefact::Interpolated {
+            readings,
+            recorded,
+            kept,
+        } => format!(
+            "{} on straight lines between {recorded} others: interpolated, not measured; {}",
+            counted(readings as u64, "measurement"),
+            treatment(kept, "excluded (--keep-artefacts keeps them)")
+        ),
         Artefact::ImplausibleStrain { strain_ratio } => format!(
             "strain of up to {:.0} % is implausible; check its unit",
             100.0 * strain_ratio

@@ -852,6 +852,11 @@ fn creep_results(list: &mut List) {
         Artefact::DuplicateTimestamps { readings: 3 },
         Artefact::NonMonotonicTime { readings: 1 },
         Artefact::Gap { readings: 5 },
+        Artefact::Interpolated {
+            readings: 3590,
+            recorded: 12,
+            kept: false,
+        },
         Artefact::ImplausibleStrain { strain_ratio: 0.8 },
         Artefact::Shortens {
             strain_ratio: -1.2e-4,

@@ -42,8 +42,8 @@ pub(crate) struct Baseline {
     #[arg(long, value_name = "FILE")]
     start: Option<PathBuf>,
     /// Temperature during the recording if not recorded, °C, ± standard deviation [default: 2 °C]
-    #[arg(long, value_name = "C[±C]", value_parser = super::session_args::temperature, allow_negative_numbers = true)]
-    temperature_c: Option<Gaussian>,
+    #[arg(long, alias = "temperature-c", value_name = "TEMPERATURE[±K]", value_parser = super::session_args::temperature, allow_hyphen_values = true)]
+    temperature: Option<Gaussian>,
     /// Ignore a recorded motor torque
     #[arg(long)]
     no_motor_torque: bool,
@@ -54,9 +54,6 @@ pub(crate) struct Baseline {
     /// Print one JSON document instead of the table (missing values: null)
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Suppress warnings and progress on stderr
-    #[arg(long, help_heading = "Output")]
-    quiet: bool,
 }
 
 // Subcommands of `sinew baseline`.
@@ -81,7 +78,7 @@ impl Baseline {
             ("the recording", Some(log)),
             ("--start", self.start.as_deref()),
         ];
-        check_outputs(&[("--out", Some(out))], &inputs, self.quiet)?;
+        check_outputs(&[("--out", Some(out))], &inputs)?;
         let failure = |e: SessionError| Failure::Error(e.to_string());
         let window = self.window.window()?;
         let known = read_baseline(self.start.as_deref()).map_err(failure)?;
@@ -89,11 +86,11 @@ impl Baseline {
         request.robot.clone_from(&self.robot);
         request.touches.clone_from(&self.window.touches);
         request.open = self.opening.options()?;
-        let bar = Bar::new("estimating baseline", self.quiet);
+        let bar = Bar::new("estimating baseline");
         let learning = Learning {
             prior: known.as_ref().map(|(b, file)| (b, file.as_str())),
             motor_torque: !self.no_motor_torque,
-            temperature_c: self.temperature_c,
+            temperature_c: self.temperature,
             ..Learning::default()
         };
         let learned = session::learn(&request, window, &learning, &mut |at| {
@@ -107,12 +104,10 @@ impl Baseline {
             answer(&BaselineDocument { learned }.to_json()?)?;
             return Ok(finish);
         }
-        if !self.quiet {
-            let mut learned = learned.clone();
-            learned.warnings.retain(|w| *w != Warning::NoBaseline);
-            for warning in session_warnings(&learned) {
-                complain_coded(Word::Warning, &warning);
-            }
+        let mut shown = learned.clone();
+        shown.warnings.retain(|w| *w != Warning::NoBaseline);
+        for warning in session_warnings(&shown) {
+            complain_coded(Word::Warning, &warning);
         }
         let written = format!("baseline written to {}", out.display());
         answer(&(tables::baseline(&learned, &baseline.joints) + &paragraph(&plain(&written), 2)))?;

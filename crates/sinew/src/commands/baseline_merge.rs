@@ -1,6 +1,7 @@
 //! `sinew baseline merge`: merges baselines of several recordings or robots.
 
 use crate::files::{Named, check_outputs};
+use crate::quantity::{Share, part};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_estimate::baseline::{self, Baseline, MergeOptions};
@@ -32,9 +33,9 @@ pub(crate) struct Merge {
     /// Baselines are of several robots of one type
     #[arg(long, conflicts_with = "common")]
     fleet: bool,
-    /// Scatter of the masses between robots with --fleet, % (standard deviation)
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, requires = "fleet", value_parser = scatter)]
-    scatter_percent: f64,
+    /// Scatter of the masses between robots with --fleet, ratio (standard deviation)
+    #[arg(long, value_name = "SHARE", default_value = "1%", requires = "fleet", value_parser = part)]
+    scatter: Share,
     /// Output file of the merged baseline
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -43,24 +44,13 @@ pub(crate) struct Merge {
     json: bool,
 }
 
-fn scatter(text: &str) -> Result<f64, String> {
-    let value: f64 = text
-        .parse()
-        .map_err(|_| format!("'{text}' is not a number"))?;
-    if value > 0.0 && value <= 100.0 {
-        Ok(value)
-    } else {
-        Err(format!("{value} % must be above 0 and at most 100"))
-    }
-}
-
 impl Merge {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         let named = |p| ("a baseline", Some(PathBuf::as_path(p)));
         let mut inputs: Vec<Named<'_>> = self.baselines.iter().map(named).collect();
         inputs.push(("--common", self.common.as_deref()));
-        check_outputs(&[("--out", Some(&self.out))], &inputs, false)?;
+        check_outputs(&[("--out", Some(&self.out))], &inputs)?;
         let failure = |e: SessionError| Failure::Error(e.to_string());
         let place = self.robot.clone().unwrap_or_else(|| PathBuf::from("."));
         let loaded = robot_dir::load(&place, None).map_err(|e| Failure::Error(e.to_string()))?;
@@ -76,7 +66,7 @@ impl Merge {
         let borrowed: Vec<(&Baseline, &str)> = parts.iter().map(|(b, f)| (b, f.as_str())).collect();
         let options = MergeOptions {
             fleet: self.fleet,
-            scatter: 0.01 * self.scatter_percent,
+            scatter: self.scatter.0,
         };
         let (baseline, summary) = baseline::merge(
             &loaded.robot,

@@ -113,7 +113,7 @@ impl Simulate {
             ("--csv", self.csv.as_deref()),
             ("--plot", self.plot.as_deref()),
         ];
-        check_outputs(&outputs, &[], false)?;
+        check_outputs(&outputs, &[])?;
         let bench = match routings::paper(&self.bench) {
             Some(bench) => bench,
             None => {
@@ -128,7 +128,7 @@ impl Simulate {
                 Bench::parse(&text, &self.bench)?
             }
         };
-        let catalogue = self.ropes.catalogue(false)?;
+        let catalogue = self.ropes.catalogue()?;
         let rope = find(&catalogue, &self.rope)?;
         let draws = self.draws as usize;
         let run = sinew_rope::bench::run(rope, &bench, self.readings, draws, self.seed)?;

@@ -1,7 +1,7 @@
 //! `sinew bench read-camera`: elongation from images of a graduated scale.
 
-use crate::args::positive;
 use crate::files::{check_outputs, write_text};
+use crate::quantity::{Force, Length, Temperature, above_zero};
 use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use clap::Args;
 use sinew_camera::{Conditions, ReadOptions, Region, Request, Summary, Times};
@@ -58,9 +58,6 @@ pub(crate) struct ReadCamera {
     /// Print one JSON document instead of a table
     #[arg(long)]
     json: bool,
-    /// Suppress notes and progress on stderr
-    #[arg(long)]
-    quiet: bool,
     #[command(flatten)]
     scale: ScaleOptions,
     #[command(flatten)]
@@ -72,8 +69,13 @@ pub(crate) struct ReadCamera {
 #[command(next_help_heading = "Scale")]
 struct ScaleOptions {
     /// Distance between lines, mm [default: 0.5, rejected if inconsistent with the longer lines]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    pitch_mm: Option<f64>,
+    #[arg(
+        long,
+        alias = "pitch-mm",
+        value_name = "LENGTH",
+        allow_hyphen_values = true
+    )]
+    pitch: Option<Length>,
     /// Evaluated region of the image, px: left,top,width,height
     #[arg(long, value_name = "X,Y,W,H", value_parser = region)]
     region: Option<Region>,
@@ -84,9 +86,9 @@ struct ScaleOptions {
     #[arg(long)]
     lying: bool,
     /// Maximum standard deviation of a used frame, mm
-    #[arg(long, value_name = "MM", default_value = "0.02", value_parser = positive("mm"),
-          allow_negative_numbers = true)]
-    std_most_mm: f64,
+    #[arg(long, alias = "std-most-mm", value_name = "LENGTH", default_value = "0.02mm", value_parser = above_zero::<Length>,
+          allow_hyphen_values = true)]
+    max_std: Length,
 }
 
 /// Conditions of the test.
@@ -103,14 +105,29 @@ struct TestOptions {
     )]
     elongation_per_movement: f64,
     /// Tension of the rope, N, written to the recording
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    force_n: Option<f64>,
+    #[arg(
+        long,
+        alias = "force-n",
+        value_name = "FORCE",
+        allow_hyphen_values = true
+    )]
+    force: Option<Force>,
     /// Gauge length of the rope, mm, written to the recording
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    gauge_length_mm: Option<f64>,
+    #[arg(
+        long,
+        alias = "gauge-length-mm",
+        value_name = "LENGTH",
+        allow_hyphen_values = true
+    )]
+    gauge_length: Option<Length>,
     /// Temperature, °C, written to the recording
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    temperature_c: Option<f64>,
+    #[arg(
+        long,
+        alias = "temperature-c",
+        value_name = "TEMPERATURE",
+        allow_hyphen_values = true
+    )]
+    temperature: Option<Temperature>,
 }
 
 /// Parses a region, `X,Y,W,H`.
@@ -140,8 +157,8 @@ impl ReadCamera {
             ("the input", Some(self.input.as_path())),
             ("the table of times", self.times.as_deref()),
         ];
-        check_outputs(&outputs, &inputs, self.quiet)?;
-        let bar = Bar::new("reading", self.quiet);
+        check_outputs(&outputs, &inputs)?;
+        let bar = Bar::new("reading");
         let outcome = sinew_camera::run(&self.request(), &mut |at| {
             bar.set(at.done as f64, at.total as f64);
         });
@@ -159,10 +176,8 @@ impl ReadCamera {
             sinew_camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"))
         })?;
         let summary = Summary::of(&outcome);
-        if !self.quiet {
-            for note in &summary.notes {
-                complain(Word::Note, &plain(note));
-            }
+        for note in &summary.notes {
+            complain(Word::Note, &plain(note));
         }
         let table = |summary: &Summary| sinew_report::camera::render(&outcome, summary);
         answer_as(self.json, &summary, table)?;
@@ -177,20 +192,20 @@ impl ReadCamera {
             (None, None) => Times::Names,
         };
         request.read = ReadOptions {
-            pitch_m: self.scale.pitch_mm.map(|mm| 1e-3 * mm),
+            pitch_m: self.scale.pitch.map(|pitch| pitch.0),
             region: self.scale.region,
             upright: match (self.scale.upright, self.scale.lying) {
                 (true, _) => Some(true),
                 (_, true) => Some(false),
                 _ => None,
             },
-            std_most_m: 1e-3 * self.scale.std_most_mm,
+            std_most_m: self.scale.max_std.0,
         };
         request.elongation_per_movement = self.test.elongation_per_movement;
         request.conditions = Conditions {
-            force_n: self.test.force_n,
-            gauge_length_m: self.test.gauge_length_mm.map(|mm| 1e-3 * mm),
-            temperature_c: self.test.temperature_c,
+            force_n: self.test.force.map(|force| force.0),
+            gauge_length_m: self.test.gauge_length.map(|length| length.0),
+            temperature_c: self.test.temperature.map(|temperature| temperature.0),
         };
         request.overlay.clone_from(&self.overlay);
         request.overlay_frame.clone_from(&self.overlay_frame);

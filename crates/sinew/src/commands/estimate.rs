@@ -56,7 +56,7 @@ pub(crate) struct Estimate {
     #[arg(long, value_enum)]
     method: Option<Method>,
     /// Add an offset to a motor position, rad, from a time on, s, for tests (repeatable)
-    #[arg(long, value_name = "JOINT=RAD[@TIME]", value_parser = args::injection)]
+    #[arg(long, value_name = "JOINT=ANGLE[@TIME]", value_parser = args::injection)]
     inject: Vec<Injection>,
 
     /// Source of the elastic torque [default: observer]
@@ -100,9 +100,6 @@ pub(crate) struct Estimate {
     /// Write a plot of the offsets over time; .svg or .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
-    /// Suppress warnings and progress on stderr
-    #[arg(long, help_heading = "Output")]
-    pub(super) quiet: bool,
 }
 
 impl Estimate {
@@ -117,7 +114,7 @@ impl Estimate {
         let log = self.log()?;
         self.check_files(log)?;
         let document = self.estimate(&self.request(log.to_path_buf())?)?;
-        if !self.quiet && !self.json {
+        if !self.json {
             for warning in document_warnings(&document) {
                 complain_coded(Word::Warning, &warning);
             }
@@ -196,7 +193,7 @@ impl Estimate {
 
     /// Computes the estimate, and saves the posterior if requested.
     fn estimate(&self, request: &Request) -> Result<EstimateDocument, Failure> {
-        let bar = Bar::new("estimating", self.quiet);
+        let bar = Bar::new("estimating");
         let mut progress = |at: Progress| {
             bar.set_label(if at.reference {
                 "reference "
@@ -239,6 +236,6 @@ impl Estimate {
             ("the baseline", self.baseline.as_deref()),
             ("the mapping file", self.opening.mapping()),
         ];
-        check_outputs(&outputs, &inputs, self.quiet)
+        check_outputs(&outputs, &inputs)
     }
 }

@@ -22,7 +22,7 @@ impl Estimate {
         ];
         let named = |log| ("a recording", Some(PathBuf::as_path(log)));
         inputs.extend(logs.iter().map(named));
-        check_outputs(&[("--table", self.table.as_deref())], &inputs, self.quiet)?;
+        check_outputs(&[("--table", self.table.as_deref())], &inputs)?;
         let requests = logs.iter().map(|log| self.request(log.clone()));
         let requests = requests.collect::<Result<Vec<_>, _>>()?;
         let read = read_baseline(self.baseline.as_deref())?;
@@ -33,7 +33,7 @@ impl Estimate {
             options: self.session.options(),
             online: false,
         };
-        let bar = Bar::new("recordings", self.quiet);
+        let bar = Bar::new("recordings");
         let finished = AtomicUsize::new(0);
         let document = estimate_each(&requests, &plan, |_| {
             let done = 1 + finished.fetch_add(1, Ordering::Relaxed);

@@ -1,7 +1,7 @@
 //! `sinew excitation`: poses that make the offsets identifiable.
 
-use crate::args::positive;
 use crate::files::check_outputs;
+use crate::quantity::{Time, duration};
 use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
@@ -30,8 +30,8 @@ pub(crate) struct Excitation {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(2..=100))]
     poses: u16,
     /// Rest time at each pose, s
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive("s"), allow_negative_numbers = true)]
-    pause: f64,
+    #[arg(long, value_name = "TIME", default_value = "1s", value_parser = duration, allow_hyphen_values = true)]
+    pause: Time,
     /// Gripper is empty [default: unknown payload]
     #[arg(long)]
     no_payload: bool,
@@ -50,9 +50,6 @@ pub(crate) struct Excitation {
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Suppress warnings and progress on stderr
-    #[arg(long, help_heading = "Output")]
-    quiet: bool,
 }
 
 impl Excitation {
@@ -62,15 +59,13 @@ impl Excitation {
             None => None,
             Some(out) => {
                 let inputs = [("--baseline", self.baseline.as_deref())];
-                check_outputs(&[("--out", Some(out))], &inputs, self.quiet)?;
+                check_outputs(&[("--out", Some(out))], &inputs)?;
                 Some((out, writer(out)?))
             }
         };
         let loaded = robot_dir::load(&self.robot, None)?;
-        if !self.quiet {
-            for warning in &loaded.robot.warnings {
-                complain(Word::Warning, &plain(warning));
-            }
+        for warning in &loaded.robot.warnings {
+            complain(Word::Warning, &plain(warning));
         }
         let baseline = match &self.baseline {
             Some(file) => Some((Baseline::read(file)?, file.display().to_string())),
@@ -78,7 +73,7 @@ impl Excitation {
         };
         let options = Options {
             poses: usize::from(self.poses),
-            pause_s: self.pause,
+            pause_s: self.pause.0,
             candidates: usize::from(self.candidates),
             payload: !self.no_payload,
             sensors: Sensors {
@@ -88,7 +83,7 @@ impl Excitation {
             seed: self.seed,
             ..Options::default()
         };
-        let bar = Bar::new("evaluating poses", self.quiet);
+        let bar = Bar::new("evaluating poses");
         let proposal = propose(
             &loaded.robot,
             baseline.as_ref().map(|(b, file)| (b, file.as_str())),

@@ -1,6 +1,7 @@
 //! `sinew init`: template of robot.toml.
 
 use crate::args::Opening;
+use crate::files::create_folder;
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_estimate::init::{Init, InitChoice};
@@ -79,12 +80,7 @@ impl InitCommand {
                 "{file} already exists; replace it with --force, or use --out DIR"
             )));
         }
-        std::fs::create_dir_all(&folder).map_err(|e| {
-            Failure::Error(format!(
-                "{}: cannot create the folder: {e}",
-                folder.display()
-            ))
-        })?;
+        create_folder("--out", &folder)?;
         for (path, text) in &planned {
             write_file(path, text.as_bytes())?;
             init.written.push(path.display().to_string());

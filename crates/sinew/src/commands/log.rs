@@ -37,14 +37,11 @@ pub(crate) struct Info {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
-    /// Suppress progress on stderr
-    #[arg(long)]
-    quiet: bool,
 }
 
 impl Info {
     fn run(&self) -> Result<Finish, Failure> {
-        let bar = Bar::new("reading", self.quiet);
+        let bar = Bar::new("reading");
         let mut progress = |at: Progress| bar.set(at.bytes_done as f64, at.bytes_total as f64);
         let options = self.opening.options()?;
         let info = RecordingInfo::of_files(&self.files, &options, &mut progress);

@@ -2,6 +2,7 @@
 
 use super::rope::Ropes;
 use crate::args;
+use crate::files::create_folder;
 use crate::terminal::{Failure, Finish, answer, answer_as};
 use clap::{Args, Subcommand, ValueEnum};
 use sinew_estimate::robot_check::{RobotCheck, Severity};
@@ -52,7 +53,7 @@ pub(crate) struct Check {
 impl Check {
     fn run(&self) -> Result<Finish, Failure> {
         let (loaded, gaps) = robot_dir::draft(&self.dir, None)?;
-        let mut check = RobotCheck::of(&loaded, &gaps, &self.ropes.catalogue(self.json)?)?;
+        let mut check = RobotCheck::of(&loaded, &gaps, &self.ropes.catalogue()?)?;
         if let Some(file) = &self.mapping {
             Mapping::read(file)?;
             let text = read_text(file, &limits::SETTINGS)?;
@@ -144,12 +145,7 @@ impl Generate {
                 file.display()
             )));
         }
-        std::fs::create_dir_all(&self.out).map_err(|e| {
-            Failure::Error(format!(
-                "{}: cannot create the folder: {e}",
-                self.out.display()
-            ))
-        })?;
+        create_folder("--out", &self.out)?;
         let mut text = String::new();
         for (path, content) in planned {
             write_file(&path, content.as_bytes())?;

@@ -1,5 +1,7 @@
 //! Options common to `sinew baseline` and `sinew estimate --baseline`.
 
+use crate::args::number;
+use crate::quantity::{Force, Mass, Temperature, Time, parse, with_std};
 use crate::terminal::Failure;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
@@ -12,14 +14,19 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Part {
     /// Start of the evaluated interval, s
-    #[arg(long = "from", value_name = "S", default_value_t = 0.0)]
-    from_s: f64,
+    #[arg(
+        long = "from",
+        value_name = "TIME",
+        default_value = "0s",
+        allow_hyphen_values = true
+    )]
+    from: Time,
     /// End of the evaluated interval, s [default: end of the recording]
-    #[arg(long = "to", value_name = "S")]
-    to_s: Option<f64>,
+    #[arg(long = "to", value_name = "TIME", allow_hyphen_values = true)]
+    to: Option<Time>,
     /// Time at which a joint passes an index mark of robot.toml, s (repeatable); stop contacts are
     /// detected automatically
-    #[arg(long = "touch", value_name = "JOINT@S", value_parser = crate::args::touch)]
+    #[arg(long = "touch", value_name = "JOINT@TIME", value_parser = crate::args::touch)]
     pub(crate) touches: Vec<Touch>,
 }
 
@@ -30,11 +37,11 @@ impl Part {
     ///
     /// Returns [`Failure`] if the interval is empty or starts before the recording.
     pub(crate) fn window(&self) -> Result<Window, Failure> {
-        stated::window(self.from_s, self.to_s).map_err(|_| {
+        let (from_s, to_s) = (self.from.0, self.to.map(|time| time.0));
+        stated::window(from_s, to_s).map_err(|_| {
             Failure::Error(format!(
-                "--from {} s --to {} s: invalid interval; it must start at 0 s or later and end after its start",
-                self.from_s,
-                self.to_s.unwrap_or(f64::INFINITY)
+                "--from {from_s} s --to {} s: invalid interval; it must start at 0 s or later and end after its start",
+                to_s.unwrap_or(f64::INFINITY)
             ))
         })
     }
@@ -45,18 +52,18 @@ impl Part {
 #[command(next_help_heading = "Absolute estimate")]
 pub(crate) struct SessionArgs {
     /// Gripper is empty [default: payload estimated]
-    #[arg(long, conflicts_with = "payload_kg")]
+    #[arg(long, conflicts_with = "payload")]
     empty: bool,
     /// Payload in the gripper, kg, ± standard deviation [default: 2 %]
-    #[arg(long, value_name = "KG[±KG]", value_parser = specified_payload)]
-    payload_kg: Option<Payload>,
+    #[arg(long, alias = "payload-kg", value_name = "MASS[±MASS]", value_parser = specified_payload)]
+    payload: Option<Payload>,
     /// Temperature during the recording if not recorded, °C, ± standard deviation [default: 2 °C]
-    #[arg(long, value_name = "C[±C]", value_parser = temperature, allow_negative_numbers = true)]
-    temperature_c: Option<Gaussian>,
+    #[arg(long, alias = "temperature-c", value_name = "TEMPERATURE[±K]", value_parser = temperature, allow_hyphen_values = true)]
+    temperature: Option<Gaussian>,
     /// Constant external force at the tool along x, y and z of the base, N, ± standard deviation per
     /// axis; 0±2 if unknown [default: estimated if detected]
-    #[arg(long, value_name = "N[,N,N]±N", value_parser = external_force, allow_hyphen_values = true)]
-    external_force_n: Option<Force>,
+    #[arg(long, alias = "external-force-n", value_name = "FORCE[,FORCE,FORCE]±FORCE", value_parser = external_force, allow_hyphen_values = true)]
+    external_force: Option<ForceVector>,
     /// Ignore a recorded motor torque
     #[arg(long)]
     no_motor_torque: bool,
@@ -74,33 +81,18 @@ pub(crate) struct SessionArgs {
     part: Part,
 }
 
-/// Parses a mean with optional standard deviation: `0.5`, `0.5±0.02` or `0.5+-0.02`.
-fn with_std(text: &str) -> Result<(f64, Option<f64>), String> {
-    let number = |text: &str| {
-        let read = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        read.ok_or_else(|| format!("'{text}' is not a number; expected e.g. 0.5±0.02"))
-    };
-    match text.split_once('±').or_else(|| text.split_once("+-")) {
-        Some((mean, std)) => Ok((number(mean)?, Some(number(std)?))),
-        None => Ok((number(text)?, None)),
-    }
-}
-
 /// Force along the axes of the base, N; a separate type, because clap does not parse arrays.
 #[derive(Debug, Clone, Copy)]
-struct Force([Gaussian; 3]);
+struct ForceVector([Gaussian; 3]);
 
 /// Parses a force, `0±2` (all axes) or `1,0,-3±0.5`; a single mean must be zero.
-fn external_force(text: &str) -> Result<Force, String> {
-    let error = || format!("'{text}' is not a force; expected e.g. 0±2 or 1,0,-3±0.5 (N)");
+fn external_force(text: &str) -> Result<ForceVector, String> {
+    let error = || format!("'{text}' is not a force; expected e.g. 0±2N or 1N,0N,-3N±0.5N");
     let (mean, std) = text
         .split_once('±')
         .or_else(|| text.split_once("+-"))
         .ok_or_else(error)?;
-    let number = |text: &str| {
-        let read = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        read.ok_or_else(error)
-    };
+    let number = |text: &str| parse(text).map(|Force(n)| n).map_err(|_| error());
     let means = mean
         .split(',')
         .map(number)
@@ -111,18 +103,25 @@ fn external_force(text: &str) -> Result<Force, String> {
         _ => return Err(error()),
     };
     let force = stated::external_force(mean_n, number(std)?);
-    force.map(Force).map_err(|e| e.to_string())
+    force.map(ForceVector).map_err(|e| e.to_string())
 }
 
 /// Parses a payload with optional standard deviation, kg.
 fn specified_payload(text: &str) -> Result<Payload, String> {
-    let (mass_kg, std_kg) = with_std(text)?;
+    let (mass_kg, std_kg) = with_std::<Mass>(text, |std| Ok(parse::<Mass>(std)?.0))?;
     stated::payload(mass_kg, std_kg).map_err(|e| e.to_string())
 }
 
 /// Parses a temperature with optional standard deviation, °C.
 pub(crate) fn temperature(text: &str) -> Result<Gaussian, String> {
-    let (c, std_k) = with_std(text)?;
+    let kelvin = |std: &str| {
+        let std = std.trim();
+        let bare = ["K", "°C", "degC"]
+            .iter()
+            .find_map(|unit| std.strip_suffix(unit));
+        number(bare.unwrap_or(std), "K")
+    };
+    let (c, std_k) = with_std::<Temperature>(text, kelvin)?;
     stated::temperature(c, std_k).map_err(|e| e.to_string())
 }
 
@@ -142,15 +141,15 @@ impl SessionArgs {
     pub(crate) fn check_unused(&self, online: bool) -> Result<(), Failure> {
         let options = [
             ("--empty", self.empty),
-            ("--payload-kg", self.payload_kg.is_some()),
-            ("--temperature-c", self.temperature_c.is_some()),
-            ("--external-force-n", self.external_force_n.is_some()),
+            ("--payload", self.payload.is_some()),
+            ("--temperature", self.temperature.is_some()),
+            ("--external-force", self.external_force.is_some()),
             ("--no-motor-torque", self.no_motor_torque),
             ("--date", self.date.is_some()),
             ("--save", self.save.is_some()),
             ("--nuisance", self.nuisance),
-            ("--from", self.part.from_s != 0.0),
-            ("--to", self.part.to_s.is_some()),
+            ("--from", self.part.from.0 != 0.0),
+            ("--to", self.part.to.is_some()),
             ("--touch", !self.part.touches.is_empty()),
             ("--online", online),
         ];
@@ -179,14 +178,14 @@ impl SessionArgs {
     /// Returns the options of the session estimate.
     pub(crate) fn options(&self) -> SessionOptions {
         SessionOptions {
-            payload: match (self.empty, self.payload_kg) {
+            payload: match (self.empty, self.payload) {
                 (true, _) => Payload::Empty,
                 (false, Some(payload)) => payload,
                 (false, None) => Payload::Unknown,
             },
             motor_torque: !self.no_motor_torque,
-            temperature_c: self.temperature_c,
-            external_force_n: self.external_force_n.map(|force| force.0),
+            temperature_c: self.temperature,
+            external_force_n: self.external_force.map(|force| force.0),
             ..SessionOptions::default()
         }
     }

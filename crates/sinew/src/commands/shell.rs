@@ -1,5 +1,6 @@
 //! `sinew completions` and `sinew man`: shell completions and manual pages.
 
+use crate::files::create_folder;
 use crate::terminal::{Failure, Finish, answer};
 use clap::{Args, Command};
 use clap_complete::Shell;
@@ -32,7 +33,7 @@ impl Completions {
     sinew man | man -l -\n  \
     sinew man --out ~/.local/share/man/man1")]
 pub(crate) struct Man {
-    /// Folder for one manual page per command
+    /// Folder for one manual page per command, created if missing
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -44,12 +45,7 @@ impl Man {
             answer(&String::from_utf8_lossy(&page(cli)?))?;
             return Ok(Finish::Complete);
         };
-        if !folder.is_dir() {
-            return Err(Failure::Error(format!(
-                "--out {}: folder not found",
-                folder.display()
-            )));
-        }
+        create_folder("--out", folder)?;
         cli.build();
         let mut left = vec![cli];
         while let Some(command) = left.pop() {

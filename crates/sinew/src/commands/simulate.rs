@@ -1,8 +1,9 @@
 //! `sinew simulate`: simulated recordings with known truth.
 
 use super::simulate_control::render;
-use crate::args::{Choice, choice, positive};
+use crate::args::{Choice, choice};
 use crate::files::check_outputs;
+use crate::quantity::{Time, duration};
 use crate::terminal::{Bar, Failure, Finish, Word, answer, complain};
 use crate::text::plain;
 use clap::Args;
@@ -33,8 +34,8 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Duration, s [default: from the scenario]
-    #[arg(long, value_name = "S", value_parser = positive("s"), allow_negative_numbers = true)]
-    duration: Option<f64>,
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    duration: Option<Time>,
     /// Compression of an MCAP file
     #[arg(long, value_parser = choice(&PACKINGS), default_value = "zstd")]
     compression: Compression,
@@ -45,9 +46,6 @@ pub(crate) struct Simulate {
     /// Print one JSON document (the truth) instead of text
     #[arg(long)]
     json: bool,
-    /// Suppress warnings and progress on stderr
-    #[arg(long)]
-    quiet: bool,
 }
 
 const PACKINGS: [Choice<Compression>; 3] = [
@@ -65,13 +63,11 @@ impl Simulate {
             ("--out", Some(self.out.as_path())),
             ("its truth", Some(&truth)),
         ];
-        check_outputs(&outputs, &inputs, self.quiet)?;
+        check_outputs(&outputs, &inputs)?;
         let (scenario, folder) = self.opened()?;
         let loaded = robot_dir::load(&folder, None)?;
-        if !self.quiet {
-            for warning in &loaded.robot.warnings {
-                complain(Word::Warning, &plain(warning));
-            }
+        for warning in &loaded.robot.warnings {
+            complain(Word::Warning, &plain(warning));
         }
         let mut options = SimulateOptions::new(&self.out);
         options.robot_description = Some(loaded.urdf_text.clone());
@@ -81,7 +77,7 @@ impl Simulate {
             true => Some(control::compare(&loaded.robot, &scenario)?),
             false => None,
         };
-        let bar = Bar::new("simulating", self.quiet);
+        let bar = Bar::new("simulating");
         let summary = sinew_sim::run(&loaded.robot, &scenario, &options, &mut |at| {
             bar.set(at.done_s, at.total_s);
         });
@@ -99,7 +95,7 @@ impl Simulate {
             scenario.seed = seed;
         }
         if self.duration.is_some() {
-            scenario.duration_s = self.duration;
+            scenario.duration_s = self.duration.map(|time| time.0);
         }
         let folder = self.scenario.parent().unwrap_or(Path::new(""));
         let folder = match (&self.robot, &scenario.robot) {

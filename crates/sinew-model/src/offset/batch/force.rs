@@ -5,6 +5,7 @@
 //! supports it, which most recordings do not.
 
 use super::gauss_newton::solve_from;
+use super::model_error::{Posterior, weights};
 use super::problem::Problem;
 use super::schedule::{OUTLIER_WEIGHT, ROUGH_START, SCREENING};
 use super::solution::Solution;
@@ -76,12 +77,16 @@ fn in_its_place<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -> f64 {
     there as f64 / blocks.count().max(1) as f64
 }
 
+/// Whether an estimate has a free force.
+pub(super) fn is_open(with: &Solution) -> bool {
+    first_column(&with.estimate.changes, 0).is_some()
+}
+
 /// Whether an estimate has a force open that is too unlikely to be one.
 pub(super) fn is_none(problem: &Problem<'_>, with: &Solution) -> bool {
     let force = problem.model.force.as_ref();
     let is_specified = force.is_some_and(|f| f.prior.is_specified);
-    let is_open = first_column(&with.estimate.changes, 0).is_some();
-    is_open && !is_specified && probability(problem, with) <= MIN_FORCE_PROBABILITY
+    is_open(with) && !is_specified && probability(problem, with) <= MIN_FORCE_PROBABILITY
 }
 
 /// Returns the probability of the free force of an estimate.
@@ -115,6 +120,26 @@ fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
     mixture.probability.into_iter().fold(0.0, f64::max)
 }
 
+/// Probability of the free force at column `first` of posteriors.
+fn weighed(problem: &Problem<'_>, posteriors: &[Posterior], first: usize) -> f64 {
+    let Some(force) = &problem.model.force else {
+        return 0.0;
+    };
+    let columns = [first, first + 1, first + 2];
+    let of = |posterior: &Posterior| {
+        let mut mixture = Mixture::new(columns.len(), 0);
+        mixture.weigh(
+            &columns.map(|k| posterior.state[k]),
+            &posterior.covariance(&columns),
+            force.odds(),
+        );
+        mixture.probability.into_iter().fold(0.0, f64::max)
+    };
+    let weights = weights(posteriors);
+    let each = posteriors.iter().zip(weights).map(|(p, w)| w * of(p));
+    each.sum()
+}
+
 /// Returns the column of a force in a state whose changes begin at `first`.
 fn first_column(changes: &[ChangePoint], first: usize) -> Option<usize> {
     let mut column = first;
@@ -127,11 +152,16 @@ fn first_column(changes: &[ChangePoint], first: usize) -> Option<usize> {
     None
 }
 
-/// Averages a complete estimate over whether its free force acts; a specified force always acts.
+/// Averages a complete estimate over whether its free force acts; a specified force always acts. The probability of the
+/// force is that of `evidence`, the posteriors under the model error.
 ///
 /// # Errors
 /// Returns a [`MapError`] if a covariance is not positive definite.
-pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<(), MapError> {
+pub(super) fn average(
+    problem: &Problem<'_>,
+    out: &mut MapEstimate,
+    evidence: Option<&[Posterior]>,
+) -> Result<(), MapError> {
     let prior = &problem.model.prior;
     let (Some(first), Some(force)) = (
         first_column(&out.changes, prior.dimension()),
@@ -150,7 +180,11 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
     } else {
         let columns = [first, first + 1, first + 2];
         let each = mixture::average(&columns, force.odds(), &mut out.state, &mut out.covariance)?;
-        each.into_iter().fold(0.0, f64::max)
+        let own = each.into_iter().fold(0.0, f64::max);
+        evidence.map_or(own, |evidence| {
+            let first = first - prior.dimension() + problem.total(&[]);
+            weighed(problem, evidence, first)
+        })
     };
     out.force = Some(ForceEstimate {
         is_specified: force.prior.is_specified,

@@ -15,6 +15,7 @@
 //! the result does not depend on the initial value.
 
 use super::gauss_newton;
+use super::model_error::{self, ModelError};
 use super::problem::Problem;
 use super::search::ChangePointSearch;
 use crate::arm::Arm;
@@ -84,6 +85,52 @@ impl MapEstimator {
             .filter(|_| arm.dof() == prior.joints())
             .map(|force| ForceModel::new(force, arm, place, prior.reach_m()));
         self
+    }
+
+    /// Sets the model error of the baseline that a session is compared with; the default is none, and then the evidence
+    /// about causes contains the model error of the session only.
+    #[must_use]
+    pub fn with_model_error(mut self, error: Option<ModelError>) -> Self {
+        self.model.model_error = error;
+        self
+    }
+
+    /// Returns the model error of a baseline from its recording, around the estimate `found` without changes, whose weights
+    /// are those of `blocks`. `start`: prior of the recording.
+    ///
+    /// # Errors
+    /// Returns a [`MapError`] if a linear system cannot be solved.
+    pub fn model_error(
+        &self,
+        start: &StateEstimate,
+        found: &MapEstimate,
+        blocks: &[Block],
+    ) -> Result<ModelError, MapError> {
+        let problem = Problem::new(&self.model, self.executor, start, Payload::Empty, blocks)?;
+        let own = found.state_estimate(&self.model.prior);
+        let at = MapEstimate {
+            changes: Vec::new(),
+            state: self.model.reduced.reduced_estimate(&own).mean,
+            ..found.clone()
+        };
+        model_error::learned(&problem, &at)
+    }
+
+    /// Returns a model error with the variance that the state gained between a recording (`before`) and the prior of the next
+    /// one (`after`).
+    #[must_use]
+    pub fn aged_model_error(
+        &self,
+        error: &ModelError,
+        before: &StateEstimate,
+        after: &StateEstimate,
+    ) -> ModelError {
+        let reduced = &self.model.reduced;
+        let [before, after] = [before, after].map(|state| reduced.reduced_estimate(state));
+        let d = after.mean.len();
+        let mut out = error.clone();
+        out.gain((0..d).map(|k| after.covariance[k * (d + 1)] - before.covariance[k * (d + 1)]));
+        out
     }
 
     /// Returns the model of the estimator.

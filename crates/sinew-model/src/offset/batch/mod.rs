@@ -2,7 +2,7 @@
 //!
 //! Reading order: `map_estimator` (the entry point), `problem` (a recording and its prior), `schedule`, `normal` and
 //! `gauss_newton` (one minimisation), `cost` and `solution` (its result), `search` (change points), `candidates` and
-//! `score` (screening of change points), `changepoint_time`, `posterior`, `lost_stiffness`, `initial_friction`,
+//! `score` (screening of change points), `changepoint_time`, `posterior`, `model_error`, `lost_stiffness`, `initial_friction`,
 //! `prediction` (prediction of the next block).
 
 mod candidates;
@@ -14,6 +14,7 @@ mod gauss_newton;
 mod initial_friction;
 mod lost_stiffness;
 mod map_estimator;
+mod model_error;
 mod normal;
 mod posterior;
 mod prediction;
@@ -24,4 +25,5 @@ mod search;
 mod solution;
 
 pub use map_estimator::MapEstimator;
+pub use model_error::ModelError;
 pub use prediction::{Innovation, MotorInnovation, Prediction};

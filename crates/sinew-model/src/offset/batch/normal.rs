@@ -82,7 +82,7 @@ impl NormalEquations {
     }
 
     /// All that was added is in the information now.
-    fn flush(&mut self) {
+    pub(super) fn flush(&mut self) {
         self.gram.move_to(&mut self.information, self.total);
     }
 

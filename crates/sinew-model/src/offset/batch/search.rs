@@ -8,6 +8,7 @@ use super::force;
 use super::gauss_newton::{refine, solve, solve_from, solve_without};
 use super::initial_friction;
 use super::lost_stiffness::{self, MAX_STIFFNESS_LOSS};
+use super::model_error;
 use super::posterior::{CERTAIN_SIGMA, posteriors};
 use super::problem::Problem;
 use super::schedule::{COARSE, ROUGH_START, SCREENING};
@@ -101,12 +102,20 @@ impl ChangePointSearch<'_> {
             best = self.with_slips_and_creep(alone)?;
         }
         let posteriors = posteriors(problem, &best, self.scope)?;
-        let mut estimate = match with_stiffness {
-            Some(with_stiffness) => lost_stiffness::averaged(problem, best, with_stiffness)?,
-            None => problem.complete(best)?,
+        let (mut estimate, evidence) = match with_stiffness {
+            Some(with_stiffness) => {
+                let (estimate, evidence) = lost_stiffness::averaged(problem, best, with_stiffness)?;
+                (estimate, Some(evidence))
+            }
+            None if force::is_open(&best) => {
+                let evidence =
+                    model_error::posteriors(problem, &best.estimate, !self.scope.continues)?;
+                (problem.complete(best)?, Some(evidence))
+            }
+            None => (problem.complete(best)?, None),
         };
         creep::average(problem, &mut estimate)?;
-        force::average(problem, &mut estimate)?;
+        force::average(problem, &mut estimate, evidence.as_deref())?;
         Ok(MapEstimate {
             posteriors,
             ..estimate

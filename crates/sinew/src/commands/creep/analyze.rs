@@ -12,7 +12,7 @@ use sinew_report::creep;
 /// could not be analysed.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
-    sinew creep analyze rope.csv --gauge-length-mm 350 --report rope.html\n  \
+    sinew creep analyze rope.csv --gauge-length 350mm --report rope.html\n  \
     sinew creep analyze tests.xlsx --column force=Kraft:N --group rope")]
 pub(crate) struct Analyze {
     #[command(flatten)]
@@ -22,7 +22,7 @@ pub(crate) struct Analyze {
 impl Analyze {
     /// Runs the command.
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        let tests = self.files.tests()?;
+        let tests = self.files.tests(&[])?;
         let report = tests.report(self.files.conditions());
         write_table(self.files.series.as_deref(), || {
             creep::readings_series(&tests)

@@ -1,6 +1,7 @@
 //! Input and output options of creep tests.
 
 use crate::files::{Named, check_outputs, write_table, write_text};
+use crate::quantity::{Area, Length, Share, Temperature, Time, above_zero, at_least_zero, part};
 use crate::terminal::{Bar, Failure, Word, answer_as, complain};
 use crate::text::{plain, plain_lines};
 use clap::Args;
@@ -28,31 +29,32 @@ pub(super) struct TestFiles {
     #[arg(long, value_name = "NAME", help_heading = "Input")]
     sheet: Option<String>,
     /// Gauge length, mm, for files with elongation and without gauge length
-    #[arg(long, value_name = "MM", help_heading = "Input")]
-    gauge_length_mm: Option<f64>,
-    /// Cross-section, mm², for the creep modulus
-    #[arg(long, value_name = "MM2", help_heading = "Input")]
-    area_mm2: Option<f64>,
+    #[arg(long, alias = "gauge-length-mm", value_name = "LENGTH", value_parser = above_zero::<Length>, help_heading = "Input")]
+    gauge_length: Option<Length>,
+    /// Cross-section, mm2, for the creep modulus
+    #[arg(long, alias = "area-mm2", value_name = "AREA", value_parser = above_zero::<Area>, help_heading = "Input")]
+    area: Option<Area>,
     /// Temperature, °C, for files without temperature
     #[arg(
         long,
-        value_name = "C",
-        allow_negative_numbers = true,
+        alias = "temperature-c",
+        value_name = "TEMPERATURE",
+        allow_hyphen_values = true,
         help_heading = "Input"
     )]
-    temperature_c: Option<f64>,
+    temperature: Option<Temperature>,
     /// Keep grip slips and outliers [default: removed]
     #[arg(long, help_heading = "Input")]
     keep_artefacts: bool,
     /// Column or header line with the group of repeats (repeatable)
     #[arg(long, value_name = "COLUMN", help_heading = "Input")]
     pub(super) group: Vec<String>,
-    /// Start of the straight line of m_E, min after loading
-    #[arg(long, value_name = "MIN", default_value_t = 20.0)]
-    slope_from_min: f64,
-    /// Probability of the intervals
-    #[arg(long, value_name = "SHARE", default_value_t = 0.95)]
-    pub(super) level: f64,
+    /// Start of the straight line of m_E after loading, s
+    #[arg(long, value_name = "TIME", default_value = "20min", value_parser = at_least_zero::<Time>)]
+    slope_from: Time,
+    /// Probability of the intervals, ratio
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = part)]
+    pub(super) level: Share,
     /// Random seed of the intervals
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
@@ -69,9 +71,6 @@ pub(super) struct TestFiles {
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Suppress messages on stderr
-    #[arg(long, help_heading = "Output")]
-    pub(super) quiet: bool,
     /// Standard cited in the report
     #[arg(
         long,
@@ -99,38 +98,36 @@ impl TestFiles {
     }
 
     /// Reads the files.
-    pub(super) fn specimens(&self) -> Result<(Vec<Source>, Vec<Specimen>), Failure> {
-        let outputs = [
+    ///
+    /// * `others`: output files of the command that are not options of all commands.
+    pub(super) fn specimens(
+        &self,
+        others: &[Named<'_>],
+    ) -> Result<(Vec<Source>, Vec<Specimen>), Failure> {
+        let mut outputs = vec![
             ("--csv", self.csv.as_deref()),
             ("--series", self.series.as_deref()),
             ("--report", self.report.as_deref()),
         ];
+        outputs.extend(others);
         let inputs: Vec<Named<'_>> = self
             .files
             .iter()
             .map(|f| ("FILES", Some(f.as_path())))
             .collect();
-        check_outputs(&outputs, &inputs, self.quiet)?;
-        let within = |name: &str, value: Option<f64>, low: f64, high: f64| match value {
-            Some(v) if !(v > low && v < high) => Err(Failure::Error(format!(
-                "--{name} {v}: must be between {low} and {high}"
-            ))),
-            _ => Ok(()),
-        };
-        within("level", Some(self.level), 0.5, 0.9999)?;
-        within("slope-from-min", Some(self.slope_from_min), -1e-9, 1e9)?;
-        within("gauge-length-mm", self.gauge_length_mm, 0.0, 1e9)?;
-        within("area-mm2", self.area_mm2, 0.0, 1e12)?;
+        check_outputs(&outputs, &inputs)?;
+        let level = self.level.0;
+        if !(level > 0.5 && level < 0.9999) {
+            return Err(Failure::Error(format!(
+                "--level {level}: must be between 0.5 and 0.9999"
+            )));
+        }
         let options = TestOptions {
             columns: self.column.clone(),
             specimen_columns: self.specimen.clone(),
             sheet: self.sheet.clone(),
         };
-        let mut note = |text: &str| {
-            if !self.quiet {
-                complain(Word::Note, &plain(text));
-            }
-        };
+        let mut note = |text: &str| complain(Word::Note, &plain(text));
         Ok(sinew_creep::read_specimens(
             &self.files,
             &options,
@@ -139,39 +136,32 @@ impl TestFiles {
     }
 
     /// Reads, prepares and analyses the tests; failures are printed as warnings.
-    pub(super) fn tests(&self) -> Result<Tests, Failure> {
-        let (sources, specimens) = self.specimens()?;
+    ///
+    /// * `others`: as for [`TestFiles::specimens`].
+    pub(super) fn tests(&self, others: &[Named<'_>]) -> Result<Tests, Failure> {
+        let (sources, specimens) = self.specimens(others)?;
         let request = AnalyzeRequest {
             prepare: PrepareOptions {
-                gauge_length_m: self.gauge_length_mm.map(|mm| mm * 1e-3),
-                area_m2: self.area_mm2.map(|mm2| mm2 * 1e-6),
-                temperature_c: self.temperature_c,
+                gauge_length_m: self.gauge_length.map(|length| length.0),
+                area_m2: self.area.map(|area| area.0),
+                temperature_c: self.temperature.map(|temperature| temperature.0),
                 keep_artefacts: self.keep_artefacts,
             },
             analyze: AnalyzeOptions {
-                slope_from_s: 60.0 * self.slope_from_min,
-                level: self.level,
+                slope_from_s: self.slope_from.0,
+                level: self.level.0,
                 seed: self.seed,
             },
             group_by: self.group.clone(),
         };
-        let bar = Bar::new("analysing", self.quiet);
+        let bar = Bar::new("analysing");
         let tests = sinew_creep::analyze_tests(sources, &specimens, &request, |done, of| {
             bar.set(done as f64, of as f64);
         });
         drop(bar);
         let tests = tests.map_err(|e| Failure::Error(plain_lines(&e.to_string())))?;
-        self.warn(&tests.failures);
+        warn(&tests.failures);
         Ok(tests)
-    }
-
-    /// Prints failures as warnings.
-    pub(super) fn warn(&self, failures: &[sinew_creep::Failure]) {
-        if !self.quiet {
-            for failure in failures {
-                complain(Word::Warning, &plain(&failure.to_string()));
-            }
-        }
     }
 
     /// Writes the requested files, and prints the document or the table.
@@ -187,5 +177,12 @@ impl TestFiles {
             write_text(self.report.as_deref(), || page().html())?;
         }
         answer_as(self.json, document, table)
+    }
+}
+
+/// Prints failures as warnings.
+pub(super) fn warn(failures: &[sinew_creep::Failure]) {
+    for failure in failures {
+        complain(Word::Warning, &plain(&failure.to_string()));
     }
 }

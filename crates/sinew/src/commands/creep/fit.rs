@@ -1,10 +1,11 @@
 //! `sinew creep fit`.
 
 use super::super::rope::{Ropes, find};
-use super::files::TestFiles;
-use super::write_rope::{rope_name, write_rope};
-use crate::args::{Choice, choice, positive};
+use super::files::{TestFiles, warn};
+use super::write_rope::rope_name;
+use crate::args::{Choice, choice};
 use crate::files::write_table;
+use crate::quantity::{Force, Share, Temperature, Time, above_zero, duration, part};
 use crate::terminal::{Bar, Failure, Finish};
 use clap::Args;
 use sinew_creep::{
@@ -21,7 +22,7 @@ use std::sync::Arc;
 /// loads, temperatures and unloading together.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
-    sinew creep fit rope.csv --gauge-length-mm 350 --forecast-h 8760\n  \
+    sinew creep fit rope.csv --gauge-length 350mm --forecast 1year\n  \
     sinew creep fit tests.csv --joint group --group rope\n  \
     sinew creep fit rope.csv --rope liros-dc000-0301 --law rope --write-rope ropes/mine.toml\n  \
     sinew creep fit tests.csv --hold-out 0.33")]
@@ -50,31 +51,37 @@ pub(crate) struct Fit {
         long,
         value_name = "FILE.toml",
         requires = "rope",
-        conflicts_with_all = ["hold_out", "shift_c"],
+        conflicts_with_all = ["hold_out", "shift_to"],
         help_heading = "Rope law"
     )]
     write_rope: Option<PathBuf>,
-    /// Forecast horizon after loading, h
-    #[arg(long, value_name = "H", value_parser = positive("h"))]
-    forecast_h: Option<f64>,
+    /// Forecast horizon after loading, s, e.g. 1year
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    forecast: Option<Time>,
     /// Load of the forecast, N, on a new specimen [default: longest load of the test, continued]
-    #[arg(long, value_name = "N", requires = "forecast_h", value_parser = positive("N"))]
-    forecast_load_n: Option<f64>,
+    #[arg(long, alias = "forecast-load-n", value_name = "FORCE", requires = "forecast", value_parser = above_zero::<Force>)]
+    forecast_load: Option<Force>,
     /// Temperature of the forecast, °C, of a new specimen [default: of the test]
     #[arg(
         long,
-        value_name = "C",
-        requires = "forecast_h",
-        allow_negative_numbers = true
+        alias = "forecast-temperature-c",
+        value_name = "TEMPERATURE",
+        requires = "forecast",
+        allow_hyphen_values = true
     )]
-    forecast_temperature_c: Option<f64>,
-    /// Hold out this last share of every test, and report the coverage of the forecast
-    #[arg(long, value_name = "SHARE", conflicts_with_all = ["forecast_h", "shift_c"])]
-    hold_out: Option<f64>,
+    forecast_temperature: Option<Temperature>,
+    /// Hold out this last share of every test, ratio, and report the coverage of the forecast
+    #[arg(long, value_name = "SHARE", value_parser = part, conflicts_with_all = ["forecast", "shift_to"])]
+    hold_out: Option<Share>,
     /// Reference temperature, °C: estimate shift factors of isotherms (strain or modulus) instead of
     /// laws
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    shift_c: Option<f64>,
+    #[arg(
+        long,
+        alias = "shift-c",
+        value_name = "TEMPERATURE",
+        allow_hyphen_values = true
+    )]
+    shift_to: Option<Temperature>,
 }
 
 const JOINTS: [Choice<Joint>; 3] = [
@@ -113,15 +120,17 @@ const INTERVALS: [Choice<IntervalKind>; 3] = [
 impl Fit {
     /// Runs the command.
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        if let Some(reference_c) = self.shift_c {
+        if let Some(Temperature(reference_c)) = self.shift_to {
             return self.shift(reference_c);
         }
-        let tests = self.files.tests()?;
+        let tests = self
+            .files
+            .tests(&[("--write-rope", self.write_rope.as_deref())])?;
         let request = self.request()?;
-        if let Some(share) = self.hold_out {
+        if let Some(Share(share)) = self.hold_out {
             return self.hold_out(share, &tests, &request);
         }
-        let bar = Bar::new("fitting", self.files.quiet);
+        let bar = Bar::new("fitting");
         let report = sinew_creep::fit_tests(&tests, &request, |step, done, of| {
             if step == FitStep::Forecasting {
                 bar.set_label("forecasting");
@@ -137,7 +146,7 @@ impl Fit {
                     entry.map_err(|e| e.to_string())
                 })
                 .map_err(|reason| Failure::Error(format!("--write-rope: {reason}")))?;
-            write_rope(path, &entry.to_toml())?;
+            sinew_files::write_file(path, entry.to_toml().as_bytes())?;
         }
         let series = || creep::fit_series(&report, &tests);
         write_table(self.files.series.as_deref(), series)?;
@@ -161,16 +170,16 @@ impl Fit {
             joint: self.joint,
             options: FitOptions {
                 noise: self.noise,
-                level: self.files.level,
+                level: self.files.level.0,
                 kind: self.intervals,
                 seed: self.files.seed,
                 rope: self.base()?,
                 ..FitOptions::default()
             },
-            forecast: self.forecast_h.map(|hours| ForecastRequest {
-                until_s: 3600.0 * hours,
-                load_n: self.forecast_load_n,
-                temperature_c: self.forecast_temperature_c,
+            forecast: self.forecast.map(|horizon| ForecastRequest {
+                until_s: horizon.0,
+                load_n: self.forecast_load.map(|load| load.0),
+                temperature_c: self.forecast_temperature.map(|temperature| temperature.0),
             }),
         })
     }
@@ -186,7 +195,7 @@ impl Fit {
             }
             return Ok(None);
         };
-        let catalogue = self.ropes.catalogue(self.files.quiet)?;
+        let catalogue = self.ropes.catalogue()?;
         let base = RopeBase::new(find(&catalogue, name)?.entry.clone())?;
         Ok(Some(Arc::new(base)))
     }
@@ -197,7 +206,7 @@ impl Fit {
                 "--hold-out {share}: must be between 0.01 and 0.9"
             )));
         }
-        let bar = Bar::new("forecasting", self.files.quiet);
+        let bar = Bar::new("forecasting");
         let report = sinew_creep::hold_out_tests(tests, share, request, |done, of| {
             bar.set(done as f64, of as f64);
         });
@@ -214,9 +223,9 @@ impl Fit {
     }
 
     fn shift(&self, reference_c: f64) -> Result<Finish, Failure> {
-        let (sources, specimens) = self.files.specimens()?;
+        let (sources, specimens) = self.files.specimens(&[])?;
         let report = sinew_creep::shift(sources, &specimens, reference_c)?;
-        self.files.warn(&report.failures);
+        warn(&report.failures);
         self.files
             .answer(&report, creep::shift_csv, None, creep::shift_table)?;
         Ok(Finish::lossy(!report.failures.is_empty()))

@@ -1,6 +1,5 @@
-//! Fitted rope as catalogue file.
+//! Name of a fitted rope.
 
-use crate::terminal::Failure;
 use std::path::Path;
 
 /// Returns the rope name, which is the file name without extension.
@@ -15,18 +14,6 @@ pub(super) fn rope_name(path: &Path) -> Result<String, String> {
         ));
     }
     Ok(stem.to_owned())
-}
-
-/// Writes a catalogue entry; its folder is created if missing.
-pub(super) fn write_rope(path: &Path, entry: &str) -> Result<(), Failure> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| {
-            let folder = folder.display();
-            Failure::Error(format!("--write-rope: cannot create folder {folder}: {e}"))
-        })?;
-    }
-    sinew_files::write_file(path, entry.as_bytes())?;
-    Ok(())
 }
 
 #[cfg(test)]

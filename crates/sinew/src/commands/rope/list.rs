@@ -20,7 +20,7 @@ pub(crate) struct List {
 
 impl List {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        let catalogue = self.ropes.catalogue(false)?;
+        let catalogue = self.ropes.catalogue()?;
         answer_as(self.json, &catalogue.list(), |_| {
             catalogue_table(&catalogue)
         })?;

@@ -16,7 +16,6 @@ pub(crate) use duty_args::DutyArgs;
 use sinew_report::rope::{namesake, unreadable};
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 use std::path::{Path, PathBuf};
-pub(crate) use values::{celsius, duration};
 
 /// Select a rope, predict its elongation, plan its pretension
 #[derive(Debug, Subcommand)]
@@ -50,16 +49,16 @@ pub(crate) struct Ropes {
 }
 
 impl Ropes {
-    /// Reads the built-in and additional catalogues; name conflicts and invalid files of ./ropes are printed as notes unless `quiet`.
-    pub(crate) fn catalogue(&self, quiet: bool) -> Result<Catalogue, CatalogueError> {
+    /// Reads the built-in and additional catalogues; name conflicts and invalid files of ./ropes are printed as notes.
+    pub(crate) fn catalogue(&self) -> Result<Catalogue, CatalogueError> {
         let mut implied = vec![Path::new("ropes")];
         implied.retain(|folder| folder.is_dir());
         let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
         let catalogue = Catalogue::with_implied_folders(&implied, &folders)?;
-        for rope in catalogue.unreadable().iter().filter(|_| !quiet) {
+        for rope in catalogue.unreadable() {
             complain(Word::Note, &plain(&unreadable(rope)));
         }
-        for same in catalogue.namesakes().iter().filter(|_| !quiet) {
+        for same in catalogue.namesakes() {
             complain(Word::Note, &plain(&namesake(same)));
         }
         Ok(catalogue)

@@ -1,7 +1,8 @@
 //! Options of the mounting of a rope: compliance, guides, antagonistic rope.
 
 use super::values::guide;
-use crate::args::{not_negative, positive};
+use crate::args::positive;
+use crate::quantity::{Length, Torque, above_zero, at_least_zero};
 use crate::terminal::Failure;
 use clap::Args;
 use sinew_estimate::robot_dir;
@@ -16,8 +17,8 @@ const M_PER_MM: f64 = 1e-3;
 #[command(next_help_heading = "Mounting")]
 pub(super) struct Mounted {
     /// Length of the strand, mm [default: of the tendon, else 1000]
-    #[arg(long, value_name = "MM", value_parser = positive("mm"))]
-    length: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>)]
+    length: Option<Length>,
     /// Stiffness in series with each strand (frame, spring, mounts), N/mm [default: from the joint
     /// stiffness, else rigid]
     #[arg(long, value_name = "N/MM", value_parser = positive("N/mm"))]
@@ -26,11 +27,11 @@ pub(super) struct Mounted {
     #[arg(long, value_name = "GUIDE", value_parser = guide)]
     guide: Vec<Guide>,
     /// Pulley radius of a second, equal, antagonistic rope, mm [default: of an antagonistic tendon]
-    #[arg(long, value_name = "MM", value_parser = positive("mm"))]
-    joint_radius: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>)]
+    joint_radius: Option<Length>,
     /// Torque of the joint, N·m (prismatic joint: N); requires a second rope
-    #[arg(long, value_name = "N·M", default_value = "0", value_parser = not_negative("N·m"))]
-    torque: f64,
+    #[arg(long, value_name = "TORQUE", default_value = "0", value_parser = at_least_zero::<Torque>)]
+    torque: Torque,
     /// Robot folder; requires --joint
     #[arg(long, value_name = "DIR", requires = "joint")]
     robot: Option<PathBuf>,
@@ -50,11 +51,11 @@ impl Mounted {
 
     /// Copies the specified mounting into a task.
     pub(super) fn apply(&self, task: &mut PretensionTask) {
-        task.length_m = self.length.map(|mm| M_PER_MM * mm);
+        task.length_m = self.length.map(|length| length.0);
         task.guides.clone_from(&self.guide);
         let stiffness = self.series_stiffness;
         task.series_compliance_m_per_n = stiffness.map(|n_per_mm| M_PER_MM / n_per_mm);
-        task.joint_radius_m = self.joint_radius.map(|mm| M_PER_MM * mm);
-        task.torque_nm = self.torque;
+        task.joint_radius_m = self.joint_radius.map(|radius| radius.0);
+        task.torque_nm = self.torque.0;
     }
 }

@@ -2,8 +2,8 @@
 
 use super::duty_args::DutyArgs;
 use super::{Ropes, find};
-use crate::args::not_negative;
 use crate::files::{check_outputs, write_table, write_text};
+use crate::quantity::{Force, at_least_zero};
 use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::Args;
 use sinew_report::rope::{curve_times, predicted, prediction_series, prediction_table};
@@ -28,8 +28,8 @@ pub(crate) struct Predict {
     #[command(flatten)]
     duty: DutyArgs,
     /// Tension to which elongations refer, N [default: mean of the duty]
-    #[arg(long, value_name = "N", value_parser = not_negative("N"))]
-    read_at: Option<f64>,
+    #[arg(long, value_name = "FORCE", value_parser = at_least_zero::<Force>)]
+    read_at: Option<Force>,
     #[command(flatten)]
     ropes: Ropes,
     /// Write an HTML report
@@ -41,9 +41,6 @@ pub(crate) struct Predict {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
-    /// Suppress messages on stderr
-    #[arg(long)]
-    quiet: bool,
 }
 
 impl Predict {
@@ -52,9 +49,9 @@ impl Predict {
             ("--report", self.report.as_deref()),
             ("--series", self.series.as_deref()),
         ];
-        check_outputs(&outputs, &[], self.quiet)?;
-        let catalogue = self.ropes.catalogue(self.quiet)?;
-        let mut resolved = self.duty.resolve(self.quiet)?;
+        check_outputs(&outputs, &[])?;
+        let catalogue = self.ropes.catalogue()?;
+        let mut resolved = self.duty.resolve()?;
         let Some(name) = self.name.as_ref().or(resolved.rope.as_ref()) else {
             return Err(Failure::Error(
                 "rope missing; specify its name (see sinew rope list)".into(),
@@ -62,9 +59,11 @@ impl Predict {
         };
         let rope = find(&catalogue, name)?;
         let celsius = self.duty.temperature();
-        resolved.request.read_at = self.read_at.map(|n| RopeLoad::celsius(n, celsius));
+        resolved.request.read_at = self
+            .read_at
+            .map(|force| RopeLoad::celsius(force.0, celsius));
         let draws = resolved.request.draws as f64;
-        let bar = Bar::new("draws", self.quiet);
+        let bar = Bar::new("draws");
         let found = predict::predict_with_progress(rope, &resolved.request, &|done| {
             bar.set(done as f64, draws);
         })?;

@@ -1,10 +1,11 @@
 //! `sinew rope pretension`.
 
 use super::mounted::Mounted;
-use super::values::{celsius, duration, share};
 use super::{Ropes, find};
-use crate::args::positive;
 use crate::files::{check_outputs, write_text};
+use crate::quantity::{
+    Force, Share, Temperature, Time, above_zero, duration, part, rope_temperature,
+};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_report::rope::{plan_table, planned};
@@ -27,22 +28,22 @@ pub(crate) struct Pretension {
     /// Rope [default: of the joint tendon]
     name: Option<String>,
     /// Working tension, N, mean of two strands [default: pretension of the tendon]
-    #[arg(long, value_name = "N", value_parser = positive("N"), required_unless_present = "joint")]
-    tension: Option<f64>,
+    #[arg(long, value_name = "FORCE", value_parser = above_zero::<Force>, required_unless_present = "joint")]
+    tension: Option<Force>,
     /// Minimum tension before re-tensioning, N [default: 80 % of the working tension]
-    #[arg(long, value_name = "N", value_parser = positive("N"))]
-    lowest: Option<f64>,
+    #[arg(long, value_name = "FORCE", value_parser = above_zero::<Force>)]
+    lowest: Option<Force>,
     /// Temperature, °C
-    #[arg(long, value_name = "C", default_value = "23", value_parser = celsius, allow_negative_numbers = true)]
-    temperature: f64,
+    #[arg(long, value_name = "TEMPERATURE", default_value = "23°C", value_parser = rope_temperature, allow_hyphen_values = true)]
+    temperature: Temperature,
     #[command(flatten)]
     mounted: Mounted,
-    /// Planning horizon
+    /// Planning horizon, s, e.g. 6months
     #[arg(long, value_name = "TIME", default_value = "1year", value_parser = duration)]
-    horizon: f64,
-    /// Share of the later elongation to be removed by preconditioning
-    #[arg(long, value_name = "SHARE", default_value = "0.8", value_parser = share)]
-    remove: f64,
+    horizon: Time,
+    /// Share of the later elongation to be removed by preconditioning, ratio
+    #[arg(long, value_name = "SHARE", default_value = "80%", value_parser = part)]
+    remove: Share,
     /// Number of parameter draws for the intervals
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     draws: u32,
@@ -61,8 +62,8 @@ pub(crate) struct Pretension {
 
 impl Pretension {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        check_outputs(&[("--report", self.report.as_deref())], &[], false)?;
-        let catalogue = self.ropes.catalogue(false)?;
+        check_outputs(&[("--report", self.report.as_deref())], &[])?;
+        let catalogue = self.ropes.catalogue()?;
         let drive = self.mounted.drive()?;
         let own = drive.as_ref().map(|d| &d.tendon);
         let Some(name) = self.name.as_ref().or(own.and_then(|t| t.rope.as_ref())) else {
@@ -71,11 +72,11 @@ impl Pretension {
         };
         let rope = find(&catalogue, name)?;
         let mut task = PretensionTask {
-            tension_n: self.tension,
-            lowest_n: self.lowest,
-            temperature_c: self.temperature,
-            horizon_s: self.horizon,
-            remove: self.remove,
+            tension_n: self.tension.map(|force| force.0),
+            lowest_n: self.lowest.map(|force| force.0),
+            temperature_c: self.temperature.0,
+            horizon_s: self.horizon.0,
+            remove: self.remove.0,
             draws: self.draws as usize,
             seed: self.seed,
             ..PretensionTask::default()
@@ -93,14 +94,14 @@ impl Pretension {
 fn task_error(error: TaskError) -> Failure {
     Failure::Error(match error {
         TaskError::NoTension => {
-            "pretension_n missing for the tendon of this joint; specify --tension N".to_owned()
+            "pretension_n missing for the tendon of this joint; specify --tension FORCE".to_owned()
         }
         TaskError::Lowest {
             lowest_n,
             tension_n,
         } => format!("--lowest {lowest_n} N must be below --tension {tension_n} N"),
         TaskError::TorqueAlone => {
-            "--torque requires an antagonistic rope; specify --joint-radius MM".into()
+            "--torque requires an antagonistic rope; specify --joint-radius LENGTH".into()
         }
         other => other.to_string(),
     })

@@ -4,6 +4,7 @@ use super::Ropes;
 use super::duty_args::DutyArgs;
 use crate::args::positive;
 use crate::files::{check_outputs, write_text};
+use crate::quantity::{Length, above_zero};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_report::rope::{figure, selected, selection_table, spoken};
@@ -22,14 +23,14 @@ pub(crate) struct Select {
     #[command(flatten)]
     duty: DutyArgs,
     /// Maximum diameter, mm
-    #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
-    max_diameter: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>, help_heading = "Constraints")]
+    max_diameter: Option<Length>,
     /// Minimum diameter, mm
-    #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
-    min_diameter: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>, help_heading = "Constraints")]
+    min_diameter: Option<Length>,
     /// Diameter of the smallest pulley, mm
-    #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
-    pulley_diameter: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>, help_heading = "Constraints")]
+    pulley_diameter: Option<Length>,
     /// Minimum bending ratio D/d, pulley over rope diameter
     #[arg(long, value_name = "RATIO", value_parser = positive("(a ratio)"), requires = "pulley_diameter", help_heading = "Constraints")]
     min_bend_ratio: Option<f64>,
@@ -37,13 +38,13 @@ pub(crate) struct Select {
     #[arg(long, value_name = "RATIO", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
     min_safety_factor: Option<f64>,
     /// Maximum elongation, mm (upper 95 % bound)
-    #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Constraints")]
-    max_elongation: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>, help_heading = "Constraints")]
+    max_elongation: Option<Length>,
     /// Minimum stiffness of the strand, N/mm
-    #[arg(long, value_name = "N/MM", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
+    #[arg(long, value_name = "N/MM", value_parser = positive("N/mm"), help_heading = "Constraints")]
     min_stiffness: Option<f64>,
     /// Maximum weight, g/m
-    #[arg(long, value_name = "G/M", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
+    #[arg(long, value_name = "G/M", value_parser = positive("g/m"), help_heading = "Constraints")]
     max_weight: Option<f64>,
     /// Write a Pareto plot; .svg or .png
     #[arg(long, value_name = "FILE")]
@@ -56,9 +57,6 @@ pub(crate) struct Select {
     /// Print one JSON document instead of the tables
     #[arg(long)]
     json: bool,
-    /// Suppress messages on stderr
-    #[arg(long)]
-    quiet: bool,
 }
 
 impl Select {
@@ -67,16 +65,18 @@ impl Select {
             ("--plot", self.plot.as_deref()),
             ("--report", self.report.as_deref()),
         ];
-        check_outputs(&outputs, &[], self.quiet)?;
-        let catalogue = self.ropes.catalogue(self.quiet)?;
-        let request = self.duty.resolve(self.quiet)?.request;
+        check_outputs(&outputs, &[])?;
+        let catalogue = self.ropes.catalogue()?;
+        let request = self.duty.resolve()?.request;
+        // In decimals, so that a limit includes an equal value of the catalogue.
+        let mm = |length: Length| (1e12 * length.0).round() / 1e9;
         let constraints = Constraints {
-            diameter_max_mm: self.max_diameter,
-            diameter_min_mm: self.min_diameter,
+            diameter_max_mm: self.max_diameter.map(mm),
+            diameter_min_mm: self.min_diameter.map(mm),
             bend_ratio_min: self.min_bend_ratio,
-            pulley_diameter_mm: self.pulley_diameter,
+            pulley_diameter_mm: self.pulley_diameter.map(mm),
             safety_factor_min: self.min_safety_factor,
-            elongation_max_mm: self.max_elongation,
+            elongation_max_mm: self.max_elongation.map(mm),
             stiffness_min_n_per_mm: self.min_stiffness,
             weight_max_g_per_m: self.max_weight,
         };

@@ -23,7 +23,7 @@ pub(crate) struct Show {
 
 impl Show {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        let catalogue = self.ropes.catalogue(false)?;
+        let catalogue = self.ropes.catalogue()?;
         let rope = find(&catalogue, &self.name)?;
         if self.toml {
             answer(&rope.entry.to_toml())?;

@@ -5,11 +5,12 @@ mod survival;
 use super::external::Arguments;
 use super::rope::Ropes;
 use crate::files::{Named, check_outputs, write_table};
+use crate::quantity::{Share, Time, duration, part};
 use crate::terminal::{Failure, Finish, Word, answer, complain_coded};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_files::JsonDocument as _;
-use sinew_files::date::parse_utc_s;
+use sinew_files::date::{DAY_S, parse_utc_s};
 use sinew_report::trend::{html, note_message, render_table, trend_series, trend_table};
 use sinew_rope::Duty;
 use sinew_trend::survival::LifePrior;
@@ -49,20 +50,20 @@ pub(crate) struct Trend {
     #[arg(long, value_name = "FILE")]
     duty: Option<PathBuf>,
     /// Duration of a cycle, s, for a table with cycles and without time
-    #[arg(long, value_name = "S", value_parser = crate::args::positive("s"), allow_negative_numbers = true)]
-    cycle_s: Option<f64>,
+    #[arg(long, alias = "cycle-s", value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    cycle: Option<Time>,
     /// Table of rope failures and replacements (see sinew trend survival) for age-based replacement
     /// of ropes without strain limit in robot.toml
     #[arg(long, value_name = "TABLE")]
     life: Option<PathBuf>,
-    /// Share of failed ropes that defines the replacement age, %
-    #[arg(long, value_name = "PERCENT", default_value_t = 10, requires = "life", value_parser = clap::value_parser!(u8).range(1..=90))]
-    life_risk: u8,
+    /// Share of failed ropes that defines the replacement age, ratio
+    #[arg(long, value_name = "SHARE", default_value = "10%", requires = "life", value_parser = part)]
+    life_risk: Share,
     #[command(flatten)]
     ropes: Ropes,
-    /// Forecast horizon, days after the last session
-    #[arg(long, value_name = "DAYS", default_value_t = 1095, value_parser = clap::value_parser!(u32).range(1..=36_500))]
-    horizon: u32,
+    /// Forecast horizon after the last session, s, e.g. 3years
+    #[arg(long, value_name = "TIME", default_value = "1095d", value_parser = horizon)]
+    horizon: Time,
     /// Seed of the draws
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -78,9 +79,6 @@ pub(crate) struct Trend {
     /// Write a report with plots as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// No notes on stderr
-    #[arg(long, help_heading = "Output")]
-    quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -92,6 +90,17 @@ enum TrendCommand {
     )]
     Simulate(Arguments),
     Survival(survival::Survival),
+}
+
+/// Parses a horizon of at least one day.
+fn horizon(text: &str) -> Result<Time, String> {
+    match duration(text)? {
+        time if time.0 >= DAY_S => Ok(time),
+        time => Err(format!(
+            "{} s must be at least one day; days need their unit, e.g. 90d",
+            time.0
+        )),
+    }
 }
 
 /// Parses `DATE` or `JOINT=DATE`.
@@ -128,15 +137,15 @@ impl Trend {
             None => None,
         };
         let robot = loaded.as_ref().map(|l| &l.robot);
-        let sorted = read_sessions(&self.files, robot, self.cycle_s)?;
-        let catalogue = self.ropes.catalogue(self.quiet)?;
+        let sorted = read_sessions(&self.files, robot, self.cycle.map(|time| time.0))?;
+        let catalogue = self.ropes.catalogue()?;
         let request = TrendRequest {
             robot,
             catalogue: &catalogue,
             stated: self.stated(),
             duty: self.duty.as_deref().map(Duty::open).transpose()?,
             life: self.life()?,
-            horizon_days: f64::from(self.horizon),
+            horizon_days: self.horizon.0 / DAY_S,
             seed: self.seed,
         };
         let report = analyze(sorted, &request)?;
@@ -148,10 +157,8 @@ impl Trend {
         if self.json {
             answer(&report.to_json()?)?;
         } else {
-            if !self.quiet {
-                for note in &report.notes {
-                    complain_coded(Word::Note, &note_message(note));
-                }
+            for note in &report.notes {
+                complain_coded(Word::Note, &note_message(note));
             }
             answer(&render_table(&report))?;
         }
@@ -164,8 +171,12 @@ impl Trend {
             return Ok(None);
         };
         let (lives, name) = survival::lives_of(table)?;
-        let ratio = 0.01 * f64::from(self.life_risk);
-        Ok(Some(LifePrior::new(&lives, &name, ratio, self.seed)?))
+        Ok(Some(LifePrior::new(
+            &lives,
+            &name,
+            self.life_risk.0,
+            self.seed,
+        )?))
     }
 
     fn stated(&self) -> Vec<Stated> {
@@ -186,6 +197,6 @@ impl Trend {
         let named = |f| ("a file of records", Some(PathBuf::as_path(f)));
         let mut inputs: Vec<Named<'_>> = self.files.iter().map(named).collect();
         inputs.push(("the table of lives", self.life.as_deref()));
-        check_outputs(&outputs, &inputs, self.quiet)
+        check_outputs(&outputs, &inputs)
     }
 }

@@ -32,9 +32,6 @@ pub(super) struct Survival {
     /// Write a report with the curves as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// Suppress notes on stderr
-    #[arg(long, help_heading = "Output")]
-    quiet: bool,
 }
 
 /// Column names of the table.
@@ -83,7 +80,7 @@ impl Survival {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         let outputs = [("--report", self.report.as_deref())];
         let inputs = [("the table", Some(self.table.as_path()))];
-        check_outputs(&outputs, &inputs, self.quiet)?;
+        check_outputs(&outputs, &inputs)?;
         let columns = EventColumns {
             date: self.columns.date.clone(),
             event: self.columns.event.clone(),
@@ -101,10 +98,8 @@ impl Survival {
         if self.json {
             answer(&report.to_json()?)?;
         } else {
-            if !self.quiet {
-                for note in &report.notes {
-                    complain_coded(Word::Note, &note_message(note));
-                }
+            for note in &report.notes {
+                complain_coded(Word::Note, &note_message(note));
             }
             answer(&render_table(&report))?;
         }
