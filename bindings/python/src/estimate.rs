@@ -4,6 +4,7 @@ use crate::document::{Document, Shown};
 use crate::failure::Failure;
 use crate::recording::{LogArg, one_of};
 use crate::robot::RobotArg;
+use crate::trend::date_utc_s;
 use crate::work::{ProgressTracker, work};
 use pyo3::prelude::*;
 use sinew_estimate::baseline::{self, MergeOptions};
@@ -197,6 +198,7 @@ pub(crate) struct EstimateArgs<'py> {
     motor_torque: bool,
     from_s: f64,
     to_s: Option<f64>,
+    date: Option<String>,
     online: bool,
 }
 
@@ -226,6 +228,7 @@ impl EstimateArgs<'_> {
             ("motor_torque", !self.motor_torque),
             ("from_s", self.from_s != 0.0),
             ("to_s", self.to_s.is_some()),
+            ("date", self.date.is_some()),
             ("online", self.online),
         ];
         match options.into_iter().find(|(_, is_set)| *is_set) {
@@ -277,6 +280,7 @@ impl EstimateArgs<'_> {
             },
         };
         request.use_tau_ext = self.tau_ext;
+        request.date_utc_s = (self.date.as_deref()).map(date_utc_s).transpose()?;
         let inject = self.inject.iter().cloned();
         request.injections = inject
             .map(|(joint, offset_rad, from_s)| Injection {

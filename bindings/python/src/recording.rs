@@ -491,7 +491,7 @@ impl Recording {
         &self.name
     }
 
-    /// Format of the recording: `mcap`, `csv`, `parquet`, `db3`, `arrays` or `messages`.
+    /// Format of the recording: `mcap`, `csv`, `parquet`, `db3`, `numpy`, `arrays` or `messages`.
     #[getter]
     fn format(&self) -> PyResult<String> {
         let json = serde_json::to_value(self.format).map_err(Failure::from)?;

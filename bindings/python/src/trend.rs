@@ -22,14 +22,19 @@ pub(crate) enum Records {
     File(PathBuf),
 }
 
+/// Converts a date to s since 1970 UTC.
+pub(crate) fn date_utc_s(date: &str) -> Result<f64, Failure> {
+    parse_utc_s(date).ok_or_else(|| {
+        Failure::new(format!(
+            "'{date}' is not a date; expected a form such as 2026-03-01 or 2026-03-01T08:30Z"
+        ))
+    })
+}
+
 /// Converts specified tensionings or replacements.
 fn stated(all: Vec<(Option<String>, String)>, replaced: bool) -> Result<Vec<Stated>, Failure> {
     let one = |(joint, date): (Option<String>, String)| {
-        let time_utc_s = parse_utc_s(&date).ok_or_else(|| {
-            Failure::new(format!(
-                "'{date}' is not a date; expected a form such as 2026-03-01 or 2026-03-01T08:30Z"
-            ))
-        })?;
+        let time_utc_s = date_utc_s(&date)?;
         Ok(Stated {
             joint,
             time_utc_s,

@@ -41,6 +41,10 @@ CASES = {
         ["estimate", SHIPPED, "--robot", ROBOT, "--payload", "0.1±0.05", "--temperature", "22degC", "--from", 2, "--to", 30],
         lambda: sn.estimate(SHIPPED, ROBOT, payload_kg=(0.1, 0.05), temperature_c=22.0, from_s=2.0, to_s=30.0),
     ),
+    "estimate with a date stated": (
+        ["estimate", SHIPPED, "--robot", ROBOT, "--date", "2018-07-05"],
+        lambda: sn.estimate(SHIPPED, ROBOT, date="2018-07-05"),
+    ),
     "estimate with a force stated": (
         ["estimate", SHIPPED, "--robot", ROBOT, "--external-force", "0,0,5±0.5"],
         lambda: sn.estimate(SHIPPED, ROBOT, external_force_n=((0, 0, 5), 0.5)),

@@ -6,7 +6,8 @@ use crate::error::SessionError;
 use crate::online::trajectory;
 use crate::replay;
 use crate::request::{Progress, Request};
-use crate::session::{self, Recorded, SessionEstimate, SessionOptions, Window};
+use crate::session::{self, Recorded, SessionEstimate, SessionOptions, Warning, Window};
+use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
 
 /// Settings with which recordings are estimated.
@@ -51,6 +52,10 @@ pub fn estimate(
                 &also,
                 progress,
             )?;
+            let session = match request.date_utc_s {
+                Some(date_utc_s) => dated(session, date_utc_s),
+                None => session,
+            };
             (Method::Absolute, Some(session), reading, Some(next))
         }
     };
@@ -60,4 +65,18 @@ pub fn estimate(
         reading,
     };
     Ok((document, next))
+}
+
+/// Result of a recording whose date is specified, with a warning if its clock contradicts it.
+fn dated(mut session: SessionEstimate, specified_utc_s: f64) -> SessionEstimate {
+    let recorded_utc_s = session.start_time_utc_s.replace(specified_utc_s);
+    // A date without a time of day, in any time zone, is within a day of the recording.
+    let is_contradicted = |recorded_utc_s: &f64| (specified_utc_s - recorded_utc_s).abs() > DAY_S;
+    if let Some(recorded_utc_s) = recorded_utc_s.filter(is_contradicted) {
+        session.warnings.push(Warning::DateInconsistent {
+            recorded_utc_s,
+            specified_utc_s,
+        });
+    }
+    session
 }

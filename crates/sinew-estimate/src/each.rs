@@ -38,7 +38,7 @@ pub struct RecordingOutcome {
     pub recording: String,
     /// Reason why the recording could not be estimated; none if it was.
     pub error: Option<String>,
-    /// Estimate of the recording as printed by `sinew estimate`, without the time series.
+    /// Estimate of the recording as printed by `sinew estimate`.
     pub estimate: Option<EstimateDocument>,
 }
 

@@ -32,6 +32,8 @@ pub struct Request {
     pub reference: Option<PathBuf>,
     /// Options for reading recordings.
     pub open: OpenOptions,
+    /// Date of the recording, s since 1970 UTC, which replaces that of its clock in the result of the absolute method.
+    pub date_utc_s: Option<f64>,
     /// CSV file for the estimate of every frame.
     pub csv: Option<PathBuf>,
     /// Inputs in memory instead of files.
@@ -54,6 +56,7 @@ impl Request {
             touches: Vec::new(),
             reference: None,
             open: OpenOptions::default(),
+            date_utc_s: None,
             csv: None,
             given: Given::default(),
         }

@@ -1,4 +1,4 @@
-//! Delimited text in every common dialect: `,`, `;` or tab; a decimal comma if the comma does not
+//! Delimited text in every common dialect: `,`, `;`, tab or blanks; a decimal comma if the comma does not
 //! separate cells; any [`Encoding`](crate::text::Encoding).
 
 use crate::bound::{Bound, unit_of};
@@ -13,7 +13,7 @@ const LOOK_LINES: usize = 40;
 /// How cells are parted and numbers written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dialect {
-    /// Separator of the cells.
+    /// Separator of the cells; a space stands for any run of spaces and tabs.
     pub delimiter: u8,
     /// Whether a comma may be a decimal sign.
     pub decimal_comma: bool,
@@ -22,6 +22,18 @@ pub struct Dialect {
 }
 
 impl Dialect {
+    /// Cells separated by any run of spaces and tabs.
+    pub const BLANKS: Self = Self {
+        delimiter: b' ',
+        decimal_comma: true,
+        thousands_point: false,
+    };
+
+    /// Whether blanks separate the cells.
+    pub fn has_blanks(self) -> bool {
+        self.delimiter == Self::BLANKS.delimiter
+    }
+
     fn of_delimiter(delimiter: u8) -> Self {
         Self {
             delimiter,
@@ -38,7 +50,7 @@ impl Dialect {
             cell.contains(',') && ungrouped(cell, ',', &['.']).is_some()
         };
         let separator = char::from(self.delimiter);
-        let mut cells = text.split([separator, '\n', '\r']);
+        let mut cells = text.split([separator, '\t', '\n', '\r']);
         Self {
             thousands_point: self.decimal_comma && cells.any(is_grouped),
             ..self

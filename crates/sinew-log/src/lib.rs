@@ -1,4 +1,4 @@
-//! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet; SQLite bags with the feature `db3`.
+//! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet, NumPy; SQLite bags with the feature `db3`.
 //!
 //! Measured data only: no physics, no clock, no network. Layers: [`decode`] (bytes to messages), [`assemble`]
 //! (samples to frames, time as an argument), [`live`] (messages to frames online), and the files on top.
@@ -84,11 +84,15 @@
 //! | joint position beyond 2π | reported as "looks like degrees"; not converted |
 //! | times in a unit that gives an unusual rate | reported, with the unit that gives a usual one |
 //! | `theta` a constant multiple of `q`, with a factor outside 0.5 to 2 | reported in [`Health::motor_ratios`], with the line of the mapping that corrects unit, gear ratio or sign |
-//! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
+//! | table in UTF-16 with its mark, or in code page 1252; `;`, tab or blanks; decimal comma | read |
 //! | table without a time or joint column, column twice | rejected |
 //! | CSV line that begins with `#`, `%`, `//` or, without `;` between cells, `;` | a comment, or the header where numbers follow |
 //! | names and values above the header of a table, units below it | skipped |
 //! | table without a header | rejected, unless the mapping names columns by numbers |
+//! | arrays of NumPy | columns by the names of an archive, or by numbers; arrays of another length are ignored |
+//! | array cut off | a `.npy` array is read up to there; an archive is rejected |
+//! | compressed array whose checksum or size is wrong | rejected; never unpacked beyond the size that its shape states |
+//! | ROS 1 bag, MATLAB, HDF5 | rejected, with the command that converts it |
 //! | clock times and dates as times | read; a clock continues after midnight |
 //! | PLC scope export | read, if its channels have the same times |
 //! | MCAP with messages of ROS 1 | joint states are read |

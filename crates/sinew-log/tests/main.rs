@@ -14,6 +14,8 @@ mod lerobot;
 mod live;
 mod mapping;
 mod messages;
+#[cfg(feature = "numpy")]
+mod numpy;
 mod parquet;
 mod parts;
 mod roundtrip;

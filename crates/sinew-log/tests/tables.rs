@@ -612,6 +612,65 @@ fn table_without_header_needs_numbers_of_columns() {
 }
 
 #[test]
+fn cells_separated_by_blanks_are_read() {
+    let names = "time_s q.a_rad theta.a_rad\n";
+    for separator in [" ", "   ", "\t", " \t "] {
+        let (rows, named) = (rows_of(200, separator), names.replace(' ', separator));
+        for head in [
+            named.clone(),
+            format!("# rec of monday\n# {named}"),
+            format!("% rec of monday\n{}", names.replace(' ', "\t  ")),
+            "# time_s, q.a_rad, theta.a_rad\n".to_owned(),
+        ] {
+            let text = head + &rows;
+            let options = OpenOptions::default();
+            is_whole(open_bytes(text.as_bytes(), "a.txt", &options), 200);
+            // Fixed width: blanks at both ends of a line, and lines of blanks alone.
+            let padded = text.replace('\n', "  \r\n  ");
+            is_whole(
+                open_bytes(padded.trim_start().as_bytes(), "a.txt", &options),
+                200,
+            );
+            let wide: Vec<u8> = format!("\u{feff}{text}")
+                .encode_utf16()
+                .flat_map(u16::to_le_bytes)
+                .collect();
+            is_whole(open_bytes(&wide, "a.txt", &options), 200);
+            // Places are those of the file.
+            let line = 1 + text.matches('\n').count();
+            let error = error(&(text + &["2.0", "1", "one\n"].join(separator)));
+            assert!(error.contains(&format!("log.csv, line {line},")), "{error}");
+            assert!(error.contains("'one'"), "{error}");
+        }
+    }
+    let comments = rows_of(200, " ").replacen("\n1.00 ", "\n % pause here\n# and\n1.00 ", 1);
+    let text = format!("{names}{comments}");
+    is_whole(
+        open_bytes(text.as_bytes(), "a.txt", &OpenOptions::default()),
+        200,
+    );
+    // The last line, cut within a number, is lost.
+    let (frames, health) = read(&format!("{names}0 1 2\n1 2 3\n2 3"));
+    assert_eq!(frames.len(), 2);
+    assert!(health.is_damaged(), "{health:?}");
+}
+
+#[test]
+fn log_with_index_and_time_stamp_needs_numbers_of_columns() {
+    let rows: String = (rows_of(200, " ").lines().enumerate())
+        .map(|(index, row)| format!("{index} {row} \n"))
+        .collect();
+    let message = error(&rows);
+    for words in ["no header", "line 1", "column = 2", "column 4"] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let mapping = "[time]\ncolumn = 2\n[joints.a]\nq = { column = 3 }\ntheta = { column = 4 }\n";
+    is_whole(with_mapping(&rows, mapping), 200);
+    let german = rows.replace('.', ",");
+    is_whole(with_mapping(&german, mapping), 200);
+}
+
+#[test]
 fn clock_times_dates_and_units_of_header_are_read() {
     let rows = |stamp: &dyn Fn(i64) -> String| -> String {
         let row = |k: i64| {

@@ -15,6 +15,7 @@ pub(crate) fn format_name(format: Format) -> &'static str {
         Format::Csv => "CSV",
         Format::Parquet => "Parquet",
         Format::Db3 => "SQLite",
+        Format::Numpy => "NumPy",
         Format::Arrays => "arrays",
         Format::Messages => "messages",
     }

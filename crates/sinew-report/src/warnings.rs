@@ -7,6 +7,7 @@ use sinew_estimate::cable::CableLimit;
 use sinew_estimate::session::{MotorTorqueError, SessionEstimate, Warning};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::{probability as format_probability, rounded, with_interval};
+use sinew_files::date::day_of;
 use sinew_log::StreamRole;
 use sinew_model::Z95;
 use sinew_model::offset::excess_residual::excess_residual_rad;
@@ -471,6 +472,14 @@ pub fn session_warning(warning: &Warning) -> String {
                 if lower { ": strands may have failed; inspect the rope" } else { "" },
             )
         }
+        Warning::DateInconsistent {
+            recorded_utc_s,
+            specified_utc_s,
+        } => format!(
+            "date {} specified, but the clock of the recording starts on {}; the specified date is used: remove --date if the clock is right",
+            day_of(*specified_utc_s),
+            day_of(*recorded_utc_s)
+        ),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! JSON: the output of `sinew estimate LOG --baseline FILE --json`, one document per session; one
 //! file may contain several documents or a list. The date is `start_time_utc_s` of the session's
-//! estimate or, without it, the clock of the recording; a record without a date is rejected. CSV,
+//! estimate (see `--date`) or, without it, the clock of the recording; a record without a date is rejected. CSV,
 //! one line per session and joint, with a header:
 //!
 //! | column | |
@@ -215,7 +215,8 @@ fn document_records(
             value(
                 place,
                 "has no date: start_time_utc_s is missing and the clock of the recording starts at its \
-                 own start; write the records as CSV with a time column"
+                 own start; repeat sinew estimate with --date 2026-11-29, or write the records as CSV \
+                 with a time column"
                     .into(),
             )
         })?;

@@ -97,3 +97,44 @@ fn shared_cases_give_offsets_of_recording_underneath() {
     assert_eq!(json["session"]["joints"], other["session"]["joints"]);
     assert!(log_info(&servo, &["--mapping", &mapping]).contains("wrap-arounds of theta"));
 }
+
+#[test]
+fn other_formats_are_named_with_their_conversion() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("robot").display().to_string();
+    let level_5 = [&b"MATLAB 5.0 MAT-file, Platform: GLNXA64"[..], &[0; 200]].concat();
+    let level_73 = [&b"MATLAB 7.3 MAT-file, Platform: GLNXA64"[..], &[0; 200]].concat();
+    for (name, content, words) in [
+        ("run.bag", b"#ROSBAG V2.0\n\0".to_vec(), "mcap convert"),
+        // By the content, whatever the name.
+        ("run.csv", b"#ROSBAG V2.0\n\0".to_vec(), "mcap convert"),
+        ("run.mat", level_5, "scipy.io.loadmat"),
+        ("run.mat", level_73, "h5py.File"),
+    ] {
+        let path = dir.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        let path = path.display().to_string();
+        for args in [
+            &["log", "info", &path][..],
+            &["init", &path, "--out", &out],
+            &["estimate", &path, "--robot", "robots/biorob-like"],
+            &["estimate", &path],
+            &[
+                "baseline",
+                &path,
+                "--robot",
+                "robots/biorob-like",
+                "--out",
+                &out,
+            ],
+        ] {
+            let output = run(args);
+            let stderr = String::from_utf8_lossy(&output.stderr);
+            let stderr = Vec::from_iter(stderr.split_whitespace()).join(" ");
+            assert_eq!(output.status.code(), Some(1), "{args:?}: {stderr}");
+            for words in [name, words] {
+                assert!(stderr.contains(words), "{args:?}: {words}: {stderr}");
+            }
+        }
+    }
+}

@@ -15,6 +15,12 @@ fn sinew(args: &[&str]) -> Output {
         .unwrap()
 }
 
+/// Messages of a command in one line.
+fn messages(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr);
+    Vec::from_iter(text.split_whitespace()).join(" ")
+}
+
 const SESSIONS: &str = "examples/10-trend/sessions.csv";
 
 #[test]
@@ -93,6 +99,65 @@ fn trend_json_lists_events_of_split_files() {
     assert_eq!(day.floor(), 20_578.0);
     let size = 1e3 * elbow["events"][0]["size_rad"]["mean"].as_f64().unwrap();
     assert!((size - 2.9).abs() < 0.8, "{size}");
+}
+
+#[test]
+fn recording_without_date_enters_trend_by_specified_date() {
+    const ROBOT: &str = "examples/05-your-own-robot";
+    const LOG: &str = "examples/05-your-own-robot/nod.csv";
+    let folder = tempfile::tempdir().unwrap();
+    let stored = folder.path().join("session.json");
+    let path = stored.to_str().unwrap();
+    let estimate = |more: &[&str]| {
+        let args = ["estimate", LOG, "--robot", ROBOT, "--json"];
+        let output = sinew(&[&args[..], more].concat());
+        std::fs::write(&stored, &output.stdout).unwrap();
+        output
+    };
+    assert!(estimate(&[]).status.success());
+    let output = sinew(&["trend", path]);
+    let text = messages(&output);
+    assert!(
+        text.contains("has no date") && text.contains("--date"),
+        "{text}"
+    );
+    for (date, time_utc_s) in [
+        ("2026-11-29", 1_795_910_400.0),
+        ("2026-11-29T08:30:00+01:00", 1_795_937_400.0),
+    ] {
+        let output = estimate(&["--date", date]);
+        assert!(output.status.success());
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(document["session"]["start_time_utc_s"], time_utc_s);
+        let warnings = document["session"]["warnings"].as_array().unwrap();
+        assert!(warnings.iter().all(|w| w["kind"] != "date-inconsistent"));
+        let output = sinew(&["trend", path, "--json"]);
+        let trend: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(trend["joints"][0]["series"][0]["time_utc_s"], time_utc_s);
+    }
+    for date in ["29.11.2026", "2026-02-30", "20261129"] {
+        let output = estimate(&["--date", date]);
+        let text = messages(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        for words in ["--date", date, "2026-11-29T08:30Z"] {
+            assert!(text.contains(words), "{words}: {text}");
+        }
+    }
+}
+
+#[test]
+fn specified_date_that_contradicts_clock_is_reported() {
+    const LOG: &str = "examples/01-stretched-arm/stretched-arm.mcap";
+    let args = ["estimate", LOG, "--robot", "robots/biorob-like", "--date"];
+    let output = sinew(&[&args[..], &["2040-05-06"]].concat());
+    let text = messages(&output);
+    assert!(
+        text.contains("warning[date-inconsistent]: date 2040-05-06"),
+        "{text}"
+    );
+    let output = sinew(&[&args[..], &["2040-05-06", "--method", "paper"]].concat());
+    let text = messages(&output);
+    assert!(text.contains("--date conflicts"), "{text}");
 }
 
 #[test]

@@ -97,6 +97,7 @@ def estimate(
     motor_torque: bool = True,
     from_s: float = 0.0,
     to_s: float | None = None,
+    date: str | None = None,
     inject: Sequence[Injection] = (),
     source: Literal["observer", "torque-sensor", "motor"] | None = None,
     comparison: Literal["matched", "paper"] | None = None,
@@ -123,6 +124,8 @@ def estimate(
       evidence of it.
     * ``motor_torque``: whether a recorded motor torque is used.
     * ``from_s``, ``to_s``: the part of the recording that is used, s.
+    * ``date``: date of the recording for ``trend``, such as ``"2026-11-29"`` or ``"2026-11-29T08:30Z"``; by default
+      that of its clock.
     * ``inject``: offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
     * The paper's settings: ``source`` of the elastic torque, ``comparison``, ``gain_per_s`` (K_I, 1/s, 20),
       ``velocity_filter`` (rad/s, 40, or ``"recorded"``), ``tau_ext`` (use the recorded external torque).
@@ -149,6 +152,7 @@ def estimate(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
+        "date": date,
         "online": online,
     }
     return Estimate(*_estimate(log, args, progress))
@@ -238,6 +242,7 @@ def estimate_each(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
+        "date": None,
         "online": False,
     }
     return EstimateEach(_estimate_each(list(logs), args, progress))

@@ -2,7 +2,7 @@
 
 use crate::feeder::{Injection, RejectionReason};
 use crate::warning::RecordingWarning;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use sinew_log::{Format, SignalSource};
 use sinew_model::offset::{Comparison, TorqueSource};
 
@@ -207,7 +207,8 @@ pub struct JointEstimate {
     pub offset_per_stiffness_error_rad: Option<f64>,
     /// Difference from the reference recording; `None` without one.
     pub difference: Option<Difference>,
-    /// Time series of the estimate.
+    /// Time series of the estimate; not part of the JSON, `--series FILE` writes it.
+    #[serde(skip)]
     pub series: Series,
 }
 
@@ -241,51 +242,30 @@ pub struct Difference {
 
 /// Time series of the estimate of a joint, averaged over at most [`Series::POINTS`] intervals.
 ///
-/// All columns have the same length; intervals without an estimate contain NaN (null in JSON).
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+/// All columns have the same length; intervals without an estimate contain NaN.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {
     /// Middle of each interval since the start of the recording, s.
     pub time_s: Vec<f64>,
     /// Mean offset in the interval, rad.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub offset_rad: Vec<f64>,
     /// Smallest offset in the interval, rad.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub offset_min_rad: Vec<f64>,
     /// Largest offset in the interval, rad.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub offset_max_rad: Vec<f64>,
     /// Mean elastic torque from the selected source, N·m.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub tau_el_nm: Vec<f64>,
     /// Mean torque of the spring by the encoders, `K (theta_measured − q)`, N·m.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub tau_spring_nm: Vec<f64>,
     /// Mean joint position in the interval, rad.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub q_rad: Vec<f64>,
     /// Share of usable frames in the interval, 0 to 1.
-    #[serde(deserialize_with = "null_is_nan")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub usable_share: Vec<f64>,
 }
 
 impl Series {
     /// Maximum number of intervals, for recordings of any length.
     pub const POINTS: usize = 2000;
-}
-
-/// Deserialises a list of numbers with null for NaN, which JSON does not support.
-fn null_is_nan<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
-    let values: Vec<Option<f64>> = Deserialize::deserialize(from)?;
-    Ok(values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
 }
 
 /// Origin of a quantity of an estimate.

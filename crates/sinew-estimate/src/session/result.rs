@@ -26,7 +26,8 @@ pub struct SessionEstimate {
     /// `None` with a baseline, or if robot.toml states none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub zero_std_rad: Option<f64>,
-    /// Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date.
+    /// Start of the evaluated interval by the clock of the recording, or the specified date, s since 1970 UTC; `None`
+    /// without a date.
     pub start_time_utc_s: Option<f64>,
     /// Duration of the evaluated interval, s.
     pub duration_s: f64,

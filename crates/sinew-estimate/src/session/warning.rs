@@ -285,4 +285,11 @@ pub enum Warning {
         /// Relative change of the stiffness if there is one; negative for a loss.
         change_ratio: Gaussian,
     },
+    /// Specified date that differs by more than a day from the clock of the recording; the specified date is used.
+    DateInconsistent {
+        /// Start of the evaluated interval by the clock of the recording, s since 1970 UTC.
+        recorded_utc_s: f64,
+        /// Specified date, s since 1970 UTC.
+        specified_utc_s: f64,
+    },
 }

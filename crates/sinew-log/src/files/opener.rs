@@ -12,9 +12,13 @@ use super::spool::{Spool, ZSTD_MAGIC};
 use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
+#[cfg(feature = "numpy")]
+use super::table::{NPY_MAGIC, NPZ_MAGIC, NumpyReader, is_archive_of_arrays};
 use crate::error::LogError;
 use crate::options::OpenOptions;
 
+/// Bytes of the start of a file that determine its format.
+const MAGIC_BYTES: u64 = 20;
 /// First bytes of an SQLite file.
 const SQLITE_MAGIC: &[u8] = b"SQLite f";
 /// Maximum size of an unpacked file, or of standard input, bytes.
@@ -37,18 +41,18 @@ pub(super) fn open_reader(
     path: Option<&Path>,
 ) -> Result<Box<dyn Reader>, LogError> {
     let io = |source| LogError::io(name, "read", source);
-    let mut magic = Vec::new();
+    let mut start = Vec::new();
     reader
         .by_ref()
-        .take(8)
-        .read_to_end(&mut magic)
+        .take(MAGIC_BYTES)
+        .read_to_end(&mut start)
         .map_err(io)?;
     reader.seek(SeekFrom::Start(0)).map_err(io)?;
     let to_error = |reason: String| LogError::not_a_recording(name, reason);
-    if magic.is_empty() {
+    if start.is_empty() {
         return Err(to_error("the file is empty".to_owned()));
     }
-    let magic = &magic[..];
+    let magic = &start[..start.len().min(mcap::MAGIC.len())];
     if magic.starts_with(ZSTD_MAGIC) {
         let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
         let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
@@ -92,8 +96,15 @@ pub(super) fn open_reader(
                 return open_spool(spool, name, options, names);
             }
         }
-    } else if let Some(what) = other_format(magic) {
-        return Err(to_error(what.to_owned()));
+    } else if is_numpy(magic, reader.as_mut()) {
+        #[cfg(not(feature = "numpy"))]
+        return Err(to_error(format!(
+            "it has arrays of NumPy, which this build does not support (cargo feature numpy); python3 -c \"import numpy as np; np.savetxt('{name}.txt', np.load('{name}'))\" writes an .npy array as text"
+        )));
+        #[cfg(feature = "numpy")]
+        Box::new(NumpyReader::open(reader, name, options)?)
+    } else if let Some(reason) = other_format(&start, name) {
+        return Err(to_error(reason));
     } else {
         Box::new(CsvReader::open(reader, name, options)?)
     };
@@ -111,26 +122,93 @@ fn open_spool(
     open_reader(Box::new(spool), name, options, names, path.as_deref())
 }
 
-/// Formats that can be mistaken for a recording.
-fn other_format(magic: &[u8]) -> Option<&'static str> {
-    let strangers: [(&[u8], &str); 5] = [
-        (b"\x1f\x8b", "it is a gzip file; unpack it first"),
+/// Whether a file has an array of NumPy, or is an archive with one.
+#[cfg(feature = "numpy")]
+fn is_numpy(magic: &[u8], reader: &mut dyn ReadSeek) -> bool {
+    magic.starts_with(NPY_MAGIC) || magic.starts_with(NPZ_MAGIC) && is_archive_of_arrays(reader)
+}
+
+/// Whether a file has an array of NumPy.
+#[cfg(not(feature = "numpy"))]
+fn is_numpy(magic: &[u8], _reader: &mut dyn ReadSeek) -> bool {
+    magic.starts_with(b"\x93NUMPY")
+}
+
+/// Content of a file of another format, and the command that converts it.
+fn other_format(start: &[u8], name: &str) -> Option<String> {
+    /// Format by its first bytes, and the file name extension of the converted file.
+    const FORMATS: [(&[u8], &str, &str); 7] = [
+        (b"#ROSBAG", "a ROS 1 bag", "mcap"),
+        (b"MATLAB 5.0 MAT-file", "a MATLAB file of level 5", "npz"),
+        (
+            b"MATLAB 7.3 MAT-file",
+            "a MATLAB file of level 7.3 (HDF5)",
+            "npz",
+        ),
+        (b"\x89HDF", "an HDF5 file", "npz"),
+        (b"\x1f\x8b", "a gzip file", ""),
         (
             b"PK\x03\x04",
-            "it is a zip file, such as an XLSX workbook; save a workbook as CSV, or unpack the file",
+            "a zip file without arrays of NumPy, such as an XLSX workbook",
+            "",
         ),
-        (
-            b"#ROSBAG",
-            "it is a ROS 1 bag; convert it to MCAP (mcap convert)",
-        ),
-        (
-            b"\x89HDF",
-            "it is an HDF5 file; export it as Parquet or CSV",
-        ),
-        (b"%PDF", "it is a PDF file"),
+        (b"%PDF", "a PDF file", ""),
     ];
-    strangers
+    let (magic, what, extension) = FORMATS
         .into_iter()
-        .find(|(start, _)| magic.starts_with(start))
-        .map(|(_, what)| what)
+        .find(|(magic, ..)| start.starts_with(magic))?;
+    let converted = Path::new(name).with_extension(extension);
+    let converted = converted.display();
+    let python = |imports: &str, arrays: &str| {
+        format!(
+            "python3 -c \"import numpy, {imports}; numpy.savez('{converted}', **{{{arrays}}})\""
+        )
+    };
+    let cure = match magic {
+        b"#ROSBAG" => format!("convert it: mcap convert {name} {converted}"),
+        b"MATLAB 5.0 MAT-file" => {
+            let arrays = format!(
+                "k: v for k, v in scipy.io.loadmat('{name}', squeeze_me=True).items() if k[0] != '_'"
+            );
+            format!("convert it: {}", python("scipy.io", &arrays))
+        }
+        b"MATLAB 7.3 MAT-file" | b"\x89HDF" => {
+            let arrays = format!(
+                "k: v[()].squeeze() for k, v in h5py.File('{name}').items() if hasattr(v, 'shape')"
+            );
+            format!("convert it: {}", python("h5py", &arrays))
+        }
+        b"\x1f\x8b" => format!("unpack it: gunzip -k {name}"),
+        b"PK\x03\x04" => "save a workbook as CSV, or unpack the file".to_owned(),
+        _ => return Some(format!("it is {what}")),
+    };
+    Some(format!("it is {what}; {cure}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_format_is_named_with_a_command_that_converts_it() {
+        let cases: [(&[u8], &str); 6] = [
+            (
+                b"#ROSBAG V2.0\n",
+                "ROS 1 bag; convert it: mcap convert runs/a.x runs/a.mcap",
+            ),
+            (
+                b"MATLAB 5.0 MAT-file, Platform",
+                "scipy.io; numpy.savez('runs/a.npz', **{k: v for k, v in scipy.io.loadmat('runs/a.x'",
+            ),
+            (b"MATLAB 7.3 MAT-file, Pla", "h5py.File('runs/a.x')"),
+            (b"\x89HDF\r\n", "an HDF5 file; convert it: python3"),
+            (b"PK\x03\x04....", "XLSX"),
+            (b"\x1f\x8b......", "gunzip -k runs/a.x"),
+        ];
+        for (start, words) in cases {
+            let reason = other_format(start, "runs/a.x").expect("another format");
+            assert!(reason.contains(words), "{reason}");
+        }
+        assert_eq!(other_format(b"MATLAB 5 export\n0,1\n", "a.csv"), None);
+    }
 }

@@ -21,6 +21,8 @@ pub enum Format {
     Parquet,
     /// SQLite file of ROS 2.
     Db3,
+    /// Arrays of NumPy, `.npy` or `.npz`.
+    Numpy,
     /// Arrays in memory.
     Arrays,
     /// Messages in memory.

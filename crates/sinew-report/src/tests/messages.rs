@@ -372,6 +372,10 @@ fn session_warnings(list: &mut List) {
         probability: 0.97,
         change_ratio: plain(ratio, 0.01),
     }));
+    all.push(Warning::DateInconsistent {
+        recorded_utc_s: MAY_2026_S,
+        specified_utc_s: MAY_2026_S + 100.0 * DAY_S,
+    });
     let mut document = of_strands();
     let session = document.session.as_mut().expect("a session");
     session.warnings = all;

@@ -18,13 +18,14 @@ const PAPER: &str = "Uncorrected (paper) estimate";
 
 /// Estimate the elongation of each tendon from a recording
 ///
-/// LOG is MCAP (ROS 2), CSV or Parquet with motor and joint positions. The robot folder contains
+/// LOG is MCAP (ROS 2), CSV, Parquet or NumPy with motor and joint positions. The robot folder contains
 /// robot.toml (stiffness, tendons) and the URDF.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
     sinew estimate monday.mcap --baseline first-day.baseline --nuisance\n  \
     sinew estimate monday.mcap --reference first-day.mcap --json\n  \
+    sinew estimate monday.csv --baseline first-day.baseline --date 2026-11-29 --json\n  \
     sinew estimate --each runs/*.mcap --baseline first-day.baseline --table runs.parquet\n  \
     sinew estimate monday.mcap --mcap monday-tendons.mcap\n  \
     sinew estimate monday.mcap --inject elbow=0.010@20")]
@@ -78,7 +79,7 @@ pub(crate) struct Estimate {
     #[command(flatten)]
     pub(super) opening: Opening,
 
-    /// Print one JSON document instead of the table (missing values: null)
+    /// Print one JSON document instead of the table (missing values: null; time series: --series)
     #[arg(long, help_heading = "Output")]
     pub(super) json: bool,
     /// Write the uncorrected estimate of every frame; .csv or .parquet
@@ -171,6 +172,7 @@ impl Estimate {
         request.reference.clone_from(&self.reference);
         request.open = self.opening.options()?;
         request.csv.clone_from(&self.csv);
+        request.date_utc_s = self.session.date;
         Ok(request)
     }
 

@@ -6,6 +6,7 @@ use crate::terminal::Failure;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{Payload, SessionError, SessionOptions, Touch, Window, stated};
+use sinew_files::date::parse_utc_s;
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 
@@ -66,6 +67,10 @@ pub(crate) struct SessionArgs {
     /// Ignore a recorded motor torque
     #[arg(long)]
     no_motor_torque: bool,
+    /// Date of the recording for `sinew trend`, such as 2026-11-29 or 2026-11-29T08:30Z
+    /// [default: clock of the recording]
+    #[arg(long, value_name = "DATE", value_parser = date, conflicts_with = "each")]
+    pub(crate) date: Option<f64>,
     /// Write the posterior as --baseline of the next session
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
@@ -120,6 +125,13 @@ pub(crate) fn temperature(text: &str) -> Result<Gaussian, String> {
     stated::temperature(c, std_k).map_err(|e| e.to_string())
 }
 
+/// Parses a date, s since 1970 UTC.
+fn date(text: &str) -> Result<f64, String> {
+    parse_utc_s(text).ok_or_else(|| {
+        "expected a date between 2000 and 2200 such as 2026-11-29 or 2026-11-29T08:30Z".to_owned()
+    })
+}
+
 impl SessionArgs {
     /// Checks that no option of the absolute estimate is specified for the uncorrected one.
     ///
@@ -133,6 +145,7 @@ impl SessionArgs {
             ("--temperature", self.temperature.is_some()),
             ("--external-force", self.external_force.is_some()),
             ("--no-motor-torque", self.no_motor_torque),
+            ("--date", self.date.is_some()),
             ("--save", self.save.is_some()),
             ("--nuisance", self.nuisance),
             ("--from", self.part.from.0 != 0.0),

@@ -10,6 +10,7 @@ use sinew_files::date::ClockColumn;
 use sinew_files::text::Encoding;
 use sinew_files::{Fault, Located, Utf16Reader};
 
+use super::blanks::{self, Blanks};
 use super::columns::{Columns, Headers};
 use super::decimal::parse_ns;
 use super::head::{self, Header};
@@ -150,6 +151,10 @@ impl CsvRows {
         let mut before = reader.by_ref().take(head.skipped_bytes);
         std::io::copy(&mut before, &mut std::io::sink()).map_err(io)?;
         start += head.skipped_bytes;
+        let (separator, reader): (u8, Box<dyn Read + Send>) = match dialect.has_blanks() {
+            true => (blanks::SEPARATOR, Box::new(Blanks::new(reader))),
+            false => (dialect.delimiter, reader),
+        };
 
         let done = Arc::new(AtomicU64::new(start));
         let meter = Meter {
@@ -158,7 +163,7 @@ impl CsvRows {
             done: Arc::clone(&done),
         };
         let mut reader = csv::ReaderBuilder::new()
-            .delimiter(dialect.delimiter)
+            .delimiter(separator)
             .flexible(true)
             .has_headers(false)
             .comment(Some(head.comment))
@@ -246,8 +251,10 @@ impl Rows for CsvRows {
                 self.done.store(self.length, Ordering::Relaxed);
                 return Ok(Row::End);
             }
-            // The CSV reader knows one mark of a comment.
-            if !is_comment(self.record.get(0).unwrap_or_default().trim_ascii_start()) {
+            // The CSV reader knows one mark of a comment, and no empty line that has blanks.
+            let first = self.record.get(0).unwrap_or_default().trim_ascii_start();
+            let is_empty = self.record.len() == 1 && first.is_empty();
+            if !is_comment(first) && !is_empty {
                 break;
             }
             start = self.base + self.reader.position().byte();
@@ -364,7 +371,7 @@ impl CsvRows {
     /// Fault of a cell of the row.
     fn located(&self, columns: &Columns, column: usize, what: &str) -> Located {
         let cell = self.record.get(column).unwrap_or(b"");
-        let cell = String::from_utf8_lossy(cell);
+        let cell = String::from_utf8_lossy(cell.trim_ascii());
         let line = self.record.position().map_or(0, csv::Position::line);
         Located::new(&self.file, Fault::WrongType, what)
             .line(self.lines_before + line)

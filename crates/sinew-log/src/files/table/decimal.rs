@@ -59,7 +59,7 @@ pub(crate) fn parse_ns(text: &[u8], exponent: i32) -> Option<i64> {
     i64::try_from(if negative { -value } else { value }).ok()
 }
 
-#[cfg(feature = "parquet")]
+#[cfg(any(feature = "parquet", feature = "numpy"))]
 /// Converts a floating-point time to nanoseconds with the full resolution of the double.
 pub(crate) fn float_ns(value: f64, exponent: i32) -> Option<i64> {
     if !value.is_finite() {

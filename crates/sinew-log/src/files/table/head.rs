@@ -1,5 +1,6 @@
 //! Head of delimited text: comments, names and values, the header, units, and exports of a PLC scope.
 
+use super::blanks::{self, Blanks};
 use super::columns::{Headers, has_usual_name};
 use sinew_files::csv::{Dialect, is_comment};
 use sinew_files::date::is_stamp;
@@ -119,29 +120,43 @@ pub(super) fn find(text: impl Read) -> std::io::Result<Head> {
         stamps.map(|(column, _)| column).collect()
     };
     let of_rows = Dialect::of_lines(&joined(&rows));
+    let has_blanks = are_blanks_separators(&rows, of_rows);
+    let of_rows = if has_blanks { Dialect::BLANKS } else { of_rows };
+    let has_numbers = |line: &&Line| is_numbers(&cells(&line.text, of_rows), of_rows);
+    let first = match has_blanks {
+        true => rows.iter().find(|line| has_numbers(line)).unwrap_or(first),
+        false => first,
+    };
     let numbers = cells(&first.text, of_rows);
     if is_numbers(&numbers, of_rows) {
-        // Comments directly above: units, and above them the names.
-        let above = comments.iter().filter(|line| line.start < first.start);
+        // Lines directly above: units, and above them the names. Only blanks permit lines that are no comments.
+        let above = lines.iter().filter(|line| line.start < first.start);
+        let fits = |names: &Vec<String>| names.len() == numbers.len() && is_names(names, of_rows);
         let above: Vec<Vec<String>> = above
-            .map(|line| {
-                let own = Dialect::of_header(unmarked(&line.text).as_bytes());
-                cells(unmarked(&line.text), own)
+            .filter_map(|line| {
+                let text = unmarked(&line.text);
+                let own = cells(text, Dialect::of_header(text.as_bytes()));
+                let by_blanks = || has_blanks.then(|| cells(text, of_rows));
+                Some(own)
+                    .filter(&fits)
+                    .or_else(|| by_blanks().filter(&fits))
             })
-            .filter(|names| names.len() == numbers.len() && is_names(names, of_rows))
             .collect();
+        // A sentence may have as many words as the rows have cells.
+        let has_usual = |names: &Vec<String>| names.iter().any(|name| has_usual_name(name));
         let last = above.len().checked_sub(1);
-        let below = last.filter(|last| *last > 0 && is_units(&above[*last]));
-        let named = match below {
-            Some(last) => Some(last - 1),
-            None => last,
-        };
+        let above_units = last.filter(|last| *last > 0 && is_units(&above[*last]));
+        let named = (above.iter().rposition(has_usual))
+            .or(above_units.map(|last| last - 1))
+            .or(last);
+        let below = named.and_then(|named| above.get(named + 1));
+        let below = below.filter(|row| is_units(row));
         let header = match named {
             Some(named) => Header::Stated(above[named].clone()),
             None => Header::None,
         };
         return Ok(Head {
-            units: below.map_or(Vec::new(), |last| bare_units(&above[last])),
+            units: below.map_or(Vec::new(), |row| bare_units(row)),
             clocks: clocks(Some(first), of_rows),
             columns: numbers.len(),
             ..head(header, of_rows, Some(first))
@@ -220,13 +235,29 @@ fn lines_of(text: &[u8]) -> Vec<Line> {
     lines
 }
 
+/// Whether blanks separate the cells of most rows, which a separator does not.
+fn are_blanks_separators(rows: &[&Line], of_rows: Dialect) -> bool {
+    let by_blanks = |line: &&&Line| {
+        let row = cells(&line.text, Dialect::BLANKS);
+        let separated = cells(&line.text, of_rows);
+        // Blanks separate thousands too, so that a row may be one number.
+        let is_separated = separated.len() > 1 && is_numbers(&separated, of_rows);
+        row.len() > 1 && is_numbers(&row, Dialect::BLANKS) && !is_separated
+    };
+    2 * rows.iter().filter(by_blanks).count() >= rows.len()
+}
+
 /// Cells of one line.
 fn cells(line: &str, dialect: Dialect) -> Vec<String> {
+    let (separator, text): (u8, Box<dyn Read + '_>) = match dialect.has_blanks() {
+        true => (blanks::SEPARATOR, Box::new(Blanks::new(line.as_bytes()))),
+        false => (dialect.delimiter, Box::new(line.as_bytes())),
+    };
     let mut reader = csv::ReaderBuilder::new()
-        .delimiter(dialect.delimiter)
+        .delimiter(separator)
         .has_headers(false)
         .flexible(true)
-        .from_reader(line.as_bytes());
+        .from_reader(text);
     let row = reader.records().next().and_then(Result::ok);
     let cells = row.iter().flat_map(csv::StringRecord::iter);
     cells.map(|cell| cell.trim().to_owned()).collect()
@@ -401,6 +432,39 @@ mod tests {
             assert_eq!(head(text).header, header, "{text}");
         }
         assert_eq!(head("# t,q\n# [s],[rad]\n0,1\n").units, ["s", "rad"]);
+    }
+
+    #[test]
+    fn blanks_separate_rows_without_another_separator() {
+        let names =
+            |names: &[&str]| Header::Stated(names.iter().map(|n| (*n).to_owned()).collect());
+        let named = names(&["t", "q"]);
+        for (text, header, columns) in [
+            ("# t q\n0 1\n1 2\n", &named, 2),
+            ("# t, q\n 0\t 1\n 1\t 2\n", &named, 2),
+            ("t q\n0 1\n1 2\n", &named, 2),
+            (
+                "# time_s q.a_rad\n# of monday\n0 1\n1 2\n",
+                &names(&["time_s", "q.a_rad"]),
+                2,
+            ),
+            ("% of monday\nt   q\n[s] [rad]\n0 1\n1 2\n", &named, 2),
+            ("0 1634.5 1 2\n1 1634.6 1 2\n", &Header::None, 4),
+            // Each row could be one number with separated thousands.
+            ("1 100 200\n2 100 200\n", &Header::None, 3),
+            ("0,5 1,5\n1,0 2,5\n", &Header::None, 2),
+        ] {
+            let head = head(text);
+            assert_eq!((&head.header, head.columns), (header, columns), "{text}");
+            assert_eq!(head.dialect.delimiter, b' ', "{text}");
+        }
+        for text in [
+            "0, 1, 2\n1, 2, 3\n",
+            "0;1 000;2\n1;1 001;3\n",
+            "t q,p\n0,1\n",
+        ] {
+            assert_ne!(head(text).dialect.delimiter, b' ', "{text}");
+        }
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! Tables: one row is one instant, columns are named signals.
 
 mod arrays;
+mod blanks;
 mod columns;
 mod csv_read;
 mod decimal;
 mod head;
+#[cfg(feature = "numpy")]
+mod numpy;
 #[cfg(feature = "parquet")]
 mod parquet_cells;
 #[cfg(feature = "parquet")]
@@ -14,6 +17,8 @@ mod propose;
 pub(super) use arrays::ArrayReader;
 pub use arrays::Arrays;
 pub(super) use csv_read::CsvReader;
+#[cfg(feature = "numpy")]
+pub(super) use numpy::{NPY_MAGIC, NPZ_MAGIC, NumpyReader, is_archive_of_arrays};
 #[cfg(feature = "parquet")]
 pub(super) use parquet_read::ParquetReader;
 pub use propose::{MappingProposal, ProposedJoint, ProposedSource, ProposedTime, TableColumn};

@@ -1,11 +1,15 @@
 //! Proposal of a mapping for a table whose columns have other names.
 
-use super::columns::{TIME_WORDS, time_unit_of_rate};
+use super::columns::{Headers, TIME_WORDS, time_unit_of_rate};
 use super::csv_read::CsvRows;
+#[cfg(feature = "numpy")]
+use super::numpy::{self, NumpyRows};
 use crate::frame::Quantity;
 use crate::mapping::time_unit_exponent;
 use sinew_files::unit::{Dimension as D, Unit};
 use std::fs::File;
+#[cfg(feature = "numpy")]
+use std::io::Read;
 use std::path::Path;
 
 /// Rows whose values are considered.
@@ -104,17 +108,13 @@ pub struct ProposedSource {
 }
 
 impl MappingProposal {
-    /// Proposes a mapping for a file; empty if it cannot be read or is not delimited text.
+    /// Proposes a mapping for a file; empty if it cannot be read or is neither delimited text nor arrays of NumPy.
     pub fn of_file(path: &Path) -> Self {
-        let read = File::open(path).ok().and_then(|file| {
-            let name = path.display().to_string();
-            CsvRows::open(Box::new(file), &name).ok()
-        });
-        let Some((mut rows, headers, has_names)) = read else {
+        let Some((headers, has_names, values)) = first_values(path) else {
             return Self::default();
         };
         let mut columns = Vec::new();
-        for (index, name) in headers.names.iter().enumerate() {
+        for ((index, name), values) in headers.names.iter().enumerate().zip(values) {
             let (label, unit) = headers.split(index);
             columns.push(TableColumn {
                 name: name.clone(),
@@ -123,14 +123,8 @@ impl MappingProposal {
                 range: None,
                 label: label.to_owned(),
                 is_clock: headers.clocks.contains(&index),
-                values: Vec::new(),
+                values,
             });
-        }
-        for _ in 0..ROWS {
-            let Some(row) = rows.numbers() else { break };
-            for (column, value) in columns.iter_mut().zip(row) {
-                column.values.push(value);
-            }
         }
         for column in &mut columns {
             let finite = column
@@ -153,10 +147,50 @@ impl MappingProposal {
     }
 }
 
+/// Headers of a table, whether it names its columns, and the first values of each.
+fn first_values(path: &Path) -> Option<(Headers, bool, Vec<Vec<f64>>)> {
+    let name = path.display().to_string();
+    #[cfg(feature = "numpy")]
+    {
+        let mut magic = [0; 6];
+        File::open(path).ok()?.read_exact(&mut magic).ok()?;
+        if magic.starts_with(numpy::NPY_MAGIC) || magic.starts_with(numpy::NPZ_MAGIC) {
+            let file = Box::new(File::open(path).ok()?);
+            let (mut rows, headers, has_names) = NumpyRows::open(file, &name).ok()?;
+            return Some((headers, has_names, rows.first_values(ROWS)));
+        }
+    }
+    let file = Box::new(File::open(path).ok()?);
+    let (mut rows, headers, has_names) = CsvRows::open(file, &name).ok()?;
+    let mut values = vec![Vec::new(); headers.names.len()];
+    for _ in 0..ROWS {
+        let Some(row) = rows.numbers() else { break };
+        for (column, value) in values.iter_mut().zip(row) {
+            column.push(value);
+        }
+    }
+    Some((headers, has_names, values))
+}
+
 impl TableColumn {
     /// Whether each value exceeds the one before.
     fn rises(&self) -> bool {
         self.values.len() > 1 && self.values.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    /// Whether the values count the rows.
+    fn is_index(&self) -> bool {
+        self.rises() && self.values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
+    }
+
+    /// Whether the values rise about evenly, as a clock does.
+    fn is_steady(&self) -> bool {
+        /// Ratio of a step to the mean step, either way: a stalled logger, not a motion.
+        const MAX_STEP_RATIO: f64 = 10.0;
+        let near =
+            |step: f64, mean: f64| (mean / MAX_STEP_RATIO..=mean * MAX_STEP_RATIO).contains(&step);
+        self.step()
+            .is_some_and(|mean| (self.values.windows(2)).all(|pair| near(pair[1] - pair[0], mean)))
     }
 
     /// Mean difference of successive values.
@@ -197,8 +231,12 @@ fn time(columns: &[TableColumn]) -> Option<ProposedTime> {
             .is_none_or(|dimension| dimension == D::Time);
         is_time && (column.is_clock || column.rises())
     };
+    // A column that counts the rows is the time only if no column is a clock.
+    let has_clock = columns.iter().any(|c| c.is_steady() && !c.is_index());
     let weight = |column: &TableColumn| {
-        4 * u8::from(column.is_named_time()) + 2 * u8::from(column.time_unit().is_some())
+        4 * u8::from(column.is_named_time())
+            + 2 * u8::from(column.time_unit().is_some())
+            + u8::from(has_clock && column.is_steady() && !column.is_index())
     };
     // Of equal columns the first.
     let candidates = columns
@@ -237,7 +275,8 @@ struct Candidate {
 
 fn joints(columns: &[TableColumn], time: Option<usize>) -> Vec<ProposedJoint> {
     let others = columns.iter().enumerate().filter(|(index, column)| {
-        Some(*index) != time && !column.is_named_time() && column.range.is_some()
+        let is_time = Some(*index) == time || column.is_named_time() || column.is_index();
+        !is_time && column.range.is_some()
     });
     let mut candidates: Vec<Candidate> = others.filter_map(candidate).collect();
     // Two positions without a name: the first is the joint side.
@@ -474,6 +513,22 @@ mod tests {
         let quantities: Vec<Quantity> = sources.iter().map(|s| s.quantity).collect();
         assert_eq!(quantities, [Quantity::Q, Quantity::Theta]);
         assert!(sources.iter().all(|s| !s.is_named && s.unit == "deg"));
+    }
+
+    #[test]
+    fn clock_is_time_where_rows_are_counted() {
+        let found = propose("", |k| {
+            let late = if k > 50.0 { 0.03 } else { 0.0 };
+            let time = 1_634_500_000.0 + 0.01 * k + late;
+            format!("{k} {time:.6} {:.6} {:.6}", q(k), 2.0 * q(k))
+        });
+        let time = found.time.expect("rises");
+        assert_eq!((time.column, time.unit.as_deref()), (1, Some("s")));
+        let columns: Vec<usize> = found.joints[0].sources.iter().map(|s| s.column).collect();
+        assert_eq!(columns, [2, 3]);
+        // Without a clock the number of the row is the only time.
+        let found = propose("", |k| format!("{k} {:.6} {:.6}", q(k), q(k)));
+        assert_eq!(found.time.expect("rises").column, 0);
     }
 
     #[test]
