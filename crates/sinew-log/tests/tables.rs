@@ -136,8 +136,9 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
         (0.1, "[joints.a] theta = { …, gear_ratio = 0.1000 }"),
         (-1.0, "[joints.a] theta = { …, sign = -1 }"),
     ] {
+        // Less than half a turn between two samples, so that nothing is taken for a wrap-around.
         let text = table("time_s,q.a_rad,theta.a_rad", 400, |step| {
-            let q = 1.2 * (0.05 * step as f64).sin();
+            let q = 0.8 * (0.03 * step as f64).sin();
             format!("{q},{}", q * factor)
         });
         let (_, health) = read(&text);
@@ -179,7 +180,9 @@ fn rows_of_second_publisher_are_excluded() {
         let [second] = &health.second_publishers[..] else {
             panic!("{health:?}");
         };
-        assert_eq!(second.samples, others, "{after_s} {every}");
+        // Of two first rows at one time the second is a repeated time stamp: nothing precedes them.
+        let undecided = u64::from(after_s == 0.0);
+        assert_eq!(second.samples + undecided, others, "{after_s} {every}");
     }
 }
 
