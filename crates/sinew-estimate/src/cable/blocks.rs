@@ -104,7 +104,7 @@ impl CableBlock {
     }
 }
 
-/// Blocks of a recording whose state is known.
+/// Blocks of a recording in which the state is known throughout: the noise of part of a block is that of no block.
 pub(super) fn blocks(samples: &[CableSample], shape: Shape) -> Vec<CableBlock> {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
         return Vec::new();
@@ -114,13 +114,22 @@ pub(super) fn blocks(samples: &[CableSample], shape: Shape) -> Vec<CableBlock> {
     let mut stop = Stop::new(shape.width_rad);
     let mut open: Option<(i64, f64, CableBlock)> = None;
     let mut before = *first;
+    // Last block with a sample of an unknown state.
+    let mut unknown_until = None;
     for sample in samples {
         if sample.time_s - before.time_s > MAX_GAP_S {
             stop = Stop::new(shape.width_rad);
         }
         let state = stop.step(sample.theta_rad - before.theta_rad);
         before = *sample;
-        let Some(z) = state else { continue };
+        let index = ((sample.time_s - first.time_s) / block_s).floor() as i64;
+        let Some(z) = state else {
+            unknown_until = Some(index);
+            continue;
+        };
+        if unknown_until == Some(index) {
+            continue;
+        }
         let value = CableBlock {
             time_s: sample.time_s,
             y_rad: sample.theta_rad - sample.q_rad,
@@ -131,7 +140,6 @@ pub(super) fn blocks(samples: &[CableSample], shape: Shape) -> Vec<CableBlock> {
             z,
             torque_z_nm: sample.torque_nm.abs() * z,
         };
-        let index = ((sample.time_s - first.time_s) / block_s).floor() as i64;
         match &mut open {
             Some((at, count, sum)) if *at == index => {
                 *count += 1.0;

@@ -235,10 +235,9 @@ impl CableBaseline {
     }
 }
 
-/// Time of the first complete block with a known state, s.
+/// Time of the first block with a known state, s.
 fn state_from_s(samples: &[CableSample], shape: Shape) -> Option<f64> {
-    let blocks = blocks(samples, shape);
-    Some(blocks.get(1)?.time_s)
+    Some(blocks(samples, shape).first()?.time_s)
 }
 
 fn has_two_loads(loads: &[CableLoad]) -> bool {

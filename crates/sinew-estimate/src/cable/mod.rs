@@ -61,8 +61,8 @@ mod tests {
             before_rad = theta_rad;
             z = (z + motion_rad / shape.width_rad).clamp(-1.0, 1.0);
             // Where the estimator knows the state, it is this one.
-            let known = stop.step(motion_rad);
-            assert!(known.is_none_or(|known| (known - z).abs() < 1e-9));
+            let state = stop.step(motion_rad);
+            assert!(state.is_none_or(|state| (state - z).abs() < 1e-9));
             let spring_rad = 1.1 * load_nm + 0.8 * shape.toe(load_nm);
             let friction_rad = (0.02 + 0.15 * load_nm) * z;
             let offset_rad = offset_rad + if time_s < 10.0 { 0.0 } else { step_rad };

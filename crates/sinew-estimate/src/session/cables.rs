@@ -85,8 +85,7 @@ pub(super) fn add(
             None => None,
             Some(learned) if learned.prior != prior(cable) => {
                 return Err(wrong(
-                    "was estimated with another stiffness_nm_per_rad or motor_friction in robot.toml"
-                        .into(),
+                    "was estimated with another stiffness_nm_per_rad or motor_friction".into(),
                 ));
             }
             Some(learned) => {
