@@ -8,10 +8,12 @@ use crate::answers::Answers;
 use crate::rest_phases;
 use crate::support::{biorob_like, biorob_like_folder, repository, work_session};
 use flat::document;
+use serde_json::{Value, json};
 use sinew_estimate::baseline::{MergeOptions, merge};
 use sinew_estimate::feeder::Injection;
 use sinew_estimate::init::Init;
 use sinew_estimate::online::trajectory;
+use sinew_estimate::replay::Estimate;
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir;
 use sinew_estimate::session::{self, BlockEstimate, Payload, SessionOptions, Touch, Window};
@@ -34,6 +36,25 @@ fn request() -> Request {
     request
 }
 
+/// Values over time of each joint, which are not part of the document.
+fn series(reading: &Estimate) -> Value {
+    let joints = reading.joints.iter().map(|joint| {
+        let s = &joint.series;
+        json!({
+            "offset_max_rad": s.offset_max_rad,
+            "offset_min_rad": s.offset_min_rad,
+            "offset_rad": s.offset_rad,
+            "q_rad": s.q_rad,
+            "tau_el_nm": s.tau_el_nm,
+            "tau_spring_nm": s.tau_spring_nm,
+            "time_s": s.time_s,
+            "usable_share": s.usable_share,
+        })
+    });
+    let numbered = joints.enumerate().map(|(i, joint)| (i.to_string(), joint));
+    Value::Object(numbered.collect())
+}
+
 // One recording by the paper's method and by the absolute method, with several settings.
 #[test]
 fn recording_results_match_golden() {
@@ -47,6 +68,7 @@ fn recording_results_match_golden() {
     };
     let result = estimate(&request(), &absolute, &mut |_| {}).unwrap().0;
     document(&mut answers, "absolute", &result);
+    document(&mut answers, "absolute series", &series(&result.reading));
 
     let paper = Plan {
         method: Method::Paper,
@@ -67,6 +89,8 @@ fn recording_results_match_golden() {
     for (about, case) in [("injected", injected), ("motor", motor)] {
         let result = estimate(&case, &paper, &mut |_| {}).unwrap().0;
         document(&mut answers, about, &result);
+        let about = format!("{about} series");
+        document(&mut answers, &about, &series(&result.reading));
     }
 
     let window = |from_s, to_s| Window { from_s, to_s };

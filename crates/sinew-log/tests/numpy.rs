@@ -3,7 +3,7 @@
 use crate::support::*;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use sinew_log::{Format, Frame, Mapping, MappingProposal, OpenOptions};
+use sinew_log::{Format, Frame, Mapping, MappingProposal, OpenOptions, ProposedSource, Quantity};
 use std::io::Write as _;
 
 const ROWS: usize = 3000;
@@ -169,6 +169,24 @@ fn archive_has_a_column_for_each_value_of_a_row() {
         let (frames, health) = read_all(recording);
         assert_signals(&frames);
         assert!(!health.is_lossy(), "{health:?}");
+    }
+}
+
+#[test]
+fn elements_of_arrays_are_proposed_by_their_index() {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    std::fs::write(file.path(), archive(&signals(), true, false)).expect("written");
+    let found = MappingProposal::of_file(file.path());
+    let time = found.time.expect("rises");
+    assert_eq!(found.columns[time.column].name, "time_ns");
+    let names: Vec<&str> = found.joints.iter().map(|j| j.name.as_str()).collect();
+    assert_eq!(names, ["joint0", "joint1"]);
+    for joint in &found.joints {
+        let quantities: Vec<Quantity> = joint.sources.iter().map(|s| s.quantity).collect();
+        assert_eq!(quantities, [Quantity::Q, Quantity::Theta]);
+        // The index is no unit.
+        let is_assumed = |source: &ProposedSource| source.unit == "rad" && !source.is_unit_stated;
+        assert!(joint.sources.iter().all(is_assumed), "{joint:?}");
     }
 }
 

@@ -537,9 +537,15 @@ impl Headers {
         let name = self.names.get(column).map_or("", |name| name.trim());
         let below = self.units.get(column).map(String::as_str);
         let below = below.filter(|unit| !unit.is_empty());
+        // `q[0]` is an element of an array.
+        let is_element = |(array, index): &(&str, &str)| {
+            let is_index = !index.is_empty() && index.bytes().all(|b| b.is_ascii_digit());
+            is_index && name.ends_with(']') && !array.ends_with(char::is_whitespace)
+        };
         let parted = [('[', ']'), ('(', ')')]
             .into_iter()
-            .find_map(|(open, close)| name.strip_suffix(close)?.rsplit_once(open));
+            .find_map(|(open, close)| name.strip_suffix(close)?.rsplit_once(open))
+            .filter(|parts| !is_element(parts));
         match parted.or_else(|| name.rsplit_once(" / ")) {
             Some((name, unit)) => (name.trim(), Some(unit.trim())),
             None => (name, below),
