@@ -410,18 +410,6 @@ fn errors_suggest_fix_and_leave_no_files() {
                 "creep",
                 "fit",
                 "rope-A.csv",
-                "--hold-out",
-                "2",
-                "--report",
-                page,
-            ],
-            "between",
-        ),
-        (
-            &[
-                "creep",
-                "fit",
-                "rope-A.csv",
                 "--law",
                 "rope",
                 "--report",
@@ -449,22 +437,10 @@ fn errors_suggest_fix_and_leave_no_files() {
         (
             &[
                 "creep",
-                "compare",
-                "rope-A.csv",
-                "--scatter",
-                "0",
-                "--report",
-                page,
-            ],
-            "--scatter",
-        ),
-        (
-            &[
-                "creep",
                 "analyze",
                 "rope-A.csv",
                 "--level",
-                "95",
+                "40%",
                 "--report",
                 page,
             ],
@@ -492,6 +468,23 @@ fn errors_suggest_fix_and_leave_no_files() {
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
         assert!(errors.contains(wanted), "{arguments:?}: {errors}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
+
+#[test]
+fn shares_outside_their_range_are_usage_errors() {
+    for (command, option, value, wanted) in [
+        ("fit", "--hold-out", "2", "between 0 and 1"),
+        ("compare", "--scatter", "0", "above 0"),
+        ("analyze", "--level", "95", "0 and 100 %"),
+    ] {
+        let output = sinew(&["creep", command, "rope-A.csv", option, value]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{option}: {errors}");
+        assert!(
+            errors.contains(option) && errors.contains(wanted),
+            "{errors}"
+        );
     }
 }
 

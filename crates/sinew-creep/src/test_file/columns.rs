@@ -4,22 +4,12 @@ use super::header::Head;
 use super::labels;
 use super::names::{quantity_of, split};
 use super::quantity::{TestQuantity as Q, parse_unit};
+use super::role::Role;
 use super::{ColumnChoice, TestQuantity};
 use crate::error::TestFileError;
 use sinew_files::names::{hint, list};
-use sinew_files::unit::{Dimension as D, Unit};
+use sinew_files::unit::Dimension as D;
 use sinew_files::{Fault, Located};
-
-/// Column with its quantity and unit.
-#[derive(Debug, Clone)]
-pub(super) struct Role {
-    pub(super) quantity: TestQuantity,
-    pub(super) index: usize,
-    pub(super) unit: Unit,
-    pub(super) unit_name: String,
-    /// Specimen of the column; `None` if the table has one specimen, or all share the column.
-    pub(super) label: Option<String>,
-}
 
 /// Words of a header of clock times or dates, which are the time where no other column is.
 const CLOCK_WORDS: [&str; 6] = [

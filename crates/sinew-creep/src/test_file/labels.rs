@@ -1,9 +1,8 @@
 //! Columns of several specimens next to each other: `elongation A [mm]`, `elongation B [mm]`.
 
 use super::TestQuantity::{self, Elongation, Modulus, Strain};
-use super::columns::Role;
-use super::names::split;
-use super::specimens::SPECIMEN_WORDS;
+use super::names::{SPECIMEN_WORDS, split};
+use super::role::Role;
 
 /// Quantities of which each specimen has its own column.
 pub(super) const MEASURED: [TestQuantity; 3] = [Elongation, Strain, Modulus];

@@ -19,6 +19,7 @@ mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod quantity;
+mod role;
 mod specimens;
 #[cfg(feature = "sheets")]
 mod workbook;

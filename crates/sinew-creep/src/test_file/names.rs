@@ -22,6 +22,20 @@ const WORDS: [(TestQuantity, &str); 10] = [
     (Q::Time, "time zeit prüfzeit elapsed timestamp t"),
 ];
 
+/// Headers that name a specimen even if their cells are numbers.
+pub(super) const SPECIMEN_WORDS: [&str; 10] = [
+    "specimen",
+    "sample",
+    "set",
+    "test",
+    "probe",
+    "prüfling",
+    "rope",
+    "seil",
+    "experiment",
+    "run",
+];
+
 /// Words that change the quantity of the word next to them; the last three are ends of an interval,
 /// and a force on two strands at the same time.
 const STRANGERS: &str = "compliance rate degree velocity speed std error target max min setpoint soll date low high carriage";

@@ -1,10 +1,11 @@
 //! Conversion of table rows to specimens.
 
 use super::cells::{Cell, Table};
-use super::columns::{Role, column_index, roles};
+use super::columns::{column_index, roles};
 use super::header::{self, Head};
 use super::labels::{self, MEASURED};
-use super::names::split;
+use super::names::{SPECIMEN_WORDS, split};
+use super::role::Role;
 use super::{SourceColumn, TestFile, TestOptions, TestQuantity};
 use crate::error::TestFileError;
 use sinew_files::date::{ClockColumn, is_stamp};
@@ -12,19 +13,6 @@ use sinew_files::names::{list, shorten};
 use sinew_files::{Fault, Located};
 use std::collections::{BTreeSet, HashMap};
 
-/// Headers that name a specimen even if their cells are numbers.
-pub(super) const SPECIMEN_WORDS: [&str; 10] = [
-    "specimen",
-    "sample",
-    "set",
-    "test",
-    "probe",
-    "prüfling",
-    "rope",
-    "seil",
-    "experiment",
-    "run",
-];
 /// Maximum number of specimens of one file; more indicate that a column of values names them.
 const MAX_SPECIMENS: usize = 20_000;
 /// Marker of an attribute that varies over a specimen.
