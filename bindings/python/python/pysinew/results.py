@@ -401,7 +401,9 @@ class BaselineResult(Record):
     segments: list[SegmentEstimate]
     """Offsets at the end of each segment of the recording."""
     start_time_utc_s: float | None
-    """Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date."""
+    """Start of the evaluated interval by the clock of the recording, or the specified date, s since 1970 UTC;
+    `None` without a date.
+    """
     temperature_c: float | None
     """Mean temperature, °C; `None` if neither recorded nor specified."""
     temperature_source: TemperatureSource
@@ -2014,6 +2016,8 @@ class Health(Record):
     """Duration of the longest gap, s."""
     messages: int
     """Number of messages (MCAP, of the topics used) or rows (tables) read."""
+    motor_ratios: list[MotorRatio]
+    """Motors whose position is a constant multiple of the joint position that is not near one."""
     non_finite: list[SignalCount]
     """Number of NaN or infinite samples per signal; they are NaN in the frames."""
     out_of_order: int
@@ -2057,6 +2061,7 @@ class Health(Record):
         "late_starts": "LateStart",
         "longest_gap_s": "",
         "messages": "",
+        "motor_ratios": "MotorRatio",
         "non_finite": "SignalCount",
         "out_of_order": "",
         "ragged_rows": "",
@@ -2271,8 +2276,6 @@ class JointEstimate(Record):
     """Reason why there is no estimate; `None` if there is one."""
     scatter_rad: float | None
     """Standard deviation of the estimates of single frames, rad."""
-    series: Series
-    """Time series of the estimate."""
     slides: bool | None
     """Whether the joint is prismatic: values in rad are then in m, and values in N·m in N."""
     standard_error_rad: float | None
@@ -2300,7 +2303,6 @@ class JointEstimate(Record):
         "offset_rad": "",
         "reason": "JointError",
         "scatter_rad": "",
-        "series": "Series",
         "slides": "",
         "standard_error_rad": "",
         "stiffness_nm_per_rad": "",
@@ -2674,6 +2676,22 @@ class Loss(Record):
     }
 
 
+class MotorRatio(Record):
+    """Motor whose position is proportional to the position of its joint with a factor that is not near one."""
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint."""
+    slope: float
+    """Slope of the motor position over the joint position."""
+
+    _fields = {
+        "joint": "",
+        "slope": "",
+    }
+
+
 class MotorTorqueErrorContradicts(Record):
     """Channel that does not follow the spring torque."""
 
@@ -2695,6 +2713,32 @@ class MotorTorqueErrorContradictsContradicts(Record):
 
     _fields = {
         "slope": "",
+    }
+
+
+class MotorTorqueErrorNegativeWork(Record):
+    """Channel whose work is negative, though a drive with friction does positive work: wrong sign of the
+    channel, or of both positions.
+    """
+
+    __slots__ = ()
+
+    negative_work: MotorTorqueErrorNegativeWorkNegativeWork
+
+    _fields = {
+        "negative_work": "MotorTorqueErrorNegativeWorkNegativeWork",
+    }
+
+
+class MotorTorqueErrorNegativeWorkNegativeWork(Record):
+
+    __slots__ = ()
+
+    work_j: float
+    """Work of the channel over the recording, J."""
+
+    _fields = {
+        "work_j": "",
     }
 
 
@@ -3606,7 +3650,7 @@ class RecordingOutcome(Record):
     error: str | None
     """Reason why the recording could not be estimated; none if it was."""
     estimate: EstimateDocument | None
-    """Estimate of the recording as printed by `sinew estimate`, without the time series."""
+    """Estimate of the recording as printed by `sinew estimate`."""
     recording: str
     """Recording as named on the command line."""
 
@@ -4671,42 +4715,6 @@ class SelectionResult(Record):
     }
 
 
-class Series(Record):
-    """Time series of the estimate of a joint, averaged over at most `Series::POINTS` intervals. All columns have
-    the same length; intervals without an estimate contain NaN (null in JSON).
-    """
-
-    __slots__ = ()
-
-    offset_max_rad: list[float | None]
-    """Largest offset in the interval, rad."""
-    offset_min_rad: list[float | None]
-    """Smallest offset in the interval, rad."""
-    offset_rad: list[float | None]
-    """Mean offset in the interval, rad."""
-    q_rad: list[float | None]
-    """Mean joint position in the interval, rad."""
-    tau_el_nm: list[float | None]
-    """Mean elastic torque from the selected source, N·m."""
-    tau_spring_nm: list[float | None]
-    """Mean torque of the spring by the encoders, `K (theta_measured − q)`, N·m."""
-    time_s: list[float]
-    """Middle of each interval since the start of the recording, s."""
-    usable_share: list[float | None]
-    """Share of usable frames in the interval, 0 to 1."""
-
-    _fields = {
-        "offset_max_rad": "",
-        "offset_min_rad": "",
-        "offset_rad": "",
-        "q_rad": "",
-        "tau_el_nm": "",
-        "tau_spring_nm": "",
-        "time_s": "",
-        "usable_share": "",
-    }
-
-
 class SessionEstimate(Record):
     """Result of a session: offset of each tendon since the baseline, or relative to the encoder zero."""
 
@@ -4757,7 +4765,9 @@ class SessionEstimate(Record):
     segments: list[SegmentEstimate]
     """Offsets at the end of each segment of the recording."""
     start_time_utc_s: float | None
-    """Start of the evaluated interval, s since 1970 UTC; `None` if the clock of the recording has no date."""
+    """Start of the evaluated interval by the clock of the recording, or the specified date, s since 1970 UTC;
+    `None` without a date.
+    """
     temperature_c: float | None
     """Mean temperature, °C; `None` if neither recorded nor specified."""
     temperature_source: TemperatureSource
@@ -5165,14 +5175,16 @@ class Step(Record):
 
 
 class StiffnessSinceBefore(Record):
-    """Stiffness change between two recordings. Offsets are averaged over both hypotheses (change, no change)."""
+    """Stiffness change between two recordings, under a model error that depends on pose and direction of motion
+    and a drift of 2 %. Offsets are averaged over both hypotheses (change, no change).
+    """
 
     __slots__ = ()
 
     change_ratio: Gaussian
     """Relative change of the stiffness if there is one; negative for a loss."""
     probability: float
-    """Probability of the change, 0 to 1."""
+    """Probability that the stiffness changed by more than 5 %, 0 to 1."""
 
     _fields = {
         "change_ratio": "Gaussian",
@@ -6134,6 +6146,36 @@ class WarningAtRestAtEnd(Record):
     }
 
 
+class WarningBeyondLimits(Record):
+    """Joint positions beyond the limits of the URDF: wrong sign, zero, unit or joint."""
+
+    __slots__ = ()
+
+    joint: str
+    """Name of the joint."""
+    kind: Literal["beyond-limits"]
+    lower_rad: float
+    """Lower limit, rad."""
+    max_rad: float
+    """Largest position, rad."""
+    min_rad: float
+    """Smallest position, rad."""
+    opposite_is_within: bool
+    """Whether the positions with the opposite sign are within the limits."""
+    upper_rad: float
+    """Upper limit, rad."""
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+        "lower_rad": "",
+        "max_rad": "",
+        "min_rad": "",
+        "opposite_is_within": "",
+        "upper_rad": "",
+    }
+
+
 class WarningBeyondPretension(Record):
     """Loop whose load exceeded twice its pretension, so that one of its strands was slack and its stiffness was
     halved.
@@ -6195,6 +6237,26 @@ class WarningChangeNearEnd(Record):
         "joint": "",
         "kind": "",
         "time_s": "",
+    }
+
+
+class WarningDateInconsistent(Record):
+    """Specified date that differs by more than a day from the clock of the recording; the specified date is
+    used.
+    """
+
+    __slots__ = ()
+
+    kind: Literal["date-inconsistent"]
+    recorded_utc_s: float
+    """Start of the evaluated interval by the clock of the recording, s since 1970 UTC."""
+    specified_utc_s: float
+    """Specified date, s since 1970 UTC."""
+
+    _fields = {
+        "kind": "",
+        "recorded_utc_s": "",
+        "specified_utc_s": "",
     }
 
 
@@ -6358,6 +6420,32 @@ class WarningJointSeized(Record):
         "joint_travel_rad": "",
         "kind": "",
         "motor_travel_rad": "",
+    }
+
+
+class WarningMotorEncoderFrozen(Record):
+    """Motor position that is constant from a time on while its joint travels farther than the effort limit bends
+    the spring: the motor encoder or its channel is frozen. The phase is excluded.
+    """
+
+    __slots__ = ()
+
+    from_s: float
+    """Start of the phase since the start of the recording, s."""
+    joint: str
+    """Name of the joint."""
+    joint_travel_rad: float
+    """Range of the joint position in the phase, rad."""
+    kind: Literal["motor-encoder-frozen"]
+    motor_rad: float
+    """Constant motor position, rad."""
+
+    _fields = {
+        "from_s": "",
+        "joint": "",
+        "joint_travel_rad": "",
+        "kind": "",
+        "motor_rad": "",
     }
 
 
@@ -6716,7 +6804,7 @@ ConditionSource = Literal["held", "stated"]
 CreepError = Union[CreepErrorFlat, CreepErrorIncompleteRope, CreepErrorIsotherm, CreepErrorNoEntry, CreepErrorNoForecast, CreepErrorNoGroupColumn, CreepErrorNoPlan, CreepErrorNoRope, CreepErrorNotFinite, CreepErrorNothingAnalysed, CreepErrorOneTemperature, CreepErrorSpecimen, CreepErrorTooFew]
 EventKind = Literal["gap", "clock-step", "late", "damage", "undecodable", "implausible-signal"]
 FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distance", "arm-mass", "heavy-link", "light-link", "density", "inertia-size", "inertia-placeholder", "inertia-not-definite", "inertia-triangle", "frequency", "sag", "too-stiff", "stiffer-than-rope", "motor-inertia", "friction", "unknown-rope", "pretension", "holding-pull", "largest-pull", "pulley-diameter", "elongation-limit", "range-width", "range-reversed", "effort-limit", "negative-limit", "speed-limit", "gravity", "gravity-up"]
-Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
+Format = Literal["mcap", "csv", "parquet", "db3", "numpy", "arrays", "messages"]
 GroupEquations = Literal["tendon", "joint"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
 JointError = Union[Literal["rigid", "no-joint-position", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia", "joint-equations", "friction-along-path"], JointErrorNoUsableFrame]
@@ -6730,7 +6818,7 @@ LossReason = Literal["settling", "joint-position", "joint-velocity", "motor-posi
 Method = Literal["absolute", "paper"]
 MissingFromRobot = Literal["tendon", "rope", "pretension"]
 MotorTorque = Literal["unused", "measured", "from-current"]
-MotorTorqueError = Union[Literal["constant", "untested"], MotorTorqueErrorContradicts]
+MotorTorqueError = Union[Literal["constant", "untested"], MotorTorqueErrorContradicts, MotorTorqueErrorNegativeWork]
 NoEntry = Union[NoEntryNoRopeLaw, NoEntryNotARopeFit, NoEntrySeveralAmplitudes, NoEntrySeveralRopes]
 NoForecast = Union[NoForecastLoad, NoForecastNoForce, NoForecastNoLoad, NoForecastNoTemperature, NoForecastTemperature]
 NoSlope = Union[NoSlopeNotFitted, NoSlopeTooFewReadings]
@@ -6766,7 +6854,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["elongated", "shortened", "no-change-detected", "offset-detected", "none-detected", "inconclusive", "transmission-lost"]
-Warning = Union[WarningAtRestAtEnd, WarningBeyondPretension, WarningCableInconclusive, WarningChangeNearEnd, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
+Warning = Union[WarningAtRestAtEnd, WarningBeyondLimits, WarningBeyondPretension, WarningCableInconclusive, WarningChangeNearEnd, WarningDateInconsistent, WarningEncoderDelay, WarningEncoderZeroOffset, WarningExternalForce, WarningExternalForceInconsistent, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesIncomplete, WarningJointSeized, WarningMotorEncoderFrozen, WarningMotorTorqueRejected, WarningMuchRejected, WarningNegativePayload, WarningNoBaseline, WarningNoJointEncoder, WarningPayloadInconsistent, WarningReferenceInconsistent, WarningRestPhaseInconsistent, WarningRopeMemory, WarningStiffnessChanged, WarningTemperatureUnknown, WarningTendonCreep, WarningTensionRejected, WarningThermalEffect, WarningTorqueRangeSmall, WarningUnexplainedResidual, WarningUnmodelledInterval]
 Forecaster = Union[Literal["combined"], Law]
 
 _CLASSES: Mapping[str, Any] = {
@@ -6885,8 +6973,11 @@ _CLASSES: Mapping[str, Any] = {
     "Load": Load,
     "Location": Location,
     "Loss": Loss,
+    "MotorRatio": MotorRatio,
     "MotorTorqueErrorContradicts": MotorTorqueErrorContradicts,
     "MotorTorqueErrorContradictsContradicts": MotorTorqueErrorContradictsContradicts,
+    "MotorTorqueErrorNegativeWork": MotorTorqueErrorNegativeWork,
+    "MotorTorqueErrorNegativeWorkNegativeWork": MotorTorqueErrorNegativeWorkNegativeWork,
     "NoEntryNoRopeLaw": NoEntryNoRopeLaw,
     "NoEntryNotARopeFit": NoEntryNotARopeFit,
     "NoEntrySeveralAmplitudes": NoEntrySeveralAmplitudes,
@@ -6974,7 +7065,6 @@ _CLASSES: Mapping[str, Any] = {
     "SecondPublisher": SecondPublisher,
     "SegmentEstimate": SegmentEstimate,
     "SelectionResult": SelectionResult,
-    "Series": Series,
     "SessionEstimate": SessionEstimate,
     "SessionPoint": SessionPoint,
     "Settings": Settings,
@@ -7036,9 +7126,11 @@ _CLASSES: Mapping[str, Any] = {
     "UnusableTemperature": UnusableTemperature,
     "UnusableTooFewReadings": UnusableTooFewReadings,
     "WarningAtRestAtEnd": WarningAtRestAtEnd,
+    "WarningBeyondLimits": WarningBeyondLimits,
     "WarningBeyondPretension": WarningBeyondPretension,
     "WarningCableInconclusive": WarningCableInconclusive,
     "WarningChangeNearEnd": WarningChangeNearEnd,
+    "WarningDateInconsistent": WarningDateInconsistent,
     "WarningEncoderDelay": WarningEncoderDelay,
     "WarningEncoderZeroOffset": WarningEncoderZeroOffset,
     "WarningExternalForce": WarningExternalForce,
@@ -7048,6 +7140,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningFewPosesOfBaseline": WarningFewPosesOfBaseline,
     "WarningFramesIncomplete": WarningFramesIncomplete,
     "WarningJointSeized": WarningJointSeized,
+    "WarningMotorEncoderFrozen": WarningMotorEncoderFrozen,
     "WarningMotorTorqueRejected": WarningMotorTorqueRejected,
     "WarningMuchRejected": WarningMuchRejected,
     "WarningNegativePayload": WarningNegativePayload,
@@ -7074,7 +7167,7 @@ _CLASSES: Mapping[str, Any] = {
     "CreepError": {"too-few": CreepErrorTooFew, "no-plan": CreepErrorNoPlan, "flat": CreepErrorFlat, "not-finite": CreepErrorNotFinite, "specimen": CreepErrorSpecimen, "nothing-analysed": CreepErrorNothingAnalysed, "no-group-column": CreepErrorNoGroupColumn, "no-rope": CreepErrorNoRope, "incomplete-rope": CreepErrorIncompleteRope, "no-entry": CreepErrorNoEntry, "no-forecast": CreepErrorNoForecast, "isotherm": CreepErrorIsotherm, "one-temperature": CreepErrorOneTemperature},
     "JointError": {"no-usable-frame": JointErrorNoUsableFrame},
     "LimitForecast": {"retension": LimitForecastRetension, "replace": LimitForecastReplace},
-    "MotorTorqueError": {"contradicts": MotorTorqueErrorContradicts},
+    "MotorTorqueError": {"contradicts": MotorTorqueErrorContradicts, "negative-work": MotorTorqueErrorNegativeWork},
     "NoEntry": {"several-amplitudes": NoEntrySeveralAmplitudes, "several-ropes": NoEntrySeveralRopes, "no-rope-law": NoEntryNoRopeLaw, "not-a-rope-fit": NoEntryNotARopeFit},
     "NoForecast": {"no-load": NoForecastNoLoad, "no-force": NoForecastNoForce, "no-temperature": NoForecastNoTemperature, "load": NoForecastLoad, "temperature": NoForecastTemperature},
     "NoSlope": {"too-few-readings": NoSlopeTooFewReadings, "not-fitted": NoSlopeNotFitted},
@@ -7086,6 +7179,6 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-specified": TrendNoteTensioningNotSpecified, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "cable-inconclusive": WarningCableInconclusive, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-range-small": WarningTorqueRangeSmall, "change-near-end": WarningChangeNearEnd, "at-rest-at-end": WarningAtRestAtEnd, "rest-phase-inconsistent": WarningRestPhaseInconsistent, "rope-memory": WarningRopeMemory, "tendon-creep": WarningTendonCreep, "external-force": WarningExternalForce, "unexplained-residual": WarningUnexplainedResidual, "no-joint-encoder": WarningNoJointEncoder, "beyond-pretension": WarningBeyondPretension, "joint-seized": WarningJointSeized, "beyond-limits": WarningBeyondLimits, "motor-encoder-frozen": WarningMotorEncoderFrozen, "negative-payload": WarningNegativePayload, "payload-inconsistent": WarningPayloadInconsistent, "external-force-inconsistent": WarningExternalForceInconsistent, "unmodelled-interval": WarningUnmodelledInterval, "much-rejected": WarningMuchRejected, "encoder-zero-offset": WarningEncoderZeroOffset, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "thermal-effect": WarningThermalEffect, "reference-inconsistent": WarningReferenceInconsistent, "encoder-delay": WarningEncoderDelay, "motor-torque-rejected": WarningMotorTorqueRejected, "tension-rejected": WarningTensionRejected, "cable-inconclusive": WarningCableInconclusive, "far-from-prior": WarningFarFromPrior, "frames-incomplete": WarningFramesIncomplete, "stiffness-changed": WarningStiffnessChanged, "date-inconsistent": WarningDateInconsistent},
 }
 Record._classes = _CLASSES
