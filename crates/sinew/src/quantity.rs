@@ -154,7 +154,7 @@ pub(crate) fn rope_temperature(text: &str) -> Result<Temperature, String> {
 pub(crate) fn duration(text: &str) -> Result<Time, String> {
     match parse(text)? {
         Time(s) if s > 0.0 && s <= 100.0 * YEAR_S => Ok(Time(s)),
-        Time(s) => Err(format!("{s} s must be above 0 and at most 100 years")),
+        _ => Err(format!("{text} must be above 0 and at most 100 years")),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::simulate_control::render;
 use crate::args::{Choice, choice};
 use crate::files::check_outputs;
-use crate::quantity::{Time, duration};
+use crate::quantity::{Time, above_zero};
 use crate::terminal::{Bar, Failure, Finish, Word, answer, complain};
 use crate::text::plain;
 use clap::Args;
@@ -34,7 +34,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Duration, s [default: from the scenario]
-    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = above_zero::<Time>, allow_hyphen_values = true)]
     duration: Option<Time>,
     /// Compression of an MCAP file
     #[arg(long, value_parser = choice(&PACKINGS), default_value = "zstd")]
