@@ -425,7 +425,8 @@ fn small_stiffness_loss_is_covered_by_interval() {
         8 * inside >= 7 * all && rms < 0.8,
         "{inside} of {all}, {rms}"
     );
-    assert!(4 * warned >= 3 * seeds, "{warned}");
+    // The question is a change by more than 5 %.
+    assert_eq!(warned, 0);
     assert!(
         others_mrad < 0.7,
         "the elbow has lost nothing: {others_mrad}"

@@ -480,15 +480,15 @@ fn baseline_file_of_version_4_is_read() {
     let robot = biorob_like();
     let state_estimate = prior(&robot).state_estimate(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let mut written = baseline(&robot, &state_estimate, &["a"], 0);
-    written.version = 5;
+    written.version = 6;
     let text = written.to_text();
     let former = text
-        .replace("\"version\":5", "\"version\":4")
+        .replace("\"version\":6", "\"version\":4")
         .replace("temperature_std_k", "temperature_deviation_k")
         .replace("change_std_k", "change_deviation_k");
     assert_eq!(former.matches("deviation_k").count(), 2, "{former}");
     assert_eq!(Baseline::parse(&former, "a").unwrap(), written);
-    let oldest = text.replace("\"version\":5", "\"version\":3");
+    let oldest = text.replace("\"version\":6", "\"version\":3");
     let error = Baseline::parse(&oldest, "a").unwrap_err().to_string();
     assert!(error.contains("version 3, expected"), "{error}");
 }

@@ -72,16 +72,17 @@ fn constant_motor_position_is_error() {
 
 /// Joint positions in another unit are an error, and no lost transmission.
 #[test]
-fn joint_positions_in_turns_are_error() {
+fn joint_positions_in_turns_or_degrees_are_error() {
     let found = estimate(|frame, _| frame.q.iter_mut().for_each(|q| *q /= std::f64::consts::TAU));
     let error = found.unwrap_err().to_string();
     assert!(error.contains("gear_ratio = 6."), "{error}");
-    let found = estimate(|frame, _| frame.q.iter_mut().for_each(|q| *q = q.to_radians()));
+    let found = estimate(|frame, _| frame.q.iter_mut().for_each(|q| *q = q.to_degrees()));
     let error = found.unwrap_err().to_string();
     assert!(error.contains("q = { …, unit = \"deg\" }"), "{error}");
 }
 
-/// The mirror image of an arm loads its springs equally, but it is beyond the limits, and its drives do negative work.
+/// The mirror image of an arm loads its springs equally, but it is beyond the limits, and the torques of its drives contradict
+/// their motion or their springs.
 #[test]
 fn opposite_sign_of_both_sides_is_warned_of() {
     let reverse = |frame: &mut Frame, joint: usize| {
@@ -103,8 +104,8 @@ fn opposite_sign_of_both_sides_is_warned_of() {
         let negative = found.warnings.iter().filter_map(|warning| match warning {
             Warning::MotorTorqueRejected {
                 joint,
-                fault: MotorTorqueError::NegativeWork { work_j },
-            } if *work_j < 0.0 => Some(joint.clone()),
+                fault: MotorTorqueError::NegativeWork { .. } | MotorTorqueError::Contradicts { .. },
+            } => Some(joint.clone()),
             _ => None,
         });
         negative.collect()

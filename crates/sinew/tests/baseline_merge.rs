@@ -93,7 +93,7 @@ fn merged_baseline_is_valid_prior() {
     let old = std::fs::read_to_string(&a).unwrap();
     std::fs::write(
         at("old.baseline"),
-        old.replace("\"version\":5", "\"version\":2"),
+        old.replace("\"version\":6", "\"version\":2"),
     )
     .unwrap();
     let old = [
@@ -107,6 +107,6 @@ fn merged_baseline_is_valid_prior() {
     refused(
         &[&old[..], &robot].concat(),
         1,
-        &["old.baseline", "version 2", "version 4 to 5"],
+        &["old.baseline", "version 2", "version 4 to 6"],
     );
 }

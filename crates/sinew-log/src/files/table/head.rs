@@ -457,7 +457,7 @@ mod tests {
             assert_eq!((&head.header, head.columns), (header, columns), "{text}");
             assert_eq!(head.dialect.delimiter, b' ', "{text}");
         }
-        // Tabs with spaces beside them are tabs.
+        // Tabs with spaces next to them are tabs.
         let tabs = head("# t, q\n 0\t 1\n 1\t 2\n");
         assert_eq!((&tabs.header, tabs.columns), (&named, 2));
         for text in [

@@ -40,6 +40,8 @@ use alloc::vec::Vec;
 pub struct MapEstimator {
     model: EstimationModel,
     executor: &'static dyn Executor,
+    /// Model error of the baseline, with which the evidence about causes is compared.
+    model_error: Option<ModelError>,
 }
 
 impl MapEstimator {
@@ -48,6 +50,7 @@ impl MapEstimator {
         Self {
             model: EstimationModel::new(prior, features),
             executor: &Sequential,
+            model_error: None,
         }
     }
 
@@ -91,7 +94,7 @@ impl MapEstimator {
     /// about causes contains the model error of the session only.
     #[must_use]
     pub fn with_model_error(mut self, error: Option<ModelError>) -> Self {
-        self.model.model_error = error;
+        self.model_error = error;
         self
     }
 
@@ -189,7 +192,8 @@ impl MapEstimator {
         payload: Payload,
         scope: SearchScope,
     ) -> Result<MapEstimate, MapError> {
-        let problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
+        let mut problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
+        problem.model_error = self.model_error.as_ref();
         ChangePointSearch {
             problem: &problem,
             scope,
@@ -255,6 +259,7 @@ mod tests {
         let mut estimator = MapEstimator {
             model,
             executor: &Sequential,
+            model_error: None,
         };
         let believed = estimator
             .prior()

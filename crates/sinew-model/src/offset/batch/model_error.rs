@@ -87,14 +87,14 @@ pub struct ModelError {
 #[derive(Debug, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Cells {
-    /// Hyperparameters.
+    /// Scales and length of the model error, and its noise.
     hyperparameters: Hyperparameters,
     /// Number of passages of each cell.
     passages: Vec<f64>,
     /// Number of blocks of each cell, until they are averaged.
     #[cfg_attr(feature = "serde", serde(skip))]
     blocks: Vec<f64>,
-    /// Mean positions.
+    /// Mean positions, rad or m.
     positions: Vec<[f64; POSITIONS]>,
     /// Mean friction state.
     directions: Vec<f64>,
@@ -197,7 +197,7 @@ impl Cells {
     }
 
     /// Covariance of the equations by the prior of the state, `A P Aᵀ`; `before`: the covariance `P`.
-    fn known(&self, before: &[f64], total: usize) -> Vec<f64> {
+    fn prior_covariance(&self, before: &[f64], total: usize) -> Vec<f64> {
         let rows = || self.rows.chunks_exact(total);
         let mut out = Vec::with_capacity(self.len() * self.len());
         for row in rows() {
@@ -229,9 +229,9 @@ impl Cells {
             .for_each(|x| *x = rounded(*x));
     }
 
-    /// Hyperparameters at the maximum of their posterior. `known`: covariance of the residuals by the prior of the state,
+    /// Hyperparameters at the maximum of their posterior. `expected`: covariance of the residuals by the prior of the state,
     /// `y`: residuals from its mean.
-    fn learn(&self, known: &[f64], y: &[f64]) -> Hyperparameters {
+    fn learn(&self, expected: &[f64], y: &[f64]) -> Hyperparameters {
         let m = self.len();
         if m == 0 {
             return MEDIANS;
@@ -239,7 +239,7 @@ impl Cells {
         let mut l = alloc::vec![0.0; m * m];
         let mut ln_posterior = |h: &Hyperparameters| {
             let mut s = self.covariance(h);
-            s.iter_mut().zip(known).for_each(|(s, known)| *s += known);
+            s.iter_mut().zip(expected).for_each(|(s, x)| *s += x);
             if cholesky::factorise(&s, &mut l, m).is_err() {
                 return f64::NEG_INFINITY;
             }
@@ -364,9 +364,8 @@ pub(super) fn posteriors(
     is_session: bool,
 ) -> Result<Vec<Posterior>, MapError> {
     let (d, total) = (problem.start.mean.len(), at.state.len());
-    let stored = problem.model.model_error.as_ref();
     // The state of another selection of equations has another layout.
-    let stored = stored.filter(|stored| {
+    let stored = problem.model_error.filter(|stored| {
         is_session && stored.gradient.len() == d && stored.joints.len() == problem.layout().joints
     });
     let distance: Vec<f64> = (problem.origin(total).iter().zip(&at.state))
@@ -487,7 +486,7 @@ impl<'a> JointEquations<'a> {
         let mut residuals: Vec<f64> = (cells.residuals.iter().zip(cells.rows.chunks_exact(total)))
             .map(|(residual, row)| residual - dot(row, distance))
             .collect();
-        let mut hyperparameters = cells.learn(&cells.known(before, total), &residuals);
+        let mut hyperparameters = cells.learn(&cells.prior_covariance(before, total), &residuals);
         let mut rows: Vec<Vec<f64>> = (cells.rows.chunks_exact(total))
             .map(|row| unknowns.row(row))
             .collect();
@@ -583,7 +582,7 @@ pub(super) fn learned(problem: &Problem<'_>, at: &MapEstimate) -> Result<ModelEr
         let moved: Vec<f64> = (cells.residuals.iter().zip(cells.rows.chunks_exact(total)))
             .map(|(residual, row)| residual - dot(row, &distance))
             .collect();
-        cells.hyperparameters = cells.learn(&cells.known(&before, total), &moved);
+        cells.hyperparameters = cells.learn(&cells.prior_covariance(&before, total), &moved);
         cells.round();
     }
     let rows = information.chunks_exact(total).enumerate();
@@ -604,7 +603,7 @@ pub(super) fn learned(problem: &Problem<'_>, at: &MapEstimate) -> Result<ModelEr
 
 /// Returns a value with nine significant digits, which are enough for an equation and short in a file.
 fn rounded(x: f64) -> f64 {
-    /// Significant digits.
+    /// Number of significant digits.
     const DIGITS: f64 = 9.0;
     if x == 0.0 || !x.is_finite() {
         return x;

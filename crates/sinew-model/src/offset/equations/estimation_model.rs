@@ -1,7 +1,6 @@
 //! Model of an estimate from blocks: the robot's prior and the properties of blocks.
 
 use super::reduced_model::ReducedModel;
-use crate::offset::batch::ModelError;
 use crate::offset::block::Block;
 use crate::offset::change::Appearance;
 use crate::offset::config::FeatureConfig;
@@ -27,8 +26,6 @@ pub(crate) struct EstimationModel {
     pub(crate) motor_torque: bool,
     /// External force that is searched for.
     pub(crate) force: Option<ForceModel>,
-    /// Model error of the baseline, with which the evidence about causes is compared.
-    pub(crate) model_error: Option<ModelError>,
 }
 
 /// Joint travel that provides one independent measurement, rad: model errors depend on the pose.
@@ -58,7 +55,6 @@ impl EstimationModel {
             noise_floor_rad: 0.12e-3,
             motor_torque: true,
             force: None,
-            model_error: None,
         }
     }
 
