@@ -173,15 +173,17 @@ fn rows_of_second_publisher_are_excluded() {
             }
         }
         let (frames, health) = read(&text);
-        assert_eq!(frames.len(), 1500, "{after_s} {every}: {health:?}");
-        for (k, frame) in frames.iter().enumerate() {
+        // Nothing follows the last row of a publisher that shows a step back.
+        let last = usize::from(every == 1 && after_s > 0.0);
+        assert_eq!(frames.len(), 1500 + last, "{after_s} {every}: {health:?}");
+        for (k, frame) in frames.iter().take(1500).enumerate() {
             assert_eq!(frame.q[0], q(k as i64), "{after_s} {every}: {k}");
         }
         let [second] = &health.second_publishers[..] else {
             panic!("{health:?}");
         };
         // Of two first rows at one time the second is a repeated time stamp: nothing precedes them.
-        let undecided = u64::from(after_s == 0.0);
+        let undecided = u64::from(every == 1);
         assert_eq!(second.samples + undecided, others, "{after_s} {every}");
     }
 }

@@ -116,11 +116,19 @@ pub(crate) fn parse<Q: Quantity>(text: &str) -> Result<Q, String> {
     Ok(Q::of_si(si))
 }
 
+/// Value as it was specified, with the unit of the quantity if none was.
+fn with_unit<Q: Quantity>(text: &str) -> String {
+    match text.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
+        true if !Q::UNIT.is_empty() => format!("{text} {}", Q::UNIT),
+        _ => text.to_owned(),
+    }
+}
+
 /// Parses a value above 0.
 pub(crate) fn above_zero<Q: Quantity>(text: &str) -> Result<Q, String> {
     match parse::<Q>(text)? {
         value if value.si() > 0.0 => Ok(value),
-        _ => Err(format!("{text} must be above 0")),
+        _ => Err(format!("{} must be above 0", with_unit::<Q>(text))),
     }
 }
 
@@ -128,7 +136,7 @@ pub(crate) fn above_zero<Q: Quantity>(text: &str) -> Result<Q, String> {
 pub(crate) fn at_least_zero<Q: Quantity>(text: &str) -> Result<Q, String> {
     match parse::<Q>(text)? {
         value if value.si() >= 0.0 => Ok(value),
-        _ => Err(format!("{text} must be at least 0")),
+        _ => Err(format!("{} must be at least 0", with_unit::<Q>(text))),
     }
 }
 
@@ -154,7 +162,10 @@ pub(crate) fn rope_temperature(text: &str) -> Result<Temperature, String> {
 pub(crate) fn duration(text: &str) -> Result<Time, String> {
     match parse(text)? {
         Time(s) if s > 0.0 && s <= 100.0 * YEAR_S => Ok(Time(s)),
-        _ => Err(format!("{text} must be above 0 and at most 100 years")),
+        _ => Err(format!(
+            "{} must be above 0 and at most 100 years",
+            with_unit::<Time>(text)
+        )),
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::cost::cost_at;
 use super::gauss_newton::{solve, solve_from};
-use super::model_error::{self, Posterior};
+use super::model_error::{self, ModelError, Posterior};
 use super::problem::Problem;
 use super::schedule::ROUGH_START;
 use super::solution::Solution;
@@ -63,11 +63,12 @@ pub(super) fn is_significant(problem: &Problem<'_>, best: &Solution, with_loss: 
 }
 
 /// The estimate averaged over the joints whose stiffness has changed since the recording before, and its posteriors under
-/// the model error.
+/// the model error. `stored`: that of the baseline.
 pub(super) fn averaged(
     problem: &Problem<'_>,
     best: Solution,
     with_loss: Solution,
+    stored: Option<&ModelError>,
 ) -> Result<(MapEstimate, Vec<Posterior>), MapError> {
     let found = best.estimate.changes.clone();
     let is_stiffness_loss = |c: &ChangePoint| {
@@ -86,7 +87,7 @@ pub(super) fn averaged(
         solve_from(problem, &changes, &state, estimate, ROUGH_START)?
     };
     let at = &with_free_stiffness.estimate;
-    let posteriors = model_error::posteriors(problem, at, true)?;
+    let posteriors = model_error::posteriors(problem, at, stored)?;
     let free = model_error::columns(problem.layout(), &at.changes, is_stiffness_loss);
     let found = stiffness_changes(problem, &posteriors, &free)?;
     let mut out = problem.complete(with_free_stiffness)?;

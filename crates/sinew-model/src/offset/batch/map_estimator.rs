@@ -192,11 +192,11 @@ impl MapEstimator {
         payload: Payload,
         scope: SearchScope,
     ) -> Result<MapEstimate, MapError> {
-        let mut problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
-        problem.model_error = self.model_error.as_ref();
+        let problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
         ChangePointSearch {
             problem: &problem,
             scope,
+            model_error: self.model_error.as_ref(),
         }
         .run()
     }

@@ -354,19 +354,19 @@ impl Unknowns {
 /// Returns the posterior of the state around `at`: one for each correlation between the model errors of baseline and
 /// recording, or a single one without a stored model error.
 ///
-/// `is_session`: whether the recording is the first one since the baseline or its chain, which it is compared with.
+/// `stored`: model error of the baseline if the recording is compared with it, not a continued recording.
 ///
 /// # Errors
 /// Returns a [`MapError`] if a linear system cannot be solved.
 pub(super) fn posteriors(
     problem: &Problem<'_>,
     at: &MapEstimate,
-    is_session: bool,
+    stored: Option<&ModelError>,
 ) -> Result<Vec<Posterior>, MapError> {
     let (d, total) = (problem.start.mean.len(), at.state.len());
     // The state of another selection of equations has another layout.
-    let stored = problem.model_error.filter(|stored| {
-        is_session && stored.gradient.len() == d && stored.joints.len() == problem.layout().joints
+    let stored = stored.filter(|stored| {
+        stored.gradient.len() == d && stored.joints.len() == problem.layout().joints
     });
     let distance: Vec<f64> = (problem.origin(total).iter().zip(&at.state))
         .map(|(a, b)| a - b)

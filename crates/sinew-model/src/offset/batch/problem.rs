@@ -1,6 +1,5 @@
 //! Recording with its prior.
 
-use super::model_error::ModelError;
 use super::normal::{NormalEquations, pose_runs};
 use super::solution::{Solution, covariance};
 use crate::cholesky;
@@ -38,8 +37,6 @@ pub(super) struct Problem<'a> {
     pub(super) start: StateEstimate,
     /// Inverse of the covariance of `start`.
     information: Vec<f64>,
-    /// Model error of the baseline, with which the evidence about causes is compared.
-    pub(super) model_error: Option<&'a ModelError>,
     /// Payload prior that was freed in `before`; it determines the prior of a payload change.
     pub(super) payload: Payload,
     pub(super) blocks: &'a [Block],
@@ -72,7 +69,6 @@ impl<'a> Problem<'a> {
             before,
             information: covariance(&start.covariance, start.mean.len())?,
             start,
-            model_error: None,
             payload,
             blocks,
             measured: (blocks.iter())

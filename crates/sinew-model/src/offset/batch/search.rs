@@ -8,7 +8,7 @@ use super::force;
 use super::gauss_newton::{refine, solve, solve_from, solve_without};
 use super::initial_friction;
 use super::lost_stiffness::{self, MAX_STIFFNESS_LOSS};
-use super::model_error;
+use super::model_error::{self, ModelError};
 use super::posterior::{CERTAIN_SIGMA, posteriors};
 use super::problem::Problem;
 use super::schedule::{COARSE, ROUGH_START, SCREENING};
@@ -71,6 +71,8 @@ impl Trial {
 pub(super) struct ChangePointSearch<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) scope: SearchScope,
+    /// Model error of the baseline, with which the evidence about causes is compared.
+    pub(super) model_error: Option<&'a ModelError>,
 }
 
 impl ChangePointSearch<'_> {
@@ -102,14 +104,15 @@ impl ChangePointSearch<'_> {
             best = self.with_slips_and_creep(alone)?;
         }
         let posteriors = posteriors(problem, &best, self.scope)?;
+        let stored = self.model_error.filter(|_| !self.scope.continues);
         let (mut estimate, evidence) = match with_stiffness {
             Some(with_stiffness) => {
-                let (estimate, evidence) = lost_stiffness::averaged(problem, best, with_stiffness)?;
+                let (estimate, evidence) =
+                    lost_stiffness::averaged(problem, best, with_stiffness, stored)?;
                 (estimate, Some(evidence))
             }
             None if force::is_open(&best) => {
-                let evidence =
-                    model_error::posteriors(problem, &best.estimate, !self.scope.continues)?;
+                let evidence = model_error::posteriors(problem, &best.estimate, stored)?;
                 (problem.complete(best)?, Some(evidence))
             }
             None => (problem.complete(best)?, None),
@@ -368,6 +371,7 @@ pub(super) fn searched(model: &EstimationModel, std_rad: f64, blocks: &[Block]) 
     let search = ChangePointSearch {
         problem: &problem,
         scope,
+        model_error: None,
     };
     search.run().unwrap()
 }
@@ -424,6 +428,7 @@ mod tests {
             let search = ChangePointSearch {
                 problem: &problem,
                 scope,
+                model_error: None,
             };
             search.run().unwrap().changes
         };
