@@ -105,15 +105,25 @@ pub(crate) fn parse<Q: Quantity>(text: &str) -> Result<Q, String> {
     }
     let unit = if unit.is_empty() { Q::UNIT } else { unit };
     let si = match Q::OTHERS.iter().find(|(name, _)| *name == unit) {
-        Some((_, factor)) => factor * value,
+        Some((_, factor)) => scaled(value, *factor),
         None => {
             let found = Unit::parse(unit, Q::DIMENSIONS);
             let found =
                 found.map_err(|_| format!("'{unit}' is not a valid unit; {}", expected()))?;
-            value * found.factor + found.offset
+            scaled(value, found.factor) + found.offset
         }
     };
     Ok(Q::of_si(si))
+}
+
+/// Product of a value and the factor of its unit. A factor such as 0.01 is no binary number: the quotient by its inverse is
+/// the nearest number to the product, so that 95 % is 0.95.
+fn scaled(value: f64, factor: f64) -> f64 {
+    let inverse = (1.0 / factor).round();
+    match factor < 1.0 && (inverse * factor - 1.0).abs() < f64::EPSILON {
+        true => value / inverse,
+        false => value * factor,
+    }
 }
 
 /// Value as it was specified, with the unit of the quantity if none was.
@@ -186,6 +196,14 @@ pub(crate) fn with_std<Q: Quantity>(
 mod tests {
     use super::*;
     use sinew_report::rope::spoken;
+
+    #[test]
+    fn decimal_values_are_the_nearest_numbers() {
+        assert_eq!(parse::<Share>("95%"), Ok(Share(0.95)));
+        assert_eq!(parse::<Length>("700mm"), Ok(Length(0.7)));
+        assert_eq!(parse::<Mass>("85g"), Ok(Mass(0.085)));
+        assert_eq!(parse::<Time>("0.3h"), Ok(Time(1080.0)));
+    }
 
     #[test]
     fn values_with_units_become_si() {
