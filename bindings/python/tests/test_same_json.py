@@ -78,7 +78,7 @@ CASES = {
     "rope show": (["rope", "show", "liros-dc000-0301"], lambda: sn.describe_rope("liros-dc000-0301")),
     "rope predict": (
         ["rope", "predict", "liros-dc000-0301", "--tension", 60, "--length", 700],
-        lambda: sn.predict_rope("liros-dc000-0301", tension_n=60.0, length_m=700 * 1e-3),
+        lambda: sn.predict_rope("liros-dc000-0301", tension_n=60.0, length_m=0.7),
     ),
     "rope predict of a joint": (
         ["rope", "predict", "--robot", ROBOT, "--joint", "elbow", "--stroke", 80, "--draws", 40],
@@ -91,12 +91,12 @@ CASES = {
     "rope select": (
         ["rope", "select", "--tension", 60, "--length", 700, "--at", "30d", "--max-diameter", 1.8, "--draws", 40],
         lambda: sn.select_rope(
-            tension_n=60.0, length_m=700 * 1e-3, times_s=[30 * 86_400.0], diameter_max_mm=1.8, draws=40
+            tension_n=60.0, length_m=0.7, times_s=[30 * 86_400.0], diameter_max_mm=1.8, draws=40
         ),
     ),
     "rope pretension": (
         ["rope", "pretension", "--robot", ROBOT, "--joint", "elbow", "--torque", 2, "--joint-radius", 25, "--draws", 20],
-        lambda: sn.plan_pretension(robot=ROBOT, joint="elbow", torque_nm=2.0, joint_radius_m=25 * 1e-3, draws=20),
+        lambda: sn.plan_pretension(robot=ROBOT, joint="elbow", torque_nm=2.0, joint_radius_m=0.025, draws=20),
     ),
     "excitation": (
         ["excitation", "--robot", ROBOT, "--poses", 2, "--candidates", 1],
