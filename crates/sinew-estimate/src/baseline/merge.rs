@@ -158,18 +158,14 @@ fn summarise(
     noise: [Vec<f64>; 2],
 ) -> (Baseline, MergeSummary) {
     let end_time_ns = parts.iter().map(|(b, _)| b.end_time_ns).max().unwrap_or(0);
-    let mut baseline = Baseline::new(
+    // A prior for `--start`, without model error: that of a recording belongs to its robot and its offsets.
+    let baseline = Baseline::new(
         robot,
         recordings.clone(),
         end_time_ns,
         state_estimate,
         noise,
     );
-    // Model errors of several recordings are not combined: that of the one with most poses is conservative.
-    let errors = parts
-        .iter()
-        .filter_map(|(part, _)| part.model_error.as_ref());
-    baseline.model_error = errors.max_by_key(|error| error.cells()).cloned();
     let summary = MergeSummary {
         robot: robot.name.clone(),
         recordings,

@@ -718,12 +718,6 @@ impl ModelError {
         sums.for_each(|(sum, variance)| *sum += variance.max(0.0));
     }
 
-    /// Number of cells of all joints.
-    #[must_use]
-    pub fn cells(&self) -> usize {
-        self.joints.iter().map(Cells::len).sum()
-    }
-
     /// Whether all numbers are finite and each has its place, for a check of files.
     #[must_use]
     pub fn is_valid(&self) -> bool {
