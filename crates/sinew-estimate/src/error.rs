@@ -112,6 +112,11 @@ pub enum SidesFault {
         /// Joints with the ratio of their motors.
         ratios: Vec<MotorRatio>,
     },
+    /// Motors that each follow the joint of the other, and not their own.
+    SwappedMotors {
+        /// Names of the joints, in pairs.
+        pairs: Vec<[String; 2]>,
+    },
     /// Motor positions that are constant in the whole recording while their joints move.
     ConstantMotor {
         /// Motors with their constant position.
@@ -172,6 +177,16 @@ impl std::fmt::Display for SidesFault {
                     f,
                     "motor and joint side are probably swapped, or one has the wrong sign: with the opposite sign the spring deflections agree better with the described masses, {}; check topics, interfaces, columns and signs (--mapping); if these are right, check gravity_m_s2 and whether the URDF lacks a counterweight",
                     springs.join(", ")
+                )
+            }
+            Self::SwappedMotors { pairs } => {
+                let pairs: Vec<String> = (pairs.iter())
+                    .map(|[one, other]| format!("'{one}' and '{other}'"))
+                    .collect();
+                write!(
+                    f,
+                    "the motor position of each of these joints follows the other joint, and not its own: {}; exchange theta of both joints in a mapping (--mapping)",
+                    pairs.join(", ")
                 )
             }
             Self::ConstantMotor { motors } => {

@@ -70,6 +70,34 @@ fn constant_motor_position_is_error() {
     }
 }
 
+/// Motor channels of two joints that are exchanged are an error that names both.
+#[test]
+fn exchanged_motors_are_error() {
+    for (one, other) in [(1, 2), (0, 3)] {
+        let found = estimate(|frame, _| frame.theta.swap(one, other));
+        let error = found.unwrap_err().to_string();
+        let names = format!("'{}' and '{}'", JOINTS[one], JOINTS[other]);
+        assert!(error.contains(&names), "{error}");
+    }
+}
+
+/// A joint position that is zero throughout is named once, and no warning has an empty torque range.
+#[test]
+fn constant_joint_position_is_warned_of_once() {
+    let found = estimate(|frame, _| frame.q[2] = 0.0).unwrap();
+    let mut seized = Vec::new();
+    for warning in &found.warnings {
+        match warning {
+            Warning::JointSeized { joint, .. } => seized.push(joint.as_str()),
+            Warning::TorqueRangeSmall { joint, torque_nm } => {
+                assert!(torque_nm.min <= torque_nm.max, "{joint}: {torque_nm:?}");
+            }
+            _ => (),
+        }
+    }
+    assert_eq!(seized, [JOINTS[2]]);
+}
+
 /// Joint positions in another unit are an error, and no lost transmission.
 #[test]
 fn joint_positions_in_turns_or_degrees_are_error() {

@@ -94,6 +94,13 @@ impl RatioSums {
         (is_tested && is_linear).then(|| q_theta / qq)
     }
 
+    /// Whether the motor moves with the joint in a constant ratio near one.
+    #[must_use]
+    pub fn is_direct(&self) -> bool {
+        let slope = self.constant_slope(f64::INFINITY);
+        slope.is_some_and(|slope| PLAUSIBLE_SLOPES.contains(&slope))
+    }
+
     /// Ratio of the motor of `joint` if it is constant and not near one; `held_rad` as in
     /// [`constant_slope`](Self::constant_slope).
     #[must_use]

@@ -64,6 +64,20 @@ fn estimate_names_load_that_baseline_lacks() {
     let mean_rad = offset_rad["mean"].as_f64().expect("a number");
     assert!(mean_rad.abs() < 4e-3, "{offset_rad}");
 
+    // Positions of the motor with the opposite sign are no elongation.
+    std::fs::write(
+        folder.path().join("mapping.toml"),
+        MAPPING.replace("scale = -0.92", "scale = 0.92"),
+    )
+    .expect("written");
+    let (code, said, errors) = run(&["estimate", &middle, "--baseline", "two.json"]);
+    assert_eq!(code, 1, "{said}{errors}");
+    assert!(
+        words(&errors).contains("[joints.jaw] theta = { …, sign = -1 }"),
+        "{errors}"
+    );
+    std::fs::write(folder.path().join("mapping.toml"), MAPPING).expect("written");
+
     let (code, said, errors) = run(&["baseline", &light, "--out", "one.json"]);
     assert_eq!(code, 0, "{said}{errors}");
     assert!(

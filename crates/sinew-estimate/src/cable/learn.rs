@@ -5,6 +5,7 @@ use super::model::{COMPLIANCE, COMPLIANCE_RATIO, CablePrior, Model, NOISE_RAD, S
 use super::regression::{Information, Posterior};
 use super::samples::CableSample;
 use serde::{Deserialize, Serialize};
+use sinew_log::{MotorRatio, RatioSums};
 use sinew_model::Gaussian;
 
 /// Scales of the grid: half an order of magnitude in steps of a factor of 1.5.
@@ -18,6 +19,15 @@ pub(super) const MIN_LOAD_RATIO: f64 = 2.0;
 pub(crate) fn reversals(prior: CablePrior, samples: &[CableSample]) -> usize {
     let load = CableLoad::of(samples, prior.amplitude_rad());
     load.map_or(0, |load| load.reversals)
+}
+
+/// Ratio of the motor of a joint if it is constant and not near one: a wrong unit, gear ratio or sign.
+pub(crate) fn motor_ratio(joint: &str, samples: &[CableSample]) -> Option<MotorRatio> {
+    let mut sums = RatioSums::default();
+    for sample in samples {
+        sums.push(sample.q_rad, sample.theta_rad);
+    }
+    sums.implausible(joint, f64::INFINITY)
 }
 
 /// Load and motion of one recording.

@@ -25,7 +25,7 @@ mod samples;
 mod session;
 
 pub use learn::{CableBaseline, CableLoad};
-pub(crate) use learn::{MIN_REVERSALS, reversals};
+pub(crate) use learn::{MIN_REVERSALS, motor_ratio, reversals};
 pub use model::CablePrior;
 pub use samples::{CableSample, CableSamples};
 pub use session::{CableEstimate, CableLimit, CableStep, CableTrace};
@@ -139,6 +139,20 @@ mod tests {
         let found = two.estimate(stroke).expect("found");
         assert_eq!(found.limits, [CableLimit::Reversals { reversals: 0 }]);
         assert!(found.trace.is_empty() && found.offset_rad.mean == 0.0);
+    }
+
+    #[test]
+    fn wrong_sign_or_gear_ratio_of_motor_is_found() {
+        let slope = |factor: f64| {
+            let mut samples = simulated(0.03, 0.0, 0.0);
+            samples.iter_mut().for_each(|s| s.theta_rad *= factor);
+            motor_ratio("jaw", &samples).map(|ratio| ratio.slope)
+        };
+        assert_eq!(slope(1.0), None);
+        for factor in [-1.0, 35.0] {
+            let found = slope(factor).expect("a ratio");
+            assert!((found / factor - 1.0).abs() < 0.05, "{found}");
+        }
     }
 
     #[test]

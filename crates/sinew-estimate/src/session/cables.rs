@@ -7,8 +7,8 @@ use super::summary::{range, retension};
 use super::warning::Warning;
 use crate::baseline::Baseline;
 use crate::cable::{CableBaseline, CableEstimate, CableLimit, CablePrior, CableSample};
-use crate::cable::{MIN_REVERSALS, reversals};
-use crate::error::{EstimateError, SessionError};
+use crate::cable::{MIN_REVERSALS, motor_ratio, reversals};
+use crate::error::{EstimateError, SessionError, SidesFault};
 use sinew_model::Gaussian;
 use sinew_model::arm::JointKind;
 use sinew_model::offset::{Block, SharedError, UNKNOWN_OFFSET_RAD};
@@ -19,7 +19,8 @@ use sinew_model::transmission::Tendon;
 /// with its name.
 ///
 /// # Errors
-/// Returns [`EstimateError::Mismatch`] for a recording without a torque or with too few reversals of such a joint.
+/// Returns [`EstimateError::Mismatch`] for a recording without a torque or with too few reversals of such a joint, and
+/// [`EstimateError::Sides`] if its motor has a wrong unit, gear ratio or sign.
 pub(super) fn learn(
     robot: &Robot,
     recordings: &[(Recorded, String)],
@@ -35,6 +36,7 @@ pub(super) fn learn(
         let mut all = Vec::new();
         for (recorded, file) in recordings {
             let samples = samples(robot, recorded, cable.axis);
+            check_ratio(joint, &samples, file)?;
             let found = reversals(prior, &samples);
             if found < MIN_REVERSALS {
                 return Err(mismatch(file, format!(
@@ -56,13 +58,31 @@ pub(super) fn learn(
     Ok(out)
 }
 
-/// Adds the results of the tendons with friction along their path to the result of a session.
+/// Checks that the motor of a joint has the unit, gear ratio and sign of the joint.
 ///
 /// # Errors
-/// Returns [`SessionError::Baseline`] if the baseline was estimated with another stiffness or friction of such a tendon.
+/// Returns [`EstimateError::Sides`] with the ratio.
+fn check_ratio(joint: &str, samples: &[CableSample], file: &str) -> Result<(), EstimateError> {
+    match motor_ratio(joint, samples) {
+        None => Ok(()),
+        Some(ratio) => Err(EstimateError::Sides {
+            file: file.to_owned(),
+            fault: SidesFault::Ratio {
+                ratios: vec![ratio],
+            },
+        }),
+    }
+}
+
+/// Adds the results of the tendons with friction along their path to the result of a session; `file` is the name of its
+/// recording.
+///
+/// # Errors
+/// Returns [`SessionError::Baseline`] if the baseline was estimated with another stiffness or friction of such a tendon,
+/// and [`EstimateError::Sides`] if its motor has a wrong unit, gear ratio or sign.
 pub(super) fn add(
     robot: &Robot,
-    recorded: &Recorded,
+    (recorded, file): (&Recorded, &str),
     baseline: Option<(&Baseline, &str)>,
     estimate: &mut SessionEstimate,
 ) -> Result<(), SessionError> {
@@ -73,6 +93,7 @@ pub(super) fn add(
             continue;
         }
         let samples = samples(robot, recorded, cable.axis);
+        check_ratio(joint, &samples, file)?;
         let learned = baseline.and_then(|(baseline, _)| {
             let mut cables = baseline.cables.iter();
             cables.find(|learned| learned.joint == joint)

@@ -184,12 +184,13 @@ pub(super) fn warnings(
 }
 
 fn torque_hardly_changed(joint: &TendonEstimate, deflection_rad: f64) -> Option<Warning> {
-    (joint.verdict == Verdict::Inconclusive && deflection_rad < MIN_DEFLECTION_RANGE_RAD).then(
-        || Warning::TorqueRangeSmall {
-            joint: joint.name.clone(),
-            torque_nm: joint.torque_nm,
-        },
-    )
+    // A joint whose blocks are all excluded has no torque; another warning names the cause.
+    let is_used = joint.torque_nm.min <= joint.torque_nm.max;
+    let is_small = is_used && deflection_rad < MIN_DEFLECTION_RANGE_RAD;
+    (joint.verdict == Verdict::Inconclusive && is_small).then(|| Warning::TorqueRangeSmall {
+        joint: joint.name.clone(),
+        torque_nm: joint.torque_nm,
+    })
 }
 
 /// Warns of the largest slip that stiction can hide in the final rest phase, and of each joint whose residual there

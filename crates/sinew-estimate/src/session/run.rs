@@ -130,7 +130,12 @@ pub fn learn_runs(
     let (mut baseline, mut estimate) = learn_recorded(robot, recorded, name, learning)?;
     baseline.cables = cables::learn(robot, &recordings)?;
     // The first recording relative to all of them, for the parameters in the result.
-    cables::add(robot, recorded, Some((&baseline, name)), &mut estimate)?;
+    cables::add(
+        robot,
+        (recorded, name),
+        Some((&baseline, name)),
+        &mut estimate,
+    )?;
     for (further, _) in recordings.iter().skip(1) {
         estimate.damaged |= further.damaged;
     }
@@ -414,7 +419,7 @@ pub fn estimate_segment(
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
     let mut solved = solve_stretch(robot, recorded, name, baseline, options)?;
-    cables::add(robot, recorded, baseline.0, &mut solved.estimate)?;
+    cables::add(robot, (recorded, name), baseline.0, &mut solved.estimate)?;
     Ok((solved.estimate, solved.next))
 }
 

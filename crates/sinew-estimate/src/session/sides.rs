@@ -103,18 +103,57 @@ fn check_ratios(robot: &Robot, recorded: &Recorded, name: &str) -> Result<(), Es
     }
 }
 
-/// Checks that no position has a wrong unit, gear ratio or sign, before any block is excluded: a transmission that is lost
-/// has no constant ratio.
+/// Checks that no two motors are exchanged: each would follow the joint of the other.
 ///
 /// # Errors
-/// Returns [`EstimateError::Sides`] with the ratios, or with the positions in degrees.
+/// Returns [`EstimateError::Sides`] with the joints.
+fn check_swapped_motors(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+) -> Result<(), EstimateError> {
+    // A motor that moves several joints follows none of them.
+    if Routings::of(&robot.transmissions).is_some() {
+        return Ok(());
+    }
+    let follows = |motor: usize, joint: usize| {
+        let mut sums = RatioSums::default();
+        for block in &recorded.blocks {
+            sums.push(block.turned[joint], block.turned[motor] + block.y[motor]);
+        }
+        sums.is_direct()
+    };
+    let lost = recorded.elastic.iter().filter(|&&i| !follows(i, i));
+    let lost: Vec<usize> = lost.copied().collect();
+    let mut pairs = Vec::new();
+    for (k, &i) in lost.iter().enumerate() {
+        let mut others = lost.iter().skip(k + 1);
+        if let Some(&other) = others.find(|&&j| follows(i, j) && follows(j, i)) {
+            pairs.push([i, other].map(|j| robot.tendon_name(j).to_owned()));
+        }
+    }
+    match pairs.is_empty() {
+        true => Ok(()),
+        false => Err(EstimateError::Sides {
+            file: name.into(),
+            fault: SidesFault::SwappedMotors { pairs },
+        }),
+    }
+}
+
+/// Checks that no position has a wrong unit, gear ratio or sign, and that no motors are exchanged, before any block is
+/// excluded: a transmission that is lost has no constant ratio.
+///
+/// # Errors
+/// Returns [`EstimateError::Sides`] with the ratios, the positions in degrees, or the exchanged motors.
 pub(super) fn check_scales(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
 ) -> Result<(), EstimateError> {
     check_ratios(robot, recorded, name)?;
-    check_units(robot, recorded, name)
+    check_units(robot, recorded, name)?;
+    check_swapped_motors(robot, recorded, name)
 }
 
 /// Checks that no joint has exchanged motor and joint sides, a wrong sign, or a constant motor position.

@@ -197,8 +197,16 @@ pub(super) fn sections(page: Page, session: &SessionEstimate, head: &str) -> Pag
 /// Tabulates the results of all tendons for the report.
 fn numbers(session: &SessionEstimate, head: &str) -> Table {
     let torques = |j: &&TendonEstimate| {
-        let [low, high] = [j.torque_nm.min, j.torque_nm.max].map(|t| rounded(t, 2));
-        format!("{low} to {high}")
+        let torque_nm = j.torque_nm;
+        // All blocks of a joint may be excluded.
+        match torque_nm.min <= torque_nm.max {
+            true => format!(
+                "{} to {}",
+                rounded(torque_nm.min, 2),
+                rounded(torque_nm.max, 2)
+            ),
+            false => "–".to_owned(),
+        }
     };
     let table = tendons(session, head)
         .columns(["stiffness vs. robot.toml\n(%)", CI_HEAD], |j| {
