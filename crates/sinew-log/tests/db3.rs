@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use rusqlite::{Connection, params};
-use sinew_log::{Format, Frame, OpenOptions, TopicUse, open};
+use sinew_log::{Format, Frame, OpenOptions, Recording, TopicUse, open};
 use std::path::Path;
 
 const STEPS: i64 = 700;
@@ -111,6 +111,50 @@ fn compressed_bag_in_folder_is_read() {
     // From memory, too.
     let recording = open_bytes(&bytes, "a.db3", &OpenOptions::default()).unwrap();
     assert_eq!(read_all(recording).0.len(), STEPS as usize);
+}
+
+/// Replaces the messages of a bag by what a statement makes of them, and opens it.
+fn reopened(change: &str, options: &OpenOptions) -> Result<Recording, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.db3");
+    bag(&path, false);
+    let text = format!("ALTER TABLE messages RENAME TO kept; DROP INDEX timestamp_idx; {change}");
+    let changed = Connection::open(&path).unwrap().execute_batch(&text);
+    changed.unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    open_bytes(&bytes, "a.db3", options).map_err(|error| error.to_string())
+}
+
+#[test]
+fn tables_that_sqlite_computes_are_errors() {
+    let endless = "WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n)";
+    for change in [
+        format!(
+            "CREATE VIEW Messages AS {endless} SELECT k AS id, 1 AS topic_id, k AS timestamp, \
+             zeroblob(1000000000) AS data FROM n;"
+        ),
+        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, \
+         data BLOB GENERATED ALWAYS AS (zeroblob(1000000000)) VIRTUAL); \
+         INSERT INTO messages SELECT id, topic_id, timestamp FROM kept;"
+            .to_owned(),
+    ] {
+        let error = reopened(&change, &OpenOptions::default()).unwrap_err();
+        assert!(error.contains("plain tables"), "{error}");
+    }
+}
+
+#[test]
+fn message_beyond_limit_costs_only_itself() {
+    let change = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, \
+                  timestamp INTEGER, data BLOB); INSERT INTO messages SELECT * FROM kept; \
+                  UPDATE messages SET data = zeroblob(1000000) WHERE id = 8;";
+    let options = OpenOptions {
+        chunk_limit_bytes: 100_000,
+        ..OpenOptions::default()
+    };
+    let (frames, health) = read_all(reopened(change, &options).unwrap());
+    assert!(frames.len() >= STEPS as usize - 1, "{}", frames.len());
+    assert!(health.is_lossy(), "{health:?}");
 }
 
 #[test]

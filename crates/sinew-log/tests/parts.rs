@@ -44,6 +44,21 @@ fn is_whole(recording: Recording) {
     assert!(total > 0);
 }
 
+/// A named pipe, such as a shell's `<(zstd -dc run.mcap.zst)`, is read like the file.
+#[cfg(unix)]
+#[test]
+fn named_pipe_is_read() {
+    let folder = folder();
+    let path = folder.path().join("pipe.mcap");
+    let made = std::process::Command::new("mkfifo").arg(&path).status();
+    assert!(made.unwrap().success());
+    let to = path.clone();
+    let writer = std::thread::spawn(move || std::fs::write(to, part(0)).unwrap());
+    let (frames, _) = read_all(open(&path, &OpenOptions::default()).unwrap());
+    writer.join().unwrap();
+    assert_eq!(frames.len(), 100);
+}
+
 #[test]
 fn files_of_one_recording_are_read_in_the_order_of_their_times() {
     let folder = folder();

@@ -1,8 +1,9 @@
 //! Checks of output paths before a computation starts.
 
-use crate::terminal::{Failure, is_specified, name_output, take_stdout};
+use crate::terminal::{Failure, inputs_on_command_line, is_specified, name_output, take_stdout};
 use sinew_files::{OutputError, folder_of, is_stdout, write_file};
 use sinew_log::{LogError, Table};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Name of an option and its file, if one is specified.
@@ -61,6 +62,12 @@ pub fn check_outputs(outputs: &[Named<'_>], inputs: &[Named<'_>]) -> Result<(), 
         if let Some((other, _)) = others.into_iter().find(|(_, p)| is_same(*p)) {
             return Err(place(format!("is the same file as {other}")));
         }
+        if let Some(argument) = input_that_holds(path, outputs) {
+            let argument = argument.display();
+            return Err(place(format!(
+                "is an input of this command ({argument}); specify another file"
+            )));
+        }
     }
     for (option, path) in outputs {
         if let Some(path) = path {
@@ -68,6 +75,26 @@ pub fn check_outputs(outputs: &[Named<'_>], inputs: &[Named<'_>]) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// Argument of the command line that is the existing file `output`, or a folder that a command reads it from: the folder of a
+/// robot or of recordings. The arguments of output options do not count.
+fn input_that_holds(output: &Path, outputs: &[Named<'_>]) -> Option<PathBuf> {
+    let output = output.canonicalize().ok()?;
+    let is_read = |folder: &Path| {
+        let extensions: &[&str] = match folder.join("robot.toml").is_file() {
+            true => &["toml", "urdf", "xml"],
+            false => &["db3", "mcap", "yaml", "zst", "zstd"],
+        };
+        let extension = output.extension().map(OsStr::to_ascii_lowercase);
+        extension.is_some_and(|e| extensions.iter().any(|read| e == *read))
+    };
+    let holds = |argument: &PathBuf| match argument.canonicalize() {
+        Ok(folder) if folder.is_dir() => output.parent() == Some(&folder) && is_read(&folder),
+        Ok(file) => file == output,
+        Err(_) => false,
+    };
+    inputs_on_command_line(outputs).into_iter().find(holds)
 }
 
 /// Creates a folder and its parents if they are missing.

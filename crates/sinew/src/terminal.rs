@@ -1,6 +1,6 @@
 //! Output to stdout and stderr, and exit states of commands.
 
-use crate::text::plain;
+use crate::text::{plain, plain_lines};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sinew_files::JsonDocument;
@@ -152,6 +152,23 @@ pub fn is_specified(option: &str) -> bool {
     arguments.is_some_and(|all| all.iter().any(|argument| argument == option))
 }
 
+/// Arguments of the command line, without those of the output options: values of other options and positional ones.
+pub(crate) fn inputs_on_command_line(outputs: &[(&str, Option<&Path>)]) -> Vec<PathBuf> {
+    let is_output = |option: &str| outputs.iter().any(|(output, _)| *output == option);
+    let mut inputs = Vec::new();
+    let mut arguments = ARGUMENTS.get().into_iter().flatten().skip(1);
+    while let Some(argument) = arguments.next() {
+        let text = argument.to_string_lossy();
+        match text.split_once('=') {
+            _ if is_output(&text) => drop(arguments.next()),
+            Some((option, _)) if is_output(option) => (),
+            Some((option, value)) if option.starts_with("--") => inputs.push(value.into()),
+            _ => inputs.push(argument.into()),
+        }
+    }
+    inputs
+}
+
 /// Writes the result to stdout, or to stderr if an output file uses stdout.
 ///
 /// # Errors
@@ -211,8 +228,17 @@ pub fn complain_coded(word: Word, message: &Message) {
     print_message(word, &plain(&message.tag()));
 }
 
-/// Writes a message without a code to stderr, `warning: text`.
+/// Characters of a message at most: it may quote a cell or a name of a file that nobody looked at.
+const MESSAGE_CHARACTERS: usize = 8_000;
+
+/// Writes a message without a code to stderr, `warning: text`; control characters are replaced.
 pub fn complain(word: Word, text: &str) {
+    let mut text = plain_lines(text);
+    if let Some((end, _)) = text.char_indices().nth(MESSAGE_CHARACTERS) {
+        let left = text[end..].chars().count();
+        text.truncate(end);
+        text += &format!("… ({left} more characters)");
+    }
     print_message(word, &format!(": {text}"));
 }
 

@@ -548,6 +548,27 @@ fn outputs_are_checked_first_never_replace_inputs() {
         &["--report", "cannot create the folder"],
     );
     with(&["--csv", "."], &["is a folder"]);
+    // A file of the robot's folder, which no option names, and one that another option names.
+    let own = dir.path().join("rr");
+    std::fs::create_dir(&own).unwrap();
+    for entry in std::fs::read_dir(&robot).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, own.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let toml = std::fs::read(own.join("robot.toml")).unwrap();
+    for report in ["rr/robot.toml", "rr/../rr/robot.toml"] {
+        for robot in [&["--robot", "rr"][..], &["--robot=rr"]] {
+            let args = [&["estimate", "s.mcap", "--report", report], robot].concat();
+            let words = ["--report", "is an input of this command"];
+            refused(&args, dir.path(), 1, &words);
+        }
+    }
+    assert_eq!(std::fs::read(own.join("robot.toml")).unwrap(), toml);
+    std::fs::write(dir.path().join("d.toml"), "").unwrap();
+    let args = ["rope", "select", "--duty", "d.toml", "--report", "d.toml"];
+    refused(&args, dir.path(), 1, &["is an input of this command"]);
     assert_eq!(std::fs::read(dir.path().join("s.mcap")).unwrap(), before);
 
     // A refused run leaves an older result as it was.

@@ -69,6 +69,11 @@ impl<'f> Room<'f> {
         self.take(AS_CELLS)
     }
 
+    /// Counts a text as the cells that need as much memory: compressed formats repeat a long text for few bytes.
+    pub(super) fn take_text(&mut self, text: &str) -> Result<(), TestFileError> {
+        self.take(text.len() / size_of::<Cell>())
+    }
+
     /// Counts cells against the limit.
     pub(super) fn take(&mut self, cells: usize) -> Result<(), TestFileError> {
         self.taken = self.taken.saturating_add(cells as u64);
@@ -121,5 +126,22 @@ impl Table {
             table.places.push(line);
         }
         Ok(table)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeated_long_texts_exceed_limit() {
+        let text = "x".repeat(1 << 20);
+        let mut room = Room::new("a.parquet");
+        let most = limits::TEST_CELLS.length() * size_of::<Cell>() / text.len();
+        for _ in 0..most {
+            room.take_text(&text).expect("within the limit");
+        }
+        let error = room.take_text(&text).expect_err("beyond the limit");
+        assert!(error.to_string().contains("more cells"), "{error}");
     }
 }

@@ -38,12 +38,14 @@ fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
     for (index, row) in reader.get_row_iter(None).map_err(invalid)?.enumerate() {
         room.take_row()?;
         room.take(table.rows[0].len())?;
-        table.rows.push(
-            row.map_err(invalid)?
-                .get_column_iter()
-                .map(|(_, field)| cell(field))
-                .collect(),
-        );
+        let row = row.map_err(invalid)?;
+        for (_, field) in row.get_column_iter() {
+            if let Field::Str(text) = field {
+                room.take_text(text)?;
+            }
+        }
+        let cells = row.get_column_iter().map(|(_, field)| cell(field));
+        table.rows.push(cells.collect());
         table.places.push(index as u64 + 1);
     }
     Ok(table)

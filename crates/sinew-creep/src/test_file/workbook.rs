@@ -66,6 +66,9 @@ pub(super) fn read(
                     row.resize(column + 1, Cell::Empty);
                 }
                 row[column] = cell(&data);
+                if let Cell::Text(text) = &row[column] {
+                    room.take_text(text)?;
+                }
             }
             let mut table = Table {
                 title,

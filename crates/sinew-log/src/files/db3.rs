@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::io::{Error, Result};
 use std::path::Path;
 
-use rusqlite::{Connection, OpenFlags, params};
+use rusqlite::config::DbConfig;
+use rusqlite::{Connection, OpenFlags, OptionalExtension as _, params};
 
 use super::mcap::BagReader;
 use super::mcap::messages::{Item, Messages, Summary};
@@ -54,14 +55,44 @@ pub(super) fn open(
 ) -> std::result::Result<Db3Reader, LogError> {
     let to_error =
         |e: rusqlite::Error| LogError::not_a_recording(file, format!("not a ROS 2 bag: {e}"));
-    let bag = Db3::open(kept, path, options.chunk_limit_bytes).map_err(to_error)?;
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let bag = Connection::open_with_flags(path, flags).map_err(to_error)?;
+    if let Some(computed) = computed_table(&bag).map_err(to_error)? {
+        return Err(LogError::not_a_recording(
+            file,
+            format!(
+                "not a ROS 2 bag: '{computed}' is a view, a virtual table or has generated columns; \
+                 rosbag2 writes plain tables"
+            ),
+        ));
+    }
+    let bag = Db3::of(bag, kept, path, options.chunk_limit_bytes).map_err(to_error)?;
     BagReader::of(bag, file, options)
 }
 
+/// Table of a bag whose rows SQLite would compute: a hostile file computes without end, or without bound.
+fn computed_table(bag: &Connection) -> rusqlite::Result<Option<String>> {
+    bag.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false)?;
+    let other = "SELECT name FROM sqlite_schema WHERE lower(name) IN ('topics', 'messages') \
+                 AND (type <> 'table' OR sql LIKE 'create virtual%')";
+    let generated = "SELECT t.name FROM (SELECT 'topics' AS name UNION SELECT 'messages') AS t, \
+                     pragma_table_xinfo(t.name) AS c WHERE c.hidden <> 0";
+    for text in [other, generated] {
+        let found = bag.query_row(text, [], |row| row.get(0)).optional()?;
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    Ok(None)
+}
+
 impl Db3 {
-    fn open(kept: Box<dyn ReadSeek>, path: &Path, limit: usize) -> rusqlite::Result<Self> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let bag = Connection::open_with_flags(path, flags)?;
+    fn of(
+        bag: Connection,
+        kept: Box<dyn ReadSeek>,
+        path: &Path,
+        limit: usize,
+    ) -> rusqlite::Result<Self> {
         let mut topics = BTreeMap::new();
         let text = "SELECT id, name, type, serialization_format FROM topics ORDER BY id";
         let mut statement = bag.prepare(text)?;
@@ -101,18 +132,26 @@ impl Db3 {
     fn fetch(&mut self) -> rusqlite::Result<()> {
         self.batch.clear();
         self.at = 0;
-        let text = "SELECT id, topic_id, timestamp, data FROM messages \
-                    WHERE (timestamp, id) > (?1, ?2) ORDER BY timestamp, id LIMIT ?3";
+        // A message beyond the limit is read as an empty one, which its decoder rejects.
+        let text = "SELECT id, topic_id, timestamp, CASE WHEN length(data) <= ?4 THEN data END \
+                    FROM messages WHERE (timestamp, id) > (?1, ?2) ORDER BY timestamp, id LIMIT ?3";
+        let limit = i64::try_from(self.limit).unwrap_or(i64::MAX);
         let mut statement = self.bag.prepare(text)?;
-        let mut rows = statement.query(params![self.fetched.0, self.fetched.1, BATCH])?;
+        let mut rows = statement.query(params![self.fetched.0, self.fetched.1, BATCH, limit])?;
+        let mut bytes = 0;
         while let Some(row) = rows.next()? {
             let time_ns = row.get(2)?;
+            let data: Vec<u8> = row.get::<_, Option<_>>(3)?.unwrap_or_default();
+            bytes += data.len();
             self.fetched = (time_ns, row.get(0)?);
             self.batch.push(Row {
                 topic: row.get(1)?,
                 time_ns,
-                data: row.get(3)?,
+                data,
             });
+            if bytes >= self.limit {
+                break;
+            }
         }
         Ok(())
     }

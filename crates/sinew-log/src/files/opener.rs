@@ -28,8 +28,14 @@ pub(super) const UNPACKED_LIMIT_BYTES: u64 = sinew_files::limits::UNPACKED.most;
 pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
-    let (names, path) = (list_names(path), Some(path));
-    open_reader(Box::new(file), &name, options, &names, path)
+    let names = list_names(path);
+    // A named pipe cannot be read twice.
+    if file.metadata().is_ok_and(|file| !file.is_file()) {
+        let spool = Spool::of(file, UNPACKED_LIMIT_BYTES);
+        let spool = spool.map_err(|source| LogError::io(&name, "read", source))?;
+        return open_spool(spool, &name, options, &names);
+    }
+    open_reader(Box::new(file), &name, options, &names, Some(path))
 }
 
 /// Opens the content of one file in any format; `path` is its location.

@@ -7,12 +7,11 @@ use super::api::{
 };
 #[cfg(feature = "schema")]
 use super::describe::EmptyBody;
-use super::{App, assets, events, guard, handlers, metrics, records};
+use super::{App, assets, events, guard, handlers, metrics, records, serve};
 #[cfg(feature = "schema")]
 use crate::store::RecordQuery;
 use axum::Router;
-use axum::extract::DefaultBodyLimit;
-use axum::middleware::from_fn_with_state;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::routing::{MethodRouter, get, post};
 #[cfg(feature = "schema")]
 use sinew_watch_core::{command::Command, due::DueList};
@@ -96,7 +95,7 @@ pub fn router(app: App) -> Router {
     ];
     let all = (files.into_iter()).fold(api, |router, path| router.route(path, get(assets::file)));
     all.fallback(guard::not_found)
-        .layer(DefaultBodyLimit::max(BODY_MOST))
+        .layer(from_fn(serve::complete))
         .layer(from_fn_with_state(app.guard.clone(), guard::guard))
         .with_state(app)
 }

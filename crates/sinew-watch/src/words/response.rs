@@ -15,6 +15,10 @@ pub const UNKNOWN_HOST: &str = "unknown host name; add it to [web] host_names";
 pub const HEADER_REQUIRED: &str = "missing header x-sinew: 1, required for writing";
 /// Reason for a request body that is not JSON.
 pub const JSON_REQUIRED: &str = "unsupported content type, expected application/json";
+/// Reason for a request body beyond the limit.
+pub const BODY_TOO_LONG: &str = "body too long, at most 64 KiB";
+/// Reason for a request body that does not arrive in time.
+pub const BODY_TOO_SLOW: &str = "body not complete within 10 s";
 /// Reason for a request from a page of another site.
 pub const CROSS_SITE: &str = "cross-site request rejected";
 /// Reason if the maximum number of exports is in progress.

@@ -3,7 +3,7 @@
 use crate::files::{Named, check_outputs, write_table, write_text};
 use crate::quantity::{Area, Length, Share, Temperature, Time, above_zero, at_least_zero, part};
 use crate::terminal::{Bar, Failure, Word, answer_as, complain};
-use crate::text::{plain, plain_lines};
+use crate::text::plain;
 use clap::Args;
 use sinew_creep::{
     AnalyzeOptions, AnalyzeRequest, ColumnChoice, Conditions, PrepareOptions, Source, Specimen,
@@ -159,7 +159,7 @@ impl TestFiles {
             bar.set(done as f64, of as f64);
         });
         drop(bar);
-        let tests = tests.map_err(|e| Failure::Error(plain_lines(&e.to_string())))?;
+        let tests = tests.map_err(|e| Failure::Error(e.to_string()))?;
         warn(&tests.failures);
         Ok(tests)
     }
