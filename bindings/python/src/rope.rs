@@ -427,7 +427,13 @@ pub(crate) fn select_rope(
             task.duty = Some(recorded.duty(tracker)?);
         }
         let request = task.request(tendon.as_ref())?;
-        Ok(select::select(&catalogue, &request, &constraints)?)
+        let report = |done: f64| tracker.at(done, 1.0);
+        Ok(select::select_with_progress(
+            &catalogue,
+            &request,
+            &constraints,
+            &report,
+        )?)
     })?;
     let is_lossy = found.candidates.is_empty();
     Ok(Shown::new(found, selection_table)

@@ -1,11 +1,14 @@
 //! Computing time of the rope law: a year of one-minute steps under varying and under constant load, one step, one
-//! ramp.
+//! ramp, and a duty of two blocks with a ramp over a year and over a century.
 //!
 //! `cargo bench -p sinew-rope --bench rope`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use sinew_rope::history::History;
 use sinew_rope::law::entry::CatalogueEntry;
 use sinew_rope::law::{Law, RopeLoad, State, ramp};
+use sinew_rope::predict::YEAR_S;
+use sinew_rope::{Duty, Stretch};
 use std::hint::black_box;
 
 const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
@@ -89,5 +92,33 @@ fn single(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, year, single);
+/// The cycle of a day and one of 15 s: the time must not grow with the number of cycles.
+fn duty(c: &mut Criterion) {
+    let law = law();
+    let mut group = c.benchmark_group("duty of two blocks with a ramp");
+    for (name, cycle_s) in [("a day", 86_400.0), ("15 s", 15.0)] {
+        let load = |n: f64| RopeLoad::celsius(n, 40.0);
+        let ramp = Stretch {
+            from: load(60.0),
+            to: load(90.5),
+            duration_s: cycle_s / 3.0,
+        };
+        let duty = Duty {
+            about: name.into(),
+            stretches: vec![ramp, Stretch::hold(load(30.0), 2.0 * cycle_s / 3.0)],
+            repeat: true,
+        };
+        for years in [1.0, 100.0] {
+            group.bench_function(format!("cycle of {name}, {years} years"), |b| {
+                b.iter(|| {
+                    let mut history = History::new(&law, black_box(&duty), State::default());
+                    history.at(years * YEAR_S).expect("a load")
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, year, single, duty);
 criterion_main!(benches);

@@ -221,13 +221,11 @@ impl Drawn {
         Some(bounded(nominal, &drawn))
     }
 
-    /// Elongation after pretensioning at the last requested time, m, per draw; NaN where the rope breaks.
-    pub(crate) fn growth_m(&self, request: &Request) -> Vec<f64> {
-        let of = |m: &Vec<Mean>| match (m.first(), m.get(self.nominal.len() - 1)) {
-            (Some(first), Some(last)) => {
-                0.01 * request.route.length_m * (last.strain - first.strain)
-            }
-            _ => f64::NAN,
+    /// Elongation after pretensioning at the last requested time, m, per draw; `None` where the rope breaks.
+    pub(crate) fn growth_m(&self, request: &Request) -> Vec<Option<f64>> {
+        let of = |m: &Vec<Mean>| {
+            let (first, last) = (m.first()?, m.get(request.times_s.len())?);
+            Some(0.01 * request.route.length_m * (last.strain - first.strain))
         };
         self.drawn.iter().map(of).collect()
     }

@@ -1,7 +1,20 @@
 //! Selection of a rope from the catalogue for a duty, with the reasons for each rejection.
+//!
+//! Ropes are ranked by the change of length that they keep with a probability of 95 %, the quantile of the magnitude of
+//! the elongation `e` over the draws:
+//!
+//! `c = min { x : P(|e| ≤ x) ≥ 0.95 }`
+//!
+//! It contains size and uncertainty of the change, whatever its sign: for `e ~ N(μ, σ²)` it is `1.96 σ` if `μ = 0`, and
+//! `|μ| + 1.64 σ` if `|μ|` is much larger than `σ`.
+//!
+//! A published value violates a constraint or does not. A predicted value violates it in a share of the draws: up to
+//! [`MAY_BREAK_SHARE`] the constraint is met, above `1 − MAY_BREAK_SHARE` the rope is rejected (the 95 % interval lies
+//! beyond the limit), and in between the rope is a candidate with a [`PossibleViolation`], ranked behind those that meet
+//! it. A rope that breaks in more than [`BREAK_SHARE`] of the draws is rejected.
 
 use super::caution::Caution;
-use super::drawn::drawn;
+use super::drawn::{Drawn, drawn};
 use super::draws::{Draws, bounded};
 pub use super::life::MAY_BREAK_SHARE;
 use super::life::{BreakCause, LIFE_MOST_S};
@@ -11,6 +24,13 @@ use crate::law::RopeLoad;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
+use sinew_model::statistics::quantile;
+
+/// Probability with which a rope keeps its [`Candidate::change_m`], the level of all intervals.
+pub const CHANGE_PROBABILITY: f64 = 0.95;
+/// Share of draws above which a rope that breaks is rejected: its break is more likely than not. Between this share and
+/// [`MAY_BREAK_SHARE`] the uncertainty of the lifetime, a factor of 10 if it is assumed, decides.
+pub const BREAK_SHARE: f64 = 0.5;
 
 /// Constraints on the rope. `None`: no constraint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -25,16 +45,15 @@ pub struct Constraints {
     pub pulley_diameter_mm: Option<f64>,
     /// Smallest ratio of breaking load to largest tension.
     pub safety_factor_min: Option<f64>,
-    /// Largest elongation after pretensioning at the last requested time, mm; compared with the upper bound
-    /// of the 95 % interval.
+    /// Largest elongation or shortening after pretensioning at the last requested time, mm; compared with every draw.
     pub elongation_max_mm: Option<f64>,
-    /// Smallest stiffness of the strand at the duty's mean load, N/mm.
+    /// Smallest stiffness of the strand at the duty's mean load, N/mm; compared with every draw.
     pub stiffness_min_n_per_mm: Option<f64>,
     /// Largest weight per length, g/m.
     pub weight_max_g_per_m: Option<f64>,
 }
 
-/// Rope that meets every constraint.
+/// Rope that violates no constraint in nearly all draws.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
@@ -48,26 +67,52 @@ pub struct Candidate {
     pub safety_factor_ratio: Option<f64>,
     /// Stiffness of the strand at the duty's mean load, N/m.
     pub stiffness_n_per_m: Bounded,
-    /// Elongation after pretensioning at the last requested time, m.
+    /// Elongation after pretensioning at the last requested time, m; without the draws in which the rope is broken. Its
+    /// value is that at the catalogue values, or the median of the draws if the rope breaks at the catalogue values.
     pub elongation_m: Bounded,
+    /// Magnitude of the elongation that is not exceeded in 95 % of these draws, m.
+    pub change_m: f64,
     /// Time of the break, s; `None` beyond 300 years.
     pub life_s: Option<Bounded>,
     /// Share of the draws in which the rope breaks within the last requested time, 0 to 1.
     pub broken_share: f64,
-    /// Share of the draws in which it has the smallest elongation of all candidates, 0 to 1.
+    /// Share of the draws in which its length changes least of all candidates, 0 to 1.
     pub min_share: f64,
-    /// Whether no other candidate of known diameter is at most as thick, elongates at most as much and lasts
-    /// at least as long, at the catalogue values.
+    /// Whether no other candidate of known diameter is at most as thick, changes its length at most as much
+    /// ([`Candidate::change_m`]) and lasts at least as long at the catalogue values.
     pub pareto: bool,
     /// Number of creep law parameters that are assumed, not measured.
     pub assumed_parameters: usize,
     /// Number of creep law parameters.
     pub parameters: usize,
+    /// Constraints that are violated in some of the draws.
+    pub possible_violations: Vec<PossibleViolation>,
     /// Warnings about the prediction.
     pub cautions: Vec<Caution>,
 }
 
-/// Class of a candidate, ranked before its elongation.
+/// Constraint that a candidate violates in more than 2.5 %, and at most 97.5 %, of the draws.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum PossibleViolation {
+    /// Elongation or shortening above the largest permitted one.
+    Elongation {
+        /// Largest permitted elongation, m.
+        limit_m: f64,
+        /// Share of the draws that exceed it, 0 to 1.
+        share: f64,
+    },
+    /// Stiffness of the strand below the smallest permitted one.
+    Stiffness {
+        /// Smallest permitted stiffness, N/m.
+        limit_n_per_m: f64,
+        /// Share of the draws that are below it, 0 to 1.
+        share: f64,
+    },
+}
+
+/// Class of a candidate, ranked before its change of length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -76,13 +121,15 @@ pub enum Rank {
     Sound,
     /// Loaded or bent more than manufacturers advise.
     BeyondAdvice,
+    /// Has a [`PossibleViolation`].
+    MayViolate,
     /// Breaks within the time in more than [`MAY_BREAK_SHARE`] of the draws, or exceeds the manufacturer's
     /// discard strain.
     MayBreak,
 }
 
 impl Candidate {
-    /// Class of the candidate by lifetime and by manufacturers' advice.
+    /// Class of the candidate by lifetime, constraints and manufacturers' advice.
     #[must_use]
     pub fn rank(&self) -> Rank {
         let advice =
@@ -90,6 +137,8 @@ impl Candidate {
         let replaced = |c: &Caution| matches!(c, Caution::Replace { .. });
         if self.broken_share > MAY_BREAK_SHARE || self.cautions.iter().any(replaced) {
             Rank::MayBreak
+        } else if !self.possible_violations.is_empty() {
+            Rank::MayViolate
         } else if self.cautions.iter().any(advice) {
             Rank::BeyondAdvice
         } else {
@@ -97,11 +146,11 @@ impl Candidate {
         }
     }
 
-    /// Objectives besides the size, the smaller the better: elongation, m, and negative lifetime, s.
+    /// Objectives besides the size, the smaller the better: change of length, m, and negative lifetime, s.
     #[must_use]
     pub fn objectives(&self) -> [f64; 2] {
         let life_s = self.life_s.map_or(LIFE_MOST_S, |l| l.value);
-        [self.elongation_m.value, -life_s]
+        [self.change_m, -life_s]
     }
 }
 
@@ -145,17 +194,17 @@ pub enum Rejection {
         /// Smallest permitted safety factor.
         limit_ratio: f64,
     },
-    /// Upper bound of the elongation above the limit.
+    /// Elongation or shortening above the limit in more than 97.5 % of the draws.
     Elongation {
-        /// Upper bound of the elongation's 95 % interval, m.
-        high_m: f64,
+        /// Elongation, m.
+        elongation_m: Bounded,
         /// Largest permitted elongation, m.
         limit_m: f64,
     },
-    /// Stiffness of the strand below the limit.
+    /// Stiffness of the strand below the limit in more than 97.5 % of the draws.
     Stiffness {
         /// Stiffness of the strand, N/m.
-        stiffness_n_per_m: f64,
+        stiffness_n_per_m: Bounded,
         /// Smallest permitted stiffness, N/m.
         limit_n_per_m: f64,
     },
@@ -167,15 +216,19 @@ pub enum Rejection {
     BendRatioUnknown,
     /// The breaking load is not published.
     BreakingLoadNotPublished,
-    /// Break before the last requested time.
+    /// Break before the last requested time in more than half of the draws.
     Breaks {
-        /// Time of the break at the catalogue values, s.
-        after_s: f64,
+        /// Time of the break, s; `None` beyond 300 years at the catalogue values.
+        life_s: Option<Bounded>,
+        /// Share of the draws in which the rope breaks within the last requested time, 0 to 1.
+        broken_share: f64,
         /// Cause of the break.
         cause: BreakCause,
     },
     /// HMPE would be too hot.
     Hot,
+    /// Elongation or stiffness that is not finite at the catalogue values or in a draw.
+    NotDetermined,
     /// Prediction that is not possible.
     NotPredicted {
         /// Reason for the missing prediction.
@@ -201,19 +254,19 @@ pub struct Selection {
     pub duty: String,
     /// Time the elongation is for, s.
     pub time_s: f64,
-    /// Ropes that meet all constraints, sorted by [`Candidate::rank`] and then by elongation.
+    /// Ropes that are not rejected, sorted by [`Candidate::rank`] and then by [`Candidate::change_m`].
     pub candidates: Vec<Candidate>,
     /// Rejected ropes with their reasons.
     pub rejected: Vec<Rejected>,
 }
 
 impl JsonDocument for Selection {
-    const SCHEMA: &'static str = "sinew/rope-select/2";
+    const SCHEMA: &'static str = "sinew/rope-select/3";
 }
 
 /// Chooses among all ropes of a catalogue.
 ///
-/// Ropes are ranked by the elongation after pretensioning at the last time of `request`. A constraint on a
+/// Ropes are ranked by the change of length after pretensioning at the last time of `request`. A constraint on a
 /// value that is not published rejects the rope, because it cannot be verified.
 ///
 /// # Errors
@@ -224,15 +277,28 @@ pub fn select(
     request: &predict::Request,
     constraints: &Constraints,
 ) -> Result<Selection, PredictError> {
-    let mut candidates = Vec::new();
+    select_with_progress(catalogue, request, constraints, &|_| {})
+}
+
+/// [`select`] with a call of `done` after each draw of each rope, with the completed share of the work, 0 to 1; not in
+/// order, from several threads.
+///
+/// # Errors
+/// [`PredictError`].
+pub fn select_with_progress(
+    catalogue: &Catalogue,
+    request: &predict::Request,
+    constraints: &Constraints,
+    done: &(dyn Fn(f64) + Sync),
+) -> Result<Selection, PredictError> {
+    let mut assessed = Vec::new();
     let mut rejected = Vec::new();
-    let mut growths: Vec<Vec<f64>> = Vec::new();
-    for rope in catalogue.ropes() {
-        match assess(rope, request, constraints) {
-            Ok((candidate, growth)) => {
-                candidates.push(candidate);
-                growths.push(growth);
-            }
+    let all = (catalogue.ropes().len() * request.draws) as f64;
+    for (i, rope) in catalogue.ropes().iter().enumerate() {
+        let before = i * request.draws;
+        let found = drawn(rope, request, &|draws| done((before + draws) as f64 / all));
+        match assess(rope, request, constraints, found) {
+            Ok(candidate) => assessed.push(candidate),
             Err(Assessment::Reasons(reasons)) => rejected.push(Rejected {
                 rope: rope.entry.name.clone(),
                 reasons,
@@ -240,15 +306,23 @@ pub fn select(
             Err(Assessment::Failed(error)) => return Err(error),
         }
     }
-    for draw in 0..request.draws {
-        let of = |g: &Vec<f64>| g.get(draw).copied().filter(|v| !v.is_nan());
-        let least = growths
-            .iter()
-            .enumerate()
-            .filter_map(|(i, g)| of(g).map(|v| (i, v)))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((i, _)) = least {
-            candidates[i].min_share += 1.0 / request.draws as f64;
+    Ok(Selection {
+        duty: request.duty.about.clone(),
+        time_s: request.times_s.last().copied().unwrap_or(0.0),
+        candidates: ranked(assessed, request.draws),
+        rejected,
+    })
+}
+
+/// Candidates in their order; each with its elongation per draw, m, which is `None` where the rope is broken.
+fn ranked(assessed: Vec<(Candidate, Vec<Option<f64>>)>, draws: usize) -> Vec<Candidate> {
+    let (mut candidates, growths): (Vec<Candidate>, Vec<Vec<Option<f64>>>) =
+        assessed.into_iter().unzip();
+    for draw in 0..draws {
+        let of = |(i, g): (usize, &Vec<Option<f64>>)| Some((i, g.get(draw).copied()??.abs()));
+        let changes = growths.iter().enumerate().filter_map(of);
+        if let Some((i, _)) = changes.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            candidates[i].min_share += 1.0 / draws as f64;
         }
     }
     let points: Vec<(Option<f64>, [f64; 2])> = candidates
@@ -259,15 +333,10 @@ pub fn select(
         candidate.pareto = is_pareto(&points, i);
     }
     candidates.sort_by(|a, b| {
-        let stretch = a.elongation_m.value.total_cmp(&b.elongation_m.value);
-        a.rank().cmp(&b.rank()).then(stretch)
+        let change = a.change_m.total_cmp(&b.change_m);
+        a.rank().cmp(&b.rank()).then(change)
     });
-    Ok(Selection {
-        duty: request.duty.about.clone(),
-        time_s: request.times_s.last().copied().unwrap_or(0.0),
-        candidates,
-        rejected,
-    })
+    candidates
 }
 
 /// Whether no other point is at most as large in every coordinate and smaller in one.
@@ -288,22 +357,31 @@ enum Assessment {
     Failed(PredictError),
 }
 
-/// Assesses a rope: a candidate with its elongation per draw, or the reasons of its rejection.
-fn assess(
+/// Published value of an entry.
+fn value(published: &Option<crate::law::entry::Value>) -> Option<f64> {
+    published.as_ref().map(|v| v.value)
+}
+
+/// Ratio of the smallest pulley's diameter to that of the rope.
+fn bend_ratio(rope: &CatalogueRope, constraints: &Constraints) -> Option<f64> {
+    let (pulley, rope) = (
+        constraints.pulley_diameter_mm,
+        value(&rope.entry.diameter_mm),
+    );
+    pulley.zip(rope).map(|(pulley, rope)| pulley / rope)
+}
+
+/// Violated constraints on published values.
+fn published(
     rope: &CatalogueRope,
-    request: &predict::Request,
     constraints: &Constraints,
-) -> Result<(Candidate, Vec<f64>), Assessment> {
+    tension_max_n: f64,
+) -> Vec<Rejection> {
     let entry = &rope.entry;
-    let value = |v: &Option<crate::law::entry::Value>| v.as_ref().map(|v| v.value);
     let (diameter_mm, weight_g_per_m) = (value(&entry.diameter_mm), value(&entry.weight_g_per_m));
-    let summary = request.duty.summary();
-    let safety_factor = value(&entry.breaking_load_n).map(|n| n / summary.tension_max_n);
-    let bend_ratio = constraints
-        .pulley_diameter_mm
-        .zip(diameter_mm)
-        .map(|(pulley, rope)| pulley / rope);
-    let mut reasons: Vec<Rejection> = [
+    let safety_factor = value(&entry.breaking_load_n).map(|n| n / tension_max_n);
+    let bend_ratio = bend_ratio(rope, constraints);
+    [
         missed(
             diameter_mm,
             f64::gt,
@@ -351,9 +429,20 @@ fn assess(
     ]
     .into_iter()
     .flatten()
-    .collect();
+    .collect()
+}
+
+/// Assesses a rope: a candidate with its elongation per draw, or the reasons of its rejection.
+fn assess(
+    rope: &CatalogueRope,
+    request: &predict::Request,
+    constraints: &Constraints,
+    found: Result<Drawn, PredictError>,
+) -> Result<(Candidate, Vec<Option<f64>>), Assessment> {
+    let tension_max_n = request.duty.summary().tension_max_n;
+    let mut reasons = published(rope, constraints, tension_max_n);
     // The law is evaluated only within its validity.
-    let found = match drawn(rope, request, &|_| {}) {
+    let found = match found {
         Ok(found) => found,
         Err(e @ (PredictError::Routing(_) | PredictError::Stroke { .. })) => {
             return Err(Assessment::Failed(e));
@@ -374,7 +463,7 @@ fn assess(
     } = found.prediction(rope, request);
     let min_ratio = found.endurance().bend_ratio_least;
     let bends = |c: &Caution| matches!(c, Caution::TightBend { .. });
-    if let Some(bend_ratio) = bend_ratio
+    if let Some(bend_ratio) = bend_ratio(rope, constraints)
         && bend_ratio < min_ratio
         && !cautions.iter().any(bends)
     {
@@ -386,52 +475,119 @@ fn assess(
     if cautions.contains(&Caution::Hot) {
         reasons.push(Rejection::Hot);
     }
-    if let Some(after_s) = found.breaks_after_s {
+    let breaks = found.breaks_after_s.is_some();
+    if life.broken_share > BREAK_SHARE || (request.draws == 0 && breaks) {
         reasons.push(Rejection::Breaks {
-            after_s,
+            life_s: life.breaks_after_s,
+            broken_share: life.broken_share,
             cause: life.cause,
         });
         return Err(Assessment::Reasons(reasons));
     }
-    let unknown = Bounded::even(f64::NAN, 0.0);
-    let stiffness = stiffness_n_per_m(&found.draws, request);
-    let elongation_m = readings.last().map_or(unknown, |r| r.since_tensioned_m);
-    // A value that is not a number keeps no limit.
-    if let Some(limit_m) = constraints.elongation_max_mm.map(|mm| 1e-3 * mm)
-        && (elongation_m.high.is_nan() || elongation_m.high > limit_m)
-    {
-        reasons.push(Rejection::Elongation {
-            high_m: elongation_m.high,
-            limit_m,
-        });
+    let growth_m = found.growth_m(request);
+    let nominal = readings.last().filter(|_| !breaks);
+    let change = change(nominal.map(|r| r.since_tensioned_m.value), &growth_m);
+    let stiffness = stiffnesses(&found.draws, request);
+    let (Some((elongation_m, change_m)), Some((stiffness_n_per_m, stiffnesses))) =
+        (change, stiffness)
+    else {
+        reasons.push(Rejection::NotDetermined);
+        return Err(Assessment::Reasons(reasons));
+    };
+    let mut possible_violations = Vec::new();
+    if let Some(limit_m) = constraints.elongation_max_mm.map(|mm| 1e-3 * mm) {
+        let beyond = |m: f64| m.abs() > limit_m;
+        match share(
+            elongation_m.value,
+            growth_m.iter().copied().flatten(),
+            beyond,
+        ) {
+            share if share > 1.0 - MAY_BREAK_SHARE => reasons.push(Rejection::Elongation {
+                elongation_m,
+                limit_m,
+            }),
+            share if share > MAY_BREAK_SHARE => {
+                possible_violations.push(PossibleViolation::Elongation { limit_m, share });
+            }
+            _ => {}
+        }
     }
-    if let Some(limit_n_per_m) = constraints.stiffness_min_n_per_mm.map(|n| 1e3 * n)
-        && (stiffness.value.is_nan() || stiffness.value < limit_n_per_m)
-    {
-        reasons.push(Rejection::Stiffness {
-            stiffness_n_per_m: stiffness.value,
-            limit_n_per_m,
-        });
+    if let Some(limit_n_per_m) = constraints.stiffness_min_n_per_mm.map(|n| 1e3 * n) {
+        let beyond = |n_per_m: f64| n_per_m < limit_n_per_m;
+        match share(stiffness_n_per_m.value, stiffnesses.into_iter(), beyond) {
+            share if share > 1.0 - MAY_BREAK_SHARE => reasons.push(Rejection::Stiffness {
+                stiffness_n_per_m,
+                limit_n_per_m,
+            }),
+            share if share > MAY_BREAK_SHARE => {
+                possible_violations.push(PossibleViolation::Stiffness {
+                    limit_n_per_m,
+                    share,
+                });
+            }
+            _ => {}
+        }
     }
     if !reasons.is_empty() {
         return Err(Assessment::Reasons(reasons));
     }
+    let entry = &rope.entry;
     let candidate = Candidate {
         rope: name,
-        diameter_m: diameter_mm.map(|mm| 1e-3 * mm),
-        weight_kg_per_m: weight_g_per_m.map(|g| 1e-3 * g),
-        safety_factor_ratio: safety_factor,
-        stiffness_n_per_m: stiffness,
+        diameter_m: value(&entry.diameter_mm).map(|mm| 1e-3 * mm),
+        weight_kg_per_m: value(&entry.weight_g_per_m).map(|g| 1e-3 * g),
+        safety_factor_ratio: value(&entry.breaking_load_n).map(|n| n / tension_max_n),
+        stiffness_n_per_m,
         elongation_m,
+        change_m,
         life_s: life.breaks_after_s,
         broken_share: life.broken_share,
         min_share: 0.0,
         pareto: false,
         assumed_parameters: entry.assumed(),
         parameters: entry.law.len(),
+        possible_violations,
         cautions,
     };
-    Ok((candidate, found.growth_m(request)))
+    Ok((candidate, growth_m))
+}
+
+/// Elongation with its interval, and the magnitude that it keeps with [`CHANGE_PROBABILITY`]; `None` if one of the
+/// values is not finite, or without any value.
+///
+/// * `nominal`: value at the catalogue values; without one, the median of the draws.
+/// * `draws`: `None` where the rope is broken.
+fn change(nominal: Option<f64>, draws: &[Option<f64>]) -> Option<(Bounded, f64)> {
+    let mut intact: Vec<f64> = draws.iter().copied().flatten().collect();
+    if !nominal.iter().chain(&intact).all(|v| v.is_finite()) {
+        return None;
+    }
+    intact.sort_unstable_by(f64::total_cmp);
+    let value = match (nominal, intact.as_slice()) {
+        (Some(nominal), _) => nominal,
+        (None, []) => return None,
+        (None, sorted) => quantile(sorted, 0.5),
+    };
+    let mut magnitudes: Vec<f64> = intact.iter().map(|v| v.abs()).collect();
+    magnitudes.sort_unstable_by(f64::total_cmp);
+    let change = match magnitudes.as_slice() {
+        [] => value.abs(),
+        sorted => quantile(sorted, CHANGE_PROBABILITY),
+    };
+    Some((bounded(value, &intact), change))
+}
+
+/// Share of the draws that violate a limit; without draws, 1 or 0 by the catalogue values.
+fn share(nominal: f64, draws: impl Iterator<Item = f64>, beyond: impl Fn(f64) -> bool) -> f64 {
+    let (mut all, mut violated) = (0_usize, 0_usize);
+    for draw in draws {
+        all += 1;
+        violated += usize::from(beyond(draw));
+    }
+    match all {
+        0 => f64::from(u8::from(beyond(nominal))),
+        _ => violated as f64 / all as f64,
+    }
 }
 
 /// Rejection of a value that does not verify its limit; `beyond` compares the value with the limit.
@@ -448,16 +604,19 @@ fn missed(
     })
 }
 
-/// Stiffness of the strand for small quick changes at the duty's mean load, N/m.
-fn stiffness_n_per_m(draws: &Draws, request: &predict::Request) -> Bounded {
+/// Stiffness of the strand for small quick changes at the duty's mean load, N/m, with the draws in which the rope
+/// carries this load; `None` if one of the values is not finite.
+fn stiffnesses(draws: &Draws, request: &predict::Request) -> Option<(Bounded, Vec<f64>)> {
     let summary = request.duty.summary();
     let load = RopeLoad::celsius(summary.tension_mean_n, summary.temperature_mean_c);
     let m_per_percent = 0.01 * request.route.length_m;
     let (nominal, drawn) = draws.map(|law| {
-        law.compliance_percent_per_n(load)
-            .map_or(f64::NAN, |c| 1.0 / (c * m_per_percent))
+        let compliance = law.compliance_percent_per_n(load).ok()?;
+        Some(1.0 / (compliance * m_per_percent))
     });
-    bounded(nominal, &drawn)
+    let (nominal, drawn): (f64, Vec<f64>) = (nominal?, drawn.into_iter().flatten().collect());
+    let is_finite = drawn.iter().chain([&nominal]).all(|v| v.is_finite());
+    is_finite.then(|| (bounded(nominal, &drawn), drawn))
 }
 
 #[cfg(test)]
@@ -513,9 +672,88 @@ mod tests {
         );
         let sorted = found
             .candidates
-            .windows(2)
-            .all(|w| w[0].elongation_m.value <= w[1].elongation_m.value);
+            .is_sorted_by_key(|c| (c.rank(), c.change_m));
         assert!(sorted && found.candidates[0].pareto);
+    }
+
+    const DRAWS: usize = 4000;
+
+    /// Candidate with the elongations `mean ± 1.96 std`, mm, at the quantiles of 4000 normal draws.
+    fn normal(name: &str, mean: f64, std: f64) -> (Candidate, Vec<Option<f64>>) {
+        let draws: Vec<Option<f64>> = (0..DRAWS)
+            .map(|i| 1e-3 * (mean + std * normal_quantile((i as f64 + 0.5) / DRAWS as f64)))
+            .map(Some)
+            .collect();
+        let (elongation_m, change_m) = change(Some(1e-3 * mean), &draws).expect("finite");
+        let candidate = Candidate {
+            rope: name.into(),
+            diameter_m: Some(1e-3),
+            weight_kg_per_m: None,
+            safety_factor_ratio: None,
+            stiffness_n_per_m: Bounded::even(1e5, 0.0),
+            elongation_m,
+            change_m,
+            life_s: None,
+            broken_share: 0.0,
+            min_share: 0.0,
+            pareto: false,
+            assumed_parameters: 0,
+            parameters: 1,
+            possible_violations: Vec::new(),
+            cautions: Vec::new(),
+        };
+        (candidate, draws)
+    }
+
+    /// Quantile of the standard normal distribution by bisection of its distribution function.
+    fn normal_quantile(p: f64) -> f64 {
+        let (mut low, mut high) = (-10.0, 10.0);
+        for _ in 0..60 {
+            let middle: f64 = 0.5 * (low + high);
+            let below = 0.5 * libm::erfc(-middle / std::f64::consts::SQRT_2);
+            *(if below < p { &mut low } else { &mut high }) = middle;
+        }
+        low
+    }
+
+    /// A change of −0.1 ± 5 mm is neither small nor sure, whatever its sign.
+    #[test]
+    fn rank_is_by_size_and_certainty_of_change() {
+        let z = 1.959_964;
+        let ropes = |sign: f64| {
+            let all = [
+                normal("uncertain", -0.1 * sign, 5.0 / z),
+                normal("small", 0.5 * sign, 0.1 / z),
+                normal("large", -3.0 * sign, 0.1 / z),
+            ];
+            ranked(all.to_vec(), DRAWS)
+        };
+        let names = |c: &[Candidate]| c.iter().map(|c| c.rope.clone()).collect::<Vec<_>>();
+        let (one, other) = (ropes(1.0), ropes(-1.0));
+        assert_eq!(names(&one), ["small", "large", "uncertain"]);
+        assert_eq!(names(&one), names(&other));
+        // Root x of n.cdf(x) - n.cdf(-x) = 0.95 in python3, with n = statistics.NormalDist(0.1, 5/1.959964) and
+        // (0.5, 0.1/1.959964). Draws lie 0.1 % of it apart there.
+        for (c, expected) in [(&one[2], 5.003_84), (&one[0], 0.583_92)] {
+            assert!((1e3 * c.change_m / expected - 1.0).abs() < 2e-3, "{c:?}");
+        }
+        for (a, b) in one.iter().zip(&other) {
+            assert!((a.change_m - b.change_m).abs() < 1e-12, "{a:?} {b:?}");
+            assert!((a.min_share - b.min_share).abs() < 1e-12, "{a:?} {b:?}");
+            assert_eq!(a.pareto, b.pareto);
+        }
+        assert!(one[0].pareto && !one[1].pareto && one[0].min_share > 0.8);
+    }
+
+    #[test]
+    fn change_that_is_not_finite_is_not_determined() {
+        let draws = [Some(1.0), None, Some(-2.0)];
+        let (elongation, largest) = change(None, &draws).expect("finite");
+        assert_eq!((elongation.value, largest), (-0.5, 1.95));
+        assert!(change(Some(f64::NAN), &draws).is_none());
+        assert!(change(Some(1.0), &[Some(f64::INFINITY), Some(1.0)]).is_none());
+        assert!(change(Some(1.0), &[Some(f64::NAN), Some(1.0)]).is_none());
+        assert!(change(None, &[None]).is_none());
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use sinew_rope::law::routing::Pulley;
 use sinew_rope::law::{Law, RopeLoad};
 use sinew_rope::predict::{DAY_S, PredictError, Prediction, Request, Route, YEAR_S, predict};
-use sinew_rope::select::{Constraints, Rank, Rejection, select};
+use sinew_rope::select::{
+    BREAK_SHARE, Candidate, Constraints, PossibleViolation, Rank, Rejection, Selection, select,
+};
 use sinew_rope::{BreakCause, Catalogue, Caution, Duty, Place, RopeTermination, Stretch};
 
 fn request(duty: Duty, route: Route) -> Request {
@@ -368,5 +370,95 @@ fn selection_counts_strokes_and_rejects_broken_ropes() {
             .candidates
             .windows(2)
             .all(|w| may(&w[0]) <= may(&w[1]))
+    );
+}
+
+const ROPE: &str = "liros-dc000-0301";
+
+fn candidate(of: &Selection) -> Option<&Candidate> {
+    of.candidates.iter().find(|c| c.rope == ROPE)
+}
+
+fn reasons(of: &Selection) -> &[Rejection] {
+    let rejected = of.rejected.iter().find(|r| r.rope == ROPE);
+    rejected.map_or(&[], |r| &r.reasons)
+}
+
+/// A limit within the interval is a note with its probability; only one beyond the interval rejects the rope.
+#[test]
+fn limit_within_interval_is_possible_violation() {
+    let catalogue = Catalogue::shipped().expect("shipped");
+    let asked = request(Duty::constant(60.0, 23.0), Route::straight(0.7));
+    let choose = |elongation_mm: Option<f64>, stiffness: Option<f64>| {
+        let limits = Constraints {
+            elongation_max_mm: elongation_mm,
+            stiffness_min_n_per_mm: stiffness,
+            ..Constraints::default()
+        };
+        select(&catalogue, &asked, &limits).expect("a choice")
+    };
+    let all = choose(None, None);
+    let free = candidate(&all).expect("no constraint").clone();
+    assert!(free.possible_violations.is_empty() && free.rank() == Rank::Sound);
+    let (mm, stiff) = (
+        free.elongation_m.scaled(1e3),
+        free.stiffness_n_per_m.scaled(1e-3),
+    );
+    // An elongation interval beyond 0 is that of the change.
+    assert!(mm.low > 0.0 && 1e3 * free.change_m < mm.high && 1e3 * free.change_m > mm.value);
+
+    let between = choose(Some(mm.value), Some(stiff.value));
+    let c = candidate(&between).expect("not surely violated");
+    assert_eq!(c.rank(), Rank::MayViolate);
+    for violation in &c.possible_violations {
+        let (PossibleViolation::Elongation { share, .. }
+        | PossibleViolation::Stiffness { share, .. }) = *violation;
+        assert!((0.2..0.8).contains(&share), "{violation:?}");
+    }
+    assert_eq!(c.possible_violations.len(), 2);
+    let order: Vec<Rank> = between.candidates.iter().map(Candidate::rank).collect();
+    assert!(order.is_sorted(), "{order:?}");
+
+    let out = choose(Some(0.5 * mm.low), Some(2.0 * stiff.high));
+    assert!(candidate(&out).is_none());
+    assert!(
+        matches!(
+            reasons(&out),
+            [Rejection::Elongation { .. }, Rejection::Stiffness { .. }]
+        ),
+        "{:?}",
+        reasons(&out)
+    );
+    let met = choose(Some(2.0 * mm.high), Some(0.5 * stiff.low));
+    assert!(candidate(&met).expect("met").possible_violations.is_empty());
+}
+
+/// A lifetime that is uncertain by a factor of ten rejects a rope only if its break is more likely than not.
+#[test]
+fn uncertain_lifetime_ranks_last_and_likely_break_is_rejected() {
+    let catalogue = Catalogue::shipped().expect("shipped");
+    let mut asked = request(Duty::constant(100.0, 23.0), led(8e-3, 90.0));
+    asked.draws = 400;
+    let life = found(ROPE, &asked).expect("a prediction").lifetime;
+    let life = life.breaks_after_s.expect("bending breaks it");
+    let mut choose = |time_s: f64| {
+        asked.times_s = vec![time_s];
+        select(&catalogue, &asked, &Constraints::default()).expect("a choice")
+    };
+    let sound = choose(0.5 * life.low);
+    assert!(candidate(&sound).expect("lasts").broken_share <= 0.025);
+    // Two thirds of the lifetime on a logarithmic scale between the lower bound and the value.
+    let soon = choose(life.low.powf(1.0 / 3.0) * life.value.powf(2.0 / 3.0));
+    let c = candidate(&soon).expect("more likely to last");
+    assert_eq!(c.rank(), Rank::MayBreak);
+    assert!((0.025..BREAK_SHARE).contains(&c.broken_share), "{c:?}");
+    let late = choose(2.0 * life.value);
+    assert!(candidate(&late).is_none());
+    let [Rejection::Breaks { broken_share, .. }] = reasons(&late) else {
+        panic!("{:?}", reasons(&late));
+    };
+    assert!(
+        (BREAK_SHARE..0.975).contains(broken_share),
+        "{broken_share}"
     );
 }

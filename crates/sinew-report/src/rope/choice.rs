@@ -1,14 +1,13 @@
 //! Figure of a rope selection.
 
 use super::bracketed;
-use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
+use sinew_figure::plot::{Colour, Figure, Panel, Points};
 use sinew_rope::select::{Candidate, Selection, is_pareto};
 
-/// Plots elongation over diameter and over weight; the dotted line connects the Pareto-optimal ropes, including lifetime.
+/// Plots elongation over diameter and over weight, with the Pareto-optimal ropes in change of length and lifetime.
 pub fn figure(selection: &Selection, time: &str) -> Figure {
     let panel = |label: &str, x: &dyn Fn(&Candidate) -> Option<f64>| {
         let mut panel = Panel::new("", label, format!("elongation after {time} (mm)"));
-        let mut front: Vec<(f64, f64)> = Vec::new();
         let candidates = selection.candidates.iter();
         let points: Vec<_> = candidates.map(|c| (x(c), c.objectives())).collect();
         let positions = || points.iter().filter_map(|p| p.0);
@@ -27,10 +26,7 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
             let e = c.elongation_m.scaled(1e3);
             panel = panel.note(at + 1.5 * tick, e.value, c.rope.clone());
             let own = match is_pareto(&points, i) {
-                true => {
-                    front.push((at, e.value));
-                    &mut best
-                }
+                true => &mut best,
                 false => &mut dominated,
             };
             own.x.push(at);
@@ -39,11 +35,8 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
             own.high.push(e.high);
             own.labels.push(c.rope.clone());
         }
-        front.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (xs, ys) = front.into_iter().unzip();
-        let front = Line::new("", xs, ys).dash(Dash::Dotted).width(1.0);
         panel = panel.points(best.size(8.0)).points(dominated.size(6.0));
-        Some(panel.line(front).x_range(left, right))
+        Some(panel.x_range(left, right))
     };
     let mut figure = Figure::new("Ropes for this duty")
         .subtitle(format!("{}; bars: 95 % intervals", selection.duty))

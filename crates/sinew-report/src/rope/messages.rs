@@ -1,11 +1,11 @@
 //! Sentences about ropes: warnings, rejections, name conflicts.
 
-use super::{life, spoken};
+use super::{bracketed, life, share_of_draws, spoken};
 use crate::message::Message;
 use sinew_figure::rounded;
 use sinew_rope::law::CELSIUS_ZERO_K;
 use sinew_rope::law::validity::{HMPE_HOT_K, LimitViolation};
-use sinew_rope::select::Rejection;
+use sinew_rope::select::{PossibleViolation, Rejection};
 use sinew_rope::{Caution, Namesake, UnreadableRope};
 
 /// Returns a warning about a rope with its code.
@@ -137,70 +137,169 @@ pub fn unreadable(rope: &UnreadableRope) -> String {
 
 /// States why a rope was rejected.
 pub fn rejection(reason: &Rejection) -> String {
+    match rejection_parts(reason) {
+        (what, None) => what,
+        (what, Some(value)) => format!("{what} ({value})"),
+    }
+}
+
+/// Constraint that rejected a rope, and the value of the rope.
+pub(crate) fn rejection_parts(reason: &Rejection) -> (String, Option<String>) {
     match reason {
         Rejection::TooThick {
             diameter_m,
             limit_m,
-        } => format!(
-            "diameter {} mm exceeds the limit of {} mm",
-            short(1e3 * diameter_m),
-            specified(1e3 * limit_m)
+        } => (
+            format!(
+                "diameter above the limit of {} mm",
+                specified(1e3 * limit_m)
+            ),
+            Some(format!("{} mm", short(1e3 * diameter_m))),
         ),
         Rejection::TooThin {
             diameter_m,
             limit_m,
-        } => format!(
-            "diameter {} mm is below the limit of {} mm",
-            short(1e3 * diameter_m),
-            specified(1e3 * limit_m)
+        } => (
+            format!(
+                "diameter below the limit of {} mm",
+                specified(1e3 * limit_m)
+            ),
+            Some(format!("{} mm", short(1e3 * diameter_m))),
         ),
         Rejection::TooHeavy {
             weight_kg_per_m,
             limit_kg_per_m,
-        } => format!(
-            "weight {} g/m exceeds the limit of {} g/m",
-            short(1e3 * weight_kg_per_m),
-            specified(1e3 * limit_kg_per_m)
-        ),
-        Rejection::BendRatio { ratio, limit_ratio } => format!(
-            "bending ratio D/d {} is below the limit of {limit_ratio}",
-            short(*ratio)
-        ),
-        Rejection::SafetyFactor { ratio, limit_ratio } => {
+        } => (
             format!(
-                "safety factor {} is below the limit of {limit_ratio}",
-                short(*ratio)
-            )
-        }
-        Rejection::Elongation { high_m, limit_m } => format!(
-            "elongation of up to {} mm (95 %) exceeds the limit of {} mm",
-            short(1e3 * high_m),
-            specified(1e3 * limit_m)
+                "weight above the limit of {} g/m",
+                specified(1e3 * limit_kg_per_m)
+            ),
+            Some(format!("{} g/m", short(1e3 * weight_kg_per_m))),
+        ),
+        Rejection::BendRatio { ratio, limit_ratio } => (
+            format!("bending ratio D/d below the limit of {limit_ratio}"),
+            Some(short(*ratio)),
+        ),
+        Rejection::SafetyFactor { ratio, limit_ratio } => (
+            format!("safety factor below the limit of {limit_ratio}"),
+            Some(short(*ratio)),
+        ),
+        Rejection::Elongation {
+            elongation_m,
+            limit_m,
+        } => (
+            format!(
+                "elongation or shortening above the limit of {} mm",
+                specified(1e3 * limit_m)
+            ),
+            Some(format!("{} mm", bracketed(elongation_m.scaled(1e3), 2))),
         ),
         Rejection::Stiffness {
             stiffness_n_per_m,
             limit_n_per_m,
-        } => format!(
-            "stiffness {} N/mm is below the limit of {} N/mm",
-            short(1e-3 * stiffness_n_per_m),
-            specified(1e-3 * limit_n_per_m)
+        } => (
+            format!(
+                "stiffness below the limit of {} N/mm",
+                specified(1e-3 * limit_n_per_m)
+            ),
+            Some(format!(
+                "{} N/mm",
+                bracketed(stiffness_n_per_m.scaled(1e-3), 2)
+            )),
         ),
-        Rejection::DiameterNotPublished => "diameter not published".into(),
-        Rejection::WeightNotPublished => "weight not published".into(),
-        Rejection::BendRatioUnknown => "bending ratio D/d unknown".into(),
-        Rejection::BreakingLoadNotPublished => {
-            "breaking load not published, safety factor unknown".into()
+        Rejection::DiameterNotPublished => ("diameter not published".into(), None),
+        Rejection::WeightNotPublished => ("weight not published".into(), None),
+        Rejection::BendRatioUnknown => ("bending ratio D/d unknown".into(), None),
+        Rejection::BreakingLoadNotPublished => (
+            "breaking load not published, safety factor unknown".into(),
+            None,
+        ),
+        Rejection::Breaks {
+            life_s,
+            broken_share,
+            cause,
+        } => {
+            let share = share_of_draws(*broken_share);
+            let value = match life_s {
+                Some(life) => {
+                    let [value, low, high] = [life.value, life.low, life.high].map(spoken);
+                    format!("{share}, after about {value}, {low} to {high}")
+                }
+                None => share,
+            };
+            let cause = life::cause(*cause);
+            (
+                format!("predicted failure by {cause} in more than half of the draws"),
+                Some(value),
+            )
         }
-        Rejection::Breaks { after_s, cause } => format!(
-            "predicted failure after about {} ({})",
-            spoken(*after_s),
-            life::cause(*cause)
+        Rejection::Hot => (
+            format!(
+                "temperature exceeds the HMPE limit of {:.0} °C",
+                HMPE_HOT_K - CELSIUS_ZERO_K
+            ),
+            None,
         ),
-        Rejection::Hot => format!(
-            "temperature exceeds the HMPE limit of {:.0} °C",
-            HMPE_HOT_K - CELSIUS_ZERO_K
+        Rejection::NotDetermined => ("elongation or stiffness not determined".into(), None),
+        Rejection::NotPredicted { reason } => ("no prediction".into(), Some(reason.clone())),
+    }
+}
+
+/// Constraint that a candidate may violate, and the share of the draws that violate it.
+pub(crate) fn possible_violation(violation: &PossibleViolation) -> (String, String) {
+    match *violation {
+        PossibleViolation::Elongation { limit_m, share } => (
+            format!(
+                "may exceed the elongation limit of {} mm",
+                specified(1e3 * limit_m)
+            ),
+            share_of_draws(share),
         ),
-        Rejection::NotPredicted { reason } => reason.clone(),
+        PossibleViolation::Stiffness {
+            limit_n_per_m,
+            share,
+        } => (
+            format!(
+                "may be below the stiffness limit of {} N/mm",
+                specified(1e-3 * limit_n_per_m)
+            ),
+            share_of_draws(share),
+        ),
+    }
+}
+
+/// Formats a warning without the values that differ from rope to rope.
+pub(crate) fn shared_caution(c: Caution) -> String {
+    match c {
+        Caution::LowLoad
+        | Caution::HighLoad
+        | Caution::Hot
+        | Caution::TerminationNotSpecified { .. } => caution(c),
+        Caution::BreakingLoadAssumed { .. } => {
+            "breaking load not published but assumed; test the rope".into()
+        }
+        Caution::Extrapolated { .. } => {
+            "extrapolates beyond the longest test with assumed parameters; test longer".into()
+        }
+        Caution::CreepsApart { .. } => "creep rupture predicted; reduce the load".into(),
+        Caution::WornOut { .. } => {
+            "bending fatigue failure predicted; use larger or fewer pulleys".into()
+        }
+        Caution::Replace { .. } => {
+            "strain may exceed the replacement limit of the manufacturer".into()
+        }
+        Caution::TightBend { .. } => {
+            "bending ratio D/d below the recommended minimum; use a larger pulley or a thinner rope"
+                .into()
+        }
+        Caution::LoadShare { .. } => {
+            "largest tension above the recommended share of the breaking load; use a stronger rope"
+                .into()
+        }
+        Caution::BeyondData { .. } => {
+            "extrapolates beyond the tested range; intervals are widened".into()
+        }
+        Caution::AssumedParameters { .. } => "parameters assumed, not measured".into(),
     }
 }
 
@@ -222,6 +321,9 @@ pub(crate) fn assumed_note(assumed: usize, parameters: usize) -> String {
 
 /// Formats a number with three significant digits.
 fn short(v: f64) -> String {
+    if !v.is_finite() {
+        return "–".into();
+    }
     let digits = 2 - v.abs().max(1e-12).log10().floor() as i32;
     format!("{v:.*}", digits.clamp(0, 6) as usize)
 }

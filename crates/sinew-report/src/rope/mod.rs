@@ -39,7 +39,9 @@ pub fn spoken(s: f64) -> String {
         };
         format!("{rounded} {unit}{plural}")
     };
-    if s < 90.0 {
+    if !s.is_finite() {
+        "–".into()
+    } else if s < 90.0 {
         whole(s, "s")
     } else if s < 0.99 * HOUR_S {
         whole(s / 60.0, "min")
@@ -62,6 +64,16 @@ pub fn bracketed(i: Bounded, digits: u8) -> String {
         rounded(i.low, digits),
         rounded(i.high, digits)
     )
+}
+
+/// Formats a share of draws, which is never a probability of 0 or 1.
+pub(crate) fn share_of_draws(share: f64) -> String {
+    match 100.0 * share {
+        percent if !percent.is_finite() => "–".into(),
+        percent if percent < 1.0 => "< 1 %".into(),
+        percent if percent > 99.0 => "> 99 %".into(),
+        percent => format!("{percent:.0} %"),
+    }
 }
 
 fn notices(cautions: &[Caution]) -> impl Iterator<Item = Block> + '_ {
@@ -131,7 +143,7 @@ mod tests {
         for words in [
             "maximum diameter",
             "1.9 mm",
-            "diameter 2.00 mm exceeds the limit of 1.9 mm",
+            "diameter above the limit of 1.9 mm (2.00 mm)",
             "<svg",
         ] {
             assert!(text.contains(words), "{words}");

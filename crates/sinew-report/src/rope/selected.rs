@@ -1,21 +1,28 @@
 //! Selection of a rope as text and HTML report.
 
 use super::choice::figure;
-use super::messages::{assumed_note, caution_message};
-use super::{bracketed, page, rejection, spoken};
+use super::messages::{
+    assumed_note, caution_message, possible_violation, rejection_parts, shared_caution,
+};
+use super::{bracketed, page, rejection, share_of_draws, spoken};
 use crate::message::Message;
 use crate::text::{self, TerminalText, or_dash, plain};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::Caution;
 use sinew_rope::predict::YEAR_S;
-use sinew_rope::select::{Candidate, Constraints, Rejected, Selection};
+use sinew_rope::select::{Candidate, Constraints, MAY_BREAK_SHARE, Rank, Rejected, Selection};
 
-const LEGEND: &str = "* Pareto-optimal in diameter, elongation and lifetime. smallest: share of the draws in which its elongation is the smallest. d: diameter. safety: breaking load over the largest tension. life: predicted lifetime, – above 300 years. Order: ropes within the recommended load and bending ratio, ropes outside, ropes that fail within the time in more than 2.5 % of the draws.";
+/// Rows of the table in a terminal: with its legend and a line per reason they fill one screen.
+const ROWS: usize = 12;
+/// Names in a line of a terminal.
+const NAMES: usize = 6;
 
-/// Builds the columns of the candidates; a star marks Pareto-optimal ropes.
+const LEGEND: &str = "* Pareto-optimal in diameter, change and lifetime. change: magnitude of the elongation that 95 % of the draws do not exceed. least: share of the draws in which it changes least. d: diameter. safety: breaking load over the largest tension. life: predicted lifetime, – above 300 years. Order: within the recommended load and bending ratio, outside, possible violations of a constraint, failures within the time in more than 2.5 % of the draws; each by change.";
+
+/// Builds the columns of the first candidates; a star marks Pareto-optimal ropes.
 fn candidates(
-    s: &Selection,
+    candidates: &[Candidate],
     name: impl Fn(String) -> String,
     number: fn(Bounded) -> String,
 ) -> Columns<&Candidate> {
@@ -23,22 +30,71 @@ fn candidates(
         let mark = if c.pareto { " *" } else { "" };
         name(plain(&c.rope) + mark)
     };
-    let thousandfold = |v: Option<f64>| or_dash(v, |v| rounded(1e3 * v, 3));
-    Columns::of(&s.candidates)
+    Columns::of(candidates)
         .lines("rope", marked)
         .left()
         .column("elongation\n(mm)", |c| {
             bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–")
         })
-        .column("smallest", |c| format!("{:.0} %", 100.0 * c.min_share))
+        .column("change\n(mm)", |c| rounded(1e3 * c.change_m, 2))
+        .column("least", |c| share_of_draws(c.min_share))
         .column("stiffness\n(N/mm)", |c| {
             number(c.stiffness_n_per_m.scaled(1e-3))
         })
-        .column("d\n(mm)", |c| thousandfold(c.diameter_m))
-        .column("weight\n(g/m)", |c| thousandfold(c.weight_kg_per_m))
+        .column("d\n(mm)", |c| {
+            or_dash(c.diameter_m, |v| rounded(1e3 * v, 3))
+        })
         .column("safety", |c| {
             or_dash(c.safety_factor_ratio, |v| rounded(v, 2))
         })
+}
+
+/// Names of ropes by what they have in common.
+#[derive(Debug, Default)]
+struct Groups(Vec<(String, Vec<String>)>);
+
+impl Groups {
+    fn add(&mut self, what: String, rope: &str, value: Option<String>) {
+        let rope = match value {
+            Some(value) => format!("{rope} ({value})"),
+            None => rope.to_owned(),
+        };
+        match self.0.iter_mut().find(|(listed, _)| *listed == what) {
+            Some((_, ropes)) => ropes.push(rope),
+            None => self.0.push((what, vec![rope])),
+        }
+    }
+
+    /// One line per group.
+    fn lines(self) -> impl Iterator<Item = String> {
+        let line = |(what, ropes): (String, Vec<String>)| format!("{what}: {}", names(&ropes));
+        self.0.into_iter().map(line)
+    }
+}
+
+/// Lists the first names and the number of the others.
+fn names(ropes: &[impl AsRef<str>]) -> String {
+    let shown: Vec<&str> = ropes.iter().take(NAMES).map(AsRef::as_ref).collect();
+    match ropes.len().saturating_sub(NAMES) {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// Groups what candidates may violate, and possible failures.
+fn possible(s: &Selection) -> Groups {
+    let mut groups = Groups::default();
+    for c in &s.candidates {
+        if c.broken_share > MAY_BREAK_SHARE {
+            let what = format!("may fail within {}", spoken(s.time_s));
+            groups.add(what, &c.rope, Some(share_of_draws(c.broken_share)));
+        }
+        for violation in &c.possible_violations {
+            let (what, share) = possible_violation(violation);
+            groups.add(what, &c.rope, Some(share));
+        }
+    }
+    groups
 }
 
 /// Lists the specified constraints.
@@ -50,7 +106,7 @@ fn constraint_rows(c: &Constraints) -> Vec<(&'static str, String)> {
         ("minimum bending ratio D/d", c.bend_ratio_min, ""),
         ("minimum safety factor", c.safety_factor_min, ""),
         (
-            "maximum elongation (upper 95 % bound)",
+            "maximum elongation or shortening",
             c.elongation_max_mm,
             "mm",
         ),
@@ -75,45 +131,67 @@ fn rejected(s: &Selection) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Lists the warnings, each once, with the names of the candidates unless it applies to all.
+/// Lists the warnings, each kind once, with the names of the candidates unless it applies to all.
 fn cautions(s: &Selection) -> Vec<Message> {
-    let mut shared: Vec<(Caution, Vec<&str>)> = Vec::new();
+    let mut shared: Vec<(Message, Caution, Vec<&str>)> = Vec::new();
     for c in &s.candidates {
         for caution in &c.cautions {
-            match shared.iter_mut().find(|(listed, _)| listed == caution) {
-                Some((_, ropes)) => ropes.push(&c.rope),
-                None => shared.push((*caution, vec![&c.rope])),
+            let message = caution_message(*caution);
+            match shared.iter_mut().find(|(m, ..)| m.code == message.code) {
+                Some((listed, first, ropes)) => {
+                    if *first != *caution {
+                        listed.text = shared_caution(*first);
+                    }
+                    ropes.push(&c.rope);
+                }
+                None => shared.push((message, *caution, vec![&c.rope])),
             }
         }
     }
-    let format = |(what, ropes): (Caution, Vec<&str>)| {
-        let mut message = caution_message(what);
+    let format = |(mut message, _, ropes): (Message, Caution, Vec<&str>)| {
         if ropes.len() != s.candidates.len() {
-            message.text = format!("{}: {}", ropes.join(", "), message.text);
+            message.text = format!("{}: {}", names(&ropes), message.text);
         }
         message
     };
     shared.into_iter().map(format).collect()
 }
 
+/// States the first rope of a selection.
+fn headline(s: &Selection) -> Headline {
+    let time = spoken(s.time_s);
+    let Some(best) = s.candidates.first() else {
+        return Headline::new(Level::Alarm, "No catalogue rope meets every constraint.");
+    };
+    let text = format!(
+        "{}: length changes by at most {} mm in {time} in 95 % of the draws; elongation {} mm (95 % interval in brackets).{}",
+        best.rope,
+        rounded(1e3 * best.change_m, 2),
+        bracketed(best.elongation_m.scaled(1e3), 2),
+        assumed_note(best.assumed_parameters, best.parameters)
+    );
+    match best.rank() {
+        Rank::Sound | Rank::BeyondAdvice => text.into(),
+        Rank::MayViolate | Rank::MayBreak => {
+            Headline::new(Level::Watch, format!("{NONE_SURE}. {text}"))
+        }
+    }
+}
+
+const NONE_SURE: &str =
+    "No rope lasts and meets every constraint with a probability of at least 97.5 %";
+
 /// Builds the report of a selection.
 pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let time = spoken(s.time_s);
-    let headline = match s.candidates.first() {
-        None => Headline::new(Level::Alarm, "No catalogue rope meets every constraint."),
-        Some(best) => Headline::from(format!(
-            "{}: smallest elongation in {:.0} % of the draws, {} mm in {time} (95 % interval in brackets).{}",
-            best.rope,
-            100.0 * best.min_share,
-            bracketed(best.elongation_m.scaled(1e3), 2),
-            assumed_note(best.assumed_parameters, best.parameters)
-        )),
-    };
-    let mut first = vec![Block::Headlines(vec![headline])];
+    let mut first = vec![Block::Headlines(vec![headline(s)])];
     if !s.candidates.is_empty() {
         first.push(Block::Figure(Box::new(figure(s, &time)), String::new()));
     }
-    let table = candidates(s, |name| name, |v| bracketed(v, 2))
+    let table = candidates(&s.candidates, |name| name, |v| bracketed(v, 2))
+        .column("weight\n(g/m)", |c| {
+            or_dash(c.weight_kg_per_m, |v| rounded(1e3 * v, 3))
+        })
         .column("life", |c| {
             or_dash(c.life_s, |l| {
                 let [value, low, high] = [l.value, l.low, l.high].map(spoken);
@@ -133,18 +211,18 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let cautions = cautions(s)
         .into_iter()
         .map(|c| Block::Notice(format!("{c}.")));
+    let mut listed: Vec<Block> = vec![table.into(), Block::Paragraph(LEGEND.into())];
+    let possible = possible(s).lines();
+    listed.extend(possible.map(|line| Block::Notice(crate::text::sentence(&line))));
     page("Rope selection".into(), format!("{}, for {time}", s.duty))
         .section("", first)
-        .section(
-            "Ropes that meet all constraints",
-            vec![table.into(), Block::Paragraph(LEGEND.into())],
-        )
+        .section("Candidates", listed)
         .section("Rejected ropes", vec![rejected])
         .section("Constraints", vec![limits])
         .section("Warnings", cautions.collect())
 }
 
-/// Renders a selection for a terminal.
+/// Renders a selection for a terminal, in about one screen.
 pub fn selection_table(s: &Selection) -> String {
     let mut out = TerminalText::default();
     out.paragraph(format!(
@@ -153,26 +231,44 @@ pub fn selection_table(s: &Selection) -> String {
         spoken(s.time_s)
     ));
     out.add("\n");
-    if s.candidates.is_empty() {
-        out.add("no rope meets all constraints\n");
-    } else {
+    match s.candidates.first().map(Candidate::rank) {
+        None => out.add("no rope meets all constraints\n"),
+        Some(Rank::MayViolate | Rank::MayBreak) => out.flat(NONE_SURE),
+        Some(Rank::Sound | Rank::BeyondAdvice) => {}
+    }
+    let shown = &s.candidates[..s.candidates.len().min(ROWS)];
+    if !shown.is_empty() {
         let name = |name: String| in_two(&name, text::columns());
-        let table = candidates(s, name, |v| rounded(v.value, 2)).column("life\n(years)", |c| {
+        let table = candidates(shown, name, |v| rounded(v.value, 2)).column("life\n(years)", |c| {
             or_dash(c.life_s, |l| rounded(l.value / YEAR_S, 2))
         });
         out.table(table.table());
+        match s.candidates.len() - shown.len() {
+            0 => {}
+            more => out.item(format!("{more} more: --report or --json")),
+        }
         out.paragraph(LEGEND);
     }
+    let mut assumed = Groups::default();
     for c in s.candidates.iter().filter(|c| c.assumed_parameters > 0) {
-        let (assumed, all) = (c.assumed_parameters, c.parameters);
-        let rope = &c.rope;
-        out.item(format!("{rope}: {assumed} of {all} parameters assumed"));
+        let what = format!("of {} parameters assumed", c.parameters);
+        assumed.add(what, &c.rope, Some(c.assumed_parameters.to_string()));
+    }
+    for line in possible(s).lines().chain(assumed.lines()) {
+        out.item(line);
     }
     if !s.rejected.is_empty() {
         out.add("\nrejected ropes\n");
     }
-    for (rope, reasons) in rejected(s) {
-        out.item(format!("{rope}: {reasons}"));
+    let mut rejected = Groups::default();
+    for r in &s.rejected {
+        for reason in &r.reasons {
+            let (what, value) = rejection_parts(reason);
+            rejected.add(what, &r.rope, value);
+        }
+    }
+    for line in rejected.lines() {
+        out.item(line);
     }
     let cautions = cautions(s);
     if !cautions.is_empty() {

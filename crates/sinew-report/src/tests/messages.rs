@@ -1059,11 +1059,11 @@ fn rope_results(list: &mut List) {
             limit_ratio: 20.0,
         },
         Rejection::Elongation {
-            high_m: 4.2e-3,
+            elongation_m: Bounded::even(4.2e-3, 1e-3),
             limit_m: 3e-3,
         },
         Rejection::Stiffness {
-            stiffness_n_per_m: 40e3,
+            stiffness_n_per_m: Bounded::even(40e3, 5e3),
             limit_n_per_m: 50e3,
         },
         Rejection::DiameterNotPublished,
@@ -1071,10 +1071,12 @@ fn rope_results(list: &mut List) {
         Rejection::BendRatioUnknown,
         Rejection::BreakingLoadNotPublished,
         Rejection::Breaks {
-            after_s: 200.0 * DAY_S,
+            life_s: Some(Bounded::even(200.0 * DAY_S, 100.0 * DAY_S)),
+            broken_share: 0.79,
             cause: BreakCause::BendingFatigue,
         },
         Rejection::Hot,
+        Rejection::NotDetermined,
         Rejection::NotPredicted {
             reason: "reason of the prediction".into(),
         },

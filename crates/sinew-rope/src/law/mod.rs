@@ -57,6 +57,7 @@ pub mod validity;
 
 pub use error::{LoadError, ParameterError};
 pub use parameters::{Parameter, Parameters, Polymer};
+pub(crate) use ramp::bedded_over;
 pub use ramp::{RAMP_TOLERANCE_PERCENT, ramp};
 pub use rope_law::{Law, Rates, RopeLoad, retraction_share};
 pub use state::{DELAY_TIMES_S, State, Strain};

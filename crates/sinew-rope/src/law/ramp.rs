@@ -21,6 +21,8 @@ struct Ramp<'a> {
     lambda: (f64, f64),
     temperature_k: (f64, f64),
     duration_s: f64,
+    /// Whether the elements other than the bedding-in are left out.
+    is_bedding_only: bool,
 }
 
 /// Advances the state while tension and temperature change linearly from one load to another.
@@ -62,19 +64,48 @@ pub fn ramp(
         lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
         temperature_k: (from.temperature_k, to.temperature_k),
         duration_s,
+        is_bedding_only: false,
     };
-    let cuts = whole.cuts(state);
-    let mut at = 0.0;
-    for cut in cuts {
-        if cut > at {
-            whole.follow(state, at, cut);
-            at = cut;
-        }
-    }
+    whole.run(state);
     Ok(())
 }
 
+/// Bedding-in after a linear change between two valid loads, %: [`ramp`] without the elements that do not affect it.
+///
+/// # Realtime
+/// No allocation, lock or panic; the number of steps depends on the ramp.
+pub(crate) fn bedded_over(
+    law: &Law,
+    bedding_percent: f64,
+    [from, to]: [RopeLoad; 2],
+    duration_s: f64,
+) -> f64 {
+    let mut state = State {
+        bedding_percent,
+        ..State::default()
+    };
+    let whole = Ramp {
+        law,
+        lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
+        temperature_k: (from.temperature_k, to.temperature_k),
+        duration_s,
+        is_bedding_only: true,
+    };
+    whole.run(&mut state);
+    state.bedding_percent
+}
+
 impl Ramp<'_> {
+    fn run(&self, state: &mut State) {
+        let mut at = 0.0;
+        for cut in self.cuts(state) {
+            if cut > at {
+                self.follow(state, at, cut);
+                at = cut;
+            }
+        }
+    }
+
     fn lambda(&self, x: f64) -> f64 {
         (self.lambda.0 + (self.lambda.1 - self.lambda.0) * x).max(0.0)
     }
@@ -142,7 +173,10 @@ impl Ramp<'_> {
                         .law
                         .retraction_target(self.lambda(x), self.temperature(x))
             };
-            let gap = kept(at) - state.retraction_kept_percent;
+            let gap = match self.is_bedding_only {
+                true => 0.0,
+                false => kept(at) - state.retraction_kept_percent,
+            };
             if gap > 0.0 && kept(at + h) <= fine.retraction_kept_percent {
                 best.retraction_kept_percent = fine.retraction_kept_percent;
                 let share = h * self.duration_s / self.law.p.retraction_time_s;
@@ -175,6 +209,12 @@ impl Ramp<'_> {
     fn step(&self, state: &mut State, at: f64, h: f64) {
         let law = self.law;
         let dt = h * self.duration_s;
+        if self.is_bedding_only {
+            let middle = at + 0.5 * h;
+            let per_s = law.bedding_per_s(Heat::new(self.temperature(middle)));
+            law.bed_in(state, law.bedding_target(self.lambda(middle)), per_s, dt);
+            return;
+        }
         let (l0, l1) = (self.lambda(at), self.lambda(at + h));
         let (k0, k1) = (self.temperature(at), self.temperature(at + h));
         let rates = law.rates_at(self.lambda(at + 0.5 * h), self.temperature(at + 0.5 * h));

@@ -5,16 +5,18 @@ use super::duty_args::DutyArgs;
 use crate::args::positive;
 use crate::files::{check_outputs, write_text};
 use crate::quantity::{Length, above_zero};
-use crate::terminal::{Failure, Finish, answer_as};
+use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::Args;
 use sinew_report::rope::{figure, selected, selection_table, spoken};
 use sinew_rope::select::{self, Constraints};
 use std::path::PathBuf;
 
-/// Select ropes that meet constraints, ranked by elongation, with reasons for rejected ropes
+/// Select ropes that meet constraints, ranked by change of length, with reasons for rejected ropes
 ///
-/// Elongation is from 1 min after pretensioning to the last time of --at. A rope is rejected if the
-/// manufacturer does not publish a constrained property. Exit code 3: no rope left.
+/// Elongation is from 1 min after pretensioning to the last time of --at. Ropes are ranked by its
+/// magnitude that 95 % of the draws do not exceed. A rope is rejected if it violates a constraint in
+/// more than 97.5 % of the draws, breaks in more than half of them, or if the manufacturer does not
+/// publish a constrained property. Exit code 3: no rope left.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  sinew rope select --tension 60 --length 700 --at 1year --max-diameter 1.8 \\\n      --pulley-diameter 16 --min-bend-ratio 8 --min-safety-factor 20 --plot choice.png"
@@ -37,7 +39,7 @@ pub(crate) struct Select {
     /// Minimum safety factor, breaking load over largest tension
     #[arg(long, value_name = "RATIO", value_parser = positive("(a ratio)"), help_heading = "Constraints")]
     min_safety_factor: Option<f64>,
-    /// Maximum elongation, mm (upper 95 % bound)
+    /// Maximum elongation or shortening, mm
     #[arg(long, value_name = "LENGTH", value_parser = above_zero::<Length>, help_heading = "Constraints")]
     max_elongation: Option<Length>,
     /// Minimum stiffness of the strand, N/mm
@@ -80,7 +82,11 @@ impl Select {
             stiffness_min_n_per_mm: self.min_stiffness,
             weight_max_g_per_m: self.max_weight,
         };
-        let found = select::select(&catalogue, &request, &constraints)?;
+        let bar = Bar::new("draws");
+        let found = select::select_with_progress(&catalogue, &request, &constraints, &|done| {
+            bar.set(done, 1.0);
+        })?;
+        drop(bar);
         if let Some(plot) = &self.plot {
             figure(&found, &spoken(found.time_s)).write(plot)?;
         }
