@@ -169,7 +169,8 @@ fn paper_figures_write_files_with_assessed_sentences() {
         assert_eq!(page.matches("<svg xmlns").count(), 2);
     }
     refused(&["paper", "fig8"], dir.path(), 2, &["fig8", "fig6", "fig7"]);
-    refused(&["paper", "fig6"], dir.path(), 1, &["robots/biorob-like"]);
+    let missing = ["paper", "fig6", "--robot", "robots/biorob-like"];
+    refused(&missing, dir.path(), 1, &["robots/biorob-like"]);
     // An option without effect is an error.
     for (figure, option) in [
         ("fig6", "--ropes"),
@@ -184,6 +185,27 @@ fn paper_figures_write_files_with_assessed_sentences() {
             &[option, figure, "remove the option"],
         );
     }
+}
+
+/// Ropes and robot are part of the program.
+#[test]
+fn paper_runs_in_empty_folder() {
+    let dir = tempfile::tempdir().unwrap();
+    let inside = ["paper", "fig6", "--out", "f", "--json"];
+    let with_robot = [&inside[..], &["--robot", &robot()]].concat();
+    let sentences = |output: &Output| -> serde_json::Value {
+        let json: serde_json::Value = serde_json::from_str(&out(output)).expect("JSON");
+        json["sentences"].clone()
+    };
+    let shipped = bench(&inside, dir.path());
+    // One statement of fig6 does not hold.
+    assert_eq!(code(&shipped), 3, "{}", err(&shipped));
+    let named = bench(&with_robot, dir.path());
+    assert_eq!(sentences(&shipped), sentences(&named));
+    let ropes = bench(&["paper", "fig1", "--out", "f", "--json"], dir.path());
+    assert_eq!(code(&ropes), 0, "{}", err(&ropes));
+    let figures = std::fs::read_dir(dir.path().join("f")).expect("written");
+    assert!(figures.count() >= 4);
 }
 
 /// A session B that is shorter than a block cannot be assessed.

@@ -1,17 +1,12 @@
 //! The figures of the paper, each made once for all tests.
 
 use sinew_bench::paper::{self, PaperFigure};
-use sinew_model::robot::{Robot, RobotFile};
+use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use std::sync::OnceLock;
 
 pub(crate) fn biorob_like() -> Robot {
-    RobotFile::parse(
-        include_str!("../../../robots/biorob-like/robot.toml"),
-        "robot.toml",
-    )
-    .and_then(|f| f.build(include_str!("../../../robots/biorob-like/biorob-like.urdf")))
-    .expect("the shipped robot is readable")
+    paper::shipped_robot().expect("the shipped robot is readable")
 }
 
 pub(crate) fn catalogue() -> Catalogue {

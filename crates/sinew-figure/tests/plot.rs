@@ -134,6 +134,69 @@ fn figure_output_is_deterministic() {
 }
 
 #[test]
+fn text_shifts_are_numbers_in_user_units() {
+    for figure in [stacked(), subscripted()] {
+        let svg = figure.svg();
+        assert!(svg.contains("<tspan dy="), "{svg}");
+        for unit in ["em\"", "%\"", "baseline-shift", "₀", "ₑ"] {
+            assert!(!svg.contains(unit), "{unit}");
+        }
+        // In each text the shifts of a subscript and of the words after it cancel.
+        for text in svg.split("<text ").skip(1) {
+            let shifts = text.split(" dy=\"").skip(1);
+            let shifts: Vec<f64> = shifts
+                .map(|s| s.split('"').next().unwrap().parse().expect("a number"))
+                .collect();
+            for pair in shifts.chunks_exact(2) {
+                assert_eq!(pair[0] + pair[1], 0.0, "{text}");
+            }
+        }
+    }
+}
+
+/// Subscripts in a title, labels and the legend.
+fn subscripted() -> Figure {
+    let x = vec![0.0, 1.0];
+    Figure::new("Slope m_{E} of the rope").panel(
+        Panel::new("K_{I} = 25 1/s", "t_{0} (s)", "δ_{e} (mrad)").line(Line::new(
+            "δ_{e} of the elbow",
+            x.clone(),
+            x,
+        )),
+    )
+}
+
+#[test]
+fn lines_of_cycle_differ_without_colour() {
+    let x = vec![0.0, 1.0];
+    let mut panel = Panel::new("", "x", "y");
+    for (i, dash) in Dash::CYCLE.into_iter().enumerate() {
+        let y = vec![i as f64; 2];
+        let line = Line::new(format!("line {i}"), x.clone(), y).colour(Colour::CYCLE[i]);
+        panel = panel.line(line.dash(dash));
+    }
+    let figure = Figure::new("dashes").panel(panel);
+    save(&figure, "dashes");
+    let svg = figure.svg();
+    // A key of the legend, and the line itself, have the same pattern.
+    let patterns = |class: &str| -> Vec<String> {
+        let start = format!("<g class=\"{class}\"");
+        let groups = svg.split(&start).skip(1);
+        let pattern = |group: &str| {
+            let group = group.split("</g>").next().unwrap();
+            let dashes = group.split("stroke-dasharray=\"").nth(1);
+            dashes.map_or(String::new(), |d| d.split('"').next().unwrap().into())
+        };
+        groups.map(pattern).collect()
+    };
+    let lines = patterns("line");
+    assert_eq!(lines, patterns("key"));
+    assert_eq!(lines.len(), Colour::CYCLE.len());
+    let different: std::collections::HashSet<&String> = lines.iter().collect();
+    assert_eq!(different.len(), lines.len(), "{lines:?}");
+}
+
+#[test]
 fn gaps_split_lines_and_bands() {
     let x = vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let y = vec![1.0, 2.0, f64::NAN, 2.0, 1.0, f64::INFINITY, 3.0];

@@ -1,8 +1,15 @@
-//! Parser of catalogue entries, and the location of its errors.
+//! Parser of catalogue entries, the location of its errors, and the tables of the manual.
+//!
+//! `SINEW_WRITE=1 cargo test -p sinew-rope --test all rope_entry::` regenerates the tables.
 
 use proptest::prelude::*;
+use sinew_rope::Catalogue;
 use sinew_rope::law::Parameter;
-use sinew_rope::law::entry::{CatalogueEntry, Origin, Uncertainty};
+use sinew_rope::law::endurance::EnduranceKey;
+use sinew_rope::law::entry::{CatalogueEntry, Origin, Uncertainty, Value};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
 
 const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
 
@@ -150,5 +157,99 @@ proptest! {
             let again = CatalogueEntry::parse(&rope.to_toml(), "again.toml");
             prop_assert_eq!(again, Ok(rope));
         }
+    }
+}
+
+fn number(value: f64) -> String {
+    let text: String = match value.abs() {
+        0.0 => "0".into(),
+        size if (1e-3..1e5).contains(&size) => value.to_string(),
+        _ => format!("{value:e}"),
+    };
+    match text.strip_prefix('-') {
+        Some(size) => format!("−{size}"),
+        None => text,
+    }
+}
+
+/// Row of a table of the manual: key, meaning, permitted values, value, 95 % interval, origin.
+fn row(key: &str, meaning: &str, permitted: &str, value: &Value) -> String {
+    let interval = match value.uncertainty {
+        Uncertainty::NotSpecified => "exact".into(),
+        Uncertainty::Factor(f) => format!("factor {}", number(f)),
+        Uncertainty::PlusMinus(d) => format!("± {}", number(d)),
+    };
+    let (meaning, value, origin) = (
+        meaning.trim_end_matches('.'),
+        number(value.value),
+        format!("{}, `{}`", value.origin.name(), value.source),
+    );
+    format!("| `{key}` | {meaning} | {permitted} | {value} | {interval} | {origin} |\n")
+}
+
+/// Table of the parameters, and the table of the sources that they name.
+fn tables(rows: &str, used: &[&Value], sources: &BTreeMap<String, String>) -> String {
+    let mut out = format!(
+        "| key | meaning | permitted | value | 95 % | origin, source |\n|---|---|---|---|---|---|\n{rows}\n| source | text |\n|---|---|\n"
+    );
+    for (key, text) in sources {
+        if used.iter().any(|value| value.source == *key) {
+            writeln!(out, "| `{key}` | {text} |").expect("a string takes all");
+        }
+    }
+    out
+}
+
+#[test]
+fn manual_lists_parameters_with_origin() {
+    let catalogue = Catalogue::shipped().expect("shipped ropes");
+    let rope = catalogue.find("liros-dc000-0301").expect("there");
+    let law = &rope.entry.law;
+    let rows: String = (Parameter::ALL.iter())
+        .map(|p| {
+            let key = format!("law.{}", p.name());
+            row(&key, p.meaning(), p.must(), &law[p])
+        })
+        .collect();
+    let class = rope.endurance().expect("a shipped class");
+    let endurance: String = (EnduranceKey::ALL.iter())
+        .map(|k| {
+            let (low, high) = k.range();
+            let permitted = format!("{} to {}", number(low), number(high));
+            let key = format!("endurance.{}", k.name());
+            row(&key, k.meaning(), &permitted, &class.endurance[k])
+        })
+        .collect();
+    let law: Vec<&Value> = law.values().collect();
+    let of_class: Vec<&Value> = class.endurance.values().collect();
+    let mut made = [
+        tables(&rows, &law, &rope.entry.sources),
+        tables(&endurance, &of_class, &class.sources),
+    ]
+    .into_iter();
+    const BEGIN: &str = "<!-- made by a test: begin -->\n";
+    const END: &str = "<!-- made by a test: end -->";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/reference/rope.md");
+    let page = std::fs::read_to_string(&path).expect("the page");
+    let mut parts = page.split(BEGIN);
+    let mut wanted = parts.next().expect("text").to_owned();
+    for part in parts {
+        let (_, after) = part.split_once(END).expect("an end mark");
+        let table = made.next().expect("two tables");
+        wanted += &format!("{BEGIN}\n{table}\n{END}{after}");
+    }
+    assert_eq!(made.next(), None, "two marks");
+    if std::env::var_os("SINEW_WRITE").is_some() {
+        std::fs::write(&path, &wanted).expect("written");
+    } else {
+        assert!(page == wanted, "SINEW_WRITE=1 writes the tables anew");
+    }
+    // An assumed value has an interval unless it is zero.
+    for value in law {
+        let assumed = value.origin == Origin::Assumed && value.value != 0.0;
+        assert!(
+            !assumed || value.uncertainty != Uncertainty::NotSpecified,
+            "{value:?}"
+        );
     }
 }

@@ -4,6 +4,7 @@ use clap::Args;
 use sinew::terminal::{Failure, Finish, Word, answer_as, complain};
 use sinew_bench::paper::{self, FigureName};
 use sinew_estimate::robot_dir;
+use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ pub(crate) struct Paper {
     /// Name of the figure
     #[arg(value_enum)]
     figure: FigureName,
-    /// Robot's folder, for fig6, fig7 and control [default: robots/biorob-like]
+    /// Robot's folder, for fig6, fig7 and control [default: the BioRob-like arm]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
     /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5 and table1
@@ -58,8 +59,12 @@ impl Paper {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         self.check()?;
-        let folder = self.robot.as_deref();
-        let robot = || robot_dir::load(folder.unwrap_or(Path::new("robots/biorob-like")), None);
+        let robot = || -> Result<Robot, Failure> {
+            Ok(match &self.robot {
+                Some(folder) => robot_dir::load(folder, None)?.robot,
+                None => paper::shipped_robot()?,
+            })
+        };
         let catalogue = || Catalogue::with_folders(&self.folders());
         std::fs::create_dir_all(&self.out).map_err(|e| {
             Failure::Error(format!("cannot create folder {}: {e}", self.out.display()))
@@ -70,9 +75,9 @@ impl Paper {
             FigureName::Fig4 => paper::fig4(&catalogue()?)?,
             FigureName::Fig5 => paper::fig5(&catalogue()?)?,
             FigureName::Table1 => paper::table1(&catalogue()?)?,
-            FigureName::Fig6 => paper::fig6(&robot()?.robot)?,
-            FigureName::Fig7 => paper::fig7(&robot()?.robot)?,
-            FigureName::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
+            FigureName::Fig6 => paper::fig6(&robot()?)?,
+            FigureName::Fig7 => paper::fig7(&robot()?)?,
+            FigureName::Control => paper::control(&robot()?, paper::Effort::default())?,
         };
         paper::write(&mut figure, &self.out)?;
         answer_as(self.json, &figure, paper::render)?;

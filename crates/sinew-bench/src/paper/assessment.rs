@@ -4,7 +4,7 @@ use super::PaperError;
 use super::data::{Curve, SeriesData};
 use super::sentence::{Sentence, Unit};
 use crate::numbers::line;
-use sinew_figure::plot::{Band, Colour, Line};
+use sinew_figure::plot::{Band, Colour, Dash, Line};
 use sinew_model::statistics::quantile;
 use sinew_rope::law::Law;
 use sinew_rope::{Catalogue, Draws};
@@ -49,7 +49,7 @@ pub(super) fn slope(x: &[f64], y: &[f64], range: std::ops::RangeInclusive<f64>) 
     line(&points.map(|(x, y)| (*x, *y)).collect::<Vec<_>>()).1
 }
 
-/// Returns a curve with its 95 % band, from nominal and drawn curves over the same minutes.
+/// Returns a curve with its 95 % band, from nominal and drawn curves over the same minutes. Each colour has its dash.
 pub(super) fn curve(
     name: &str,
     minutes: &[f64],
@@ -68,8 +68,10 @@ pub(super) fn curve(
             (at(0.025), at(0.975))
         })
         .unzip();
+    let place = Colour::CYCLE.iter().position(|c| *c == colour);
     let line = Line::new(name, minutes.to_vec(), curves[0].clone())
         .colour(colour)
+        .dash(Dash::CYCLE[place.unwrap_or(0)])
         .width(1.8);
     let band = Band::new("", minutes.to_vec(), low, high).colour(colour);
     let series = SeriesData {

@@ -2,12 +2,11 @@
 
 use super::PaperError;
 use super::assessment::{assumptions, claimed, curve, laws, slope};
-use super::data::{FigureName, PanelData, PaperFigure, given, not_assessed};
+use super::data::{FigureName, PanelData, PaperFigure, SeriesData, given, not_assessed};
 use super::sentence::Sentence;
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_rope::Catalogue;
-use sinew_rope::draws::bounded;
 use sinew_rope::law::{Law, RopeLoad, State};
 
 /// Load of the tests, N.
@@ -28,6 +27,10 @@ const TECHNORA: &str = "tu-chemnitz-technora-black";
 const VECTRAN: &str = "tu-chemnitz-vectran";
 /// Ropes under 2 mm.
 const THIN: [&str; 5] = [SK99, CLIMAX, DM20, TECHNORA, VECTRAN];
+/// HMPE ropes under 2 mm; their breaking loads differ by a factor of two.
+const THIN_HMPE: [&str; 3] = [SK99, CLIMAX, DM20];
+/// HMPE ropes of 2 mm, braided differently; their breaking loads are within a quarter of each other.
+const THICK_HMPE: [&str; 3] = [ULTRA, "liros-dc000-0701", "teufelberger-fl-9-ng"];
 /// Ropes of Fig. 2.
 const HOT: [&str; 4] = [DM20, SK99, TECHNORA, VECTRAN];
 
@@ -118,7 +121,18 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         .collect::<Result<Vec<_>, _>>()?;
     let at = |name| find(&tests, name);
     let (ultra, cord, climax) = (at(ULTRA)?, at(CORD)?, at(CLIMAX)?);
+    let technora = at(TECHNORA)?;
     let thin = THIN.into_iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let hmpe = |names: [&'static str; 3]| names.into_iter().map(at).collect::<Result<Vec<_>, _>>();
+    let (thin_hmpe, thick_hmpe) = (hmpe(THIN_HMPE)?, hmpe(THICK_HMPE)?);
+    let spread = |of: &[&Test], d: usize| {
+        let ends = || of.iter().map(|t| t.end[d]);
+        ends().fold(f64::MIN, f64::max) - ends().fold(f64::MAX, f64::min)
+    };
+    let total = |of: &[&Test], d: usize| of.iter().map(|t| t.end[d]).sum::<f64>();
+    // Both groups have three ropes, so that ratios of sums are ratios of means.
+    let expected =
+        breaking_loads_n(catalogue, THIN_HMPE)? / breaking_loads_n(catalogue, THICK_HMPE)?;
     let rest_h = (MINUTES as f64 - SLOPE_FROM_MIN) / 60.0;
     let highest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MIN, f64::max);
     let lowest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MAX, f64::min);
@@ -161,9 +175,28 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
                 theirs < others
             },
         ),
+        claimed(
+            "Braiding changes the elongation more than the breaking load does.",
+            "the final strains of three differently braided HMPE ropes of 2 mm, with breaking loads from 5600 to 7000 N, differ by more than those of the three HMPE ropes under 2 mm, with breaking loads from 2100 to 4450 N",
+            |d| spread(&thick_hmpe, d) > spread(&thin_hmpe, d),
+        ),
+        claimed(
+            "The two aramids differ remarkably.",
+            "the final strain of the aramid cord is at least twice that of Technora",
+            |d| cord.end[d] >= 2.0 * technora.end[d],
+        ),
+        claimed(
+            "Ropes of 2 mm do not outperform thinner ones as expected.",
+            &format!(
+                "the mean final strain of the three HMPE ropes of 2 mm, relative to that of the three thinner ones, is at least 1.25 times the inverse ratio of their breaking loads ({expected:.2})"
+            ),
+            |d| total(&thick_hmpe, d) >= 1.25 * expected * total(&thin_hmpe, d),
+        ),
     ];
     let title = "Fig. 1: tensile creep of nine ropes at 23 °C";
-    let mut out = figure(FigureName::Fig1, title, &tests, None, sentences);
+    let thick = tests.iter().filter(|t| !THIN.contains(&t.name.as_str()));
+    let groups = [("under 2 mm", thin), ("2 mm", thick.collect())];
+    let mut out = figure(FigureName::Fig1, title, &groups, None, sentences);
     out.not_assessed = not_assessed(&[[
         "Tensile creep after ISO 899-1: 60 N, 350 mm, 85 min, standard atmosphere 23/50.",
         "A procedure. Load, length and time are those of fig1; the creep law does not model humidity.",
@@ -173,6 +206,18 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         "Almost 0.2 %: range of the final strains of the ropes under 2 mm.",
     ]);
     Ok(out)
+}
+
+/// Sum of the breaking loads of some ropes, N.
+fn breaking_loads_n(catalogue: &Catalogue, names: [&str; 3]) -> Result<f64, PaperError> {
+    let mut sum = 0.0;
+    for name in names {
+        let load = catalogue.find(name)?.entry.breaking_load_n.as_ref();
+        sum += load
+            .ok_or_else(|| PaperError::Rope(name.to_string()))?
+            .value;
+    }
+    Ok(sum)
 }
 
 fn at_most(tests: &[Test], d: usize, which: impl Fn(&Test) -> bool) -> f64 {
@@ -234,7 +279,7 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let mut out = figure(
         FigureName::Fig2,
         "Fig. 2: tensile creep of four ropes at 60 °C",
-        &hot,
+        &[("", hot.iter().collect())],
         Some(&cold),
         sentences,
     );
@@ -248,49 +293,48 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     Ok(out)
 }
 
-/// Draws the curves of all tests with the intervals of their ends; dashed, the same ropes at 23 °C if `cold` has
+/// Draws each group of tests as a panel: curves with their 95 % bands; thin, the same ropes at 23 °C if `cold` has
 /// them.
 fn figure(
     name: FigureName,
     title: &str,
-    tests: &[Test],
+    groups: &[(&str, Vec<&Test>)],
     cold: Option<&[Test]>,
     sentences: Vec<Sentence>,
 ) -> PaperFigure {
     let minutes = minutes();
-    let end = MINUTES as f64;
-    // Bars of the ends are drawn side by side to the right of the curves.
-    let bar_at = |i: usize| end + 1.2 + 0.9 * i as f64;
-    let mut panel = Panel::new("", "time (min)", "strain (%)").x_range(0.0, bar_at(tests.len()));
-    let mut data = PanelData {
-        title: title.into(),
-        series: Vec::new(),
-    };
-    let colour = |i: usize| Colour::CYCLE[i % Colour::CYCLE.len()];
-    for (i, t) in cold.into_iter().flatten().enumerate() {
-        let line = Line::new("", minutes.clone(), t.curves[0].clone());
-        panel = panel.line(line.colour(colour(i)).dash(Dash::Dashed).width(1.0));
-    }
-    for (i, t) in tests.iter().enumerate() {
-        let label = format!("{}: m_{{E}} = {:.3} %/h", t.product, t.slope[0]);
-        let (line, _, mut series) = curve(&label, &minutes, &t.curves, colour(i));
-        series.name = t.name.clone();
-        data.series.push(series);
-        let dash = [Dash::Solid, Dash::Dotted][i / Colour::CYCLE.len()];
-        panel = panel.line(line.dash(dash));
-        let interval = bounded(t.end[0], &t.end[1..]);
-        let bar = |x: [f64; 2], y: [f64; 2], width| {
-            let line = Line::new("", x.to_vec(), y.to_vec());
-            line.colour(colour(i)).width(width)
-        };
-        let x = bar_at(i);
-        panel = panel
-            .line(bar([x, x], [interval.low, interval.high], 1.6).dash(dash))
-            .line(bar([x - 0.35, x + 0.35], [interval.value; 2], 3.0));
+    let place = |i: usize| i % Colour::CYCLE.len();
+    let (mut panels, mut data, mut highest) = (Vec::new(), Vec::new(), 0.0_f64);
+    for (group, tests) in groups {
+        let x_end = MINUTES as f64;
+        let mut panel = Panel::new(*group, "time (min)", "strain (%)").x_range(0.0, x_end);
+        let (mut lines, mut series) = (Vec::new(), Vec::new());
+        for (i, t) in tests.iter().enumerate() {
+            let label = format!("{}: m_{{E}} = {:.3} %/h", t.product, t.slope[0]);
+            let (line, band, own) = curve(&label, &minutes, &t.curves, Colour::CYCLE[place(i)]);
+            highest = band.high.iter().copied().fold(highest, f64::max);
+            panel = panel.band(band);
+            lines.push(line);
+            series.push(SeriesData {
+                name: t.name.clone(),
+                ..own
+            });
+        }
+        for (i, t) in cold.into_iter().flatten().enumerate() {
+            let line = Line::new("", minutes.clone(), t.curves[0].clone());
+            let line = line.colour(Colour::CYCLE[place(i)]);
+            lines.push(line.dash(Dash::CYCLE[place(i)]).width(0.8));
+        }
+        panels.push(lines.into_iter().fold(panel, Panel::line));
+        let own = if group.is_empty() { title } else { *group };
+        data.push(PanelData {
+            title: own.into(),
+            series,
+        });
     }
     let celsius = if cold.is_some() { 60.0 } else { 23.0 };
-    let dashed = if cold.is_some() {
-        "; dashed: the same at 23 °C"
+    let thin = if cold.is_some() {
+        "; thin: the same at 23 °C"
     } else {
         ""
     };
@@ -300,15 +344,18 @@ fn figure(
     ));
     let drawing = Figure::new(title)
         .subtitle(format!(
-            "simulated: {LOAD_N} N, {celsius} °C{dashed}; bars at the right: 95 % of the draws at the end"
+            "simulated: {LOAD_N} N, {celsius} °C{thin}; bands: 95 % of the draws"
         ))
-        .size(900.0, 520.0)
-        .panel(panel);
+        .size(if panels.len() > 1 { 1120.0 } else { 900.0 }, 520.0)
+        .columns(panels.len());
+    let drawing = panels.into_iter().fold(drawing, |figure, panel| {
+        figure.panel(panel.y_range(0.0, 1.05 * highest))
+    });
     PaperFigure {
         about: vec![format!(
             "Virtual creep tests at {LOAD_N} N and {celsius} °C over {MINUTES} min with the catalogue's ropes. m_E is the slope of a straight line fitted from {SLOPE_FROM_MIN} min on."
         )],
-        panels: vec![data],
+        panels: data,
         sentences,
         assumptions,
         ..PaperFigure::new(name, title, drawing)

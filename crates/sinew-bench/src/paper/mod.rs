@@ -10,7 +10,7 @@
 //!
 //! Reading order: [`staircase`] (the motion), `analytic` (its analytic values), `trial` (one simulation, several
 //! estimates), [`fig6()`], [`fig7()`], `page`; for ropes `assessment`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`],
-//! [`table1()`]; [`control()`].
+//! [`table1()`]; [`control()`]; [`bending()`] and the table of all statements, [`statements_table`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
@@ -31,10 +31,11 @@ mod render;
 mod row;
 mod sentence;
 pub mod staircase;
+mod statements;
 mod table1;
 mod trial;
 
-pub use control::{Effort, Knowledge, RobotCase, Row, control, table};
+pub use control::{Effort, Knowledge, RobotCase, Row, control, elongation_errors, table};
 pub use creep::{fig1, fig2};
 pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};
 pub use fig4::fig4;
@@ -43,13 +44,26 @@ pub use fig6::fig6;
 pub use fig7::fig7;
 pub use page::write;
 pub use render::render;
-pub use sentence::{ClaimedBy, Sentence, Unit, Verdict};
+pub use sentence::{Basis, ClaimedBy, Sentence, Unit, Verdict};
+pub use statements::{bending, not_assessed_table, statements_table, tension_lost_n};
 pub use table1::table1;
 
+use sinew_files::Located;
 use sinew_model::StepError;
 use sinew_model::arm::ArmError;
 use sinew_model::offset::OffsetConfigError;
+use sinew_model::robot::{Robot, RobotFile};
 use sinew_sim::SimulateError;
+
+/// Returns the BioRob-like arm, which ships with the program.
+///
+/// # Errors
+/// Returns a [`Located`] if the shipped description is invalid, which a test excludes.
+pub fn shipped_robot() -> Result<Robot, Located> {
+    const FILE: &str = include_str!("../../../../robots/biorob-like/robot.toml");
+    const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
+    RobotFile::parse(FILE, "robot.toml")?.build(URDF)
+}
 
 /// Errors of a figure.
 #[derive(Debug, thiserror::Error)]

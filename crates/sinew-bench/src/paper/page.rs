@@ -112,7 +112,11 @@ fn assessed(sentence: &Sentence) -> sinew_figure::Sentence {
     let (value, unit) = sentence.shown();
     sinew_figure::Sentence {
         text: sentence.text.clone(),
-        criterion: sentence.criterion.clone(),
+        criterion: format!(
+            "{}; basis: {}",
+            sentence.criterion,
+            sentence.basis.name()
+        ),
         value,
         unit: unit.into(),
         holds: match sentence.verdict {

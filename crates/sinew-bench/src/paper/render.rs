@@ -57,9 +57,10 @@ fn assessed(sentence: &Sentence) -> String {
         _ => "",
     };
     let found = format!(
-        "{at}found {} {unit}; {}",
+        "{at}found {} {unit}; {}; basis: {}",
         rounded(value, 3),
-        sentence.criterion
+        sentence.criterion,
+        sentence.basis.name()
     );
     out.push_str(&indented(&found, 7, 7));
     out

@@ -20,6 +20,56 @@ pub struct Sentence {
     pub holds: bool,
     /// Verdict on the statement.
     pub verdict: Verdict,
+    /// Basis of the assessment.
+    pub basis: Basis,
+}
+
+/// Basis of an assessment: what would have to be wrong for the verdict to change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// Closed form of an equation with a stated value.
+    ClosedForm,
+    /// Values that the paper prints.
+    Printed,
+    /// Assumption of the model, which makes the statement true by construction.
+    Construction,
+    /// Creep law with assumed parameters, in 400 draws of their intervals.
+    AssumedParameters,
+    /// One simulation of the robot with perfect sensors.
+    IdealSimulation,
+    /// Simulations of the robot with assumed friction, sensor noise and model errors.
+    NoisySimulation,
+}
+
+impl Basis {
+    /// Returns the basis in words, for pages and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ClosedForm => "closed form",
+            Self::Printed => "printed values",
+            Self::Construction => "true by construction of the creep law",
+            Self::AssumedParameters => "creep law with assumed parameters, 400 draws",
+            Self::IdealSimulation => "simulation with perfect sensors",
+            Self::NoisySimulation => {
+                "simulation with friction, noise and model errors, one seed per run"
+            }
+        }
+    }
+
+    /// Returns the basis of most statements with a value of this unit.
+    fn of(unit: Unit) -> Self {
+        match unit {
+            Unit::ShareOfDraws => Self::AssumedParameters,
+            Unit::Ropes => Self::Printed,
+            Unit::N => Self::ClosedForm,
+            Unit::ShareOfFreeTime | Unit::ShareOfContacts | Unit::S | Unit::TimesTheThreshold => {
+                Self::NoisySimulation
+            }
+            Unit::Rad | Unit::Nm | Unit::ShareOfCases => Self::IdealSimulation,
+        }
+    }
 }
 
 /// Origin of a statement.
@@ -65,6 +115,8 @@ impl Verdict {
 pub enum Unit {
     /// rad; shown in mrad.
     Rad,
+    /// Force in N.
+    N,
     /// Torque in N·m.
     Nm,
     /// s; shown in ms.
@@ -88,6 +140,7 @@ impl Unit {
     fn shown(self) -> (f64, &'static str) {
         match self {
             Self::Rad => (1e3, "mrad"),
+            Self::N => (1.0, "N"),
             Self::Nm => (1.0, "N·m"),
             Self::S => (1e3, "ms"),
             Self::ShareOfDraws => (1e2, "% of 400 draws"),
@@ -118,7 +171,15 @@ impl Sentence {
             unit,
             holds,
             verdict: Verdict::of(holds, value, unit),
+            basis: Basis::of(unit),
         }
+    }
+
+    /// Sets the basis of the assessment.
+    #[must_use]
+    pub(super) fn based_on(mut self, basis: Basis) -> Self {
+        self.basis = basis;
+        self
     }
 
     /// Marks it as a statement of the paper, paraphrased.
@@ -189,6 +250,16 @@ mod tests {
             Sentence::added("", "", 15.0, Unit::Rad, true).verdict,
             Verdict::Holds
         );
+    }
+
+    #[test]
+    fn basis_follows_unit_unless_specified() {
+        let draws = Sentence::added("", "", 50.0, Unit::ShareOfDraws, true);
+        assert_eq!(draws.basis, Basis::AssumedParameters);
+        let built = draws.based_on(Basis::Construction);
+        assert_eq!(built.basis, Basis::Construction);
+        let force = Sentence::added("", "", 50.0, Unit::N, true);
+        assert_eq!(force.basis, Basis::ClosedForm);
     }
 
     #[test]

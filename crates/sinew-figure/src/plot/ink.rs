@@ -42,23 +42,21 @@ pub(super) fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, wor
     let _ = writeln!(
         out,
         "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" {style}>{}</text>",
-        markup(words)
+        markup(words, size)
     );
 }
 
 /// Returns the attribute of a dashed stroke; empty for a solid one.
 pub(super) fn dash(dash: Dash, width_px: f64) -> String {
-    match dash {
-        Dash::Solid => String::new(),
-        Dash::Dashed => format!(
-            " stroke-dasharray=\"{:.1} {:.1}\"",
-            4.0 * width_px,
-            2.5 * width_px
-        ),
-        Dash::Dotted => format!(
-            " stroke-dasharray=\"{:.1} {:.1}\"",
-            width_px,
-            2.0 * width_px
-        ),
-    }
+    let lengths: &[f64] = match dash {
+        Dash::Solid => return String::new(),
+        Dash::Dashed => &[4.0, 2.5],
+        Dash::Dotted => &[1.0, 2.0],
+        Dash::DashDotted => &[4.0, 2.0, 1.0, 2.0],
+        Dash::LongDashed => &[6.5, 1.5],
+        Dash::DashDotDotted => &[4.0, 2.0, 1.0, 2.0, 1.0, 2.0],
+    };
+    let lengths = lengths.iter().map(|l| format!("{:.1}", l * width_px));
+    let lengths: Vec<String> = lengths.collect();
+    format!(" stroke-dasharray=\"{}\"", lengths.join(" "))
 }

@@ -15,6 +15,8 @@ const ADVANCE: [u8; 95] = [
 
 /// Font size of a subscript relative to its line.
 const SUBSCRIPT: f64 = 0.75;
+/// Shift of a subscript below its line, relative to the font size of the line.
+const SHIFT: f64 = 0.25;
 
 /// Returns the estimated width of a text, px; an upper bound rather than a mean.
 pub(super) fn width(text: &str, size_px: f64) -> f64 {
@@ -65,34 +67,36 @@ pub(super) fn plain(text: &str) -> String {
     pieces(text).map(|(piece, _)| piece).collect()
 }
 
-/// Returns the text as content of an SVG `text` element.
-pub(super) fn markup(text: &str) -> String {
+/// Returns the text as content of an SVG `text` element of a font size.
+///
+/// Shifts and sizes of subscripts are numbers in user units: some SVG readers ignore `em`, `%` and `baseline-shift`.
+pub(super) fn markup(text: &str, size_px: f64) -> String {
     let mut out = String::with_capacity(text.len());
     let mut lowered = false;
     for (piece, subscript) in pieces(text) {
         if piece.is_empty() {
             continue;
         }
-        if subscript {
-            let _ = write!(
+        let words = escape_xml(piece);
+        let shift = SHIFT * size_px;
+        let _ = match (subscript, lowered) {
+            (true, false) => write!(
                 out,
-                "<tspan dy=\"0.25em\" font-size=\"{:.0}%\">{}</tspan>",
-                100.0 * SUBSCRIPT,
-                escape_xml(piece)
-            );
-            lowered = true;
-        } else if lowered {
-            // Moves up by the shift of the subscript, in its smaller em.
-            let _ = write!(
+                "<tspan dy=\"{shift}\" font-size=\"{}\">{words}</tspan>",
+                SUBSCRIPT * size_px
+            ),
+            (true, true) => write!(
                 out,
-                "<tspan dy=\"{:.4}em\">{}</tspan>",
-                -0.25 * SUBSCRIPT,
-                escape_xml(piece)
-            );
-            lowered = false;
-        } else {
-            out.push_str(&escape_xml(piece));
-        }
+                "<tspan font-size=\"{}\">{words}</tspan>",
+                SUBSCRIPT * size_px
+            ),
+            (false, true) => write!(out, "<tspan dy=\"{}\">{words}</tspan>", -shift),
+            (false, false) => {
+                out.push_str(&words);
+                Ok(())
+            }
+        };
+        lowered = subscript;
     }
     out
 }
@@ -154,10 +158,25 @@ mod tests {
 
     #[test]
     fn subscripts_go_down_and_come_back() {
-        let text = markup("τ_{el} and <θ>");
-        assert!(text.starts_with("τ<tspan dy=\"0.25em\""), "{text}");
-        assert!(text.ends_with("> and &lt;θ&gt;</tspan>"), "{text}");
-        assert_eq!(markup("broken _{ brace"), "broken _{ brace");
+        // 12 px: a quarter down and up again, at three quarters of the size, as plain numbers.
+        assert_eq!(
+            markup("τ_{el} and <θ>", 12.0),
+            "τ<tspan dy=\"3\" font-size=\"9\">el</tspan><tspan dy=\"-3\"> and &lt;θ&gt;</tspan>"
+        );
+        // Two subscripts in sequence are on the same line.
+        let twice = markup("K_{I}_{el} K", 20.0);
+        let shifts = twice.split(" dy=\"").skip(1);
+        let shifts: Vec<f64> = shifts
+            .map(|s| {
+                s.split('"')
+                    .next()
+                    .unwrap_or_default()
+                    .parse()
+                    .expect("a number")
+            })
+            .collect();
+        assert_eq!(shifts, [5.0, -5.0], "{twice}");
+        assert_eq!(markup("broken _{ brace", 12.0), "broken _{ brace");
     }
 
     #[test]

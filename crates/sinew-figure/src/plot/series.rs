@@ -267,4 +267,22 @@ pub enum Dash {
     Dashed,
     /// Line of dots.
     Dotted,
+    /// Dashes and dots in turn.
+    DashDotted,
+    /// Line with longer dashes and short gaps.
+    LongDashed,
+    /// A dash and two dots in turn.
+    DashDotDotted,
+}
+
+impl Dash {
+    /// All patterns in the order of use; with [`Colour::CYCLE`], lines differ without their colours.
+    pub const CYCLE: [Dash; 6] = [
+        Dash::Solid,
+        Dash::Dashed,
+        Dash::Dotted,
+        Dash::DashDotted,
+        Dash::LongDashed,
+        Dash::DashDotDotted,
+    ];
 }

@@ -18,18 +18,18 @@ const TEST_S: f64 = 60.0;
 const STRENGTH: (f64, f64) = (0.02, 1.3);
 
 macro_rules! endurance {
-    ($($(#[$doc:meta])* $field:ident $variant:ident $low:expr, $high:expr;)*) => {
+    ($($(#[doc = $doc:literal])* $field:ident $variant:ident $low:expr, $high:expr;)*) => {
         /// Endurance of a rope or of a class of fibres.
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         pub struct Endurance {
-            $($(#[$doc])* pub $field: f64,)*
+            $($(#[doc = $doc])* pub $field: f64,)*
         }
 
         /// Value of a parameter by name.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum EnduranceKey {
-            $($(#[$doc])* $variant,)*
+            $($(#[doc = $doc])* $variant,)*
         }
 
         impl EnduranceKey {
@@ -40,6 +40,12 @@ macro_rules! endurance {
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self { $(EnduranceKey::$variant => stringify!($field),)* }
+            }
+
+            /// Symbol and meaning, in the Markdown of its documentation.
+            #[must_use]
+            pub fn meaning(self) -> &'static str {
+                match self { $(EnduranceKey::$variant => concat!($($doc),*).trim_ascii(),)* }
             }
 
             /// Smallest and largest value taken.

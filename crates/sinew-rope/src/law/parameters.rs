@@ -37,20 +37,20 @@ impl Polymer {
 }
 
 macro_rules! parameters {
-    ($($(#[$doc:meta])* $field:ident $variant:ident $low:expr, $high:expr, $must:literal;)*) => {
+    ($($(#[doc = $doc:literal])* $field:ident $variant:ident $low:expr, $high:expr, $must:literal;)*) => {
         /// Parameters of the rope law; symbols as in [`crate::law`].
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct Parameters {
             /// Material of the fibre; selects the validity limits.
             pub polymer: Polymer,
-            $($(#[$doc])* pub $field: f64,)*
+            $($(#[doc = $doc])* pub $field: f64,)*
         }
 
         /// Parameter of the creep law by name, for catalogues, draws and fits.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum Parameter {
-            $($(#[$doc])* $variant,)*
+            $($(#[doc = $doc])* $variant,)*
         }
 
         impl Parameter {
@@ -63,13 +63,21 @@ macro_rules! parameters {
                 match self { $(Parameter::$variant => stringify!($field),)* }
             }
 
+            /// Symbol and meaning, in the Markdown of its documentation.
+            #[must_use]
+            pub fn meaning(self) -> &'static str {
+                match self { $(Parameter::$variant => concat!($($doc),*).trim_ascii(),)* }
+            }
+
             /// Smallest and largest value taken.
             #[must_use]
             pub fn range(self) -> (f64, f64) {
                 match self { $(Parameter::$variant => ($low, $high),)* }
             }
 
-            fn must(self) -> &'static str {
+            /// Permitted values, for messages and the manual.
+            #[must_use]
+            pub fn must(self) -> &'static str {
                 match self { $(Parameter::$variant => $must,)* }
             }
         }
@@ -100,7 +108,7 @@ const HUGE: f64 = 1e12;
 const TINY: f64 = 1e-12;
 
 parameters! {
-    /// Load `λ = T/MBL` refers to: the breaking load, N.
+    /// `MBL`: breaking load, to which the load ratio `λ = T/MBL` refers, N.
     breaking_load_n BreakingLoad TINY, HUGE, "above 0";
     /// `k`: elastic strain is `100 λ/k` %.
     elastic_k ElasticK TINY, HUGE, "above 0";
@@ -126,7 +134,7 @@ parameters! {
     delayed_percent Delayed 0.0, 1e3, "0 to 1000";
     /// `E_v`: activation energy of the delayed elasticity, J/mol.
     delayed_energy_j_per_mol DelayedEnergy 0.0, 1e6, "0 to 1e6";
-    /// Growth of `J` with temperature, 1/K: `J(θ) = J (1 + j (θ − T_ref))`, at least 0.
+    /// `j`: growth of `J` with temperature, 1/K: `J(θ) = J (1 + j (θ − T_ref))`, at least 0.
     delayed_per_k DelayedPerK -0.1, 0.1, "−0.1 to 0.1";
     /// `A₀`: rate of fibre flow at `T_ref`, 1/s.
     flow_rate_per_s FlowRate 0.0, 1.0, "0 to 1";
@@ -146,12 +154,12 @@ parameters! {
     expansion_per_k Expansion -1e-3, 1e-3, "−1e-3 to 1e-3";
     /// `μ`: friction of the rope on a guiding pulley.
     friction Friction 0.0, 2.0, "0 to 2";
-    /// Passes over a pulley of 20 rope diameters at a tenth of the breaking load that the rope
+    /// `N_ref`: passes over a pulley of 20 rope diameters at a tenth of the breaking load that the rope
     /// survives.
     bend_life_passes BendLife 1.0, HUGE, "at least 1";
-    /// Power of pulley diameter over rope diameter in the number of passes survived.
+    /// `m_D`: power of pulley diameter over rope diameter in the number of passes survived.
     bend_ratio_exponent BendRatioExponent 0.0, 10.0, "0 to 10";
-    /// Power of one over the load ratio in the number of passes survived.
+    /// `m_λ`: power of one over the load ratio in the number of passes survived.
     bend_load_exponent BendLoadExponent 0.0, 10.0, "0 to 10";
 }
 

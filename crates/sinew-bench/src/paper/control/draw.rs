@@ -8,6 +8,7 @@ use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_sim::control::ContactScore;
 
 const COLOURS: [Colour; 3] = [Colour::Black, Colour::Orange, Colour::Blue];
+const DASHES: [Dash; 3] = [Dash::Solid, Dash::DashDotted, Dash::LongDashed];
 
 /// Every hundredth of a second is finer than a pixel.
 fn thinned(climb: &Climb, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -54,10 +55,11 @@ fn position(climbs: &[Climb; 3]) -> Panel {
     let mut panel = Panel::new("Shoulder's position", "time (s)", "q − q_{d} (mrad)")
         .x_range(0.0, RUN_S)
         .y_range(-17.0, 25.0);
-    for (climb, colour) in climbs.iter().zip(COLOURS) {
+    for ((climb, colour), dash) in climbs.iter().zip(COLOURS).zip(DASHES) {
         let (t, error_rad) = thinned(climb, &climb.error_rad[0]);
         let v = error_rad.iter().map(|e| 1e3 * e).collect();
-        panel = panel.line(Line::new(climb.name, t, v).colour(colour).width(1.4));
+        let line = Line::new(climb.name, t, v).colour(colour);
+        panel = panel.line(line.dash(dash).width(1.4));
     }
     panel.span(TOUCH_S.0, TOUCH_S.0 + TOUCH_S.1, "touch")
 }
@@ -66,9 +68,10 @@ fn torque(climbs: &[Climb; 3]) -> Panel {
     let mut panel = Panel::new("Shoulder's external torque", "time (s)", "estimated (N·m)")
         .x_range(0.0, RUN_S)
         .span(TOUCH_S.0, TOUCH_S.0 + TOUCH_S.1, format!("{TOUCH_N} N"));
-    for (climb, colour) in climbs.iter().zip(COLOURS) {
+    for ((climb, colour), dash) in climbs.iter().zip(COLOURS).zip(DASHES) {
         let (t, v) = thinned(climb, &climb.tau_ext_nm[0]);
-        panel = panel.line(Line::new("", t, v).colour(colour).width(1.4));
+        let line = Line::new("", t, v).colour(colour);
+        panel = panel.line(line.dash(dash).width(1.4));
     }
     let corrected = &climbs[2];
     let (t, high) = thinned(corrected, &corrected.threshold_nm[0]);

@@ -16,6 +16,7 @@ pub use page::table;
 use super::PaperError;
 use super::analytic::Analytic;
 use super::data::{FigureName, PaperFigure, given};
+use super::sentence::{Basis, Sentence};
 use super::trial::joint;
 use cases::{DETECTOR_DEVIATION_RAD, ESTIMATE_RAD, OFFSET_RAD, STIFFNESS_ERROR};
 use sinew_model::robot::Robot;
@@ -55,7 +56,8 @@ pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError>
     let stiffness = [shoulder.stiffness_nm_per_rad, elbow.stiffness_nm_per_rad];
     let mut sentences = sentences::climbing(&climbs, stiffness);
     let deflection_rad = shoulder.last_gravity_nm()? / shoulder.stiffness_nm_per_rad;
-    sentences.extend(sentences::working(&rows, deflection_rad));
+    let working = sentences::working(&rows, deflection_rad).into_iter();
+    sentences.extend(working.map(|s| s.based_on(Basis::NoisySimulation)));
     Ok(PaperFigure {
         about: about(robot, &effort),
         panels: draw::panels(&climbs),
@@ -72,6 +74,18 @@ pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError>
             figure,
         )
     })
+}
+
+/// Assesses the paper's two statements on errors due to elongation, which [`control()`] contains too.
+///
+/// # Errors
+/// Returns the errors of [`control()`].
+pub fn elongation_errors(robot: &Robot) -> Result<[Sentence; 2], PaperError> {
+    let joints = stretched_joints(robot)?;
+    let [_, blind, _] = climb::climbs(robot, joints)?;
+    let [shoulder, elbow] = joints.map(|joint| Analytic::new(robot, joint));
+    let stiffness = [shoulder?.stiffness_nm_per_rad, elbow?.stiffness_nm_per_rad];
+    Ok(sentences::elongation_errors(&blind, stiffness))
 }
 
 /// Indices of the two joints with stretched ropes.

@@ -39,7 +39,7 @@ pub(super) fn panels(trial: &Trial, shoulder: usize, cases: &[Case]) -> Vec<Pane
 
 pub(super) fn figure(panels: &[PanelData]) -> Figure {
     let mut figure = Figure::new("Offset estimate of the shoulder, simulated")
-        .subtitle("Offsets of 0, 10 and 15 mrad are added to the recorded motor position; dashed: the added offset")
+        .subtitle("Offsets of 0, 10 and 15 mrad are added to the recorded motor position; grey: the added offset")
         .size(1120.0, 860.0)
         .columns(3);
     let (low, high) = mrad_range(&panels[..panels.len().min(6)]);
@@ -65,11 +65,12 @@ pub(super) fn figure(panels: &[PanelData]) -> Figure {
                 .reference(10.0, "")
                 .reference(15.0, "")
         };
-        for (series, colour) in
-            data.series
-                .iter()
-                .zip([Colour::Black, Colour::Blue, Colour::Orange])
-        {
+        const STYLES: [(Colour, Dash); 3] = [
+            (Colour::Black, Dash::Solid),
+            (Colour::Blue, Dash::LongDashed),
+            (Colour::Orange, Dash::Dotted),
+        ];
+        for (series, (colour, dash)) in data.series.iter().zip(STYLES) {
             let colour = if row == 2 { Colour::Green } else { colour };
             // The first column contains the only legend.
             let name = if column == 0 && row != 1 {
@@ -80,7 +81,7 @@ pub(super) fn figure(panels: &[PanelData]) -> Figure {
             panel = panel.line(
                 Line::new(name, series.time_s.clone(), series.drawn())
                     .colour(colour)
-                    .dash(Dash::Solid)
+                    .dash(dash)
                     .width(1.4),
             );
         }

@@ -5,7 +5,7 @@ use super::super::staircase::LENGTH_S;
 use super::super::trial::{Trial, difference};
 use super::tendency::Tendency;
 use super::{ADDED_RAD, Runs};
-use sinew_figure::plot::{Colour, Figure, Line, Panel};
+use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 
 pub(super) fn panels(
     trial: &Trial,
@@ -77,10 +77,11 @@ pub(super) fn figure(panels: &[PanelData], relaxed_rad: f64) -> Figure {
         if i == 2 {
             panel = panel.reference(1e3 * relaxed_rad, "0.5 mm");
         }
-        for (series, colour) in data.series.iter().zip(colours) {
+        for ((series, colour), dash) in data.series.iter().zip(colours).zip(Dash::CYCLE) {
             panel = panel.line(
                 Line::new(series.name.clone(), series.time_s.clone(), series.drawn())
                     .colour(*colour)
+                    .dash(dash)
                     .width(1.3),
             );
         }

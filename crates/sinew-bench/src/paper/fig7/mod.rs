@@ -10,7 +10,8 @@ mod tendency;
 
 use super::PaperError;
 use super::analytic::Analytic;
-use super::data::{FigureName, PaperFigure, given};
+use super::data::{FigureName, PaperFigure, given, not_assessed};
+use super::sentence::Basis;
 use super::staircase::{MOVE_S, PAUSE_S, STEPS};
 use super::trial::{Estimator, Trial, joint};
 use plant::{Day, scenario};
@@ -99,12 +100,20 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
     let tendency = Tendency::run(robot, elbow, &estimator)?;
     let mut sentences = sentences::sentences(&trials.first, &paper, &matched, radius_m);
     sentences.extend(tendency.sentences(&analytic)?);
+    let sentences = sentences
+        .into_iter()
+        .map(|s| s.based_on(Basis::NoisySimulation))
+        .collect();
     let panels = draw::panels(&trials.first, &paper, &matched, &tendency);
     let figure = draw::figure(&panels, RELAXED_M / radius_m);
     Ok(PaperFigure {
         about: about(robot, radius_m),
         panels,
         sentences,
+        not_assessed: not_assessed(&[[
+            "The oscillation of the estimate grows on the robot.",
+            "Not testable without the recordings: it depends on friction and control of the BioRob. The friction assumed here damps it below that of an elbow without friction.",
+        ]]),
         given: given(&[
             "0.01 rad added; the rope relaxed by about 0.5 mm. The paper contains no values of the estimate; it only describes the decrease and its cause.",
         ]),

@@ -28,6 +28,9 @@ pub(super) struct Day {
 pub(super) const STIFFER: f64 = 1.2;
 pub(super) const LIGHTER: f64 = 0.9;
 
+/// Noise of the motor position, standard deviation, rad; assumed.
+pub(super) const MOTOR_NOISE_RAD: f64 = 2e-4;
+
 impl Default for Day {
     fn default() -> Self {
         Self {
@@ -89,7 +92,7 @@ pub(super) fn scenario(robot: &Robot, day: &Day) -> Scenario {
             once_per_turn_rad: share(3e-4),
             twice_per_turn_rad: share(3e-4),
             motor_resolution_rad: 6e-5,
-            motor_noise_rad: 2e-4,
+            motor_noise_rad: MOTOR_NOISE_RAD,
             ..Encoder::default()
         },
         temperature: Temperature {
