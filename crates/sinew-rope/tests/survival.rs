@@ -1,6 +1,8 @@
 //! Lifetimes against published data, SciPy's likelihoods and their own coverage.
 
-use sinew_rope::survival::{Lifetime, Weibull, WeibullFit, kaplan_meier, survival_quantile};
+use sinew_rope::survival::{
+    Lifetime, ShapePosterior, Weibull, WeibullFit, kaplan_meier, survival_quantile,
+};
 
 /// Weeks in remission under 6-mercaptopurine (Freireich et al. 1963), the usual example of censored lifetimes.
 fn remissions() -> Vec<Lifetime> {
@@ -107,6 +109,9 @@ fn weibull_fit_does_not_depend_on_unit() {
             ..*l
         })
         .collect();
+    let [a, b] =
+        [&lives, &seconds].map(|lives| ShapePosterior::new(lives).unwrap().wear_probability());
+    assert!((a - b).abs() < 1e-9, "{a} {b}");
     let (weeks, seconds) = (
         WeibullFit::new(&lives).unwrap(),
         WeibullFit::new(&seconds).unwrap(),
@@ -119,11 +124,6 @@ fn weibull_fit_does_not_depend_on_unit() {
         seconds.quantile_interval_95(0.1),
     ];
     same(604_800.0 * a[0].unwrap(), b[0].unwrap());
-    let [a, b] = [&weeks, &seconds].map(|fit| {
-        let of = |k: f64| fit.log_shape_density(k);
-        of(1.2) - of(0.8)
-    });
-    assert!((a - b).abs() < 1e-9, "{a} {b}");
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn weibull_interval_coverage() {
 #[test]
 fn scale_posterior_is_gamma_with_sum_of_powers() {
     let lives = [(1.0, true), (2.0, false), (3.0, true), (4.0, false)];
-    let fit = WeibullFit::new(&lives.map(|(age, broke)| Lifetime { age, broke })).unwrap();
+    let fit = ShapePosterior::new(&lives.map(|(age, broke)| Lifetime { age, broke })).unwrap();
     for (shape, sum) in [(1.0, 10.0_f64), (2.0, 30.0), (3.0, 100.0)] {
         let (log, broke) = fit.rate(shape);
         assert!(
@@ -256,9 +256,9 @@ fn scale_posterior_is_gamma_with_sum_of_powers() {
 }
 
 #[test]
-fn shape_density_matches_likelihood() {
+fn shape_likelihood_matches_closed_form() {
     let lives = remissions();
-    let fit = WeibullFit::new(&lives).unwrap();
+    let fit = ShapePosterior::new(&lives).unwrap();
     // Straight from the lives, per logarithm of the shape, the scale integrated out.
     let of = |k: f64| {
         let broken = lives.iter().filter(|life| life.broke);
@@ -269,9 +269,73 @@ fn shape_density_matches_likelihood() {
     };
     for k in [0.3, 0.8, 1.35, 2.5, 5.0] {
         let (is, should) = (
-            fit.log_shape_density(k) - fit.log_shape_density(1.0),
+            fit.log_likelihood(k) - fit.log_likelihood(1.0),
             of(k) - of(1.0),
         );
         assert!((is - should).abs() < 1e-10, "{k}: {is} {should}");
     }
+}
+
+/// Double sum over `ln k` and `k ln λ`, 600 by 1200 values in Python, with the prior of the shape and a flat one of the
+/// scale: `p([300, 310], [250, 305])` and so on.
+#[test]
+fn wear_probability_matches_double_integral() {
+    let of = |broke: &[f64], censored: &[f64]| {
+        let broken = broke.iter().map(|&age| Lifetime { age, broke: true });
+        let whole = censored.iter().map(|&age| Lifetime { age, broke: false });
+        ShapePosterior::new(&broken.chain(whole).collect::<Vec<_>>())
+    };
+    for (broke, censored, expected) in [
+        (&[300.0, 310.0][..], &[250.0, 305.0][..], 0.820_26),
+        (&[300.0, 340.0], &[250.0, 305.0], 0.826_95),
+        (&[100.0, 300.0], &[250.0, 305.0], 0.512_97),
+        (&[9.0], &[4.0, 5.0, 7.0], 0.607_43),
+    ] {
+        let found = of(broke, censored).unwrap().wear_probability();
+        assert!(
+            (found - expected).abs() < 2e-4,
+            "{broke:?}: {found} {expected}"
+        );
+    }
+    let found = ShapePosterior::new(&remissions())
+        .unwrap()
+        .wear_probability();
+    assert!((found - 0.707_83).abs() < 2e-4, "{found}");
+    // Two at one age: Φ(σ) of a prior of σ = ln 5/1.96.
+    let found = of(&[5.0, 5.0], &[]).unwrap().wear_probability();
+    assert!((found - 0.794_22).abs() < 2e-4, "{found}");
+    assert!(of(&[], &[5.0, 7.0]).is_none());
+}
+
+#[test]
+fn further_failures_decide_the_sign_of_the_shape() {
+    const Z: f64 = 1.645;
+    let law = Weibull {
+        shape: 1.6,
+        scale: 300.0,
+    };
+    let ropes = |count: usize| -> Vec<Lifetime> {
+        let share = |i: usize| (i as f64 + 0.5) / count as f64;
+        (0..count)
+            .map(|i| Lifetime {
+                age: law.quantile(share(i)),
+                broke: true,
+            })
+            .collect()
+    };
+    let few = ShapePosterior::new(&ropes(4)).unwrap();
+    assert!(few.wear_probability() < 0.95, "{}", few.wear_probability());
+    let more = few.further_failures(Z).unwrap();
+    let enough = ShapePosterior::new(&ropes(4 + 2 * more)).unwrap();
+    assert!(enough.wear_probability() > 0.95, "{more}");
+    // Ropes that do not age decide nothing.
+    let law = Weibull { shape: 1.0, ..law };
+    let constant: Vec<Lifetime> = (0..8)
+        .map(|i| Lifetime {
+            age: law.quantile((f64::from(i) + 0.5) / 8.0),
+            broke: true,
+        })
+        .collect();
+    let undecided = ShapePosterior::new(&constant).unwrap();
+    assert!(undecided.further_failures(Z).is_none_or(|n| n > 50));
 }

@@ -4,8 +4,8 @@ use sinew_files::JsonDocument as _;
 use sinew_files::date::{day_of, parse_utc_s};
 use sinew_report::trend::survival::{format_note, html, render_table};
 use sinew_trend::survival::{
-    AgeUnit, EventColumns, LifeEnd, LifePrior, SurvivalNote, SurvivalReport, Wear, analyze_lives,
-    read_lives,
+    AgeUnit, EventColumns, LifeEnd, LifePrior, ReplacementVerdict, SurvivalNote, SurvivalReport,
+    analyze_lives, read_lives,
 };
 use std::path::PathBuf;
 
@@ -176,26 +176,32 @@ fn ropes(shape: f64, count: usize) -> String {
 
 #[test]
 fn age_dependence_of_breaks_is_classified() {
-    for (text, wear, words) in [
+    for (text, verdict, words) in [
         (
             ropes(2.5, 40),
-            Wear::WearsOut,
-            "preventive replacement reduces failures",
+            ReplacementVerdict::Helps,
+            "preventive replacement reduces failures; 10 % failed by",
         ),
         (
             ropes(0.5, 40),
-            Wear::BreaksEarly,
-            "preventive replacement increases failures",
+            ReplacementVerdict::DoesNotHelp,
+            "preventive replacement does not help",
         ),
         (
             ropes(1.0, 20),
-            Wear::AgeIndependent,
-            "no benefit of age-based replacement shown",
+            ReplacementVerdict::Inconclusive,
+            "no age of replacement",
         ),
         (
-            "age_days,end\n5,broken\n9,running\n".into(),
-            Wear::Inconclusive,
+            "age_days,end\n5,running\n9,running\n".into(),
+            ReplacementVerdict::Inconclusive,
             "too few",
+        ),
+        // Two of four: P(shape > 1) is 0.827 by a double integral, see the test of sinew-rope.
+        (
+            "age_days,end\n300,broken\n340,broken\n250,running\n305,running\n".into(),
+            ReplacementVerdict::Inconclusive,
+            "probability of 0.83, a verdict needs 95 %",
         ),
     ] {
         let (_folder, path) = table(&text);
@@ -204,13 +210,20 @@ fn age_dependence_of_breaks_is_classified() {
         let [group] = report.groups.as_slice() else {
             panic!("{:?}", report.groups);
         };
-        assert_eq!(group.wear, wear, "{group:?}");
+        let found = group.replacement;
+        assert_eq!(found.verdict, verdict, "{group:?}");
+        let helps = verdict == ReplacementVerdict::Helps;
+        assert_eq!(found.age.is_some(), helps, "{found:?}");
+        assert!(found.further_failures.is_none() || !helps, "{found:?}");
         let shown = render_table(&report);
         let one_line = shown.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(one_line.contains(words), "{shown}");
         assert!(shown.lines().all(|l| l.chars().count() <= 80), "{shown}");
         let page = html(&report);
-        assert!(page.contains("<svg") && !page.contains("NaN"), "{wear:?}");
+        assert!(
+            page.contains("<svg") && !page.contains("NaN"),
+            "{verdict:?}"
+        );
         // Results are data: deserialisation restores them.
         let read: SurvivalReport = serde_json::from_str(&report.to_json().unwrap()).unwrap();
         assert_eq!(read.groups.len(), 1);
@@ -237,7 +250,7 @@ fn groups_are_separate_and_poor_fit_is_reported() {
     assert!(report.groups[0].weibull.as_ref().unwrap().outside_band > 5);
     assert!(render_table(&report).contains("outside the 95 % band"));
     let late = &report.groups[2];
-    assert_eq!(late.wear, Wear::WearsOut);
+    assert_eq!(late.replacement.verdict, ReplacementVerdict::Helps);
     assert!(
         (late.median.age.unwrap() / 86_400.0 - 342.0).abs() < 4.0,
         "{:?}",
@@ -391,9 +404,17 @@ fn missing_column_and_early_breaks_are_rejected() {
     let (_folder, path) = table(&early);
     let lives = read_lives(&path, &EventColumns::default()).unwrap();
     let report = analyze_lives(&lives, "early");
-    assert_eq!(report.groups[0].wear, Wear::BreaksEarly);
+    let verdict = report.groups[0].replacement.verdict;
+    assert_eq!(verdict, ReplacementVerdict::DoesNotHelp);
     let reason = LifePrior::new(&lives, "early", 0.1, 1)
         .unwrap_err()
         .to_string();
     assert!(reason.contains("no reason for replacement"), "{reason}");
+    // Two breaks in four lives give no age of replacement.
+    let (_folder, path) = table("age_days,end\n300,broken\n340,broken\n250,running\n305,running\n");
+    let lives = read_lives(&path, &EventColumns::default()).unwrap();
+    let reason = LifePrior::new(&lives, "few", 0.1, 1)
+        .unwrap_err()
+        .to_string();
+    assert!(reason.contains("without further failures"), "{reason}");
 }

@@ -27,7 +27,8 @@ use sinew_rope::law::validity::LimitViolation;
 use sinew_rope::select::Rejection;
 use sinew_rope::{BreakCause, Caution, Namesake, RopeLifetime, RopeTermination};
 use sinew_trend::survival::{
-    AgeUnit, FittedWeibull, LifeForecast, LifeQuantile, SurvivalGroup, SurvivalNote, Wear,
+    AgeReplacement, AgeUnit, FittedWeibull, LifeForecast, LifeQuantile, ReplacementVerdict,
+    SurvivalGroup, SurvivalNote,
 };
 use sinew_trend::{
     JointTrend, LifeNotUsed, Limit, LimitForecast, MissingFromRobot, PriorBasis, StepCause,
@@ -847,7 +848,15 @@ fn lifetime_results(list: &mut List) {
         curve: Vec::new(),
         outside_band: 3,
     };
-    let group = |wear, broke, weibull: Option<&FittedWeibull>| SurvivalGroup {
+    let replacement = |verdict, wear_probability, further_failures, age| AgeReplacement {
+        verdict,
+        wear_probability,
+        required_probability: 0.95,
+        shape_prior_95: [0.2, 5.0],
+        further_failures,
+        age,
+    };
+    let group = |replacement, broke, weibull: Option<&FittedWeibull>| SurvivalGroup {
         name: None,
         ropes: 108,
         broke,
@@ -855,18 +864,34 @@ fn lifetime_results(list: &mut List) {
         curve: Vec::new(),
         median: quantile(0.5, 420.0),
         weibull: weibull.cloned(),
-        wear,
+        replacement,
     };
+    let by_age = Some(quantile(0.1, 180.0));
+    let helps = replacement(ReplacementVerdict::Helps, Some(0.998), None, by_age);
     for group in [
-        group(Wear::WearsOut, 40, Some(&weibull)),
-        group(Wear::BreaksEarly, 40, Some(&weibull)),
-        group(Wear::AgeIndependent, 40, Some(&weibull)),
-        group(Wear::Inconclusive, 3, None),
-        group(Wear::Inconclusive, 1, None),
-    ] {
+        (helps, 40),
+        (
+            replacement(ReplacementVerdict::DoesNotHelp, Some(0.02), None, None),
+            40,
+        ),
+        (
+            replacement(ReplacementVerdict::Inconclusive, Some(0.82), Some(3), None),
+            2,
+        ),
+        (
+            replacement(ReplacementVerdict::Inconclusive, Some(0.51), None, None),
+            40,
+        ),
+        (
+            replacement(ReplacementVerdict::Inconclusive, None, None, None),
+            0,
+        ),
+    ]
+    .map(|(replacement, broke)| group(replacement, broke, Some(&weibull)))
+    {
         list.line(lifetimes::format_wear(&group, AgeUnit::Seconds));
     }
-    let fitted = group(Wear::WearsOut, 40, Some(&weibull));
+    let fitted = group(helps, 40, Some(&weibull));
     list.line(lifetimes::format_law(&weibull, AgeUnit::Seconds));
     list.line(lifetimes::format_misfit(&fitted).unwrap_or_default());
 }

@@ -1,7 +1,7 @@
 //! Lifetimes of ropes, from ropes that broke and right-censored ones.
 //!
 //! A [`Lifetime`] is the age at which a rope broke, or an age that it has reached. [`kaplan_meier`] is nonparametric, and
-//! [`Weibull`] assumes a hazard that is a power of the age. Ages may have any unit, which all ages share.
+//! [`Weibull`] assumes a hazard that is a power of the age; [`ShapePosterior`] is the probability that it increases. Ages may have any unit, which all ages share.
 //!
 //! # Realtime
 //! None of this is a step of a control loop: it allocates.
@@ -10,7 +10,7 @@ mod kaplan_meier;
 mod weibull;
 
 pub use kaplan_meier::{SurvivalPoint, kaplan_meier, survival_quantile};
-pub use weibull::{Weibull, WeibullFit};
+pub use weibull::{SHAPE_PRIOR_95, ShapePosterior, Weibull, WeibullFit};
 
 /// Age of a rope, and whether it broke at it. One that was replaced in time, or runs still, is censored: it would have
 /// lasted longer.

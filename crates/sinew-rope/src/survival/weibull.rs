@@ -1,7 +1,7 @@
 //! Ropes that age by a power of their age.
 
 use super::{HALF_CHI2_95, Lifetime};
-use sinew_model::Interval95;
+use sinew_model::{Interval95, Z95};
 
 /// Range of the shape: below it almost all ropes break immediately, above it all break at the same age.
 const SHAPES: [f64; 2] = [0.02, 50.0];
@@ -80,7 +80,7 @@ impl WeibullFit {
     /// has no maximum.
     #[must_use]
     pub fn new(lives: &[Lifetime]) -> Option<Self> {
-        let sums = Sums::new(lives)?;
+        let sums = Sums::new(lives).filter(|sums| sums.broke >= 2.0)?;
         let shape = root(SHAPES, |k| sums.slope(k))?;
         let scale = sums.scale(shape);
         let log_likelihood = sums.log_likelihood(shape, scale);
@@ -142,18 +142,105 @@ impl WeibullFit {
         let best = self.log_likelihood + self.sums.broke * self.sums.unit;
         self.sums.log_likelihood(shape, scale(shape)) - best + HALF_CHI2_95
     }
+}
 
-    /// Logarithm of the posterior density of the shape, the scale free, up to a constant: every order of size of both
-    /// numbers with equal prior probability.
+/// Posterior of the Weibull shape, with the scale integrated out.
+///
+/// ```text
+/// p(ln k) ∝ N(ln k; 0, σ²) k^(d−1) Π_broke t^(k−1) / (Σ t^k)^d,    p(ln λ) constant
+/// ```
+///
+/// The prior prefers neither wear nor early failure: its median is 1, and [`SHAPE_PRIOR_95`] is its 95 % interval. If all
+/// `d` ropes broke at one age, the probability of wear, `k > 1`, is `Φ((d − 1) σ)`: 0.79 for two, 0.95 for three.
+///
+/// # Source
+/// The interval is an assumption. It contains the classes of R. B. Abernethy, *The New Weibull Handbook*, 2006: infant
+/// mortality below 1, early wear-out from 1 to 4, and rapid wear-out above 4.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapePosterior {
+    sums: Sums,
+    /// Shapes at equal steps of their logarithm, and their probabilities.
+    nodes: Vec<(f64, f64)>,
+}
+
+/// 95 % interval of the prior of the Weibull shape (log-normal, median 1).
+pub const SHAPE_PRIOR_95: [f64; 2] = [0.2, 5.0];
+
+impl ShapePosterior {
+    /// Computes the posterior; `None` if no rope broke.
+    #[must_use]
+    pub fn new(lives: &[Lifetime]) -> Option<Self> {
+        /// Number of shapes; an even number, so that 1 lies between two of them.
+        const NODES: usize = 1000;
+        let sums = Sums::new(lives)?;
+        let [first, last] = SHAPES.map(libm::log);
+        let step = (last - first) / NODES as f64;
+        let std = libm::log(SHAPE_PRIOR_95[1]) / Z95;
+        let logs: Vec<(f64, f64)> = (0..NODES)
+            .map(|i| {
+                let log = first + step * (i as f64 + 0.5);
+                let z = log / std;
+                let shape = libm::exp(log);
+                (shape, sums.log_shape_likelihood(shape) - 0.5 * z * z)
+            })
+            .collect();
+        let most = logs.iter().fold(f64::NEG_INFINITY, |m, (_, l)| m.max(*l));
+        let weight = |log: f64| libm::exp(log - most);
+        let total: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();
+        let nodes = logs
+            .into_iter()
+            .map(|(shape, log)| (shape, weight(log) / total));
+        Some(Self {
+            nodes: nodes.collect(),
+            sums,
+        })
+    }
+
+    /// Shapes, and their probabilities.
+    #[must_use]
+    pub fn nodes(&self) -> &[(f64, f64)] {
+        &self.nodes
+    }
+
+    /// Probability that the hazard increases with age: shape above 1.
+    #[must_use]
+    pub fn wear_probability(&self) -> f64 {
+        let above = self.nodes.iter().filter(|(shape, _)| *shape > 1.0);
+        above.map(|(_, p)| p).sum()
+    }
+
+    /// Approximate number of further failures after which the sign of `ln k` is certain to `z` standard deviations, if
+    /// its posterior mean `m` stays as it is; `None`: more than a thousand.
+    ///
+    /// ```text
+    /// 1/v + n π²/6 = (z/m)²
+    /// ```
+    ///
+    /// `v` is the present posterior variance of `ln k`, and `π²/6` the Fisher information about it of one failure if the
+    /// scale is unknown.
+    #[must_use]
+    pub fn further_failures(&self, z: f64) -> Option<usize> {
+        const MOST: f64 = 1000.0;
+        let moment = |power: i32| -> f64 {
+            let each = self.nodes.iter();
+            each.map(|(k, p)| p * libm::pow(libm::log(*k), f64::from(power)))
+                .sum()
+        };
+        let mean = moment(1);
+        let variance = moment(2) - mean * mean;
+        let information = core::f64::consts::PI * core::f64::consts::PI / 6.0;
+        let more = ((z / mean) * (z / mean) - 1.0 / variance) / information;
+        let more = libm::ceil(more.max(1.0));
+        (more <= MOST).then_some(more as usize)
+    }
+
+    /// Logarithm of the likelihood of a shape up to a constant, with the scale integrated out.
     ///
     /// `λ^−k` given `k` has a gamma distribution of shape `d` (ropes that broke) and rate `Σ t^k`
-    /// ([`WeibullFit::rate`]); the remaining factor is `k^(d−1) Π_broke t^(k−1) / (Σ t^k)^d`, per logarithm of `k`.
+    /// ([`ShapePosterior::rate`]); the remaining factor is `k^(d−1) Π_broke t^(k−1) / (Σ t^k)^d`, per logarithm of `k`.
     #[must_use]
-    pub fn log_shape_density(&self, shape: f64) -> f64 {
-        let Sums {
-            broke, log_broke, ..
-        } = self.sums;
-        (broke - 1.0) * libm::log(shape) + shape * log_broke - broke * self.sums.log_powers(shape)
+    pub fn log_likelihood(&self, shape: f64) -> f64 {
+        self.sums.log_shape_likelihood(shape)
     }
 
     /// Logarithm of `Σ t^k`, and how many ropes broke: the distribution of `λ^−k` given `k`.
@@ -175,13 +262,17 @@ impl Sums {
         logs.iter_mut().for_each(|x| *x -= unit);
         let broken = lives.filter(|l| l.broke).map(|l| libm::log(l.age) - unit);
         let broke = broken.clone().count();
-        // One that broke, or all at once: the likelihood grows without end with the shape.
-        (broke >= 2).then(|| Self {
+        (broke >= 1).then(|| Self {
             logs,
             unit,
             broke: broke as f64,
             log_broke: broken.sum(),
         })
+    }
+
+    /// Logarithm of the likelihood of a shape, the scale integrated out, per logarithm of the shape.
+    fn log_shape_likelihood(&self, k: f64) -> f64 {
+        (self.broke - 1.0) * libm::log(k) + k * self.log_broke - self.broke * self.log_powers(k)
     }
 
     /// `ln Σ t^k`, without overflow.

@@ -2,13 +2,22 @@
 
 use super::lives::{LifeEnd, Lifetimes, RopeLife};
 use super::result::{
-    FittedPoint, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalReport, Wear,
+    AgeReplacement, FittedPoint, FittedWeibull, LifeQuantile, ReplacementVerdict, SurvivalGroup,
+    SurvivalReport,
 };
-use sinew_rope::survival::{Lifetime, WeibullFit, kaplan_meier, survival_quantile};
+use sinew_rope::survival::{
+    Lifetime, SHAPE_PRIOR_95, ShapePosterior, WeibullFit, kaplan_meier, survival_quantile,
+};
 use std::collections::BTreeSet;
 
 /// Shares of broken ropes whose ages are reported.
 const BROKEN: [f64; 3] = [0.05, 0.1, 0.5];
+/// Share of broken ropes at the recommended age of replacement.
+const REPLACED_RATIO: f64 = 0.1;
+/// Probability required for a verdict.
+const REQUIRED_PROBABILITY: f64 = 0.95;
+/// Standard normal quantile of that probability.
+const REQUIRED_Z: f64 = 1.645;
 /// Number of points of a law's curve.
 const POINTS: usize = 60;
 
@@ -79,7 +88,7 @@ fn group(name: Option<&str>, ropes: &[RopeLife]) -> SurvivalGroup {
             age_low,
             age_high,
         },
-        wear: wear(fit.as_ref()),
+        replacement: replacement(&lives, fit.as_ref()),
         weibull,
     }
 }
@@ -102,13 +111,24 @@ fn fitted(fit: &WeibullFit, age: f64) -> FittedPoint {
     }
 }
 
-pub(super) fn wear(fit: Option<&WeibullFit>) -> Wear {
-    let Some(fit) = fit else {
-        return Wear::Inconclusive;
+/// Benefit of age-based replacement: it reduces failures if the hazard increases with age.
+pub(super) fn replacement(lives: &[Lifetime], fit: Option<&WeibullFit>) -> AgeReplacement {
+    let shape = ShapePosterior::new(lives);
+    let wear_probability = shape.as_ref().map(ShapePosterior::wear_probability);
+    let verdict = match wear_probability {
+        Some(p) if p >= REQUIRED_PROBABILITY => ReplacementVerdict::Helps,
+        Some(p) if p <= 1.0 - REQUIRED_PROBABILITY => ReplacementVerdict::DoesNotHelp,
+        _ => ReplacementVerdict::Inconclusive,
     };
-    match fit.shape_interval_95 {
-        [Some(low), _] if low > 1.0 => Wear::WearsOut,
-        [_, Some(high)] if high < 1.0 => Wear::BreaksEarly,
-        _ => Wear::AgeIndependent,
+    let is_open = verdict == ReplacementVerdict::Inconclusive;
+    let further = |shape: &ShapePosterior| shape.further_failures(REQUIRED_Z);
+    AgeReplacement {
+        verdict,
+        wear_probability,
+        required_probability: REQUIRED_PROBABILITY,
+        shape_prior_95: SHAPE_PRIOR_95,
+        further_failures: shape.as_ref().filter(|_| is_open).and_then(further),
+        age: (fit.filter(|_| verdict == ReplacementVerdict::Helps))
+            .map(|fit| broken_by(fit, REPLACED_RATIO)),
     }
 }

@@ -1,21 +1,17 @@
 //! Age-based replacement of a rope before it breaks.
 
-use super::analyze::{ages, wear};
+use super::analyze::{ages, replacement};
 use super::lives::Lifetimes;
-use super::result::{AgeUnit, LifeForecast, Wear};
+use super::result::{AgeUnit, LifeForecast, ReplacementVerdict};
 use crate::AnalyzeError;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Gamma};
 use sinew_model::statistics::quantile;
-use sinew_rope::survival::{Weibull, WeibullFit};
+use sinew_rope::survival::{ShapePosterior, Weibull, WeibullFit};
 
 /// Number of draws of the fitted law.
 const DRAWS: usize = 2000;
-/// Number of shapes on the grid.
-const SHAPES: usize = 400;
-/// First and last shape of the grid.
-const SHAPE_RANGE: [f64; 2] = [0.05, 20.0];
 
 /// Lifetime prior of a rope from the lifetimes of other ropes.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,12 +28,12 @@ pub struct LifePrior {
 impl LifePrior {
     /// Fits the lifetimes of other ropes.
     ///
-    /// Laws are drawn from the posterior of shape and scale, with a prior uniform in their
-    /// logarithms.
+    /// Laws are drawn from the posterior of the shape ([`ShapePosterior`]) and of the scale, whose prior
+    /// is uniform in its logarithm.
     ///
     /// # Errors
-    /// Returns [`AnalyzeError::Lifetimes`] if fewer than two broke, ages are cycles, or ropes break
-    /// early.
+    /// Returns [`AnalyzeError::Lifetimes`] if fewer than two broke, ages are cycles, or the lifetimes do
+    /// not show that age-based replacement helps.
     pub fn new(
         lives: &Lifetimes,
         source: &str,
@@ -59,13 +55,21 @@ impl LifePrior {
                 "fewer than two ropes broke, or all at nearly one age; no lifetime distribution can be fitted",
             )
         })?;
-        if wear(Some(&fit)) == Wear::BreaksEarly {
-            return Err(invalid(
-                "ropes break early, so that a rope that has lasted is better than a new one: age is no reason for replacement",
-            ));
+        match replacement(&own, Some(&fit)).verdict {
+            ReplacementVerdict::Helps => {}
+            ReplacementVerdict::DoesNotHelp => {
+                return Err(invalid(
+                    "ropes break early, so that a rope that has lasted is better than a new one: age is no reason for replacement",
+                ));
+            }
+            ReplacementVerdict::Inconclusive => {
+                return Err(invalid(
+                    "the lifetimes do not show with a probability of 95 % that the failure rate increases with age: no age of replacement without further failures",
+                ));
+            }
         }
         Ok(Self {
-            laws: draw(&fit, seed),
+            laws: ShapePosterior::new(&own).map_or(Vec::new(), |shape| draw(&shape, seed)),
             broken_ratio,
             ropes: own.len(),
             broke: own.iter().filter(|l| l.broke).count(),
@@ -100,20 +104,12 @@ impl LifePrior {
 
 /// Draws laws by their posterior probability: shapes systematically, the scale of each from its
 /// gamma distribution.
-fn draw(fit: &WeibullFit, seed: u64) -> Vec<Weibull> {
-    let [first, last] = SHAPE_RANGE.map(f64::ln);
-    let shapes: Vec<f64> = (0..SHAPES)
-        .map(|i| (first + (last - first) * (i as f64 + 0.5) / SHAPES as f64).exp())
-        .collect();
-    let logs: Vec<f64> = shapes.iter().map(|k| fit.log_shape_density(*k)).collect();
-    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let weights: Vec<f64> = logs.iter().map(|l| (l - most).exp()).collect();
-    let total: f64 = weights.iter().sum();
+fn draw(posterior: &ShapePosterior, seed: u64) -> Vec<Weibull> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut out, mut reached) = (Vec::with_capacity(DRAWS), 0.0);
-    for (&shape, weight) in shapes.iter().zip(&weights) {
-        reached += weight / total;
-        let (log_rate, broke) = fit.rate(shape);
+    for &(shape, probability) in posterior.nodes() {
+        reached += probability;
+        let (log_rate, broke) = posterior.rate(shape);
         let Ok(gamma) = Gamma::new(broke, 1.0) else {
             continue;
         };

@@ -17,6 +17,6 @@ pub use forecast::LifePrior;
 pub use lives::{LifeEnd, Lifetimes, RopeLife};
 pub use read::read_lives;
 pub use result::{
-    AgeUnit, FittedPoint, FittedWeibull, LifeForecast, LifeQuantile, SurvivalGroup, SurvivalNote,
-    SurvivalReport, Wear,
+    AgeReplacement, AgeUnit, FittedPoint, FittedWeibull, LifeForecast, LifeQuantile,
+    ReplacementVerdict, SurvivalGroup, SurvivalNote, SurvivalReport,
 };

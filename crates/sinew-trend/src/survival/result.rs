@@ -54,8 +54,8 @@ pub struct SurvivalGroup {
     pub median: LifeQuantile,
     /// Fitted law; `None` if fewer than two broke, or all at one age.
     pub weibull: Option<FittedWeibull>,
-    /// Dependence of breaks on age.
-    pub wear: Wear,
+    /// Benefit of age-based replacement.
+    pub replacement: AgeReplacement,
 }
 
 /// Weibull law, `S(t) = exp(−(t/scale)^shape)`, with intervals from the likelihood.
@@ -106,19 +106,36 @@ pub struct FittedPoint {
     pub interval_95: Interval95,
 }
 
-/// Dependence of breaks on the age of a rope.
+/// Benefit of age-based replacement.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AgeReplacement {
+    /// Verdict at the required probability.
+    pub verdict: ReplacementVerdict,
+    /// Posterior probability that the hazard increases with age, a Weibull shape above 1; `None` without
+    /// a break.
+    pub wear_probability: Option<f64>,
+    /// Probability of an increasing or a decreasing hazard that a verdict requires.
+    pub required_probability: f64,
+    /// 95 % interval of the prior of the shape: log-normal, median 1.
+    pub shape_prior_95: [f64; 2],
+    /// Approximate number of further breaks for a verdict if the shape remains as it is; `None` with a
+    /// verdict, without a break, or above a thousand.
+    pub further_failures: Option<usize>,
+    /// Age of replacement; `None` unless it helps.
+    pub age: Option<LifeQuantile>,
+}
+
+/// Whether age-based replacement reduces failures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum Wear {
-    /// Interval of the shape above 1: old ropes break sooner, and age-based replacement helps.
-    WearsOut,
-    /// Interval of the shape below 1: ropes break early, and a rope that has lasted is better than
-    /// a new one.
-    BreaksEarly,
-    /// Interval of the shape contains 1: an old rope may be equivalent to a new one.
-    AgeIndependent,
-    /// Too few breaks for a conclusion.
+pub enum ReplacementVerdict {
+    /// The hazard increases with age: replacement in time reduces failures.
+    Helps,
+    /// The hazard decreases with age: a rope that has lasted is better than a new one.
+    DoesNotHelp,
+    /// Neither has the required probability.
     Inconclusive,
 }
 

@@ -3,10 +3,11 @@
 use crate::format::counted;
 use crate::message::Message;
 use crate::trend::messages::format_span;
-use sinew_figure::rounded;
+use sinew_figure::{probability, rounded};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_trend::survival::{
-    AgeUnit, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalNote, Wear,
+    AgeReplacement, AgeUnit, FittedWeibull, LifeQuantile, ReplacementVerdict, SurvivalGroup,
+    SurvivalNote,
 };
 
 /// Returns the display unit of ages, and the factor from the unit of the document.
@@ -51,30 +52,54 @@ pub(crate) fn format_wear(group: &SurvivalGroup, unit: AgeUnit) -> String {
 
 /// States the effect of age on failures in a group.
 pub(crate) fn wear(group: &SurvivalGroup, unit: AgeUnit) -> String {
-    let of = |law: &FittedWeibull, share: f64| {
-        let found = law.broken_by.iter().find(|q| q.broken_ratio == share);
-        let age = found.and_then(|q| q.age);
-        age.map_or("…".into(), |age| format_age(age, unit))
+    let AgeReplacement {
+        verdict,
+        wear_probability,
+        required_probability,
+        shape_prior_95: [low, high],
+        further_failures,
+        age,
+    } = &group.replacement;
+    let Some(wears) = *wear_probability else {
+        return format!(
+            "0 of {} failed: too few failures to estimate the effect of age",
+            group.ropes
+        );
     };
-    match (group.wear, &group.weibull) {
-        (Wear::WearsOut, Some(law)) => format!(
-            "failure rate increases with age: preventive replacement reduces failures; 5 % failed by {}, 10 % by {}",
-            of(law, 0.05),
-            of(law, 0.1)
-        ),
-        (Wear::BreaksEarly, Some(_)) => "failure rate decreases with age: preventive replacement increases failures; inspect the installation procedure"
-            .into(),
-        (Wear::AgeIndependent, Some(_)) => {
-            "failure rate constant within its interval: no benefit of age-based replacement shown".into()
+    let required = rounded(100.0 * required_probability, 2);
+    match verdict {
+        ReplacementVerdict::Helps => {
+            let (name, factor) = shown(unit);
+            let at = age.as_ref().map_or(String::new(), |age| {
+                let share = rounded(100.0 * age.broken_ratio, 2);
+                format!(
+                    "; {share} % failed by {} {name}",
+                    format_quantile(age, factor)
+                )
+            });
+            format!(
+                "failure rate increases with age (probability {}): preventive replacement reduces failures{at}",
+                probability(wears)
+            )
         }
-        _ if group.broke > 1 => format!(
-            "{} of {} failed, all at nearly the same age: no Weibull law fitted",
-            group.broke, group.ropes
+        ReplacementVerdict::DoesNotHelp => format!(
+            "failure rate decreases with age (probability {}): preventive replacement does not help; inspect the installation procedure",
+            probability(1.0 - wears)
         ),
-        _ => format!(
-            "{} of {} failed: too few failures to estimate the effect of age",
-            group.broke, group.ropes
-        ),
+        ReplacementVerdict::Inconclusive => {
+            let more = match further_failures {
+                Some(n) => format!(
+                    "about {} would decide it if the shape remains as estimated",
+                    counted(*n as u64, "further failure")
+                ),
+                None => "more than 1000 further failures would be needed".into(),
+            };
+            format!(
+                "effect of age inconclusive: the failure rate increases with age with a probability of {}, a verdict needs {required} % \
+                 (prior of the Weibull shape: 95 % within {low} to {high}, median 1); no age of replacement; {more}",
+                probability(wears)
+            )
+        }
     }
 }
 

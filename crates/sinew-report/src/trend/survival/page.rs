@@ -6,7 +6,7 @@ use super::messages::{
 };
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
-use sinew_trend::survival::{SurvivalGroup, SurvivalReport, Wear};
+use sinew_trend::survival::{ReplacementVerdict, SurvivalGroup, SurvivalReport};
 
 /// Plots the survival function (Kaplan-Meier) and the Weibull law with their 95 % bands.
 pub fn figure(report: &SurvivalReport, group: &SurvivalGroup) -> Figure {
@@ -77,7 +77,10 @@ pub fn html(report: &SurvivalReport) -> String {
     page.subtitle = report.source.clone();
     page.footer = format!("Sinew {}", report.sinew_version);
     let headlines = (report.groups.iter())
-        .map(|g| Headline::new(level(g.wear), format_wear(g, report.age_unit)))
+        .map(|g| {
+            let level = level(g.replacement.verdict);
+            Headline::new(level, format_wear(g, report.age_unit))
+        })
         .collect();
     page = page.section("", vec![Block::Headlines(headlines)]);
     for group in &report.groups {
@@ -93,11 +96,11 @@ pub fn html(report: &SurvivalReport) -> String {
     page.section("Notes", vec![Block::List(how)]).html()
 }
 
-fn level(wear: Wear) -> Level {
-    match wear {
-        Wear::WearsOut => Level::Watch,
-        Wear::BreaksEarly => Level::Alarm,
-        Wear::AgeIndependent | Wear::Inconclusive => Level::Open,
+fn level(verdict: ReplacementVerdict) -> Level {
+    match verdict {
+        ReplacementVerdict::Helps => Level::Watch,
+        ReplacementVerdict::DoesNotHelp => Level::Alarm,
+        ReplacementVerdict::Inconclusive => Level::Open,
     }
 }
 
