@@ -85,11 +85,13 @@ class Piece:
         return 0.01 * self.length_m * (elastic + y[:7].sum() - y[7] - y[8])
 
 
-def weight(rope, wrap, radius):
-    """Weight of a guide: one that bends the rope to 20 diameters or closer in full."""
-    d = 1e-3 * tomllib.loads((ROOT / "ropes" / f"{rope}.toml").read_text())["published"]["diameter_mm"]["value"]
-    bent = 2 * radius / -np.expm1(-radius * np.radians(wrap) / d)
-    return min(1.0, 20 * d / bent)
+def weight(rope, wrap, radius, tension):
+    """Passes of rope that rests on a guide: half a pass, times the cost of a pass."""
+    rope = tomllib.loads((ROOT / "ropes" / f"{rope}.toml").read_text())
+    d = 1e-3 * rope["published"]["diameter_mm"]["value"]
+    exponent = rope["law"].get("pass_pressure_exponent", {"value": 0.5})["value"]
+    pressure = tension / rope["law"]["breaking_load_n"]["value"] * d / max(2 * radius, d)
+    return 0.5 * -np.expm1(-np.radians(wrap) / 0.1875) * (pressure / 0.0021) ** exponent
 
 
 class Tendon:
@@ -102,7 +104,7 @@ class Tendon:
         pieces = []
         for a, b in zip(edges, edges[1:]):
             over = [g for g, (start, end) in zip(case["guides"], contact) if start <= (a + b) / 2 <= end]
-            guides = sum(weight(case["rope"], wrap, radius) for wrap, radius, _ in over)
+            guides = sum(weight(case["rope"], wrap, radius, case["tension_n"]) for wrap, radius, _ in over)
             pieces.append(Piece(case["rope"], guides, b - a, case["celsius"]))
         joint = case["joint"]
         self.extra = [joint["torque_nm"] / joint["radius_m"], 0.0] if joint else [0.0]

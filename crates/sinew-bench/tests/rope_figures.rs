@@ -1,7 +1,7 @@
 //! The paper's statements on its ropes, assessed with virtual experiments.
 
 use crate::paper_figures::{catalogue, fig1, fig2, fig4, fig5};
-use sinew_bench::paper::{self, PaperFigure};
+use sinew_bench::paper::{self, PaperFigure, Verdict};
 use sinew_rope::Catalogue;
 use sinew_rope::law::Parameter;
 
@@ -32,12 +32,52 @@ fn changing_force_matches_paper() {
 }
 
 #[test]
-fn bending_order_share_is_intermediate() {
+fn bending_order_is_open_whatever_its_share() {
     let figure = fig4();
-    all_hold(figure, 5);
-    // The order depends on how passes add up, which was not measured: neither certain nor a toss-up.
-    let order = &figure.sentences[0];
-    assert!(order.value > 0.60 && order.value < 0.99, "{}", order.value);
+    let [order, saturate, highest] = &figure.sentences[..] else {
+        panic!("{:?}", figure.sentences)
+    };
+    // The shares describe what the paper leaves open; an independent prototype found 6.4 % and 20 % of 16 000 draws.
+    assert_eq!(
+        [order.verdict, highest.verdict],
+        [Verdict::Open, Verdict::Open]
+    );
+    assert!((0.03..0.10).contains(&order.value), "{}", order.value);
+    assert!((0.15..0.25).contains(&highest.value), "{}", highest.value);
+    assert!(order.criterion.contains("chance alone gives 4 %"));
+    assert!(saturate.holds && saturate.verdict != Verdict::Fails);
+    // The order needs friction: pulleys on good bearings hardly show it.
+    let orders = &figure.tables[1];
+    let share = |name: &str| {
+        let row = orders.rows.iter().find(|row| row[0] == name);
+        let cell = &row.expect("a row")[2];
+        cell.trim_start_matches(['<', '>', ' '])
+            .trim_end_matches(" %")
+            .parse::<f64>()
+            .expect("a share")
+    };
+    let (slides, drags) = (share("μ 0.02 to 0.04"), share("μ 0.1 to 0.2"));
+    assert!(drags > slides + 3.0, "{slides} {drags}");
+    // Neither 0 nor 100 % is printed for a share of draws.
+    let shares = orders.rows.iter().flat_map(|row| &row[2..]);
+    assert!(
+        shares
+            .into_iter()
+            .all(|cell| cell != "0 %" && cell != "100 %")
+    );
+    assert!(figure.figure.svg().starts_with("<svg"));
+}
+
+#[test]
+fn routings_are_drawn_with_their_ranges() {
+    let figure = paper::fig3().expect("fig3");
+    assert_eq!(figure.figure.panels.len(), 4);
+    assert!(figure.title.ends_with("as we read the words"));
+    let large = figure.tables[0]
+        .rows
+        .iter()
+        .find(|row| row[0].starts_with("large wrap"));
+    assert_eq!(large.expect("a row")[1], "200 to 230°");
 }
 
 /// The catalogue with parameters of DC000-0301 set to zero.
@@ -57,7 +97,7 @@ fn without(parameters: &[Parameter]) -> Catalogue {
 }
 
 #[test]
-fn flow_and_friction_decide_no_sentence() {
+fn flow_decides_no_sentence() {
     let still = without(&[Parameter::FlowRate]);
     let without = [
         paper::fig1(&still).expect("fig1"),
@@ -75,18 +115,6 @@ fn flow_and_friction_decide_no_sentence() {
         // The same draws but for flow, which is 1e-6 % of strain: the same share of them.
         assert_eq!(of(with), of(without), "{}", with.name);
     }
-    let figure = fig4();
-    let table = &figure.tables[0];
-    assert!(
-        table.caption.contains("guides changes no verdict"),
-        "{}",
-        table.caption
-    );
-    // The order hangs on q: above 1 three close pulleys cost more than three wide ones.
-    let share = |row: usize| table.rows[row][1].parse::<f64>().expect("a share");
-    let q: Vec<f64> = (1..=5).map(share).collect();
-    println!("A < C < D < B at q = 0.4 to 1.2: {q:?} %");
-    assert!(q[2] > 75.0 && q[4] < 30.0, "{q:?}");
 }
 
 #[test]

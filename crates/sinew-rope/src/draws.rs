@@ -17,6 +17,8 @@ pub const DRAWS_DEFAULT: usize = 400;
 const RETRACTION_RETURN: f64 = 0.5;
 /// Random stream of the recovered share.
 const RETURN_STREAM: u64 = 3;
+/// Random stream of the exponent of the bending pressure.
+const PRESSURE_STREAM: u64 = 4;
 
 /// `value` with the 95 % interval of `draws` around it; NaN draws are ignored.
 pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
@@ -67,9 +69,11 @@ impl Draws {
         // Another stream than the parameters', so that these stay the same draws.
         let mut returns = rng.clone();
         returns.set_stream(RETURN_STREAM);
+        let mut pressures = rng.clone();
+        pressures.set_stream(PRESSURE_STREAM);
         let laws = (0..count)
             .map(|_| {
-                let z = standard_errors(entry, &mut rng);
+                let z = standard_errors(entry, &mut rng, &mut pressures);
                 let law = law(&|p| z[Parameter::ALL.iter().position(|q| *q == p).unwrap_or(0)])?;
                 Ok(law.giving_back(returns.random()))
             })
@@ -94,9 +98,19 @@ impl Draws {
 }
 
 /// One standard normal value per parameter, with the correlations of the entry.
-fn standard_errors(entry: &CatalogueEntry, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn standard_errors(
+    entry: &CatalogueEntry,
+    rng: &mut ChaCha8Rng,
+    pressures: &mut ChaCha8Rng,
+) -> Vec<f64> {
     let all = Parameter::ALL;
-    let mut z: Vec<f64> = all.iter().map(|_| StandardNormal.sample(rng)).collect();
+    let sample = |p: &Parameter| -> f64 {
+        match p {
+            Parameter::PassPressureExponent => StandardNormal.sample(&mut *pressures),
+            _ => StandardNormal.sample(&mut *rng),
+        }
+    };
+    let mut z: Vec<f64> = all.iter().map(sample).collect();
     if let Some(correlation) = &entry.correlation {
         let place = |p: &Parameter| all.iter().position(|q| q == p).unwrap_or(0);
         let independent: Vec<f64> = correlation.parameters.iter().map(|p| z[place(p)]).collect();

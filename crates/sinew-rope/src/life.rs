@@ -144,7 +144,7 @@ pub(crate) fn wear(
     rope_m: Option<f64>,
 ) -> Result<Vec<Wear>, RoutingError> {
     let route = &request.route;
-    let portions = routing::portions(route.length_m, route.stroke_m, &route.pulleys)?;
+    let portions = routing::touched(route.length_m, route.stroke_m, &route.pulleys)?;
     let mut out = Vec::with_capacity(portions.len() + 1);
     for portion in &portions {
         let duty = felt_by(portion, law, request);

@@ -101,17 +101,17 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
             slack_n,
         });
     }
-    // A strand's pieces are the same for every law: only their lengths and passes count here.
     let rope_m = rope.diameter_m();
-    let pieces = request
-        .mount
-        .pieces(&draws.nominal, request.length_m, rope_m)?;
+    let (length_m, tension_n) = (request.length_m, request.tension_n);
+    let pieces = |law: &Law| request.mount.pieces(law, length_m, rope_m, tension_n);
+    // Whether the pulleys fit does not depend on the law.
+    pieces(&draws.nominal)?;
     // Without a procedure, and with each: nominal and every draw.
     let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<f64>), LoadError> {
         let one = |law: &Law| {
             let mut longer = 0.0;
-            for piece in &pieces {
-                let law = law.passed_by(piece.law.guides());
+            for piece in pieces(law).unwrap_or_default() {
+                let law = piece.law;
                 let mut state = State::default();
                 if let Some((tension_n, duration_s)) = procedure {
                     let load = RopeLoad { tension_n, ..work };

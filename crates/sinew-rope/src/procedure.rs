@@ -55,16 +55,18 @@ impl Mount {
         self.joint.map_or(0.0, |j| j.torque_nm / j.radius_m)
     }
 
-    /// Pieces of a strand of a new rope of diameter `rope_m`, m.
+    /// Pieces of a strand of a new rope of diameter `rope_m`, m, at `tension_n`, N.
     pub(super) fn pieces(
         &self,
         law: &Law,
         length_m: f64,
         rope_m: Option<f64>,
+        tension_n: f64,
     ) -> Result<Vec<Piece>, RoutingError> {
-        let portions = routing::portions(length_m, 0.0, &self.pulleys)?;
+        let pulleys = &self.pulleys;
+        let portions = routing::portions(length_m, 0.0, pulleys)?;
         let piece = |p: routing::RopeSection| Piece {
-            law: law.passed_by(damage::passes(&p, &self.pulleys, 0.0, rope_m)),
+            law: law.passed_by(damage::passes(law, &p, pulleys, 0.0, rope_m, tension_n)),
             length_m: p.length_m,
             state: State::default(),
         };

@@ -126,7 +126,9 @@ pub(super) fn schedule(
     to_error: impl Fn(LoadError) -> PredictError + Copy + Sync,
 ) -> Result<Schedule, PredictError> {
     let strands = |law: &Law| -> Result<Vec<Strand>, PredictError> {
-        let mut pieces = request.mount.pieces(law, request.length_m, rope_m)?;
+        let mut pieces = request
+            .mount
+            .pieces(law, request.length_m, rope_m, request.tension_n)?;
         for piece in pieces.iter_mut() {
             if let Some(p) = procedure {
                 let load = RopeLoad::celsius(p.tension_n, request.temperature_c);
@@ -239,7 +241,7 @@ mod tests {
     fn ends(law: &Law, request: &Request, start_n: f64) -> f64 {
         let pieces = request
             .mount
-            .pieces(law, request.length_m, None)
+            .pieces(law, request.length_m, None, request.tension_n)
             .expect("a strand");
         let strands = request.mount.strands(pieces);
         string_up(strands, request, start_n, false, RELAXATION_TOLERANCE)

@@ -28,11 +28,13 @@ pub(super) fn strand(
     times_s: &[f64],
 ) -> Result<Vec<Mean>, StrandError> {
     let route = &request.route;
+    let tension_n = request.duty.summary().tension_mean_n;
     let portions = routing::portions(route.length_m, route.stroke_m, &route.pulleys)
         .map_err(StrandError::Routing)?;
     let mut out = vec![Mean::default(); times_s.len()];
     for portion in portions {
-        let passes = damage::passes(&portion, &route.pulleys, route.stroke_m, rope_m);
+        let (pulleys, stroke_m) = (&route.pulleys, route.stroke_m);
+        let passes = damage::passes(law, &portion, pulleys, stroke_m, rope_m, tension_n);
         let law = law.passed_by(passes);
         let duty = felt_by(&portion, &law, request);
         let weight = portion.length_m / route.length_m;

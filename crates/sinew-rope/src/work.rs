@@ -1,6 +1,6 @@
 //! Load of a strand of a tendon in a working robot.
 
-use crate::law::routing::{Pulley, RopeSection, portions};
+use crate::law::routing::{Pulley, RopeSection, touched};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use sinew_model::transmission::Tendon;
@@ -48,12 +48,13 @@ pub fn strand(tendon: &Tendon) -> Vec<RopeSection> {
         })
         .collect();
     let stroke_m = std::f64::consts::FRAC_PI_2 * tendon.joint_pulley_radius_m;
-    portions(tendon.length_m, stroke_m.min(tendon.length_m), &pulleys).unwrap_or_else(|_| {
+    touched(tendon.length_m, stroke_m.min(tendon.length_m), &pulleys).unwrap_or_else(|_| {
         // Pulleys that do not fit on the strand are ignored.
         vec![RopeSection {
             length_m: tendon.length_m,
             middle_m: 0.5 * tendon.length_m,
             guides: 0,
+            passes: 0.0,
         }]
     })
 }

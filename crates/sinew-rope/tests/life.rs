@@ -284,6 +284,26 @@ fn small_wrap_has_less_effect_than_tight_pulley() {
     assert!((grown(&touch) / grown(&bare) - 1.0).abs() < 2e-3);
 }
 
+/// The strain of a guided rope falls with the radius of its guides, from half the rope's diameter to twenty diameters.
+#[test]
+fn strain_falls_with_pulley_radius() {
+    let grown = |radius_m: f64| {
+        let mut route = led(radius_m, 90.0);
+        // The smallest guides would wear the rope out within hours.
+        route.strokes_per_hour = 0.0;
+        let asked = request(Duty::constant(100.0, 23.0), route);
+        let p = found("liros-dc000-0301", &asked).expect("a prediction");
+        p.readings[1].strain_ratio
+    };
+    let strains = [0.8e-3, 2e-3, 4e-3, 8e-3, 15e-3, 30e-3].map(grown);
+    let values = strains.map(|s| s.value);
+    println!("strain by radius: {values:?}");
+    assert!(values.windows(2).all(|w| w[1] < w[0]), "{values:?}");
+    // The width of the exponent widens the interval away from the bench's pressure.
+    let width = |s: sinew_model::Bounded| s.high / s.low;
+    assert!(width(strains[0]) > width(strains[3]), "{strains:?}");
+}
+
 /// The section that two pulleys pass over wears twice as fast as that of one; the damage map locates it.
 #[test]
 fn most_damaged_section_is_between_adjacent_pulleys() {

@@ -29,7 +29,20 @@ fn entry_values_have_origin() {
     let load = rope.breaking_load_n.as_ref().expect("published");
     assert_eq!((load.value, load.origin), (4450.0, Origin::Published));
     assert!(rope.sources.contains_key(&load.source));
-    assert_eq!(rope.law.len(), Parameter::ALL.len());
+    // One parameter has a default: 0.5 ± 0.5 (95 %), at least 0.
+    assert_eq!(rope.law.len() + 1, Parameter::ALL.len());
+    assert!(!rope.law.contains_key(&Parameter::PassPressureExponent));
+    let exponent = |z: f64| {
+        let drawn = rope.parameters_at(|_| z).expect("complete");
+        drawn.pass_pressure_exponent
+    };
+    assert_eq!([exponent(0.0), exponent(-3.0)], [0.5, 0.0]);
+    assert!((exponent(1.959_963_984_540_054) - 1.0).abs() < 1e-12);
+    let stated = ROPE.to_owned()
+        + "pass_pressure_exponent = { value = 0.2, origin = \"measured\", source = \"hand\" }\n";
+    let rope = CatalogueEntry::parse(&stated, "rope.toml").expect("a rope");
+    let stated = rope.parameters_at(|_| 1.0).expect("complete");
+    assert_eq!(stated.pass_pressure_exponent, 0.2);
 }
 
 #[test]

@@ -33,6 +33,7 @@ pub(crate) fn sk99() -> Parameters {
         bend_life_passes: 2e4,
         bend_ratio_exponent: 3.0,
         bend_load_exponent: 3.0,
+        pass_pressure_exponent: 0.5,
     }
 }
 

@@ -1,10 +1,11 @@
 //! Routing: sections, pass counts and the capstan equation.
 
+use crate::rope_reference::sk99;
 use proptest::prelude::*;
-use sinew_rope::law::damage;
 use sinew_rope::law::routing::{
-    Pulley, RopeSection, RoutingError, capstan, far_share, portions, tension_share,
+    Pulley, RoutingError, capstan, far_share, portions, tension_share, touched,
 };
+use sinew_rope::law::{Law, damage};
 use std::f64::consts::PI;
 
 fn pulley(at_m: f64, wrap_rad: f64) -> Pulley {
@@ -56,26 +57,70 @@ fn edge_without_length_takes_full_friction_at_its_point() {
 }
 
 #[test]
-fn bending_counts_only_passing_pulleys_by_curvature() {
+fn entry_and_exit_line_count_half_a_pass_each() {
     let pulleys = [pulley(0.1, PI), pulley(0.3, PI), pulley(0.7, PI)];
-    let portion = RopeSection {
-        length_m: 0.02,
-        middle_m: 0.25,
-        guides: 0,
+    let passes = |point_m, stroke_m| -> f64 {
+        let each = pulleys.iter();
+        each.map(|p| p.passes(point_m, stroke_m)).sum()
     };
-    // Within a stroke of 0.1 m the second one alone comes over it; within one of 0.5 m the third, too. Once it is past
-    // the first, that one never comes back.
+    // Contact: 25.1 mm. Within a stroke of 0.1 m a point at 0.25 m crosses both lines of the second pulley, within one
+    // of 0.5 m those of the third, too. Once it is past the first, that one never comes back.
     for (stroke_m, count) in [(0.01, 0.0), (0.1, 1.0), (0.5, 2.0)] {
-        assert_eq!(damage::passes(&portion, &pulleys, stroke_m, None), count);
+        assert_eq!(passes(0.25, stroke_m), count, "{stroke_m}");
     }
-    // 16 mm at a rope of 1 mm, wrapped half round: bent like a pulley of a larger diameter by what a short contact spares.
-    let bend_m = 0.016 / (1.0 - (-0.008 * PI / 1e-3f64).exp());
-    assert!((damage::bend_diameter_m(&pulleys[0], 1e-3) - bend_m).abs() < 1e-15);
-    let weight = damage::pass_weight(&pulleys[0], 1e-3);
-    let expected = (damage::REFERENCE_DIAMETER_RATIO * 1e-3 / bend_m).min(1.0);
-    assert!((weight - expected).abs() < 1e-15);
-    let passes = damage::passes(&portion, &pulleys, 0.5, Some(1e-3));
-    assert!((passes - 2.0 * expected).abs() < 1e-14);
+    // A short stroke carries a point over the entry line, or over the exit line; in between it stays bent.
+    for (point_m, count) in [
+        (0.285, 0.0),
+        (0.295, 0.5),
+        (0.31, 0.5),
+        (0.32, 0.5),
+        (0.326, 0.0),
+    ] {
+        assert_eq!(passes(point_m, 0.01), count, "{point_m}");
+    }
+    // Rope at rest on a pulley was bent once.
+    assert_eq!((passes(0.31, 0.0), passes(0.29, 0.0)), (0.5, 0.0));
+}
+
+#[test]
+fn cost_of_a_pass_falls_with_radius_and_rises_with_wrap() {
+    let with = |exponent: f64| {
+        let mut parameters = sk99();
+        parameters.pass_pressure_exponent = exponent;
+        Law::new(parameters).expect("a rope")
+    };
+    let cost = |exponent: f64, radius_mm: f64, wrap_rad: f64, tension_n: f64| {
+        let guide = Pulley {
+            radius_m: 1e-3 * radius_mm,
+            ..pulley(0.1, wrap_rad)
+        };
+        damage::pass_cost(&with(exponent), &guide, Some(1.5e-3), tension_n)
+    };
+    // λ d/D by hand: 100/4450 · 1.5/16 = 0.0021067.
+    let expected = (0.002_106_742 / 0.0021f64).powf(0.5) * (1.0 - (-PI / 0.1875).exp());
+    assert!((cost(0.5, 8.0, PI, 100.0) - expected).abs() < 1e-6);
+    // 20° on the paper's bench: 1 − exp(−8 mm · 0.349/1.5 mm) = 0.845.
+    assert!((cost(0.0, 8.0, 20f64.to_radians(), 100.0) - 0.8446).abs() < 1e-4);
+    let radii = [0.8, 2.0, 4.0, 8.0, 15.0, 30.0];
+    for exponent in [0.1, 0.25, 0.5, 1.0] {
+        let costs = radii.map(|r| cost(exponent, r, PI, 100.0));
+        assert!(
+            costs.windows(2).all(|w| w[1] < w[0]),
+            "{exponent} {costs:?}"
+        );
+        // Without saturation: each radius in its power.
+        let power = costs[0] / costs[5];
+        assert!((power / (30f64 / 0.8).powf(exponent) - 1.0).abs() < 1e-12);
+    }
+    let free = radii.map(|r| cost(0.0, r, PI, 100.0));
+    assert!(free.iter().all(|c| *c == free[0]));
+    // A rope bends no tighter than to its own diameter.
+    assert_eq!(cost(1.0, 0.0, 1.0, 100.0), cost(1.0, 0.75, 1.0, 100.0));
+    assert!(cost(0.5, 8.0, 1e-3, 100.0) < 0.01 && cost(0.5, 8.0, 0.0, 100.0) == 0.0);
+    assert!(cost(0.5, 8.0, 1.0, 50.0) < cost(0.5, 8.0, 1.0, 100.0));
+    // Without a diameter the pressure is that of the bench.
+    let unknown = damage::pass_cost(&with(1.0), &pulley(0.1, PI), None, 900.0);
+    assert!((unknown - 1.0).abs() < 1e-6, "{unknown}");
 }
 
 #[test]
@@ -111,11 +156,27 @@ proptest! {
         let found = portions(1.0, stroke, &pulleys).expect("it fits");
         let length: f64 = found.iter().map(|p| p.length_m).sum();
         prop_assert!((length - 1.0).abs() < 1e-12);
-        let passed: f64 = found.iter().map(|p| p.length_m * p.guides as f64).sum();
-        let touched: f64 = pulleys
+        let over: f64 = found.iter().map(|p| p.length_m * p.guides as f64).sum();
+        let contacts: f64 = pulleys
             .iter()
             .map(|p| p.at_m + p.contact_m() - (p.at_m - stroke).max(0.0))
             .sum();
-        prop_assert!((passed - touched).abs() < 1e-12, "{passed} {touched}");
+        prop_assert!((over - contacts).abs() < 1e-12, "{over} {contacts}");
+        // Half a pass for every line within the strand.
+        let lines: f64 = pulleys
+            .iter()
+            .map(|p| {
+                let (entry, exit) = (p.at_m, p.at_m + p.contact_m());
+                let crossed = |line: f64| line - (line - stroke).max(0.0);
+                // Rope that never leaves the pulley was bent onto it.
+                let stays = (exit - stroke).max(0.0) - entry;
+                0.5 * (crossed(entry) + crossed(exit) + stays.max(0.0))
+            })
+            .sum();
+        let passes: f64 = found.iter().map(|p| p.length_m * p.passes).sum();
+        prop_assert!((passes - lines).abs() < 1e-12, "{passes} {lines}");
+        let coarse = touched(1.0, stroke, &pulleys).expect("it fits");
+        let again: f64 = coarse.iter().map(|p| p.length_m * p.guides as f64).sum();
+        prop_assert!(coarse.len() <= found.len() && (again - contacts).abs() < 1e-12);
     }
 }

@@ -5,11 +5,14 @@ use super::assessment::{assumptions, curve};
 use super::data::{FigureName, PanelData, PaperFigure};
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Figure, Panel};
-use sinew_rope::bench::{Bench, Simulated, routings, simulate};
+use sinew_rope::bench::routings::{self, Geometry};
+use sinew_rope::bench::{Bench, Simulated, simulate};
 use sinew_rope::law::Law;
 
 /// The rope of the paper's bending tests.
 pub(super) const ROPE: &str = "liros-dc000-0301";
+/// Its diameter, m.
+pub(super) const ROPE_M: Option<f64> = Some(1.5e-3);
 
 /// Bending case of the paper.
 pub(super) fn bench(name: &str) -> Result<Bench, PaperError> {
@@ -20,7 +23,7 @@ pub(super) fn bench(name: &str) -> Result<Bench, PaperError> {
 pub(super) fn runs(laws: &[Law], name: &str, every_s: f64) -> Result<Vec<Simulated>, PaperError> {
     let bench = bench(name)?;
     laws.par_iter()
-        .map(|law| simulate(law, &bench, every_s))
+        .map(|law| simulate(law, &bench, ROPE_M, every_s))
         .collect::<Vec<_>>()
         .into_iter()
         .map(|r| r.map_err(PaperError::from))
@@ -33,16 +36,20 @@ pub(super) fn end(run: &Simulated) -> f64 {
 }
 
 pub(super) fn geometry() -> Vec<String> {
+    let wraps = |i: usize| {
+        Geometry::AS_READ.wraps_deg[i]
+            .map(|deg| format!("{deg:.0}"))
+            .join("/")
+    };
     vec![
         "\"Liros SK99\" is assumed to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into(),
         format!(
-            "Assumed geometry, not specified in the paper: strands of {:.0} mm, guiding pulleys of {:.0} mm radius on one of them, small wrap {} °, wrap of (C) {} °, pulleys {:.0} mm apart in (B) and {:.0} mm in (D); one sinusoid takes {} s.",
+            "The drawing of Fig. 3 was not available. Geometry as we read the words: strands of {:.0} mm, three guiding pulleys of {:.0} mm radius on both, wraps of {} ° in (B), {} ° in (C) and {} ° in (D); one sinusoid takes {} s. `fig3` draws it with its ranges, and a bench file replaces it.",
             1e3 * routings::STRAND_M,
             1e3 * routings::RADIUS_M,
-            routings::SMALL_WRAP_DEG,
-            routings::LARGE_WRAP_DEG,
-            1e3 * routings::WIDE_SPACING_M,
-            1e3 * routings::CLOSE_SPACING_M,
+            wraps(0),
+            wraps(1),
+            wraps(2),
             routings::PERIOD_S
         ),
         "The camera's half-millimetre scale is not modelled: it does not resolve differences below 0.1 mm (0.017 % of a strand).".into(),

@@ -19,6 +19,9 @@ pub enum FigureName {
     /// Creep of four ropes at 60 °C.
     #[value(help = "Creep of four ropes at 60 °C")]
     Fig2,
+    /// The routings of the bending bench.
+    #[value(help = "Routings of the bending bench, as we read the paper's words")]
+    Fig3,
     /// A rope over guiding pulleys.
     #[value(help = "Elongation of a rope over guiding pulleys, cases A to D")]
     Fig4,

@@ -2,7 +2,7 @@
 
 use super::PaperError;
 use super::assessment::{claimed, laws};
-use super::bending::{ROPE, bench, drawn, end, runs};
+use super::bending::{ROPE, ROPE_M, bench, drawn, end, runs};
 use super::data::{FigureName, PaperFigure, given};
 use rayon::prelude::*;
 use sinew_rope::Catalogue;
@@ -120,7 +120,7 @@ fn kept(laws: &[Law]) -> Result<Vec<f64>, PaperError> {
     }
     laws.par_iter()
         .map(|law| {
-            let end_of = |bench| simulate(law, bench, LONG_HOLD_S).map(|run| end(&run));
+            let end_of = |bench| simulate(law, bench, ROPE_M, LONG_HOLD_S).map(|run| end(&run));
             Ok(end_of(&high)? - end_of(&low)?)
         })
         .collect::<Vec<_>>()

@@ -1,5 +1,5 @@
-//! Reproduction of the paper's evaluation: its creep tests and bending bench with virtual ropes (`fig1`, `fig2`,
-//! `fig4`, `fig5`, `table1`), `fig6` in simulation, `fig7` on a simulated "real" elbow, and the errors that it
+//! Reproduction of the paper's evaluation: its creep tests and bending bench with virtual ropes (`fig1` to `fig5`,
+//! `table1`), `fig6` in simulation, `fig7` on a simulated "real" elbow, and the errors that it
 //! attributes to elongation, with numbers (`control`).
 //!
 //! Each figure carries its data, its drawing, and the paper's statements, assessed with the data by a stated
@@ -9,8 +9,8 @@
 //! A [`Sentence`] is the paper's or Sinew's ([`ClaimedBy`]).
 //!
 //! Reading order: [`staircase`] (the motion), `analytic` (its analytic values), `trial` (one simulation, several
-//! estimates), [`fig6()`], [`fig7()`], `page`; for ropes `assessment`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`],
-//! [`table1()`]; [`control()`]; [`bending()`] and the table of all statements, [`statements_table`].
+//! estimates), [`fig6()`], [`fig7()`], `page`; for ropes `assessment`, [`fig1`], [`fig2`], [`fig3()`], [`fig4()`],
+//! [`fig5()`], [`table1()`]; [`control()`]; [`bending()`] and the table of all statements, [`statements_table`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
@@ -22,6 +22,7 @@ mod bending;
 mod control;
 mod creep;
 mod data;
+mod fig3;
 mod fig4;
 mod fig5;
 mod fig6;
@@ -38,6 +39,7 @@ mod trial;
 pub use control::{Effort, Knowledge, RobotCase, Row, control, elongation_errors, table};
 pub use creep::{fig1, fig2};
 pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};
+pub use fig3::fig3;
 pub use fig4::fig4;
 pub use fig5::fig5;
 pub use fig6::fig6;

@@ -40,7 +40,20 @@ pub fn bench_table(run: &BenchRun) -> String {
             })
             .table(),
     );
-    out.paragraph("elongation: displacement of the carriage; 95 % intervals in brackets, from draws of the rope parameters");
+    out.paragraph("elongation: displacement of the carriage, averaged through the cycle; 95 % intervals in brackets, from draws of the rope parameters");
+    let power = run.friction_power_w;
+    if power.high > 0.0 {
+        let [value, low, high] = [power.value, power.low, power.high].map(|w| rounded(w, 2));
+        out.paragraph(format!(
+            "friction at the guides: {value} W ({low} to {high} W)"
+        ));
+    }
+    if run.may_be_warm() {
+        let limit = rounded(run.warm_above_w, 2);
+        out.paragraph(format!(
+            "warning[friction-heat]: above {limit} W the rope may exceed 35 °C at the guides (assumed heat loss 0.05 W/K) and retract; the simulation keeps the temperature of the phase: measure the temperature of the rope at the guides"
+        ));
+    }
     out.0
 }
 

@@ -2,8 +2,9 @@
 //! between them, a force that pulls the carriage, and a motor that unrolls rope back and forth.
 //!
 //! Reading order: [`setup`] (geometry and programme), [`routings`] (cases A to F of the paper),
-//! [`simulate()`].
+//! [`simulate()`], [`alternatives`] (what the paper leaves open).
 
+pub mod alternatives;
 pub mod routings;
 mod run;
 pub mod setup;
@@ -11,4 +12,4 @@ pub mod simulate;
 
 pub use run::{BenchReading, BenchRun, run};
 pub use setup::{Bench, BenchError, Phase, Strand};
-pub use simulate::{Simulated, simulate};
+pub use simulate::{Driver, Mechanism, Simulated, simulate, simulate_as};

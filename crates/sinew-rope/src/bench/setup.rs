@@ -36,6 +36,8 @@ pub struct Bench {
     pub period_s: f64,
     /// The two strands: while one is paid out, the other is taken up.
     pub strands: [Strand; 2],
+    /// Logarithm of the tension ratio that turns the joint pulley on its bearing; 0: without friction.
+    pub joint_friction: f64,
     /// The programme, in order.
     pub phases: Vec<Phase>,
 }
@@ -67,7 +69,8 @@ impl Bench {
     /// strand_mm = 600.0            # each of the two strands
     /// stroke_mm = 100.0
     /// period_s = 10.0
-    /// [[guide]]
+    /// joint_friction = 0.02        # optional: logarithm of the tension ratio that turns the joint pulley
+    /// [[guide]]                    # one for each pulley and strand
     /// strand = 1                   # 1 or 2
     /// at_mm = 150.0                # where the rope meets it, from the drive
     /// radius_mm = 8.0
@@ -101,6 +104,7 @@ impl Bench {
             stroke_m: MM * s.need("stroke_mm", FROM_0, "rope unrolled and taken up")?,
             period_s: s.need("period_s", Bound::Within(1e-3, 1e6), "of one stroke")?,
             strands,
+            joint_friction: s.number_or("joint_friction", Bound::Within(0.0, 10.0), 0.0)?,
             phases: s.each("phase", phase)?,
         };
         if bench.stroke_m >= bench.strand_m {
@@ -128,6 +132,15 @@ impl Bench {
             })?;
         }
         Ok(())
+    }
+
+    /// `X = Σ μφ` of both strands plus [`Bench::joint_friction`]: logarithm of the ratio of the tensions at the drive
+    /// while the motor moves. `friction`: `μ` of pulleys without their own.
+    #[must_use]
+    pub fn log_ratio(&self, friction: f64) -> f64 {
+        let strands = self.strands.iter();
+        let wraps = strands.map(|s| routing::wrap_friction(&s.pulleys, friction));
+        wraps.sum::<f64>() + self.joint_friction
     }
 
     /// Length of the programme, s.
@@ -183,11 +196,24 @@ mod tests {
             );
             Bench::parse(&text, "bench.toml")
         };
-        bench(599.0).expect("some rope stays");
+        let read = bench(599.0).expect("some rope stays");
+        assert_eq!(read.joint_friction, 0.0);
         let error = bench(600.0).expect_err("none stays").to_string();
         assert!(
             error.contains("bench.toml, line 2") && error.contains("shorter"),
             "{error}"
         );
+    }
+
+    /// Everything that a drawing of the paper's Fig. 3 would add can be entered: wraps, strands, friction.
+    #[test]
+    fn bench_file_has_pulleys_of_both_strands() {
+        let text = "strand_mm = 600.0\nstroke_mm = 100.0\nperiod_s = 10.0\njoint_friction = 0.03\n\
+            [[guide]]\nstrand = 1\nat_mm = 140.0\nradius_mm = 8.0\nwrap_deg = 100.0\nfriction = 0.1\n\
+            [[guide]]\nstrand = 2\nat_mm = 280.0\nradius_mm = 8.0\nwrap_deg = 200.0\n\
+            [[phase]]\nforce_n = 200.0\nduration_min = 240.0\n";
+        let bench = Bench::parse(text, "bench.toml").expect("a bench");
+        let expected = 0.1 * 100f64.to_radians() + 0.05 * 200f64.to_radians() + 0.03;
+        assert!((bench.log_ratio(0.05) - expected).abs() < 1e-15);
     }
 }

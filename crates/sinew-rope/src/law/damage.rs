@@ -1,9 +1,15 @@
-//! Damage of a rope by bending over pulleys.
+//! Passes of a rope over pulleys: their cost in bedding-in, and their damage.
 
 use super::{Law, LoadError, State};
 
 /// Pulley over rope diameter that [`super::Parameters::bend_life_passes`] is stated at.
 pub const REFERENCE_DIAMETER_RATIO: f64 = 20.0;
+/// `λ d/D` of a pass that costs 1 in the bedding-in: 100 N on a rope of 4450 N and 1.5 mm over 16 mm, the paper's bench
+/// as assumed in [`crate::bench::routings`].
+pub const REFERENCE_BEND_PRESSURE: f64 = 0.0021;
+/// Wrap angle over which a deflection becomes a full bend, rad: `d/R` of the same bench, 10.7°. A rope takes the
+/// curvature of a pulley over a length of about its diameter; assumed.
+pub const FULL_BEND_WRAP_RAD: f64 = 0.1875;
 /// Load ratio that [`super::Parameters::bend_life_passes`] is stated at.
 pub const REFERENCE_LOAD_RATIO: f64 = 0.1;
 /// Strength a spent rope (damage 1) has left, as a share of a new one's: the usual mark for
@@ -21,26 +27,58 @@ pub fn bend_diameter_m(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
     -2.0 * pulley.radius_m / libm::expm1(-pulley.contact_m() / rope_m)
 }
 
-/// Weight of a guiding pulley in the bedding-in, 0 to 1: a pulley that bends the rope to
-/// [`REFERENCE_DIAMETER_RATIO`] or closer counts fully, a larger one in proportion to its curvature.
+/// Cost of a pass over a guiding pulley in the bedding-in, relative to one of the paper's bench.
+///
+/// `c = (1 − exp(−φ/10.7°)) ((λ d/D)/0.0021)^n` ([`bend_share`], [`pressure_cost`]). It falls with the radius for
+/// every `n` above 0.
+///
+/// * `tension_n`: mean tension, N, for `λ`. `rope_m`: diameter `d`, m; `None`: the pressure of the bench.
+///
+/// # Source
+/// Assumed. `λ d/D` is the pressure that tables of bending life use; no published elongation of a fibre rope against
+/// `D/d` or wrap was found, so [`super::Parameters::pass_pressure_exponent`] spans 0 to 1.
 #[must_use]
-pub fn pass_weight(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
-    (REFERENCE_DIAMETER_RATIO * rope_m / bend_diameter_m(pulley, rope_m)).min(1.0)
+pub fn pass_cost(
+    law: &Law,
+    pulley: &super::routing::Pulley,
+    rope_m: Option<f64>,
+    tension_n: f64,
+) -> f64 {
+    bend_share(pulley.wrap_rad) * pressure_cost(law, pulley, rope_m, tension_n)
 }
 
-/// `N`: effective number of guiding pulleys that pass over a portion. If the diameter of the rope is unknown, each
-/// pulley counts fully.
+/// Share of a full bend in a deflection by `φ`, rad: `1 − exp(−φ/10.7°)` ([`FULL_BEND_WRAP_RAD`]).
+#[must_use]
+pub fn bend_share(wrap_rad: f64) -> f64 {
+    -libm::expm1(-wrap_rad / FULL_BEND_WRAP_RAD)
+}
+
+/// `((λ d/D)/0.0021)^n`, with `D` at least `d`; arguments as in [`pass_cost`].
+#[must_use]
+pub fn pressure_cost(
+    law: &Law,
+    pulley: &super::routing::Pulley,
+    rope_m: Option<f64>,
+    tension_n: f64,
+) -> f64 {
+    let Some(rope_m) = rope_m else { return 1.0 };
+    let pressure = law.load_ratio(tension_n) * rope_m / (2.0 * pulley.radius_m).max(rope_m);
+    let exponent = law.parameters().pass_pressure_exponent;
+    libm::pow(pressure / REFERENCE_BEND_PRESSURE, exponent)
+}
+
+/// `N`: passes over a portion, each times its cost ([`pass_cost`]).
 #[must_use]
 pub fn passes(
+    law: &Law,
     portion: &super::routing::RopeSection,
     pulleys: &[super::routing::Pulley],
     stroke_m: f64,
     rope_m: Option<f64>,
+    tension_n: f64,
 ) -> f64 {
-    let over = pulleys
-        .iter()
-        .filter(|p| p.touches(portion.middle_m, stroke_m));
-    over.map(|p| rope_m.map_or(1.0, |d| pass_weight(p, d)))
+    let each = pulleys.iter();
+    each.map(|p| p.passes(portion.middle_m, stroke_m) * pass_cost(law, p, rope_m, tension_n))
         .sum()
 }
 

@@ -161,6 +161,8 @@ parameters! {
     bend_ratio_exponent BendRatioExponent 0.0, 10.0, "0 to 10";
     /// `m_λ`: power of one over the load ratio in the number of passes survived.
     bend_load_exponent BendLoadExponent 0.0, 10.0, "0 to 10";
+    /// `n`: power of `λ d/D` in the bedding-in of one pass over a pulley ([`super::damage::pass_cost`]).
+    pass_pressure_exponent PassPressureExponent 0.0, 5.0, "0 to 5";
 }
 
 impl Parameters {

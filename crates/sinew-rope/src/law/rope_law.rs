@@ -62,7 +62,7 @@ pub struct Rates {
     pub retraction_target_percent: f64,
 }
 
-/// Creep law of one section of rope: parameters and number of guiding pulleys that pass over it.
+/// Creep law of one section of rope: parameters and passes over guiding pulleys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     pub(super) p: Parameters,
@@ -109,8 +109,8 @@ impl Law {
         })
     }
 
-    /// Sets the number `guides` of guiding pulleys that pass over the section: `B' = B (1 + g_N N^q)`.
-    /// A number that is negative or not finite counts as 0.
+    /// Sets the passes `guides` over guiding pulleys, each times its cost ([`super::damage::passes`]):
+    /// `B' = B (1 + g_N N^q)`. A number that is negative or not finite counts as 0.
     #[must_use]
     pub fn passed_by(mut self, guides: f64) -> Self {
         self.guides = if guides.is_finite() {
@@ -148,7 +148,7 @@ impl Law {
         &self.p
     }
 
-    /// `N`: number of guiding pulleys that pass over this section.
+    /// `N`: passes of this section over guiding pulleys, each times its cost.
     #[must_use]
     pub fn guides(&self) -> f64 {
         self.guides

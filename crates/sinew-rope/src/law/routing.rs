@@ -2,7 +2,8 @@
 //!
 //! Capstan equation: over a wrap of `φ` the tension changes by `exp(±μ φ)`, against the motion of the rope. A
 //! pulley touches the rope within its wrap; while the drive moves the rope by a stroke, the touched section
-//! grows by it. Sections that several pulleys touch count all of them.
+//! grows by it. A rope bends where it runs onto a pulley and straightens where it leaves: each of the two
+//! lines counts half a pass of the rope that crosses it.
 
 /// A guiding pulley along a strand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,17 +31,37 @@ impl Pulley {
         let from = (self.at_m - stroke_m).max(0.0);
         (from..=self.at_m + self.contact_m()).contains(&point_m)
     }
+
+    /// Passes of the rope point `point_m` from the drive over the pulley within a stroke: ½ for the bend onto the
+    /// pulley, ½ for the bend off it.
+    ///
+    /// A point that crosses both the entry and the exit line counts 1. A point that crosses one of them, or rests on
+    /// the pulley, counts ½. With a stroke `S` above the contact length the sum over the rope is `S`, whatever the wrap.
+    #[must_use]
+    pub fn passes(&self, point_m: f64, stroke_m: f64) -> f64 {
+        if !self.touches(point_m, stroke_m) {
+            return 0.0;
+        }
+        let crosses_both = self.at_m + self.contact_m() - stroke_m..=self.at_m;
+        if crosses_both.contains(&point_m) {
+            1.0
+        } else {
+            0.5
+        }
+    }
 }
 
-/// Section of a strand that the same pulleys pass over.
+/// Section of a strand that the same pulleys touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RopeSection {
     /// Length of the section, m.
     pub length_m: f64,
     /// Middle of the section, m from the drive with the drive at rest.
     pub middle_m: f64,
-    /// Number of guiding pulleys that pass over the section.
+    /// Number of guiding pulleys that touch the section.
     pub guides: usize,
+    /// Sum of [`Pulley::passes`] at the middle of the section.
+    pub passes: f64,
 }
 
 /// Error of an invalid routing.
@@ -74,10 +95,41 @@ pub fn capstan(tension_n: f64, friction: f64, wrap_rad: f64) -> f64 {
     tension_n * libm::exp(friction * wrap_rad)
 }
 
-/// Divides a strand of `length_m`, whose rope moves back and forth by `stroke_m` away from the drive, into
-/// sections, in order from the drive. Their lengths sum to `length_m`.
+/// Sum of `μ φ` over the pulleys of a strand; `friction` is the coefficient of those without their own.
+#[must_use]
+pub fn wrap_friction(pulleys: &[Pulley], friction: f64) -> f64 {
+    let each = pulleys.iter();
+    each.map(|p| p.friction.unwrap_or(friction) * p.wrap_rad)
+        .sum()
+}
+
+/// Tensions at the drive of two strands over a joint pulley, N: of the strand that runs towards the drive, and of the
+/// other.
 ///
-/// A pulley at `p` with contact `c` touches the rope points from `p − stroke` to `p + c`.
+/// `T = F/2 (1 ± tanh X/2)`, from `T₁ + T₂ = F` and `T₁/T₂ = exp X`.
+///
+/// * `force_n`: `F`, pull on the carriage, N. `log_ratio`: `X = Σ μφ` of both strands plus the logarithm of the tension
+///   ratio that turns the joint pulley.
+///
+/// Holds while the rope slips on every pulley; after each reversal it sticks for the first millimetre.
+#[must_use]
+pub fn drive_tensions(force_n: f64, log_ratio: f64) -> [f64; 2] {
+    let t = libm::tanh(0.5 * log_ratio);
+    [0.5 * force_n * (1.0 + t), 0.5 * force_n * (1.0 - t)]
+}
+
+/// Work of friction in one cycle of two strokes, J: `2 S F tanh X/2`, with the symbols of [`drive_tensions`] and the
+/// stroke `S`, m.
+#[must_use]
+pub fn friction_work_j(force_n: f64, stroke_m: f64, log_ratio: f64) -> f64 {
+    2.0 * stroke_m * force_n * libm::tanh(0.5 * log_ratio)
+}
+
+/// Divides a strand of `length_m`, whose rope moves back and forth by `stroke_m` away from the drive, into
+/// sections of equal [`Pulley::passes`], in order from the drive. Their lengths sum to `length_m`.
+///
+/// A pulley at `p` with contact `c` touches the rope points from `p − stroke` to `p + c`. Those up to `p` cross its
+/// entry line, those from `p + c − stroke` its exit line.
 ///
 /// # Errors
 /// Returns [`RoutingError`] if strand, stroke or a pulley is invalid.
@@ -86,11 +138,37 @@ pub fn portions(
     stroke_m: f64,
     pulleys: &[Pulley],
 ) -> Result<Vec<RopeSection>, RoutingError> {
+    divided(length_m, stroke_m, pulleys, |p| {
+        let to = p.at_m + p.contact_m();
+        [p.at_m - stroke_m, to - stroke_m, p.at_m, to]
+    })
+}
+
+/// Divides a strand as [`portions`], but only where the pulleys that touch it change.
+///
+/// # Errors
+/// Returns [`RoutingError`] if strand, stroke or a pulley is invalid.
+pub fn touched(
+    length_m: f64,
+    stroke_m: f64,
+    pulleys: &[Pulley],
+) -> Result<Vec<RopeSection>, RoutingError> {
+    divided(length_m, stroke_m, pulleys, |p| {
+        [p.at_m - stroke_m, p.at_m + p.contact_m()]
+    })
+}
+
+fn divided<const N: usize>(
+    length_m: f64,
+    stroke_m: f64,
+    pulleys: &[Pulley],
+    lines: impl Fn(&Pulley) -> [f64; N],
+) -> Result<Vec<RopeSection>, RoutingError> {
     let good = |v: f64| v >= 0.0 && v.is_finite();
     if !(good(length_m) && length_m > 0.0 && good(stroke_m)) {
         return Err(RoutingError::Strand);
     }
-    let mut edges = Vec::with_capacity(2 + 2 * pulleys.len());
+    let mut edges = Vec::with_capacity(2 + N * pulleys.len());
     edges.extend([0.0, length_m]);
     for (i, p) in pulleys.iter().enumerate() {
         let pulley = i + 1;
@@ -98,16 +176,14 @@ pub fn portions(
         if !numbers.into_iter().all(good) {
             return Err(RoutingError::Pulley { pulley });
         }
-        let to = p.at_m + p.contact_m();
-        if to > length_m {
+        if p.at_m + p.contact_m() > length_m {
             return Err(RoutingError::Beyond {
                 pulley,
                 at_m: p.at_m,
                 length_m,
             });
         }
-        let from = (p.at_m - stroke_m).max(0.0);
-        edges.extend([from, to]);
+        edges.extend(lines(p).map(|at| at.max(0.0)));
     }
     edges.sort_unstable_by(f64::total_cmp);
     let mut out: Vec<RopeSection> = Vec::with_capacity(edges.len());
@@ -119,10 +195,12 @@ pub fn portions(
         let middle_m = 0.5 * (from + to);
         let touching = pulleys.iter().filter(|p| p.touches(middle_m, stroke_m));
         let guides = touching.count();
+        let passes = pulleys.iter().map(|p| p.passes(middle_m, stroke_m)).sum();
         out.push(RopeSection {
             length_m: to - from,
             middle_m,
             guides,
+            passes,
         });
     }
     Ok(out)

@@ -59,6 +59,7 @@ Format of a bench description, my-bench.toml:
   strand_mm = 600.0        # each of the two strands, drive to joint pulley
   stroke_mm = 100.0        # rope unwound and wound
   period_s = 10.0          # sinusoidal motion
+  joint_friction = 0.02    # optional: ln of the tension ratio that turns the joint pulley
   [[guide]]                # guiding pulleys (optional, repeatable)
   strand = 1               # 1 or 2
   at_mm = 150.0            # contact point, from the drive

@@ -230,7 +230,7 @@ impl CatalogueEntry {
     }
 
     /// The law's parameters at `z(parameter)` standard deviations from their values, kept within
-    /// the range each parameter may take.
+    /// the range each parameter may take. An entry without `pass_pressure_exponent` has 0.5 ± 0.5 (95 %), assumed.
     ///
     /// # Errors
     /// Names of the parameters that are missing.
@@ -238,20 +238,22 @@ impl CatalogueEntry {
         &self,
         z: impl Fn(Parameter) -> f64,
     ) -> Result<Parameters, Vec<&'static str>> {
-        let missing: Vec<&'static str> = Parameter::ALL
-            .iter()
-            .filter(|p| !self.law.contains_key(p))
-            .map(|p| p.name())
-            .collect();
-        if !missing.is_empty() {
-            return Err(missing);
-        }
         let mut out = Parameters::zero(self.material);
-        for (&parameter, value) in &self.law {
+        let mut missing = Vec::new();
+        for &parameter in Parameter::ALL {
+            let stated = self.law.get(&parameter).map(|v| v.at(z(parameter)));
+            let Some(value) = stated.or_else(|| default_at(parameter, z(parameter))) else {
+                missing.push(parameter.name());
+                continue;
+            };
             let (low, high) = parameter.range();
-            out.set(parameter, value.at(z(parameter)).clamp(low, high));
+            out.set(parameter, value.clamp(low, high));
         }
-        Ok(out)
+        if missing.is_empty() {
+            Ok(out)
+        } else {
+            Err(missing)
+        }
     }
 
     /// Manufacturer's discard strain since new, m/m.
@@ -343,6 +345,14 @@ impl CatalogueEntry {
         }
         out
     }
+}
+
+/// Value of a parameter that an entry may leave out, at `z` standard deviations.
+fn default_at(parameter: Parameter, z: f64) -> Option<f64> {
+    /// Middle and half-width of the 95 % interval: no elongation of a fibre rope against D/d is published.
+    const PRESSURE_EXPONENT: [f64; 2] = [0.5, 0.5];
+    let [middle, half_width] = PRESSURE_EXPONENT;
+    (parameter == Parameter::PassPressureExponent).then(|| middle + half_width * z / QUANTILE_975)
 }
 
 /// A TOML basic string.
