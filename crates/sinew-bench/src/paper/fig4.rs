@@ -4,7 +4,7 @@ use super::PaperError;
 use super::assessment::{SEED, laws};
 use super::bending::{ROPE, bench, drawn, end, runs};
 use super::data::{FigureName, PaperFigure, given, not_assessed};
-use super::sentence::{Sentence, Unit, Verdict};
+use super::sentence::{Basis, Sentence, Unit, Verdict};
 use sinew_figure::Table;
 use sinew_figure::plot::{Band, Colour};
 use sinew_model::QUANTILE_975;
@@ -154,6 +154,7 @@ fn sentences(
 ) -> Vec<Sentence> {
     let shared = |text: &str, criterion: String, share: Share, holds: bool, verdict| Sentence {
         verdict,
+        basis: Basis::AssumedParameters,
         ..Sentence::added(text, criterion, 100.0 * share.0, Unit::ShareOfCases, holds)
     };
     let ends = [0, 1, 2, 3].map(|i| end(&curves[i][0]));
@@ -169,7 +170,7 @@ fn sentences(
         Verdict::Open,
     );
     let highest = shared(
-        "(B) ends highest.",
+        "Therefore the elongation of (B) is the highest.",
         format!(
             "final strains; {cases} draws of what the paper leaves open. Chance alone gives 25 %"
         ),
@@ -192,7 +193,7 @@ fn sentences(
             _ => Verdict::Open,
         },
     );
-    vec![order.of_paper(), saturate.of_paper(), highest]
+    vec![order.of_paper(), saturate.of_paper(), highest.of_paper()]
 }
 
 /// Strain at the start and after each hour, %.

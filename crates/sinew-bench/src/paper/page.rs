@@ -112,11 +112,7 @@ fn assessed(sentence: &Sentence) -> sinew_figure::Sentence {
     let (value, unit) = sentence.shown();
     sinew_figure::Sentence {
         text: sentence.text.clone(),
-        criterion: format!(
-            "{}; basis: {}",
-            sentence.criterion,
-            sentence.basis.name()
-        ),
+        criterion: format!("{}; basis: {}", sentence.criterion, sentence.basis.name()),
         value,
         unit: unit.into(),
         holds: match sentence.verdict {
