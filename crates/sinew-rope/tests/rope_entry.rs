@@ -230,6 +230,7 @@ fn manual_lists_parameters_with_origin() {
                     origin: Origin::Assumed,
                     source: "default".into(),
                     uncertainty: Uncertainty::PlusMinus(at(1.959_963_984_540_054) - value),
+                    date: None,
                 }
             };
             let value = law.get(p).cloned().unwrap_or_else(default);
