@@ -2,9 +2,7 @@
 
 use super::CatalogueRope;
 use super::caution::Caution;
-use super::draws::{Draws, bounded};
-use super::duty::DutySummary;
-use super::endurance::Endurances;
+use super::draws::{Draw, Draws, bounded};
 use super::life::{
     BreakCause, LIFE_MOST_S, MAY_BREAK_SHARE, RopeLifetime, bent_share, cause, life_s, spots, wear,
 };
@@ -12,7 +10,7 @@ use super::limits;
 use super::predict_error::PredictError;
 use super::prediction::{PredictedElongation, Prediction, PulleyPlace, cautions};
 use super::route::Request;
-use super::strand::{Mean, StrandError, strand};
+use super::strand::{Course, Mean, StrandError, strand};
 use super::times::TENSIONED_AFTER_S;
 use crate::law::endurance::Endurance;
 use crate::law::routing::{self, Pulley};
@@ -29,42 +27,13 @@ pub(crate) struct Drawn {
     /// A minute after tensioning, then at the times of the request.
     nominal: Vec<Mean>,
     /// Results in each draw, up to the break of the rope.
-    drawn: Vec<Vec<Mean>>,
+    drawn: Vec<Course>,
     /// Time at which the rope breaks, s, within the requested times.
     pub(crate) breaks_after_s: Option<f64>,
     /// Predicted lifetime of the rope.
     pub(crate) lifetime: RopeLifetime,
-    endurance: Endurance,
     /// Extrapolation distance of the duty from the tested range of the rope.
     extrapolation: Extrapolation,
-}
-
-/// Extrapolation distance of a duty from the tested range of a rope. The low end of the loads is the mean
-/// tension: a short time without tension is no extrapolation.
-fn extrapolation(rope: &CatalogueRope, law: &Law, duty: &DutySummary) -> Extrapolation {
-    let share = [duty.tension_mean_n, duty.tension_max_n].map(|n| law.load_ratio(n));
-    let celsius = [duty.temperature_min_c, duty.temperature_max_c];
-    rope.tested_range().extrapolation(share, celsius)
-}
-
-/// Strains of one draw, including the model error outside the tested range: `error_z` is a standard normal number. The
-/// immediate strain and the later strain are multiplied by `exp(error_z s)`, with `s` of [`Extrapolation`].
-fn widened(
-    means: &[Mean],
-    decades: impl Iterator<Item = f64>,
-    extrapolation: Extrapolation,
-    error_z: f64,
-) -> Vec<Mean> {
-    let start = means.first().copied().unwrap_or_default();
-    let at_once = (error_z * extrapolation.std()).exp();
-    let later = |(mean, decades): (&Mean, f64)| {
-        let factor = (error_z * extrapolation.std_after(decades)).exp();
-        Mean {
-            strain: at_once * start.strain + factor * (mean.strain - start.strain),
-            irreversible: factor * mean.irreversible,
-        }
-    };
-    means.iter().zip(decades).map(later).collect()
 }
 
 /// Runs a strand through the duty, at the catalogue's values and in every draw, up to where it
@@ -76,7 +45,6 @@ pub(crate) fn drawn(
 ) -> Result<Drawn, PredictError> {
     limits::check(rope, request)?;
     let draws = Draws::new(rope, request.draws, request.seed)?;
-    let endurances = Endurances::new(rope, request.draws, request.seed)?;
     let summary = request.duty.summary();
     let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
         summary.tension_mean_n,
@@ -89,11 +57,11 @@ pub(crate) fn drawn(
     let hardest = RopeLoad::celsius(summary.tension_max_n, summary.temperature_max_c);
     draws.nominal.rates(hardest).map_err(to_error)?;
     let rope_m = rope.diameter_m();
-    let wears = wear(&draws.nominal, &endurances.nominal, request, rope_m)?;
-    let life = life_s(&wears);
+    let wears = wear(&draws.nominal, &draws.endurance, request, rope_m)?;
+    let life = life_s(&wears).min(LIFE_MOST_S);
     if life <= TENSIONED_AFTER_S {
         let name = rope.entry.name.clone();
-        let e = &endurances.nominal;
+        let e = &draws.endurance;
         let pulleys: Vec<&Pulley> = request.route.pulleys.iter().collect();
         let bent_share = bent_share(e, &pulleys, rope_m);
         let weakest = request.route.termination.share(e).min(bent_share);
@@ -126,58 +94,44 @@ pub(crate) fn drawn(
     }
     let mut times = vec![TENSIONED_AFTER_S];
     times.extend(&request.times_s);
-    let within = |life_s: f64| {
-        &times[..times
-            .iter()
-            .position(|t| *t >= life_s)
-            .unwrap_or(times.len())]
-    };
-    let nominal = strand(&draws.nominal, request, read_at, rope_m, within(life));
+    let lasts = times.iter().position(|t| *t >= life);
+    let within = &times[..lasts.unwrap_or(times.len())];
+    let nominal = strand(&draws.nominal, request, read_at, rope_m, within);
     let nominal = nominal.map_err(|e| match e {
         StrandError::Load(error) => to_error(error),
         StrandError::Routing(error) => error.into(),
     })?;
-    let extrapolation = extrapolation(rope, &draws.nominal, &summary);
-    let tested_range = rope.tested_range();
-    let extrapolation_errors = draws.extrapolation_errors(rope, request.seed);
+    let extrapolation = draws.extrapolation(
+        [summary.tension_mean_n, summary.tension_max_n],
+        [summary.temperature_min_c, summary.temperature_max_c],
+    );
     let finished = AtomicUsize::new(0);
-    let each = draws
-        .laws
-        .par_iter()
-        .zip(&endurances.drawn)
-        .zip(&extrapolation_errors);
-    let each = each.map(|((law, endurance), error_z)| {
+    let each: Vec<Draw<'_>> = draws.each(extrapolation).collect();
+    let simulated = each.par_iter().map(|draw| {
+        let Draw { law, endurance, .. } = *draw;
         let life_s = wear(law, endurance, request, rope_m).map_or(0.0, |w| life_s(&w));
-        // Where the law stretches a rope more than it should, it breaks it sooner.
-        let decades = tested_range.decades_beyond(life_s.max(1.0));
-        let life_s = life_s * (-error_z * extrapolation.std_after(decades)).exp();
-        let means = strand(law, request, read_at, rope_m, within(life_s)).unwrap_or_default();
+        let load_share = law.load_ratio(read_at.tension_n);
+        let course = Course::new(draw, life_s, load_share, &times, |times_s| {
+            strand(law, request, read_at, rope_m, times_s).ok()
+        });
         done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        let decades = times.iter().map(|t| tested_range.decades_beyond(*t));
-        let mut means = widened(&means, decades, extrapolation, *error_z);
-        // What the widening stretches beyond a break is broken too.
-        let parted = |m: &Mean| m.irreversible > endurance.rupture_percent;
-        let mut life_s = life_s.min(LIFE_MOST_S);
-        if let Some(first) = means.iter().position(parted) {
-            means.truncate(first);
-            life_s = life_s.min(times[first]);
-        }
-        (life_s, means)
+        course
     });
-    let (lives_s, drawn): (Vec<f64>, Vec<Vec<Mean>>) = each.collect::<Vec<_>>().into_iter().unzip();
+    let drawn: Vec<Course> = simulated.collect();
+    let lives_s: Vec<f64> = drawn.iter().map(|c| c.life_s).collect();
     let last_s = request.times_s.last().copied().unwrap_or(0.0);
     let early = lives_s.iter().filter(|l| **l <= last_s).count();
+    let life_range = bounded(life, &lives_s);
     Ok(Drawn {
         lifetime: RopeLifetime {
-            breaks_after_s: (life < LIFE_MOST_S).then(|| bounded(life, &lives_s)),
+            breaks_after_s: (life_range.low.min(life) < LIFE_MOST_S).then_some(life_range),
             cause: cause(&wears),
             broken_share: early as f64 / lives_s.len().max(1) as f64,
             termination: request.route.termination,
-            termination_share: request.route.termination.share(&endurances.nominal),
+            termination_share: request.route.termination.share(&draws.endurance),
             abrasion_factor: request.route.abrasion_factor,
             spots: spots(&wears, life.min(last_s)),
         },
-        endurance: endurances.nominal,
         draws,
         read_at,
         nominal,
@@ -190,7 +144,7 @@ pub(crate) fn drawn(
 impl Drawn {
     /// Endurance of the rope at the catalogue values.
     pub(crate) fn endurance(&self) -> &Endurance {
-        &self.endurance
+        &self.draws.endurance
     }
 
     /// Strength of the most bent section at the last requested time; `None` without bending or if the rope is
@@ -206,7 +160,7 @@ impl Drawn {
             return None;
         }
         let left = |law: &Law| {
-            let worn = wear(law, &self.endurance, request, Some(rope_m)).unwrap_or_default();
+            let worn = wear(law, self.endurance(), request, Some(rope_m)).unwrap_or_default();
             let most = spots(&worn, last_s)
                 .iter()
                 .map(|s| s.bending_damage)
@@ -223,8 +177,8 @@ impl Drawn {
 
     /// Elongation after pretensioning at the last requested time, m, per draw; `None` where the rope breaks.
     pub(crate) fn growth_m(&self, request: &Request) -> Vec<Option<f64>> {
-        let of = |m: &Vec<Mean>| {
-            let (first, last) = (m.first()?, m.get(request.times_s.len())?);
+        let of = |c: &Course| {
+            let (first, last) = (c.start()?, c.means.get(request.times_s.len())?);
             Some(0.01 * request.route.length_m * (last.strain - first.strain))
         };
         self.drawn.iter().map(of).collect()
@@ -238,7 +192,7 @@ impl Drawn {
         let (times, readings) = (&request.times_s, self.nominal.iter().skip(1));
         let first = times.iter().zip(readings).find(|(_, m)| is_beyond(m));
         let time_s = first.map(|(time_s, _)| *time_s);
-        let beyond = |m: &&Vec<Mean>| m.get(times.len()).is_none_or(is_beyond);
+        let beyond = |c: &&Course| c.means.get(times.len()).is_none_or(is_beyond);
         let count = self.drawn.iter().filter(beyond).count();
         let share = count as f64 / self.drawn.len().max(1) as f64;
         (time_s.is_some() || share > MAY_BREAK_SHARE).then_some(Caution::Replace {
@@ -251,29 +205,34 @@ impl Drawn {
     /// Summarises the draws as a prediction.
     pub(crate) fn prediction(&self, rope: &CatalogueRope, request: &Request) -> Prediction {
         let share = |broken: usize| broken as f64 / self.drawn.len().max(1) as f64;
-        let broken = self.drawn.iter().filter(|m| m.is_empty()).count();
+        let broken = self.drawn.iter().filter(|c| c.means.is_empty()).count();
         let m_per_percent = 0.01 * request.route.length_m;
         let reading = |(at, &time_s): (usize, &f64)| {
             // The first is a minute after tensioning.
             let at = at + 1;
-            let drawn: Vec<&Vec<Mean>> = self.drawn.iter().filter(|m| m.len() > at).collect();
-            let interval = |f: &dyn Fn(&[Mean]) -> f64| {
-                let all: Vec<f64> = drawn.iter().map(|m| f(m)).collect();
-                bounded(f(&self.nominal), &all)
+            let lasting = self.drawn.iter().filter(|c| c.means.len() > at).count();
+            let drawn = self.drawn.iter();
+            let drawn: Vec<[&Mean; 2]> = drawn
+                .filter_map(|c| Some([c.start()?, c.at(at)?]))
+                .collect();
+            let nominal = [&self.nominal[0], &self.nominal[at]];
+            let interval = |f: &dyn Fn(&[&Mean; 2]) -> f64| {
+                let all: Vec<f64> = drawn.iter().map(f).collect();
+                bounded(f(&nominal), &all)
             };
-            let strain_percent = interval(&|m| m[at].strain);
+            let strain_percent = interval(&|m| m[1].strain);
             PredictedElongation {
                 time_s,
                 strain_ratio: strain_percent.scaled(0.01),
                 elongation_m: strain_percent.scaled(m_per_percent),
-                since_tensioned_m: interval(&|m| m[at].strain - m[0].strain).scaled(m_per_percent),
-                irreversible_m: interval(&|m| m[at].irreversible).scaled(m_per_percent),
-                broken_share: share(self.drawn.len() - drawn.len()),
+                since_tensioned_m: interval(&|m| m[1].strain - m[0].strain).scaled(m_per_percent),
+                irreversible_m: interval(&|m| m[1].irreversible).scaled(m_per_percent),
+                broken_share: share(self.drawn.len() - lasting),
             }
         };
         let times = request.times_s.iter().take(self.nominal.len() - 1);
         let law = &self.draws.nominal;
-        let mut cautions = cautions(rope, law, &self.endurance, request, self.extrapolation);
+        let mut cautions = cautions(rope, law, self.endurance(), request, self.extrapolation);
         if let Some(time_s) = self.breaks_after_s {
             let caution = match self.lifetime.cause {
                 BreakCause::CreepRupture => Caution::CreepsApart { time_s },

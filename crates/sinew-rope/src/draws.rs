@@ -1,7 +1,11 @@
-//! Seeded draws of a rope's parameters from their specified intervals.
+//! Seeded draws of a rope: parameters and endurance from their specified intervals, and the model error of the creep
+//! law outside the tested range. Predictions, selections, plans and trends use the same draws.
 
+use super::endurance::Endurances;
 use super::{CatalogueError, CatalogueRope};
+use crate::law::endurance::Endurance;
 use crate::law::entry::CatalogueEntry;
+use crate::law::tested_range::{Extrapolation, ModelError, TestedRange};
 use crate::law::{Law, Parameter};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -19,6 +23,8 @@ const RETRACTION_RETURN: f64 = 0.5;
 const RETURN_STREAM: u64 = 3;
 /// Random stream of the exponent of the bending pressure.
 const PRESSURE_STREAM: u64 = 4;
+/// Random stream of the model error outside the tested range.
+const ERROR_STREAM: u64 = 1;
 
 /// `value` with the 95 % interval of `draws` around it; NaN draws are ignored.
 pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
@@ -35,13 +41,31 @@ pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
     }
 }
 
-/// Creep law of a rope: nominal and drawn.
+/// Draws of a rope, and the rope at its catalogue values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
     /// Law with every parameter at its catalogue value.
     pub nominal: Law,
     /// Laws with parameters drawn from their intervals.
     pub laws: Vec<Law>,
+    /// Endurance of the rope at its catalogue values.
+    pub(crate) endurance: Endurance,
+    /// Endurance in each draw.
+    endurances: Vec<Endurance>,
+    /// Standard normal number of the model error in each draw.
+    errors_z: Vec<f64>,
+    tested_range: TestedRange,
+}
+
+/// One draw of a rope under a duty.
+#[derive(Debug, Clone, Copy)]
+pub struct Draw<'a> {
+    /// Creep law of the draw.
+    pub law: &'a Law,
+    /// Model error of the law outside the tested range of the rope.
+    pub error: ModelError,
+    /// Endurance of the draw.
+    pub(crate) endurance: &'a Endurance,
 }
 
 impl Draws {
@@ -78,17 +102,46 @@ impl Draws {
                 Ok(law.giving_back(returns.random()))
             })
             .collect::<Result<_, CatalogueError>>()?;
-        Ok(Self { nominal, laws })
+        let mut errors = ChaCha8Rng::seed_from_u64(seed ^ name_hash(&entry.name));
+        errors.set_stream(ERROR_STREAM);
+        let errors = std::iter::repeat_with(|| StandardNormal.sample(&mut errors));
+        let endurances = Endurances::new(rope, count, seed)?;
+        Ok(Self {
+            nominal,
+            laws,
+            endurance: endurances.nominal,
+            endurances: endurances.drawn,
+            errors_z: errors.take(count).collect(),
+            tested_range: rope.tested_range(),
+        })
     }
 
-    /// One standard normal value per draw: model error of the law outside its tested range. It uses another
-    /// stream than the parameters, so that their draws are unchanged.
-    pub(crate) fn extrapolation_errors(&self, rope: &CatalogueRope, seed: u64) -> Vec<f64> {
-        const STREAM: u64 = 1;
-        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ name_hash(&rope.entry.name));
-        rng.set_stream(STREAM);
-        let laws = self.laws.iter();
-        laws.map(|_| StandardNormal.sample(&mut rng)).collect()
+    /// Extrapolation distance of a duty from the tested range of the rope: mean and largest tension, N, lowest and
+    /// highest temperature, °C. The low end of the loads is the mean tension, because a short time without tension is
+    /// no extrapolation.
+    #[must_use]
+    pub fn extrapolation(&self, tension_n: [f64; 2], temperature_c: [f64; 2]) -> Extrapolation {
+        let share = tension_n.map(|n| self.nominal.load_ratio(n));
+        self.tested_range.extrapolation(share, temperature_c)
+    }
+
+    /// Draw `i` under a duty at an extrapolation distance from the tested range; `None` beyond the last.
+    #[must_use]
+    pub fn draw(&self, i: usize, extrapolation: Extrapolation) -> Option<Draw<'_>> {
+        Some(Draw {
+            law: self.laws.get(i)?,
+            endurance: self.endurances.get(i)?,
+            error: ModelError {
+                tested_range: self.tested_range,
+                extrapolation,
+                error_z: *self.errors_z.get(i)?,
+            },
+        })
+    }
+
+    /// Draws under a duty at an extrapolation distance from the tested range.
+    pub fn each(&self, extrapolation: Extrapolation) -> impl Iterator<Item = Draw<'_>> {
+        (0..self.laws.len()).filter_map(move |i| self.draw(i, extrapolation))
     }
 
     /// Applies a function to every law: nominal first, then each draw.

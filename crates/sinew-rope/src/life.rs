@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 
 /// Longest lifetime that is reported, s: 300 years.
-pub(crate) const LIFE_MOST_S: f64 = 1e10;
+pub const LIFE_MOST_S: f64 = 1e10;
 /// Share of draws above which a rope that breaks is ranked behind those that last.
 pub const MAY_BREAK_SHARE: f64 = 0.025;
 
@@ -69,8 +69,8 @@ impl DamageSite {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RopeLifetime {
-    /// Time of the break since first loading, s; `None` beyond 300 years. The interval is limited to 300
-    /// years.
+    /// Time of the break since first loading, s, limited to 300 years; `None` if value and lower bound exceed
+    /// that.
     pub breaks_after_s: Option<Bounded>,
     /// Cause of the larger part of the damage.
     pub cause: BreakCause,
@@ -99,14 +99,14 @@ pub(crate) struct Wear {
 }
 
 impl Wear {
-    /// Time at which the damage reaches 1, s.
+    /// Time at which the damage reaches 1, s; infinite without damage.
     fn life_s(&self) -> f64 {
         let cycle: f64 = self.cycle.iter().sum();
         if cycle >= 1.0 {
             return self.cycle_s / cycle;
         }
         let after: f64 = self.after_per_s.iter().sum();
-        (self.cycle_s + (1.0 - cycle) / after).min(LIFE_MOST_S)
+        self.cycle_s + (1.0 - cycle) / after
     }
 
     /// Damage of the section at a time.
@@ -253,9 +253,9 @@ fn mean(s: &Stretch, rate: &dyn Fn(RopeLoad) -> f64) -> f64 {
     (at(0) + inner.sum::<f64>() + at(PARTS)) / (3.0 * f64::from(PARTS))
 }
 
-/// Time at which the first section breaks, s, at most [`LIFE_MOST_S`].
+/// Time at which the first section breaks, s; infinite without damage.
 pub(crate) fn life_s(wear: &[Wear]) -> f64 {
-    wear.iter().map(Wear::life_s).fold(LIFE_MOST_S, f64::min)
+    wear.iter().map(Wear::life_s).fold(f64::INFINITY, f64::min)
 }
 
 /// Damage of every section at a time.

@@ -10,8 +10,8 @@ pub use super::times::{DAY_S, HOUR_S, MONTH_S, TENSIONED_AFTER_S, TIMES_DEFAULT_
 /// Predicts the elongation of a strand of one rope.
 ///
 /// The strand is divided into sections by its guiding pulleys; each is subject to the duty with its own number of
-/// passes and its own tension ratio. Draws in which the rope breaks are counted and excluded from the
-/// intervals.
+/// passes and its own tension ratio. Draws in which the rope breaks are counted, and the intervals contain their
+/// elongation at the break.
 ///
 /// # Errors
 /// Returns [`PredictError`] if the rope has no complete law, or cannot carry the duty.

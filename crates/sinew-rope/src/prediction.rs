@@ -30,7 +30,8 @@ pub struct PredictedElongation {
     pub since_tensioned_m: Bounded,
     /// Permanent (irreversible) part of the total elongation, m.
     pub irreversible_m: Bounded,
-    /// Share of the draws in which the rope is broken by then, 0 to 1; these are excluded.
+    /// Share of the draws in which the rope is broken by then, 0 to 1; in these the elongation is that at the break,
+    /// so that no bound falls because ropes break.
     pub broken_share: f64,
 }
 
@@ -176,16 +177,32 @@ pub(super) fn cautions(
         let tests_s = rope.tested_range().duration_s;
         out.push(Caution::Extrapolated { tests_s });
     }
-    let decades = rope.tested_range().decades_beyond(longest);
-    if extrapolation != Extrapolation::default() || decades > 0.0 {
-        let summary = request.duty.summary();
-        out.push(Caution::BeyondData {
-            tested_range: rope.tested_range(),
-            load_share: [summary.tension_mean_n, summary.tension_max_n].map(|n| law.load_ratio(n)),
-            temperature_c: [summary.temperature_min_c, summary.temperature_max_c],
-            duration_s: longest,
-            factor: (Z95 * extrapolation.std_after(decades)).exp(),
-        });
-    }
+    let summary = request.duty.summary();
+    out.extend(beyond_data(
+        rope.tested_range(),
+        extrapolation,
+        [summary.tension_mean_n, summary.tension_max_n].map(|n| law.load_ratio(n)),
+        [summary.temperature_min_c, summary.temperature_max_c],
+        longest,
+    ));
     out
+}
+
+/// Warning about a duty outside the tested range of its rope; `None` within.
+pub(super) fn beyond_data(
+    tested_range: TestedRange,
+    extrapolation: Extrapolation,
+    load_share: [f64; 2],
+    temperature_c: [f64; 2],
+    duration_s: f64,
+) -> Option<Caution> {
+    let decades = tested_range.decades_beyond(duration_s);
+    let std = extrapolation.std_after(decades).max(extrapolation.std());
+    (extrapolation != Extrapolation::default() || decades > 0.0).then(|| Caution::BeyondData {
+        tested_range,
+        load_share,
+        temperature_c,
+        duration_s,
+        factor: (Z95 * std).exp(),
+    })
 }

@@ -1,18 +1,21 @@
 //! Preconditioning of a rope, its pretension, and the schedule of re-tensioning.
 //!
+//! The draws, their model error outside the tested range and their breaks are those of a prediction.
+//!
 //! The same rope is modelled in two ways. *At constant tension* (loaded by a weight) it elongates; the
 //! procedure that removes most of that elongation beforehand is sought. *At constant length* (strung in a
 //! machine) its tension falls; the schedule gives the times at which it reaches the lowest permitted tension.
 
 use super::CatalogueRope;
 use super::caution::Caution;
-use super::draws::{Draws, bounded};
-use super::endurance::Endurances;
+use super::draws::{Draw, Draws, bounded};
 use super::limits::check_temperature;
 use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
+use super::prediction::beyond_data;
 pub use super::procedure::{HeldJoint, Mount, Procedure, Request, series_compliance_m_per_n};
 use super::schedule::schedule;
 pub use super::schedule::{Schedule, Unattended};
+use super::strand::{Course, Mean};
 use crate::law::validity::{LOAD_RATIO_HIGH, LimitViolation};
 use crate::law::{Law, LoadError, RopeLoad, State};
 use rayon::prelude::*;
@@ -48,8 +51,11 @@ pub struct Plan {
     pub horizon_s: f64,
     /// Share of the later elongation that the procedure must remove, 0 to 1.
     pub remove_share: f64,
-    /// Largest later elongation without any procedure, m.
+    /// Largest later elongation without any procedure, m; in draws that break, up to the break.
     pub without_m: Bounded,
+    /// Share of the draws in which the rope breaks at the working tension within the horizon, 0 to 1.
+    #[serde(default)]
+    pub broken_share: f64,
     /// All procedures tried, by tension, then duration.
     pub procedures: Vec<Procedure>,
     /// Index of the mildest sufficient procedure at catalogue values: lowest tension first, then shortest
@@ -83,8 +89,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         rope: rope.entry.name.clone(),
         error,
     };
-    let endurance = Endurances::new(rope, 0, request.seed)?.nominal;
-    let rate = endurance.damage_per_s(&draws.nominal, work, 1.0);
+    let rate = draws.endurance.damage_per_s(&draws.nominal, work, 1.0);
     let life_s = 1.0 / rate.map_err(to_error)?;
     if life_s <= request.horizon_s {
         return Err(PredictError::BreaksBefore {
@@ -106,30 +111,52 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
     let pieces = |law: &Law| request.mount.pieces(law, length_m, rope_m, tension_n);
     // Whether the pulleys fit does not depend on the law.
     pieces(&draws.nominal)?;
-    // Without a procedure, and with each: nominal and every draw.
-    let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<f64>), LoadError> {
-        let one = |law: &Law| {
-            let mut longer = 0.0;
+    let extrapolation = draws.extrapolation([tension_n; 2], [request.temperature_c; 2]);
+    let each: Vec<Draw<'_>> = draws.each(extrapolation).collect();
+    let looks_s = looks_s(request.horizon_s);
+    // Without a procedure, and with each: nominal and every draw, which may break.
+    let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<Course>), LoadError> {
+        let strains = |law: &Law, times_s: &[f64]| -> Result<Vec<Mean>, LoadError> {
+            let mut out = vec![Mean::default(); times_s.len()];
             for piece in pieces(law).unwrap_or_default() {
                 let law = piece.law;
+                let weight = piece.length_m / length_m;
                 let mut state = State::default();
                 if let Some((tension_n, duration_s)) = procedure {
                     let load = RopeLoad { tension_n, ..work };
                     law.hold(&mut state, load, duration_s)?;
                 }
-                let percent = still_to_come(&law, state, work, request.horizon_s)?;
-                longer += 0.01 * piece.length_m * percent;
+                let rates = law.rates(work)?;
+                let mut at = 0.0;
+                for (mean, &time_s) in out.iter_mut().zip(times_s) {
+                    law.advance(&mut state, &rates, time_s - at)?;
+                    mean.add(weight, &law, &state, work)?;
+                    at = time_s;
+                }
             }
-            Ok(longer)
+            Ok(out)
         };
-        let drawn = draws
-            .laws
-            .par_iter()
-            .map(|law| one(law).unwrap_or(f64::NAN))
-            .collect::<Vec<_>>();
-        Ok((one(&draws.nominal)?, drawn))
+        let course = |draw: &Draw<'_>| {
+            let rate = draw.endurance.damage_per_s(draw.law, work, 1.0);
+            let load_share = draw.law.load_ratio(work.tension_n);
+            let life_s = rate.map_or(0.0, |rate| 1.0 / rate);
+            Course::new(draw, life_s, load_share, &looks_s, |times_s| {
+                strains(draw.law, times_s).ok()
+            })
+        };
+        let nominal = strains(&draws.nominal, &looks_s)?;
+        let drawn = each.par_iter().map(course).collect();
+        Ok((most(nominal.iter()), drawn))
     };
-    let (without, without_drawn) = later(None).map_err(to_error)?;
+    let m_per_percent = 0.01 * request.length_m;
+    let longer = |drawn: &[Course]| -> Vec<f64> {
+        let most = |c: &Course| most((0..looks_s.len()).filter_map(|i| c.at(i)));
+        drawn.iter().map(|c| m_per_percent * most(c)).collect()
+    };
+    let (without, drawn) = later(None).map_err(to_error)?;
+    let (without, without_drawn) = (m_per_percent * without, longer(&drawn));
+    let broken = drawn.iter().filter(|c| c.life_s <= request.horizon_s);
+    let broken_share = broken.count() as f64 / drawn.len().max(1) as f64;
     let mut procedures = Vec::new();
     let limit_n = LOAD_RATIO_HIGH * draws.nominal.parameters().breaking_load_n;
     for times in TENSIONS {
@@ -139,6 +166,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         }
         for duration_s in DURATIONS_S {
             let (value, drawn) = later(Some((tension_n, duration_s))).map_err(to_error)?;
+            let (value, drawn) = (m_per_percent * value, longer(&drawn));
             let removed: Vec<f64> = drawn
                 .iter()
                 .zip(&without_drawn)
@@ -160,11 +188,19 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         .max_by(|a, b| a.removed_share.value.total_cmp(&b.removed_share.value))
         .copied();
     let bedded = chosen.map(|i| procedures[i]).or(best);
-    let schedule_as_delivered = schedule(&draws, request, rope_m, None, to_error)?;
-    let schedule_preconditioned = schedule(&draws, request, rope_m, bedded, to_error)?;
+    let nominal = &draws.nominal;
+    let schedule_as_delivered = schedule(nominal, &each, request, rope_m, None, to_error)?;
+    let schedule_preconditioned = schedule(nominal, &each, request, rope_m, bedded, to_error)?;
     let entry = &rope.entry;
     let outside = LimitViolation::of(&draws.nominal, work);
     let mut cautions = Caution::outside(outside);
+    cautions.extend(beyond_data(
+        rope.tested_range(),
+        extrapolation,
+        [draws.nominal.load_ratio(request.tension_n); 2],
+        [request.temperature_c; 2],
+        request.horizon_s,
+    ));
     if entry.assumed() > 0 {
         cautions.push(Caution::AssumedParameters {
             assumed: entry.assumed(),
@@ -182,6 +218,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         horizon_s: request.horizon_s,
         remove_share: request.remove,
         without_m: bounded(without, &without_drawn),
+        broken_share,
         procedures,
         chosen,
         schedule_as_delivered,
@@ -192,27 +229,19 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
     })
 }
 
-/// Largest elongation at constant load from a minute on, %.
-fn still_to_come(
-    law: &Law,
-    mut state: State,
-    load: RopeLoad,
-    horizon_s: f64,
-) -> Result<f64, LoadError> {
-    law.hold(&mut state, load, TENSIONED_AFTER_S)?;
-    let start = law.strain(&state, load)?.total_percent();
-    let rates = law.rates(load)?;
+/// Times at which later elongation is looked at, s; the first is a minute after tensioning.
+fn looks_s(horizon_s: f64) -> Vec<f64> {
     let ratio = (horizon_s / TENSIONED_AFTER_S).max(1.0);
-    let mut at = TENSIONED_AFTER_S;
-    let mut most = 0.0f64;
-    for i in 1..=LOOKS {
-        let next = TENSIONED_AFTER_S * ratio.powf(i as f64 / LOOKS as f64);
-        law.advance(&mut state, &rates, next - at)?;
-        at = next;
-        let strain = law.strain(&state, load)?.total_percent();
-        most = most.max(strain - start);
-    }
-    Ok(most)
+    let at = |i: usize| TENSIONED_AFTER_S * ratio.powf(i as f64 / LOOKS as f64);
+    (0..=LOOKS).map(at).collect()
+}
+
+/// Largest strain added after the first of some strains, %, at least 0; NaN without any.
+fn most<'a>(mut means: impl Iterator<Item = &'a Mean>) -> f64 {
+    let Some(start) = means.next() else {
+        return f64::NAN;
+    };
+    means.map(|m| m.strain - start.strain).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

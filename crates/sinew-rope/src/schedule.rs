@@ -1,9 +1,10 @@
 //! A rope at constant length: decay of its tension, and times of re-tensioning.
 
-use super::draws::{Draws, bounded};
+use super::draws::{Draw, bounded};
 use super::predict::{PredictError, TENSIONED_AFTER_S};
 use super::procedure::{Mount, Procedure, Request};
 use crate::law::strung::{RELAXATION_TOLERANCE, Strand, StrandAssembly};
+use crate::law::tested_range::ModelError;
 use crate::law::validity::LOAD_RATIO_HIGH;
 use crate::law::{CELSIUS_ZERO_K, Law, LoadError, RopeLoad};
 use rayon::prelude::*;
@@ -28,8 +29,8 @@ pub struct Schedule {
     pub count: Bounded,
     /// Tension at the end of the horizon without re-tensioning, N.
     pub tension_at_end_n: Bounded,
-    /// Initial tension with which the lowest tension is never reached within the horizon, N; `None` if even
-    /// 40 % of the breaking load is insufficient.
+    /// Initial tension with which the lowest tension is never reached within the horizon, N, limited to 40 % of the
+    /// breaking load; `None` if that is insufficient at the catalogue values.
     pub start_n: Option<Bounded>,
     /// Tension over time without re-tensioning.
     pub unattended: Unattended,
@@ -73,6 +74,7 @@ struct Relaxation {
 /// `retension`, repeats this whenever the tension reaches the lowest tension.
 fn string_up(
     strands: Vec<Strand>,
+    error: ModelError,
     request: &Request,
     start_n: f64,
     retension: bool,
@@ -81,7 +83,8 @@ fn string_up(
     // Tension is the mean of both strands; the partner carries half of the load's tension difference less.
     let half_n = 0.5 * request.mount.extra_n();
     let kelvin = request.temperature_c + CELSIUS_ZERO_K;
-    let mut strung = StrandAssembly::new(strands, start_n - half_n, kelvin, TENSIONED_AFTER_S)?;
+    let strung = StrandAssembly::new(strands, start_n - half_n, kelvin, TENSIONED_AFTER_S)?;
+    let mut strung = strung.with_model_error(error);
     let mut at = TENSIONED_AFTER_S;
     let mut out = Relaxation {
         events_s: Vec::new(),
@@ -119,7 +122,8 @@ impl Unattended {
 }
 
 pub(super) fn schedule(
-    draws: &Draws,
+    nominal: &Law,
+    each: &[Draw<'_>],
     request: &Request,
     rope_m: Option<f64>,
     procedure: Option<Procedure>,
@@ -138,20 +142,25 @@ pub(super) fn schedule(
         }
         Ok(request.mount.strands(pieces))
     };
-    let one = |law: &Law, tolerance: f64| {
+    let one = |law: &Law, error: ModelError| {
         let strands = strands(law)?;
         let relax = |retension| {
-            let strands = strands.clone();
-            string_up(strands, request, request.tension_n, retension, tolerance).map_err(to_error)
+            let (strands, start_n) = (strands.clone(), request.tension_n);
+            let tolerance = RELAXATION_TOLERANCE;
+            string_up(strands, error, request, start_n, retension, tolerance).map_err(to_error)
         };
-        let start_n = start(law, &strands, request).map_err(to_error)?;
+        let start_n = start(law, &strands, error, request).map_err(to_error)?;
         Ok::<_, PredictError>((relax(true)?.events_s, relax(false)?, start_n))
     };
-    let (times_s, unattended, start_n) = one(&draws.nominal, RELAXATION_TOLERANCE)?;
-    let drawn: Vec<_> = draws
-        .laws
+    let (times_s, unattended, start_n) = one(nominal, ModelError::default())?;
+    let softened = |draw: &Draw<'_>| {
+        let load_share = draw.law.load_ratio(request.tension_n);
+        let factor = draw.error.immediate_factor(load_share);
+        one(&draw.law.softened(factor), draw.error).ok()
+    };
+    let drawn: Vec<_> = each
         .par_iter()
-        .map(|law| one(law, RELAXATION_TOLERANCE).ok())
+        .map(softened)
         .collect::<Vec<_>>()
         .into_iter()
         .flatten()
@@ -168,23 +177,29 @@ pub(super) fn schedule(
             high: nan(i.high),
         }
     };
+    let limit_n = LOAD_RATIO_HIGH * nominal.parameters().breaking_load_n;
     Ok(Schedule {
         first_s: finite(bounded(first(&times_s), &collect(&|d| first(&d.0)))),
         never_share: never as f64 / drawn.len().max(1) as f64,
         count: bounded(times_s.len() as f64, &collect(&|d| d.0.len() as f64)),
         tension_at_end_n: bounded(unattended.tension_n, &collect(&|d| d.1.tension_n)),
-        start_n: start_n.map(|value| bounded(value, &collect(&|d| d.2.unwrap_or(f64::NAN)))),
+        start_n: start_n.map(|value| bounded(value, &collect(&|d| d.2.unwrap_or(limit_n)))),
         times_s,
         unattended: unattended.trace,
     })
 }
 
 /// Smallest initial tension with which the tension at the horizon is at least the lowest one, N.
-fn start(law: &Law, strands: &[Strand], request: &Request) -> Result<Option<f64>, LoadError> {
+fn start(
+    law: &Law,
+    strands: &[Strand],
+    error: ModelError,
+    request: &Request,
+) -> Result<Option<f64>, LoadError> {
     /// Tolerance of the relaxation; the initial tension is searched to half a per cent.
     const TOLERANCE: f64 = 1e-5;
     let ends = |start_n: f64| {
-        string_up(strands.to_vec(), request, start_n, false, TOLERANCE)
+        string_up(strands.to_vec(), error, request, start_n, false, TOLERANCE)
             .map(|s| s.tension_n - request.lowest_n)
     };
     // More tension is not always better, because it adds bedding-in. The lowest sufficient one is searched
@@ -214,9 +229,9 @@ fn start(law: &Law, strands: &[Strand], request: &Request) -> Result<Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Catalogue;
     use crate::predict::YEAR_S;
     use crate::pretension::{Plan, plan};
+    use crate::{Catalogue, Draws};
 
     fn request() -> Request {
         Request {
@@ -244,9 +259,17 @@ mod tests {
             .pieces(law, request.length_m, None, request.tension_n)
             .expect("a strand");
         let strands = request.mount.strands(pieces);
-        string_up(strands, request, start_n, false, RELAXATION_TOLERANCE)
-            .expect("load")
-            .tension_n
+        let error = ModelError::default();
+        string_up(
+            strands,
+            error,
+            request,
+            start_n,
+            false,
+            RELAXATION_TOLERANCE,
+        )
+        .expect("load")
+        .tension_n
     }
 
     #[test]

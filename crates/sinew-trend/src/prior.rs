@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use sinew_files::date::DAY_S;
 use sinew_model::transmission::Tendon;
 use sinew_rope::history::History;
+use sinew_rope::law::tested_range::AddedStrain;
 use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::work::{Work, strand};
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope, Draws, Duty};
@@ -119,8 +120,8 @@ fn since_first(mut values: Vec<f64>) -> Option<Vec<f64>> {
     values.iter().all(|v| v.is_finite()).then_some(values)
 }
 
-/// Curves of a rope: its law drawn from its uncertainty, under the duty or, without one, under
-/// loads drawn from typical robot use; a fifth of the probability for [`generic_curves`].
+/// Curves of a rope: the draws of a prediction with their model error outside the tested range, under the duty or,
+/// without one, under loads drawn from typical robot use; a fifth of the probability for [`generic_curves`].
 ///
 /// # Errors
 /// Returns [`CatalogueError::NoLaw`] if the rope has no complete law.
@@ -135,13 +136,9 @@ pub fn rope_curves(
     let draws = Draws::new(rope, CURVES, seed)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut curves = Vec::with_capacity(CURVES + 22);
-    for law in &draws.laws {
+    for i in 0..CURVES {
         let work = Work::unknown(temperature_c, &mut rng);
-        let values = match duty {
-            Some(duty) => duty_curve(law, tendon, pretension_n, duty),
-            None => work_curve(law, tendon, pretension_n, &work),
-        };
-        curves.extend(values.map(drawn).filter(Curve::is_possible));
+        curves.extend(drawn(&draws, i, tendon, pretension_n, duty, &work));
     }
     Ok(with_generic(curves, Some(tendon)))
 }
@@ -162,26 +159,26 @@ pub fn any_rope(
 ) -> (Prior, usize) {
     let has_law = |rope: &&CatalogueRope| Draws::new(rope, 0, seed).is_ok();
     let each = CURVES.div_ceil(ropes.iter().filter(has_law).count().max(1));
-    let laws: Vec<Vec<Law>> = (ropes.iter())
-        .filter_map(|rope| Some(Draws::new(rope, each, seed).ok()?.laws))
+    let draws: Vec<Draws> = (ropes.iter())
+        .filter_map(|rope| Draws::new(rope, each, seed).ok())
         .collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     // One draw of every rope, then a second of every rope, and so on.
-    let in_turn = (0..each).flat_map(|i| laws.iter().filter_map(move |of_rope| of_rope.get(i)));
-    let curves = in_turn.take(CURVES).filter_map(|law| {
+    let in_turn = (0..each).flat_map(|i| draws.iter().map(move |of_rope| (i, of_rope)));
+    let curves = in_turn.take(CURVES).filter_map(|(i, of_rope)| {
         let mut between = |[low, high]: [f64; 2]| low * (high / low).powf(rng.random::<f64>());
         let share = between(PRETENSION_SHARE);
         let undescribed = undescribed(between(LENGTH_OVER_RADIUS));
         let work = Work::unknown(temperature_c, &mut rng);
-        let pretension_n = share * law.parameters().breaking_load_n;
-        let values = work_curve(law, tendon.unwrap_or(&undescribed), pretension_n, &work);
-        values.map(drawn).filter(Curve::is_possible)
+        let pretension_n = share * of_rope.laws.get(i)?.parameters().breaking_load_n;
+        let tendon = tendon.unwrap_or(&undescribed);
+        drawn(of_rope, i, tendon, pretension_n, None, &work)
     });
     let mut prior = Prior::new(with_generic(curves.collect(), tendon));
-    if laws.len() > 1 {
+    if draws.len() > 1 {
         prior.step_rad = UNKNOWN_STEP_RAD;
     }
-    (prior, laws.len())
+    (prior, draws.len())
 }
 
 /// Tendon with this `L/r` and no other property.
@@ -199,14 +196,42 @@ fn undescribed(length_over_radius: f64) -> Tendon {
     }
 }
 
-/// Curve of a drawn law.
-fn drawn(values: Vec<f64>) -> Curve {
-    Curve {
+/// Curve of draw `i` under the duty or, without one, under loads of typical robot use.
+fn drawn(
+    draws: &Draws,
+    i: usize,
+    tendon: &Tendon,
+    pretension_n: f64,
+    duty: Option<&Duty>,
+    work: &Work,
+) -> Option<Curve> {
+    let (tension_n, temperature_c) = match duty.map(Duty::summary) {
+        Some(duty) => (
+            [duty.tension_mean_n, duty.tension_max_n],
+            [duty.temperature_min_c, duty.temperature_max_c],
+        ),
+        None => (
+            [work.mean_factor, work.peak_factor].map(|f| f * pretension_n),
+            [work.temperature_c; 2],
+        ),
+    };
+    let draw = draws.draw(i, draws.extrapolation(tension_n, temperature_c))?;
+    let mut values = match duty {
+        Some(duty) => duty_curve(draw.law, tendon, pretension_n, duty),
+        None => work_curve(draw.law, tendon, pretension_n, work),
+    }?;
+    let mut added = AddedStrain::default();
+    for (value, time_s) in values.iter_mut().zip(node_times_s()) {
+        added = draw.error.next(added, time_s, *value);
+        *value = added.widened;
+    }
+    let curve = Curve {
         values,
         amplitude: 1.0,
         amplitude_std: AMPLITUDE_DEVIATION,
         log_weight: ((1.0 - GENERIC_SHARE) / CURVES as f64).ln(),
-    }
+    };
+    Some(curve).filter(Curve::is_possible)
 }
 
 /// Appends generic curves with their share of the probability.

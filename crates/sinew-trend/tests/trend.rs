@@ -248,6 +248,22 @@ fn rope_curves_match_rope_law() {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
     assert!(values.windows(2).all(|w| w[1] >= w[0]));
+    // A curve is that of a prediction's draw, with its model error beyond the data.
+    let draws = sinew_rope::Draws::new(rope, prior::CURVES, 1).unwrap();
+    let curves = prior::rope_curves(rope, tendon, 60.0, Some(&duty), 23.0, 1).unwrap();
+    let each = draws.each(draws.extrapolation([60.0; 2], [23.0; 2]));
+    let mut of_draws = 0;
+    for draw in each.filter(|d| d.error.error_z > 0.0) {
+        let law = prior::duty_curve(draw.law, tendon, 60.0, &duty).unwrap();
+        let last_s = 1e10;
+        let decades = (last_s / rope.tested_range().duration_s).log10();
+        let factor = (0.3 * draw.error.error_z * decades.sqrt()).exp();
+        let expected = factor * law.last().unwrap();
+        let last = curves.iter().filter_map(|c| c.values.last());
+        let mut ratios = last.map(|value| value / expected - 1.0);
+        of_draws += usize::from(ratios.any(|ratio| ratio.abs() < 1e-9));
+    }
+    assert!(of_draws > prior::CURVES / 3, "{of_draws}");
 }
 
 // A rope without a name may be any of the catalogue; one without a pretension is itself, under any.

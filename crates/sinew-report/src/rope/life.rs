@@ -3,6 +3,7 @@
 use super::spoken;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{Columns, Table, rounded};
+use sinew_rope::life::LIFE_MOST_S;
 use sinew_rope::{BreakCause, DamageSite, Place, RopeLifetime, RopeTermination};
 
 /// Minimum share of the life used in a section for a table of the wear, 0 to 1.
@@ -16,16 +17,28 @@ pub(crate) fn cause(cause: BreakCause) -> &'static str {
     }
 }
 
+/// Formats a lifetime, which is limited to 300 years.
+pub(crate) fn limited(life_s: f64) -> String {
+    match life_s < LIFE_MOST_S {
+        true => spoken(life_s),
+        false => "> 300 years".into(),
+    }
+}
+
 /// States the predicted lifetime with its cause.
 pub(crate) fn lifetime(life: &RopeLifetime) -> String {
     let when = match life.breaks_after_s {
         Some(s) => format!(
             "predicted lifetime {} (95 % interval {} to {}), cause {}",
-            spoken(s.value),
-            spoken(s.low),
-            spoken(s.high),
+            limited(s.value),
+            limited(s.low),
+            limited(s.high),
             cause(life.cause)
         ),
+        None if life.broken_share > 0.0 => {
+            "predicted lifetime > 300 years in more than 97.5 % of the draws (creep and bending only)"
+                .into()
+        }
         None => "predicted lifetime > 300 years (creep and bending only)".into(),
     };
     let share = rounded(100.0 * life.termination_share, 2);

@@ -52,14 +52,14 @@ pub fn caution(caution: Caution) -> String {
                 "the manufacturer's replacement limit of {} %",
                 specified(100.0 * strain_ratio)
             );
-            let share = rounded(100.0 * share, 2);
+            let share = share_of_draws(share);
             match time_s {
                 Some(time_s) => format!(
-                    "strain exceeds {limit} after {}, in {share} % of the draws at the last time; replace the rope then",
+                    "strain exceeds {limit} after {}, in {share} of the draws at the last time; replace the rope then",
                     spoken(time_s)
                 ),
                 None => {
-                    format!("strain exceeds {limit} in {share} % of the draws at the last time")
+                    format!("strain exceeds {limit} in {share} of the draws at the last time")
                 }
             }
         }

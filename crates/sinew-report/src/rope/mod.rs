@@ -108,6 +108,12 @@ mod tests {
     }
 
     #[test]
+    fn share_of_draws_is_never_certain() {
+        let shares = [0.0, 0.005, 0.12, 0.995, 1.0].map(share_of_draws);
+        assert_eq!(shares, ["< 1 %", "< 1 %", "12 %", "> 99 %", "> 99 %"]);
+    }
+
+    #[test]
     fn pages_contain_values_of_tables() {
         let catalogue = Catalogue::shipped().expect("shipped");
         let rope = catalogue.find("liros-dc000-0301").expect("there");

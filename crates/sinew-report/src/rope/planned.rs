@@ -1,7 +1,7 @@
 //! Plan of pretension and preconditioning as text and HTML report.
 
 use super::messages::assumed_note;
-use super::{bracketed, caution_message, notices, page, spoken};
+use super::{bracketed, caution_message, notices, page, share_of_draws, spoken};
 use crate::text::{TerminalText, sentence};
 use crate::units::of_joint;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
@@ -52,6 +52,14 @@ fn mildest(p: &Plan) -> String {
     }
 }
 
+/// States the share of draws in which the rope fails at constant tension, as the end of a sentence; empty if in none.
+fn broken(p: &Plan) -> String {
+    match p.broken_share {
+        0.0 => String::new(),
+        share => format!("; failure in {} of the draws", share_of_draws(share)),
+    }
+}
+
 /// States how the rope is mounted, and when it is re-tensioned.
 fn mounted(p: &Plan) -> String {
     let (mounting, lowest) = (mounting(p), rounded(p.lowest_n, 3));
@@ -89,10 +97,11 @@ pub fn planned(p: &Plan) -> Page {
         ),
     };
     let elongation = Headline::from(format!(
-        "At a constant {tension} N, the elongation of {} is {} mm in {} (from 1 min after pretensioning).{}",
+        "At a constant {tension} N, the elongation of {} is {} mm in {} (from 1 min after pretensioning){}.{}",
         p.rope,
         bracketed(p.without_m.scaled(1e3), 2),
         spoken(p.horizon_s),
+        broken(p),
         assumed_note(p.assumed_parameters, p.parameters)
     ));
     let mut first = vec![Block::Headlines(vec![elongation, headline])];
@@ -124,7 +133,8 @@ pub fn plan_table(p: &Plan) -> String {
     out.paragraph(format!("{}: {}", p.rope, conditions(p)));
     let elongation = bracketed(p.without_m.scaled(1e3), 2);
     out.paragraph(format!(
-        "elongation at constant tension: {elongation} mm from 1 min after pretensioning"
+        "elongation at constant tension: {elongation} mm from 1 min after pretensioning{}",
+        broken(p)
     ));
     out.add("\npreconditioning: hold a tension for a duration, then return to working tension\n");
     out.table(procedures(p, false));
@@ -205,10 +215,10 @@ fn schedule(word: &str, s: &Schedule, p: &Plan) -> String {
         ),
         None => "No pretension up to 40 % of the breaking load is sufficient".into(),
     };
-    let (time, never) = (spoken(p.horizon_s), 100.0 * s.never_share);
+    let (time, never) = (spoken(p.horizon_s), share_of_draws(s.never_share));
     let end = bracketed(s.tension_at_end_n, 2);
     format!(
-        "{word}: {times} within {time}, none in {never:.0} % of the draws. Without re-tensioning the tension falls to {end} N{sag}. {start}"
+        "{word}: {times} within {time}, none in {never} of the draws. Without re-tensioning the tension falls to {end} N{sag}. {start}"
     )
 }
 

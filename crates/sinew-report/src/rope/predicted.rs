@@ -1,7 +1,7 @@
 //! Prediction of the elongation of a rope as text and HTML report.
 
 use super::messages::assumed_note;
-use super::{bracketed, caution_message, life, notices, page, route_map, spoken};
+use super::{bracketed, caution_message, life, notices, page, route_map, share_of_draws, spoken};
 use crate::text::{TerminalText, capitalised};
 use sinew_figure::plot::{Band, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
@@ -171,8 +171,8 @@ fn broken(p: &Prediction) -> Option<String> {
     let last = p.readings.last()?;
     (last.broken_share > 0.0).then(|| {
         format!(
-            "failure in {} % of the draws within {}; these draws are excluded from the elongations",
-            rounded(100.0 * last.broken_share, 2),
+            "failure in {} of the draws within {}; the elongation of these draws is that at failure",
+            share_of_draws(last.broken_share),
             spoken(last.time_s)
         )
     })

@@ -4,12 +4,13 @@ use super::choice::figure;
 use super::messages::{
     assumed_note, caution_message, possible_violation, rejection_parts, shared_caution,
 };
-use super::{bracketed, page, rejection, share_of_draws, spoken};
+use super::{bracketed, life, page, rejection, share_of_draws, spoken};
 use crate::message::Message;
 use crate::text::{self, TerminalText, or_dash, plain};
 use sinew_figure::{Block, Columns, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::Caution;
+use sinew_rope::life::LIFE_MOST_S;
 use sinew_rope::predict::YEAR_S;
 use sinew_rope::select::{Candidate, Constraints, MAY_BREAK_SHARE, Rank, Rejected, Selection};
 
@@ -194,7 +195,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         })
         .column("life", |c| {
             or_dash(c.life_s, |l| {
-                let [value, low, high] = [l.value, l.low, l.high].map(spoken);
+                let [value, low, high] = [l.value, l.low, l.high].map(life::limited);
                 format!("{value} ({low} to {high})")
             })
         })
@@ -240,7 +241,10 @@ pub fn selection_table(s: &Selection) -> String {
     if !shown.is_empty() {
         let name = |name: String| in_two(&name, text::columns());
         let table = candidates(shown, name, |v| rounded(v.value, 2)).column("life\n(years)", |c| {
-            or_dash(c.life_s, |l| rounded(l.value / YEAR_S, 2))
+            or_dash(c.life_s, |l| match l.value < LIFE_MOST_S {
+                true => rounded(l.value / YEAR_S, 2),
+                false => "> 300".into(),
+            })
         });
         out.table(table.table());
         match s.candidates.len() - shown.len() {

@@ -136,6 +136,14 @@ impl Law {
         self
     }
 
+    /// Multiplies the elastic strain by a factor above 0: model error of the stiffness.
+    #[must_use]
+    pub(crate) fn softened(mut self, factor: f64) -> Self {
+        self.p.elastic_k /= factor;
+        self.p.toe_percent *= factor;
+        self
+    }
+
     /// `ρ`: share of a heat retraction that is recovered on cooling.
     #[must_use]
     pub fn retraction_return(&self) -> f64 {

@@ -18,6 +18,7 @@ mod piece;
 
 pub use piece::Piece;
 
+use super::tested_range::{AddedStrain, ModelError};
 use super::{LoadError, RopeLoad, State};
 use piece::Lags;
 
@@ -52,6 +53,14 @@ pub struct StrandAssembly {
     tension_n: f64,
     /// Tied-off length `u` of each strand, m.
     tied_m: Vec<f64>,
+    /// Creep of each strand when it was tied off, m.
+    tied_creep_m: Vec<f64>,
+    /// Creep of each strand since then, m.
+    added_m: Vec<AddedStrain>,
+    /// Time since stringing, s.
+    time_s: f64,
+    /// Model error of the creep since the ropes were tied off.
+    error: ModelError,
 }
 
 impl StrandAssembly {
@@ -68,6 +77,10 @@ impl StrandAssembly {
     ) -> Result<Self, LoadError> {
         let mut out = Self {
             tied_m: Vec::new(),
+            tied_creep_m: Vec::new(),
+            added_m: Vec::new(),
+            time_s: 0.0,
+            error: ModelError::default(),
             strands,
             temperature_k,
             tension_n,
@@ -91,8 +104,23 @@ impl StrandAssembly {
             }
         }
         self.tension_n = tension_n;
-        self.tied_m = self.strands.iter().map(|s| self.length_m(s)).collect();
+        self.time_s += duration_s;
+        self.tied_creep_m = self.strands.iter().map(Strand::creep_m).collect();
+        let tied = AddedStrain {
+            time_s: self.time_s,
+            ..AddedStrain::default()
+        };
+        self.added_m = vec![tied; self.strands.len()];
+        let strands = self.strands.iter().enumerate();
+        self.tied_m = strands.map(|(i, s)| self.length_m(i, s)).collect();
         Ok(())
+    }
+
+    /// Applies a model error to the creep since the ropes were tied off.
+    #[must_use]
+    pub fn with_model_error(mut self, error: ModelError) -> Self {
+        self.error = error;
+        self
     }
 
     /// Tension of the strand that pulls least, N; 0 when it is slack.
@@ -106,7 +134,7 @@ impl StrandAssembly {
     #[must_use]
     pub fn sag_m(&self) -> f64 {
         match (self.strands.first(), self.tied_m.first()) {
-            (Some(strand), Some(tied)) => self.length_m(strand) - tied,
+            (Some(strand), Some(tied)) => self.length_m(0, strand) - tied,
             _ => 0.0,
         }
     }
@@ -208,7 +236,17 @@ impl StrandAssembly {
                 error = error.max(percent / piece.strain_scale_percent(tension_n));
             }
         }
-        out.tension_n = out.balanced(|_, strand, tension_n| strand.length_m(tension_n))?;
+        // The extrapolated states differ from those of the fine steps by rounding and the error of the step.
+        let slope = out.error.creep_factor(out.time_s);
+        for ((added, strand), tied_m) in
+            (out.added_m.iter_mut().zip(&out.strands)).zip(&out.tied_creep_m)
+        {
+            let law = strand.creep_m() - tied_m;
+            added.widened += slope * (law - added.law);
+            added.law = law;
+        }
+        out.tension_n =
+            out.balanced(|i, strand, tension_n| strand.elastic_m(tension_n) + out.crept_m(i))?;
         let [ab, bc] = [
             middle.tension_n + (middle.tension_n - coarse.tension_n) / 3.0,
             fine.tension_n + (fine.tension_n - middle.tension_n) / 3.0,
@@ -233,13 +271,16 @@ impl StrandAssembly {
         let mut out = self.clone();
         for _ in 0..steps {
             let from_n = out.tension_n;
+            out.time_s += dt;
+            let lines = out.added_m.iter().map(|a| out.error.step(*a, out.time_s));
+            let lines: Vec<(f64, f64)> = lines.collect();
             let after = |i: usize, strand: &Strand, tension_n: f64| {
                 let span = (from_n + strand.extra_n, tension_n);
                 let pieces = strand.pieces.iter().zip(&lags[i]);
-                let ropes: f64 = pieces
-                    .map(|(p, lags)| p.elongation_m(&p.after(lags, span), tension_n))
-                    .sum();
-                ropes + strand.series_compliance_m_per_n * tension_n
+                let creep_m = pieces.map(|(p, lags)| p.creep_m(&p.after(lags, span)));
+                let ((offset_m, slope), tied_m) = (lines[i], out.tied_creep_m[i]);
+                let added_m = offset_m + slope * (creep_m.sum::<f64>() - tied_m);
+                strand.elastic_m(tension_n) + tied_m + added_m
             };
             let to_n = out.balanced(after)?;
             for (strand, lags) in out.strands.iter_mut().zip(&lags) {
@@ -249,6 +290,12 @@ impl StrandAssembly {
                 }
             }
             out.tension_n = to_n;
+            for ((added, strand), tied_m) in
+                (out.added_m.iter_mut().zip(&out.strands)).zip(&out.tied_creep_m)
+            {
+                let law = strand.creep_m() - tied_m;
+                *added = out.error.next(*added, out.time_s, law);
+            }
         }
         Ok(out)
     }
@@ -316,8 +363,14 @@ impl StrandAssembly {
         Ok(x)
     }
 
-    fn length_m(&self, strand: &Strand) -> f64 {
-        strand.length_m(self.tension_n + strand.extra_n)
+    /// Length of strand `i` under its tension, m.
+    fn length_m(&self, i: usize, strand: &Strand) -> f64 {
+        strand.elastic_m(self.tension_n + strand.extra_n) + self.crept_m(i)
+    }
+
+    /// Creep of strand `i` with the model error, m.
+    fn crept_m(&self, i: usize) -> f64 {
+        self.tied_creep_m[i] + self.added_m[i].widened
     }
 
     /// Compliance of all strands together for a small, fast change, m/N.
@@ -342,13 +395,15 @@ impl StrandAssembly {
 }
 
 impl Strand {
-    /// Elongation of rope and series compliance, m.
-    fn length_m(&self, tension_n: f64) -> f64 {
-        let ropes = self
-            .pieces
-            .iter()
-            .map(|p| p.elongation_m(&p.state, tension_n));
+    /// Elastic elongation of rope and series compliance, m.
+    fn elastic_m(&self, tension_n: f64) -> f64 {
+        let ropes = self.pieces.iter().map(|p| p.elastic_m(tension_n));
         ropes.sum::<f64>() + self.series_compliance_m_per_n * tension_n
+    }
+
+    /// Creep of the rope, m.
+    fn creep_m(&self) -> f64 {
+        self.pieces.iter().map(|p| p.creep_m(&p.state)).sum()
     }
 
     /// Strand of one rope without guides or series compliance.

@@ -80,12 +80,16 @@ impl Piece {
         state
     }
 
-    /// Elongation in a state, m; thermal expansion is constant and therefore excluded.
-    pub(super) fn elongation_m(&self, state: &State, tension_n: f64) -> f64 {
+    /// Elastic elongation, m; thermal expansion is constant and therefore excluded.
+    pub(super) fn elastic_m(&self, tension_n: f64) -> f64 {
+        let percent = self.law.elastic_percent(self.law.load_ratio(tension_n));
+        0.01 * self.length_m * percent
+    }
+
+    /// Creep in a state, m: elongation apart from the elastic one.
+    pub(super) fn creep_m(&self, state: &State) -> f64 {
         let delayed: f64 = state.delayed_percent.iter().sum();
-        let percent = self.law.elastic_percent(self.law.load_ratio(tension_n))
-            + state.irreversible_percent()
-            + delayed
+        let percent = state.irreversible_percent() + delayed
             - state.retraction_percent
             - state.retraction_kept_percent;
         0.01 * self.length_m * percent
