@@ -192,7 +192,8 @@ fn paper_figures_write_files_with_assessed_sentences() {
 fn paper_runs_in_empty_folder() {
     let dir = tempfile::tempdir().unwrap();
     let inside = ["paper", "fig6", "--out", "f", "--json"];
-    let with_robot = [&inside[..], &["--robot", &robot()]].concat();
+    let robot = robot();
+    let with_robot = [&inside[..], &["--robot", &robot]].concat();
     let sentences = |output: &Output| -> serde_json::Value {
         let json: serde_json::Value = serde_json::from_str(&out(output)).expect("JSON");
         json["sentences"].clone()

@@ -102,7 +102,7 @@ fn held_on(laws: &[Law]) -> Result<Vec<Simulated>, PaperError> {
         phase.force_n = first;
     }
     laws.par_iter()
-        .map(|law| simulate(law, &held, INTERVAL_S).map_err(PaperError::from))
+        .map(|law| simulate(law, &held, ROPE_M, INTERVAL_S).map_err(PaperError::from))
         .collect::<Vec<_>>()
         .into_iter()
         .collect()
