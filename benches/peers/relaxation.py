@@ -47,7 +47,7 @@ YEAR_S = 31_557_600.0
 SETTLES_S = 60.0
 GAS, T_REF = 8.31446261815324, 296.15
 TAU = np.array([1e1, 1e2, 1e3, 1e4, 1e5])
-# Of a heat retraction this share comes back, and the rest stays: nobody knows, Sinew's middle is a half.
+# Of a heat retraction this share comes back, and the rest stays: its value is not published, the middle in Sinew is a half.
 RETURN, STATES = 0.5, 9
 
 
@@ -86,7 +86,7 @@ class Piece:
 
 
 def weight(rope, wrap, radius, tension):
-    """Passes of rope that rests on a guide: half a pass, times the cost of a pass."""
+    """Passes of rope on a guide: half a pass, times the cost of a pass."""
     rope = tomllib.loads((ROOT / "ropes" / f"{rope}.toml").read_text())
     d = 1e-3 * rope["published"]["diameter_mm"]["value"]
     exponent = rope["law"].get("pass_pressure_exponent", {"value": 0.5})["value"]

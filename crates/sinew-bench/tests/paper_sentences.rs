@@ -81,9 +81,9 @@ fn statements_name_their_basis() {
 
 #[test]
 fn friction_statements_match_closed_form() {
-    const LARGE_N: f64 = 4.866_883_388;
+    let lost_n = 4.866_883_388;
     // python3 -c "import math; print([100-100/math.cosh(0.05*math.radians(d)) for d in (60, 365)])"
-    for (wrap_deg, lost_n) in [(60.0, 0.136_921_427), (365.0, LARGE_N)] {
+    for (wrap_deg, lost_n) in [(60.0, 0.136_921_427), (365.0, lost_n)] {
         let found = tension_lost_n(0.05, wrap_deg);
         assert!((found - lost_n).abs() < 1e-8, "{wrap_deg}: {found}");
     }
@@ -95,7 +95,7 @@ fn friction_statements_match_closed_form() {
         (large.verdict, small.verdict),
         (Verdict::Holds, Verdict::Holds)
     );
-    assert!((large.value - LARGE_N).abs() < 1e-8 && large.basis == Basis::ClosedForm);
+    assert!((large.value - lost_n).abs() < 1e-8 && large.basis == Basis::ClosedForm);
     assert!((small.value - 0.136_921_427).abs() < 1e-8);
     assert_eq!(passes.verdict, Verdict::Holds);
     assert_eq!(passes.basis, Basis::Construction);

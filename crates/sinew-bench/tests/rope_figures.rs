@@ -32,7 +32,7 @@ fn changing_force_matches_paper() {
 }
 
 #[test]
-fn bending_order_is_open_whatever_its_share() {
+fn bending_order_has_no_verdict_for_any_share() {
     let figure = fig4();
     let [order, saturate, highest] = &figure.sentences[..] else {
         panic!("{:?}", figure.sentences)

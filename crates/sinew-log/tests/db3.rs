@@ -113,7 +113,7 @@ fn compressed_bag_in_folder_is_read() {
     assert_eq!(read_all(recording).0.len(), STEPS as usize);
 }
 
-/// Replaces the messages of a bag by what a statement makes of them, and opens it.
+/// Replaces the messages of a bag by what a statement makes of them; reader of the bag.
 fn reopened(change: &str, options: &OpenOptions) -> Result<Recording, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.db3");

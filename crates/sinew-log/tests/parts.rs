@@ -44,7 +44,7 @@ fn is_whole(recording: Recording) {
     assert!(total > 0);
 }
 
-/// A named pipe, such as a shell's `<(zstd -dc run.mcap.zst)`, is read like the file.
+/// A named pipe, such as a shell's `<(zstd -dc run.mcap.zst)`, has the frames of the file.
 #[cfg(unix)]
 #[test]
 fn named_pipe_is_read() {

@@ -327,6 +327,13 @@ impl Catalogue {
     }
 }
 
+/// FNV-1a: spreads names over seeds, the same on every machine.
+pub(crate) fn name_hash(name: &str) -> u64 {
+    name.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
+        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@ use super::limits;
 use super::predict_error::PredictError;
 use super::prediction::{PredictedElongation, Prediction, PulleyPlace, cautions};
 use super::route::Request;
-use super::strand::{Course, Mean, StrandError, strand};
+use super::strand::{Mean, StrandError, Trajectory, strand};
 use super::times::TENSIONED_AFTER_S;
 use crate::law::endurance::Endurance;
 use crate::law::routing::{self, Pulley};
@@ -27,7 +27,7 @@ pub(crate) struct Drawn {
     /// A minute after tensioning, then at the times of the request.
     nominal: Vec<Mean>,
     /// Results in each draw, up to the break of the rope.
-    drawn: Vec<Course>,
+    drawn: Vec<Trajectory>,
     /// Time at which the rope breaks, s, within the requested times.
     pub(crate) breaks_after_s: Option<f64>,
     /// Predicted lifetime of the rope.
@@ -111,13 +111,13 @@ pub(crate) fn drawn(
         let Draw { law, endurance, .. } = *draw;
         let life_s = wear(law, endurance, request, rope_m).map_or(0.0, |w| life_s(&w));
         let load_share = law.load_ratio(read_at.tension_n);
-        let course = Course::new(draw, life_s, load_share, &times, |times_s| {
+        let trajectory = Trajectory::new(draw, life_s, load_share, &times, |times_s| {
             strand(law, request, read_at, rope_m, times_s).ok()
         });
         done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        course
+        trajectory
     });
-    let drawn: Vec<Course> = simulated.collect();
+    let drawn: Vec<Trajectory> = simulated.collect();
     let lives_s: Vec<f64> = drawn.iter().map(|c| c.life_s).collect();
     let last_s = request.times_s.last().copied().unwrap_or(0.0);
     let early = lives_s.iter().filter(|l| **l <= last_s).count();
@@ -177,7 +177,7 @@ impl Drawn {
 
     /// Elongation after pretensioning at the last requested time, m, per draw; `None` where the rope breaks.
     pub(crate) fn growth_m(&self, request: &Request) -> Vec<Option<f64>> {
-        let of = |c: &Course| {
+        let of = |c: &Trajectory| {
             let (first, last) = (c.start()?, c.means.get(request.times_s.len())?);
             Some(0.01 * request.route.length_m * (last.strain - first.strain))
         };
@@ -192,7 +192,7 @@ impl Drawn {
         let (times, readings) = (&request.times_s, self.nominal.iter().skip(1));
         let first = times.iter().zip(readings).find(|(_, m)| is_beyond(m));
         let time_s = first.map(|(time_s, _)| *time_s);
-        let beyond = |c: &&Course| c.means.get(times.len()).is_none_or(is_beyond);
+        let beyond = |c: &&Trajectory| c.means.get(times.len()).is_none_or(is_beyond);
         let count = self.drawn.iter().filter(beyond).count();
         let share = count as f64 / self.drawn.len().max(1) as f64;
         (time_s.is_some() || share > MAY_BREAK_SHARE).then_some(Caution::Replace {

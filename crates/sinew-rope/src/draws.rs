@@ -1,6 +1,7 @@
 //! Seeded draws of a rope: parameters and endurance from their specified intervals, and the model error of the creep
 //! law outside the tested range. Predictions, selections, plans and trends use the same draws.
 
+use super::catalogue::name_hash;
 use super::endurance::Endurances;
 use super::{CatalogueError, CatalogueRope};
 use crate::law::endurance::Endurance;
@@ -172,13 +173,6 @@ fn standard_errors(
         }
     }
     z
-}
-
-/// FNV-1a: spreads names over seeds, the same on every machine.
-pub(crate) fn name_hash(name: &str) -> u64 {
-    name.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
-        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Endurance of a catalogue rope: its own values, otherwise those of its fibre class.
 
-use super::draws::name_hash;
+use super::catalogue::name_hash;
 use super::{CatalogueError, CatalogueRope};
 use crate::law::Polymer;
 use crate::law::endurance::{Endurance, EnduranceKey};

@@ -9,7 +9,7 @@ use super::Duty;
 use super::duty::Stretch;
 use crate::law::{Law, LoadError, Rates, State, bedded_over, ramp};
 
-/// Number of cycles that are run one by one. The slow equation leaves out the fifth difference of the bedding-in, which
+/// Number of cycles that are run one by one. The slow equation ignores the fifth difference of the bedding-in, which
 /// is `4!/n⁵` of its logarithmic slope in cycle `n`: less than `1e-6` of that slope in all cycles after 30.
 const EXACT_CYCLES: f64 = 30.0;
 /// Numerical tolerance of one step of the slow equation, as a share of the full bedding-in.

@@ -15,7 +15,7 @@ use super::prediction::beyond_data;
 pub use super::procedure::{HeldJoint, Mount, Procedure, Request, series_compliance_m_per_n};
 use super::schedule::schedule;
 pub use super::schedule::{Schedule, Unattended};
-use super::strand::{Course, Mean};
+use super::strand::{Mean, Trajectory};
 use crate::law::validity::{LOAD_RATIO_HIGH, LimitViolation};
 use crate::law::{Law, LoadError, RopeLoad, State};
 use rayon::prelude::*;
@@ -115,7 +115,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
     let each: Vec<Draw<'_>> = draws.each(extrapolation).collect();
     let looks_s = looks_s(request.horizon_s);
     // Without a procedure, and with each: nominal and every draw, which may break.
-    let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<Course>), LoadError> {
+    let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<Trajectory>), LoadError> {
         let strains = |law: &Law, times_s: &[f64]| -> Result<Vec<Mean>, LoadError> {
             let mut out = vec![Mean::default(); times_s.len()];
             for piece in pieces(law).unwrap_or_default() {
@@ -136,21 +136,21 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
             }
             Ok(out)
         };
-        let course = |draw: &Draw<'_>| {
+        let trajectory = |draw: &Draw<'_>| {
             let rate = draw.endurance.damage_per_s(draw.law, work, 1.0);
             let load_share = draw.law.load_ratio(work.tension_n);
             let life_s = rate.map_or(0.0, |rate| 1.0 / rate);
-            Course::new(draw, life_s, load_share, &looks_s, |times_s| {
+            Trajectory::new(draw, life_s, load_share, &looks_s, |times_s| {
                 strains(draw.law, times_s).ok()
             })
         };
         let nominal = strains(&draws.nominal, &looks_s)?;
-        let drawn = each.par_iter().map(course).collect();
+        let drawn = each.par_iter().map(trajectory).collect();
         Ok((most(nominal.iter()), drawn))
     };
     let m_per_percent = 0.01 * request.length_m;
-    let longer = |drawn: &[Course]| -> Vec<f64> {
-        let most = |c: &Course| most((0..looks_s.len()).filter_map(|i| c.at(i)));
+    let longer = |drawn: &[Trajectory]| -> Vec<f64> {
+        let most = |c: &Trajectory| most((0..looks_s.len()).filter_map(|i| c.at(i)));
         drawn.iter().map(|c| m_per_percent * most(c)).collect()
     };
     let (without, drawn) = later(None).map_err(to_error)?;

@@ -153,14 +153,14 @@ pub(super) fn schedule(
         Ok::<_, PredictError>((relax(true)?.events_s, relax(false)?, start_n))
     };
     let (times_s, unattended, start_n) = one(nominal, ModelError::default())?;
-    let softened = |draw: &Draw<'_>| {
+    let stiffness_error = |draw: &Draw<'_>| {
         let load_share = draw.law.load_ratio(request.tension_n);
         let factor = draw.error.immediate_factor(load_share);
-        one(&draw.law.softened(factor), draw.error).ok()
+        one(&draw.law.with_stiffness_error(factor), draw.error).ok()
     };
     let drawn: Vec<_> = each
         .par_iter()
-        .map(softened)
+        .map(stiffness_error)
         .collect::<Vec<_>>()
         .into_iter()
         .flatten()

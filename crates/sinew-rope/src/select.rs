@@ -5,7 +5,7 @@
 //!
 //! `c = min { x : P(|e| ≤ x) ≥ 0.95 }`
 //!
-//! It contains size and uncertainty of the change, whatever its sign: for `e ~ N(μ, σ²)` it is `1.96 σ` if `μ = 0`, and
+//! It contains size and uncertainty of the change, of either sign: for `e ~ N(μ, σ²)` it is `1.96 σ` if `μ = 0`, and
 //! `|μ| + 1.64 σ` if `|μ|` is much larger than `σ`.
 //!
 //! A published value violates a constraint or does not. A predicted value violates it in a share of the draws: up to
@@ -196,7 +196,7 @@ pub enum Rejection {
     },
     /// Elongation or shortening above the limit in more than 97.5 % of the draws.
     Elongation {
-        /// Elongation, m.
+        /// Elongation at the last requested time, m.
         elongation_m: Bounded,
         /// Largest permitted elongation, m.
         limit_m: f64,
@@ -261,7 +261,7 @@ pub struct Selection {
 }
 
 impl JsonDocument for Selection {
-    const SCHEMA: &'static str = "sinew/rope-select/3";
+    const SCHEMA: &'static str = "sinew/rope-select/2";
 }
 
 /// Chooses among all ropes of a catalogue.
@@ -716,7 +716,7 @@ mod tests {
         low
     }
 
-    /// A change of −0.1 ± 5 mm is neither small nor sure, whatever its sign.
+    /// A change of −0.1 ± 5 mm is neither small nor certain, for either sign.
     #[test]
     fn rank_is_by_size_and_certainty_of_change() {
         let z = 1.959_964;

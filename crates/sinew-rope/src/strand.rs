@@ -13,7 +13,7 @@ use crate::law::{Law, LoadError, RopeLoad, State, damage};
 pub(super) struct Mean {
     /// Strain since new and slack.
     pub(super) strain: f64,
-    /// Irreversible strain.
+    /// Irreversible part of the strain.
     pub(super) irreversible: f64,
     /// `B'`: full bedding-in of the construction.
     pub(super) full_bedding: f64,
@@ -37,7 +37,7 @@ impl Mean {
 }
 
 /// Strains of one draw up to the break of its rope.
-pub(super) struct Course {
+pub(super) struct Trajectory {
     /// Strains at the requested times before the break; the first time is a minute after tensioning.
     pub(super) means: Vec<Mean>,
     /// Strains at a break after the first time.
@@ -46,7 +46,7 @@ pub(super) struct Course {
     pub(super) life_s: f64,
 }
 
-impl Course {
+impl Trajectory {
     /// Simulates one draw with its model error: of the immediate strain, that of the first time, and of the strain
     /// added later.
     ///
@@ -173,7 +173,7 @@ mod tests {
             rupture_percent: 10.0,
             ..Endurance::default()
         };
-        let course = |load_efolds: f64| {
+        let trajectory = |load_efolds: f64| {
             let extrapolation = Extrapolation {
                 load_efolds,
                 ..Extrapolation::default()
@@ -192,12 +192,12 @@ mod tests {
                 irreversible: 1e-4 * time_s,
                 full_bedding: 0.0,
             };
-            Course::new(&draw, 1e5, 0.5, &[60.0, 1e4, 1e6], |times_s| {
+            Trajectory::new(&draw, 1e5, 0.5, &[60.0, 1e4, 1e6], |times_s| {
                 Some(times_s.iter().map(flow).collect())
             })
         };
         // A day lies within the data.
-        let inside = course(0.0);
+        let inside = trajectory(0.0);
         assert_eq!(inside.means.len(), 2);
         let decades = (1e5_f64 / 86_400.0).log10();
         let life_s = 1e5 / (4.0 * 0.3 * decades.sqrt()).exp();
@@ -208,11 +208,11 @@ mod tests {
             "{at_break}"
         );
         // One e-fold: 25 % and four standard deviations, a factor of e; the immediate strain at most doubles.
-        let beyond = course(1.0);
+        let beyond = trajectory(1.0);
         let second = 2.0 * 1.006 + std::f64::consts::E * (1.0 - 0.006);
         assert!((beyond.means[1].strain - second).abs() < 1e-9);
         assert!(beyond.life_s < 1e5 / std::f64::consts::E);
         assert_eq!(beyond.at(2).expect("broken").strain, 11.0);
-        assert!(course(20.0).start().is_none());
+        assert!(trajectory(20.0).start().is_none());
     }
 }

@@ -89,7 +89,7 @@ fn steps(time_s: f64, count: u32) -> Vec<f64> {
 }
 
 /// Creep from a minute to the last of several times, with the model error `doubt`: in whole where the error adds,
-/// otherwise by the midpoint rule, as creep doesn't recede.
+/// otherwise by the midpoint rule, as creep does not recede.
 fn crept(strains: &[f64], times_s: &[f64], doubt: f64, error: impl Fn(f64) -> f64) -> f64 {
     let (first, last) = (strains[0], strains[strains.len() - 1]);
     if doubt > 0.0 {

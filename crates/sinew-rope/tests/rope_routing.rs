@@ -78,7 +78,7 @@ fn entry_and_exit_line_count_half_a_pass_each() {
     ] {
         assert_eq!(passes(point_m, 0.01), count, "{point_m}");
     }
-    // Rope at rest on a pulley was bent once.
+    // Resting rope on a pulley was bent once.
     assert_eq!((passes(0.31, 0.0), passes(0.29, 0.0)), (0.5, 0.0));
 }
 

@@ -228,7 +228,7 @@ pub fn complain_coded(word: Word, message: &Message) {
     print_message(word, &plain(&message.tag()));
 }
 
-/// Characters of a message at most: it may quote a cell or a name of a file that nobody looked at.
+/// Maximum length of a message, characters: a message may quote a long cell of a file.
 const MESSAGE_CHARACTERS: usize = 8_000;
 
 /// Writes a message without a code to stderr, `warning: text`; control characters are replaced.

@@ -629,7 +629,7 @@ class CableLimitReversalsReversals(Record):
 
 
 class Candidate(Record):
-    """Rope that meets every constraint."""
+    """Rope that violates no constraint in nearly all draws."""
 
     __slots__ = ()
 
@@ -639,20 +639,27 @@ class Candidate(Record):
     """Share of the draws in which the rope breaks within the last requested time, 0 to 1."""
     cautions: list[Caution]
     """Warnings about the prediction."""
+    change_m: float
+    """Magnitude of the elongation that is not exceeded in 95 % of these draws, m."""
     diameter_m: float | None
     """Published diameter of the rope, m."""
     elongation_m: Bounded
-    """Elongation after pretensioning at the last requested time, m."""
+    """Elongation after pretensioning at the last requested time, m; without the draws in which the rope is
+    broken. Its value is that at the catalogue values, or the median of the draws if the rope breaks at the
+    catalogue values.
+    """
     life_s: Bounded | None
     """Time of the break, s; `None` beyond 300 years."""
     min_share: float
-    """Share of the draws in which it has the smallest elongation of all candidates, 0 to 1."""
+    """Share of the draws in which its length changes least of all candidates, 0 to 1."""
     parameters: int
     """Number of creep law parameters."""
     pareto: bool
-    """Whether no other candidate of known diameter is at most as thick, elongates at most as much and lasts at
-    least as long, at the catalogue values.
+    """Whether no other candidate of known diameter is at most as thick, changes its length at most as much
+    (`Candidate::change_m`) and lasts at least as long at the catalogue values.
     """
+    possible_violations: list[PossibleViolation]
+    """Constraints that are violated in some of the draws."""
     rope: str
     """Name of the rope in the catalogue."""
     safety_factor_ratio: float | None
@@ -666,12 +673,14 @@ class Candidate(Record):
         "assumed_parameters": "",
         "broken_share": "",
         "cautions": "Caution",
+        "change_m": "",
         "diameter_m": "",
         "elongation_m": "Bounded",
         "life_s": "Bounded",
         "min_share": "",
         "parameters": "",
         "pareto": "",
+        "possible_violations": "PossibleViolation",
         "rope": "",
         "safety_factor_ratio": "",
         "stiffness_n_per_m": "Bounded",
@@ -1677,12 +1686,15 @@ class Extrapolation(Record):
 
     __slots__ = ()
 
+    heat_k: float
+    """Distance above the highest tested temperature, K."""
     load_efolds: float
     """Natural logarithm of the ratio of the load to the nearest tested load."""
     temperature_k: float
     """Distance to the nearest tested temperature, K."""
 
     _fields = {
+        "heat_k": "",
         "load_efolds": "",
         "temperature_k": "",
     }
@@ -3184,13 +3196,51 @@ class PosesResult(Record):
     }
 
 
+class PossibleViolationElongation(Record):
+    """Elongation or shortening above the largest permitted one."""
+
+    __slots__ = ()
+
+    kind: Literal["elongation"]
+    limit_m: float
+    """Largest permitted elongation, m."""
+    share: float
+    """Share of the draws that exceed it, 0 to 1."""
+
+    _fields = {
+        "kind": "",
+        "limit_m": "",
+        "share": "",
+    }
+
+
+class PossibleViolationStiffness(Record):
+    """Stiffness of the strand below the smallest permitted one."""
+
+    __slots__ = ()
+
+    kind: Literal["stiffness"]
+    limit_n_per_m: float
+    """Smallest permitted stiffness, N/m."""
+    share: float
+    """Share of the draws that are below it, 0 to 1."""
+
+    _fields = {
+        "kind": "",
+        "limit_n_per_m": "",
+        "share": "",
+    }
+
+
 class PredictedElongation(Record):
     """Predicted elongation at one time."""
 
     __slots__ = ()
 
     broken_share: float
-    """Share of the draws in which the rope is broken by then, 0 to 1; these are excluded."""
+    """Share of the draws in which the rope is broken by then, 0 to 1; in these the elongation is that at the
+    break, so that no bound falls because ropes break.
+    """
     elongation_m: Bounded
     """Total elongation of the strand since new and slack, m."""
     irreversible_m: Bounded
@@ -3295,6 +3345,8 @@ class PretensionResult(Record):
 
     assumed_parameters: int
     """Number of creep law parameters that are assumed, not measured."""
+    broken_share: float
+    """Share of the draws in which the rope breaks at the working tension within the horizon, 0 to 1."""
     cautions: list[Caution]
     """Warnings about the plan."""
     chosen: int | None
@@ -3328,10 +3380,11 @@ class PretensionResult(Record):
     tension_n: float
     """Working tension, N."""
     without_m: Bounded
-    """Largest later elongation without any procedure, m."""
+    """Largest later elongation without any procedure, m; in draws that break, up to the break."""
 
     _fields = {
         "assumed_parameters": "",
+        "broken_share": "",
         "cautions": "Caution",
         "chosen": "",
         "horizon_s": "",
@@ -4125,20 +4178,23 @@ class RejectionBreakingLoadNotPublished(Record):
 
 
 class RejectionBreaks(Record):
-    """Break before the last requested time."""
+    """Break before the last requested time in more than half of the draws."""
 
     __slots__ = ()
 
-    after_s: float
-    """Time of the break at the catalogue values, s."""
+    broken_share: float
+    """Share of the draws in which the rope breaks within the last requested time, 0 to 1."""
     cause: BreakCause
     """Cause of the break."""
     kind: Literal["breaks"]
+    life_s: Bounded | None
+    """Time of the break, s; `None` beyond 300 years at the catalogue values."""
 
     _fields = {
-        "after_s": "",
+        "broken_share": "",
         "cause": "",
         "kind": "",
+        "life_s": "Bounded",
     }
 
 
@@ -4155,18 +4211,18 @@ class RejectionDiameterNotPublished(Record):
 
 
 class RejectionElongation(Record):
-    """Upper bound of the elongation above the limit."""
+    """Elongation or shortening above the limit in more than 97.5 % of the draws."""
 
     __slots__ = ()
 
-    high_m: float
-    """Upper bound of the elongation's 95 % interval, m."""
+    elongation_m: Bounded
+    """Elongation, m."""
     kind: Literal["elongation"]
     limit_m: float
     """Largest permitted elongation, m."""
 
     _fields = {
-        "high_m": "",
+        "elongation_m": "Bounded",
         "kind": "",
         "limit_m": "",
     }
@@ -4178,6 +4234,18 @@ class RejectionHot(Record):
     __slots__ = ()
 
     kind: Literal["hot"]
+
+    _fields = {
+        "kind": "",
+    }
+
+
+class RejectionNotDetermined(Record):
+    """Elongation or stiffness that is not finite at the catalogue values or in a draw."""
+
+    __slots__ = ()
+
+    kind: Literal["not-determined"]
 
     _fields = {
         "kind": "",
@@ -4218,20 +4286,20 @@ class RejectionSafetyFactor(Record):
 
 
 class RejectionStiffness(Record):
-    """Stiffness of the strand below the limit."""
+    """Stiffness of the strand below the limit in more than 97.5 % of the draws."""
 
     __slots__ = ()
 
     kind: Literal["stiffness"]
     limit_n_per_m: float
     """Smallest permitted stiffness, N/m."""
-    stiffness_n_per_m: float
+    stiffness_n_per_m: Bounded
     """Stiffness of the strand, N/m."""
 
     _fields = {
         "kind": "",
         "limit_n_per_m": "",
-        "stiffness_n_per_m": "",
+        "stiffness_n_per_m": "Bounded",
     }
 
 
@@ -4389,7 +4457,9 @@ class RopeLifetime(Record):
     abrasion_factor: float
     """Specified factor by which abrasion accelerates bending fatigue."""
     breaks_after_s: Bounded | None
-    """Time of the break since first loading, s; `None` beyond 300 years. The interval is limited to 300 years."""
+    """Time of the break since first loading, s, limited to 300 years; `None` if value and lower bound exceed
+    that.
+    """
     broken_share: float
     """Share of the draws in which the rope breaks within the longest requested time, 0 to 1."""
     cause: BreakCause
@@ -4618,8 +4688,8 @@ class Schedule(Record):
     never_share: float
     """Share of the draws without any re-tensioning, 0 to 1."""
     start_n: Bounded | None
-    """Initial tension with which the lowest tension is never reached within the horizon, N; `None` if even 40 %
-    of the breaking load is insufficient.
+    """Initial tension with which the lowest tension is never reached within the horizon, N, limited to 40 % of
+    the breaking load; `None` if that is insufficient at the catalogue values.
     """
     tension_at_end_n: Bounded
     """Tension at the end of the horizon without re-tensioning, N."""
@@ -4696,7 +4766,7 @@ class SelectionResult(Record):
     __slots__ = ()
 
     candidates: list[Candidate]
-    """Ropes that meet all constraints, sorted by `Candidate::rank` and then by elongation."""
+    """Ropes that are not rejected, sorted by `Candidate::rank` and then by `Candidate::change_m`."""
     duty: str
     """The duty in words."""
     rejected: list[Rejected]
@@ -6827,11 +6897,12 @@ NotIdentifiableReason = Literal["no-change-of-load", "fewer-than-three-loads", "
 Origin = Literal["measured", "observed", "motor-torque", "stated", "assumed-exact", "estimated"]
 PathUnit = Literal["m", "rad"]
 Place = Literal["rope", "termination"]
+PossibleViolation = Union[PossibleViolationElongation, PossibleViolationStiffness]
 PriorBasis = Union[PriorBasisRope, PriorBasisUnknown]
 Quantity = Literal["q", "theta", "dq", "tau_el", "tau_m", "tau_ext", "temperature", "tension"]
 Quantity2 = Literal["positions", "elastic-torque", "transmission", "external-torque", "offset"]
 RecordingWarning = Union[RecordingWarningClockJumps, RecordingWarningDamaged, RecordingWarningGaps, RecordingWarningImplausibleOffset, RecordingWarningImplausibleSignal, RecordingWarningLateStart, RecordingWarningNoTimeStamp, RecordingWarningNonFinite, RecordingWarningOutOfOrder, RecordingWarningReference, RecordingWarningRobot, RecordingWarningSamplesLost, RecordingWarningSecondPublisher, RecordingWarningTorqueRangeSmall, RecordingWarningUnknownJoints, RecordingWarningUnusedTensions, RecordingWarningUnwrapped]
-Rejection = Union[RejectionBendRatio, RejectionBendRatioUnknown, RejectionBreakingLoadNotPublished, RejectionBreaks, RejectionDiameterNotPublished, RejectionElongation, RejectionHot, RejectionNotPredicted, RejectionSafetyFactor, RejectionStiffness, RejectionTooHeavy, RejectionTooThick, RejectionTooThin, RejectionWeightNotPublished]
+Rejection = Union[RejectionBendRatio, RejectionBendRatioUnknown, RejectionBreakingLoadNotPublished, RejectionBreaks, RejectionDiameterNotPublished, RejectionElongation, RejectionHot, RejectionNotDetermined, RejectionNotPredicted, RejectionSafetyFactor, RejectionStiffness, RejectionTooHeavy, RejectionTooThick, RejectionTooThin, RejectionWeightNotPublished]
 Remedy = Literal["motor-torque", "tension-sensors"]
 RopeShowOrigin = Literal["measured", "published", "fitted", "assumed"]
 RopeTermination = Literal["not-specified", "spliced", "knotted"]
@@ -7001,6 +7072,8 @@ _CLASSES: Mapping[str, Any] = {
     "PerhapsNever": PerhapsNever,
     "Pose": Pose,
     "PosesResult": PosesResult,
+    "PossibleViolationElongation": PossibleViolationElongation,
+    "PossibleViolationStiffness": PossibleViolationStiffness,
     "PredictedElongation": PredictedElongation,
     "PredictionResult": PredictionResult,
     "PretensionResult": PretensionResult,
@@ -7044,6 +7117,7 @@ _CLASSES: Mapping[str, Any] = {
     "RejectionDiameterNotPublished": RejectionDiameterNotPublished,
     "RejectionElongation": RejectionElongation,
     "RejectionHot": RejectionHot,
+    "RejectionNotDetermined": RejectionNotDetermined,
     "RejectionNotPredicted": RejectionNotPredicted,
     "RejectionSafetyFactor": RejectionSafetyFactor,
     "RejectionStiffness": RejectionStiffness,
@@ -7172,9 +7246,10 @@ _CLASSES: Mapping[str, Any] = {
     "NoForecast": {"no-load": NoForecastNoLoad, "no-force": NoForecastNoForce, "no-temperature": NoForecastNoTemperature, "load": NoForecastLoad, "temperature": NoForecastTemperature},
     "NoSlope": {"too-few-readings": NoSlopeTooFewReadings, "not-fitted": NoSlopeNotFitted},
     "NotIdentifiable": {"anything": NotIdentifiableAnything, "below": NotIdentifiableBelow, "above": NotIdentifiableAbove},
+    "PossibleViolation": {"elongation": PossibleViolationElongation, "stiffness": PossibleViolationStiffness},
     "PriorBasis": {"unknown": PriorBasisUnknown, "rope": PriorBasisRope},
     "RecordingWarning": {"robot": RecordingWarningRobot, "implausible-signal": RecordingWarningImplausibleSignal, "unknown-joints": RecordingWarningUnknownJoints, "unused-tensions": RecordingWarningUnusedTensions, "implausible-offset": RecordingWarningImplausibleOffset, "torque-range-small": RecordingWarningTorqueRangeSmall, "damaged": RecordingWarningDamaged, "gaps": RecordingWarningGaps, "clock-jumps": RecordingWarningClockJumps, "out-of-order": RecordingWarningOutOfOrder, "samples-lost": RecordingWarningSamplesLost, "second-publisher": RecordingWarningSecondPublisher, "late-start": RecordingWarningLateStart, "no-time-stamp": RecordingWarningNoTimeStamp, "non-finite": RecordingWarningNonFinite, "unwrapped": RecordingWarningUnwrapped, "reference": RecordingWarningReference},
-    "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-unknown": RejectionBendRatioUnknown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-predicted": RejectionNotPredicted},
+    "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-unknown": RejectionBendRatioUnknown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-determined": RejectionNotDetermined, "not-predicted": RejectionNotPredicted},
     "StrainZero": {"before-load": StrainZeroBeforeLoad, "as-recorded": StrainZeroAsRecorded},
     "TrendEvent": {"step-change": TrendEventStepChange, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-specified": TrendNoteTensioningNotSpecified, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},

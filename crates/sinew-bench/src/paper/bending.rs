@@ -11,7 +11,7 @@ use sinew_rope::law::Law;
 
 /// The rope of the paper's bending tests.
 pub(super) const ROPE: &str = "liros-dc000-0301";
-/// Its diameter, m.
+/// Diameter of the rope, m.
 pub(super) const ROPE_M: Option<f64> = Some(1.5e-3);
 
 /// Bending case of the paper.

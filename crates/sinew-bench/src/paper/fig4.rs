@@ -87,7 +87,7 @@ pub fn fig4(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
             ends.join(", ")
         ),
         format!(
-            "The paper found A < C < D < B. In this model the order appears in {ordered} of the draws, and B is highest in {b_highest}; chance alone gives {:.0} %. The order needs pulleys with a friction above about 0.06, a cost of a pass that hardly depends on the wrap, and guides on both strands. Friction heat or scatter between ropes could cause it as well. The cause is open.",
+            "The paper found A < C < D < B. In this model the order appears in {ordered} of the draws, and B is highest in {b_highest}; chance alone gives {:.0} %. The order needs pulleys with a friction above about 0.06, a cost of a pass that hardly depends on the wrap, and guides on both strands. Friction heat or scatter between ropes could cause it as well. The cause is not determined.",
             100.0 * CHANCE
         ),
     ];
@@ -329,13 +329,13 @@ fn scatter(all: &[Explored]) -> Table {
     let ordered = all.iter().filter(|draw| draw.is_ordered());
     let ordered: Vec<[f64; 4]> = ordered.map(Explored::ends).collect();
     // (A) lowest, the guided routings equal: the median of what guides add.
-    let alike: Vec<[f64; 4]> = ordered
+    let equal: Vec<[f64; 4]> = ordered
         .iter()
         .map(|[a, _, c, _]| [*a, *c, *c, *c])
         .collect();
     let mut rows = Vec::new();
     for s in SCATTER {
-        let [true_order, none] = [&ordered, &alike].map(|ends| specimens(ends, s, SEED));
+        let [true_order, none] = [&ordered, &equal].map(|ends| specimens(ends, s, SEED));
         let shares = |s: Specimens| [s.means_ordered, s.pairs_apart].map(|v| Share(v).to_string());
         let mut row = vec![format!("{:.0} %", 100.0 * s)];
         row.extend(shares(true_order));
@@ -347,7 +347,7 @@ fn scatter(all: &[Explored]) -> Table {
             "scatter of a specimen",
             "order true: means of two in order",
             "pairs apart",
-            "B, C, D alike: means of two in order",
+            "B, C, D equal: means of two in order",
             "pairs apart too",
         ],
         rows,

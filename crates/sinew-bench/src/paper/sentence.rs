@@ -35,7 +35,7 @@ pub enum Basis {
     Printed,
     /// Assumption of the model, which makes the statement true by construction.
     Construction,
-    /// Creep law with assumed parameters, in 400 draws of their intervals.
+    /// Creep law with assumed parameters, in draws of their intervals.
     AssumedParameters,
     /// One simulation of the robot with perfect sensors.
     IdealSimulation,
@@ -50,7 +50,7 @@ impl Basis {
             Self::ClosedForm => "closed form",
             Self::Printed => "printed values",
             Self::Construction => "true by construction of the creep law",
-            Self::AssumedParameters => "creep law with assumed parameters, 400 draws",
+            Self::AssumedParameters => "creep law with assumed parameters, in draws",
             Self::IdealSimulation => "simulation with perfect sensors",
             Self::NoisySimulation => {
                 "simulation with friction, noise and model errors, one seed per run"

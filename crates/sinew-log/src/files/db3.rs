@@ -132,7 +132,7 @@ impl Db3 {
     fn fetch(&mut self) -> rusqlite::Result<()> {
         self.batch.clear();
         self.at = 0;
-        // A message beyond the limit is read as an empty one, which its decoder rejects.
+        // A message beyond the limit becomes an empty one, which its decoder rejects.
         let text = "SELECT id, topic_id, timestamp, CASE WHEN length(data) <= ?4 THEN data END \
                     FROM messages WHERE (timestamp, id) > (?1, ?2) ORDER BY timestamp, id LIMIT ?3";
         let limit = i64::try_from(self.limit).unwrap_or(i64::MAX);

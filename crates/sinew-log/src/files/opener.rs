@@ -29,13 +29,24 @@ pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Re
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
     let names = list_names(path);
-    // A named pipe cannot be read twice.
-    if file.metadata().is_ok_and(|file| !file.is_file()) {
+    if is_pipe(&file) {
         let spool = Spool::of(file, UNPACKED_LIMIT_BYTES);
         let spool = spool.map_err(|source| LogError::io(&name, "read", source))?;
         return open_spool(spool, &name, options, &names);
     }
     open_reader(Box::new(file), &name, options, &names, Some(path))
+}
+
+/// Whether a file is a named pipe, which cannot be read twice.
+#[cfg(unix)]
+fn is_pipe(file: &File) -> bool {
+    use std::os::unix::fs::FileTypeExt as _;
+    file.metadata().is_ok_and(|file| file.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_file: &File) -> bool {
+    false
 }
 
 /// Opens the content of one file in any format; `path` is its location.

@@ -174,12 +174,12 @@ fn headline(s: &Selection) -> Headline {
     match best.rank() {
         Rank::Sound | Rank::BeyondAdvice => text.into(),
         Rank::MayViolate | Rank::MayBreak => {
-            Headline::new(Level::Watch, format!("{NONE_SURE}. {text}"))
+            Headline::new(Level::Watch, format!("{NO_ROPE_MEETS_ALL}. {text}"))
         }
     }
 }
 
-const NONE_SURE: &str =
+const NO_ROPE_MEETS_ALL: &str =
     "No rope lasts and meets every constraint with a probability of at least 97.5 %";
 
 /// Builds the report of a selection.
@@ -234,7 +234,7 @@ pub fn selection_table(s: &Selection) -> String {
     out.add("\n");
     match s.candidates.first().map(Candidate::rank) {
         None => out.add("no rope meets all constraints\n"),
-        Some(Rank::MayViolate | Rank::MayBreak) => out.flat(NONE_SURE),
+        Some(Rank::MayViolate | Rank::MayBreak) => out.flat(NO_ROPE_MEETS_ALL),
         Some(Rank::Sound | Rank::BeyondAdvice) => {}
     }
     let shown = &s.candidates[..s.candidates.len().min(ROWS)];

@@ -1,4 +1,4 @@
-//! What the paper leaves open on its bending bench, and the orders of its routings that result.
+//! Alternatives of the paper's bending bench that its words permit, and the orders of the routings that result.
 //!
 //! Geometry, friction, guided strands, cost of a pass, exponent of several passes and driver of the bedding-in are drawn
 //! from their ranges, with the rope's other parameters. The share of draws in an order describes these assumptions. It
@@ -6,7 +6,7 @@
 
 use super::routings::Geometry;
 use super::simulate::{Driver, Mechanism, simulate_as};
-use crate::draws::name_hash;
+use crate::catalogue::name_hash;
 use crate::law::{Law, LoadError, Parameter};
 use crate::{CatalogueError, CatalogueRope, Draws};
 use rand::{Rng, RngExt as _, SeedableRng as _};
@@ -92,7 +92,7 @@ fn is_ordered([a, b, c, d]: [f64; 4]) -> bool {
 
 /// Draws `count` alternatives of a rope on the paper's bench, each with its own draw of the rope's parameters.
 ///
-/// Alternatives in which friction pulls the rope beyond its breaking load are left out.
+/// Alternatives in which friction pulls the rope beyond its breaking load are excluded.
 ///
 /// # Errors
 /// [`CatalogueError`] if the law of the rope is incomplete.

@@ -54,7 +54,7 @@ pub struct Geometry {
     pub is_on_both_strands: bool,
     /// Friction of the guiding pulleys; `None`: that of the rope.
     pub friction: Option<f64>,
-    /// See [`Bench::joint_friction`].
+    /// Friction of the joint's bearing, see [`Bench::joint_friction`].
     pub joint_friction: f64,
 }
 

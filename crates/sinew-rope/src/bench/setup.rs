@@ -134,7 +134,7 @@ impl Bench {
         Ok(())
     }
 
-    /// `X = Σ μφ` of both strands plus [`Bench::joint_friction`]: logarithm of the ratio of the tensions at the drive
+    /// Logarithm `X = Σ μφ` (both strands) plus [`Bench::joint_friction`] of the ratio of the tensions at the drive
     /// while the motor moves. `friction`: `μ` of pulleys without their own.
     #[must_use]
     pub fn log_ratio(&self, friction: f64) -> f64 {

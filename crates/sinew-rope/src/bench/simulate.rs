@@ -36,11 +36,11 @@ const GRID: Grid = Grid {
 pub enum Driver {
     /// Each instant of the cycle, as in the law: bedding-in advances whenever its target lies above it.
     Cycle,
-    /// Mean tension.
+    /// Mean tension of the cycle.
     Mean,
     /// Root mean square of the tension.
     Rms,
-    /// Highest tension.
+    /// Highest tension of the cycle.
     Peak,
 }
 
@@ -59,7 +59,7 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// That of the creep law: the same cost for every full bend, driven through the cycle.
+    /// Mechanism of the creep law: the same cost for every full bend, driven through the cycle.
     pub const OF_LAW: Self = Self {
         wrap_exponent: None,
         tension_exponent: 0.0,
@@ -142,8 +142,8 @@ fn simulate_on(
         irreversible_percent: vec![0.0; times.len()],
     };
     // Equal strands go through the same cycle, half a period apart.
-    let alike = bench.strands[0] == bench.strands[1];
-    let strands = if alike { 1 } else { 2 };
+    let are_equal = bench.strands[0] == bench.strands[1];
+    let strands = if are_equal { 1 } else { 2 };
     for which in 0..strands {
         let costs = costs(law, bench, which, rope_m, mechanism);
         let pulleys = passing(bench, which);
@@ -270,7 +270,7 @@ fn tension_n(
 /// One sinusoid of a section in a phase.
 struct Cycle {
     duty: Duty,
-    /// Mean load.
+    /// Mean load of the cycle.
     mean: RopeLoad,
     /// Elastic strain averaged through the cycle, %.
     elastic_percent: f64,
@@ -571,7 +571,7 @@ mod tests {
         let [a, b] =
             [&bench, &swapped].map(|b| end(&simulate(&law, b, ROPE_M, 3600.0).expect("load")));
         assert!((a - b).abs() < 1e-12, "{a} {b}");
-        // Strands alike are simulated once; with a difference that has no effect, twice.
+        // Equal strands are simulated once; with a difference that has no effect, twice.
         let mut both = paper("C").expect("a case");
         let once = end(&simulate(&law, &both, ROPE_M, 3600.0).expect("load"));
         both.strands[1].pulleys[0].friction = Some(law.parameters().friction);

@@ -4,7 +4,7 @@ use super::{Law, LoadError, State};
 
 /// Pulley over rope diameter that [`super::Parameters::bend_life_passes`] is stated at.
 pub const REFERENCE_DIAMETER_RATIO: f64 = 20.0;
-/// `λ d/D` of a pass that costs 1 in the bedding-in: 100 N on a rope of 4450 N and 1.5 mm over 16 mm, the paper's bench
+/// Pressure ratio `λ d/D` of a pass that costs 1 in the bedding-in: 100 N on a rope of 4450 N and 1.5 mm over 16 mm, the paper's bench
 /// as assumed in [`crate::bench::routings`].
 pub const REFERENCE_BEND_PRESSURE: f64 = 0.0021;
 /// Wrap angle over which a deflection becomes a full bend, rad: `d/R` of the same bench, 10.7°. A rope takes the

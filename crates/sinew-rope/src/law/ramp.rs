@@ -21,7 +21,7 @@ struct Ramp<'a> {
     lambda: (f64, f64),
     temperature_k: (f64, f64),
     duration_s: f64,
-    /// Whether the elements other than the bedding-in are left out.
+    /// Whether the elements other than the bedding-in are ignored.
     is_bedding_only: bool,
 }
 

@@ -138,7 +138,7 @@ impl Law {
 
     /// Multiplies the elastic strain by a factor above 0: model error of the stiffness.
     #[must_use]
-    pub(crate) fn softened(mut self, factor: f64) -> Self {
+    pub(crate) fn with_stiffness_error(mut self, factor: f64) -> Self {
         self.p.elastic_k /= factor;
         self.p.toe_percent *= factor;
         self

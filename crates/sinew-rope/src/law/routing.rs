@@ -35,8 +35,8 @@ impl Pulley {
     /// Passes of the rope point `point_m` from the drive over the pulley within a stroke: ½ for the bend onto the
     /// pulley, ½ for the bend off it.
     ///
-    /// A point that crosses both the entry and the exit line counts 1. A point that crosses one of them, or rests on
-    /// the pulley, counts ½. With a stroke `S` above the contact length the sum over the rope is `S`, whatever the wrap.
+    /// A point that crosses both the entry and the exit line counts 1. A point that crosses one of them, or lies on
+    /// the pulley, counts ½. With a stroke `S` above the contact length the sum over the rope is `S`, for any wrap.
     #[must_use]
     pub fn passes(&self, point_m: f64, stroke_m: f64) -> f64 {
         if !self.touches(point_m, stroke_m) {

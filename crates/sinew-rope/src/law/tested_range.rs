@@ -163,7 +163,7 @@ impl ModelError {
             .collect()
     }
 
-    /// Offset and slope of the strain with the model error over that of the law at `time_s`, one step after `from`.
+    /// Offset and slope at `time_s`, one step after `from`: strain with the model error as a function of that of the law.
     ///
     /// The strain is `exp(z s)` times that of the law where this factor grows. Where it falls it applies to the
     /// increments, `dw = exp(z s) dc` by the trapezoidal rule, because creep does not recede where a law

@@ -220,7 +220,7 @@ impl ShapePosterior {
     /// scale is unknown.
     #[must_use]
     pub fn further_failures(&self, z: f64) -> Option<usize> {
-        const MOST: f64 = 1000.0;
+        const MAX_FAILURES: f64 = 1000.0;
         let moment = |power: i32| -> f64 {
             let each = self.nodes.iter();
             each.map(|(k, p)| p * libm::pow(libm::log(*k), f64::from(power)))
@@ -231,7 +231,7 @@ impl ShapePosterior {
         let information = core::f64::consts::PI * core::f64::consts::PI / 6.0;
         let more = ((z / mean) * (z / mean) - 1.0 / variance) / information;
         let more = libm::ceil(more.max(1.0));
-        (more <= MOST).then_some(more as usize)
+        (more <= MAX_FAILURES).then_some(more as usize)
     }
 
     /// Logarithm of the likelihood of a shape up to a constant, with the scale integrated out.

@@ -16,9 +16,6 @@ use axum::routing::{MethodRouter, get, post};
 #[cfg(feature = "schema")]
 use sinew_watch_core::{command::Command, due::DueList};
 
-/// Maximum length of a request body, bytes.
-pub const BODY_MOST: usize = 64 << 10;
-
 /// Endpoint of the HTTP API.
 pub struct Endpoint {
     /// HTTP method, `get` or `post`.

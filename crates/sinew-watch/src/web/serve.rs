@@ -5,7 +5,6 @@
 //! always answered.
 
 use super::ErrorResponse;
-use super::routes::BODY_MOST;
 use crate::words::response;
 use axum::Router;
 use axum::body::{Body, to_bytes};
@@ -33,20 +32,22 @@ struct Most {
 }
 
 /// A process has 1,024 file descriptors by default; a quarter is left to robots and store. One address holds half.
-const MOST: Most = Most {
+const MAX_CONNECTIONS: Most = Most {
     connections: 768,
     of_address: 384,
 };
 /// Maximum time until a request header is complete; then the connection is closed.
 const HEADERS_WITHIN: Duration = Duration::from_secs(10);
-/// Maximum time until a request body of at most 64 KiB is complete.
+/// Maximum length of a request body, bytes.
+const MAX_BODY_BYTES: usize = 64 << 10;
+/// Maximum time until a request body is complete.
 const BODY_WITHIN: Duration = Duration::from_secs(10);
 /// Send buffer of a connection, bytes: no more is produced for a browser that does not read.
 const BUFFER: usize = 64 << 10;
 /// Pause after a failed accept, for example without free file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Open connection.
+/// Connection of a client.
 struct Connection {
     address: IpAddr,
     /// Whether a complete request has arrived.
@@ -90,7 +91,7 @@ impl Connections {
 
 /// Serves requests until `ends` is true.
 pub async fn serve(listener: TcpListener, router: Router, ends: watch::Receiver<bool>) {
-    serve_at_most(MOST, listener, router, ends).await;
+    serve_at_most(MAX_CONNECTIONS, listener, router, ends).await;
 }
 
 /// Serves requests as [`serve`], with other maximum numbers of connections.
@@ -144,7 +145,7 @@ async fn serve_at_most(
 /// Reads the body of a request before it is handled, within a deadline.
 pub(super) async fn complete(request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
-    let read = tokio::time::timeout(BODY_WITHIN, to_bytes(body, BODY_MOST)).await;
+    let read = tokio::time::timeout(BODY_WITHIN, to_bytes(body, MAX_BODY_BYTES)).await;
     let rejection = |status, reason| ErrorResponse::new(status, reason).into_response();
     match read {
         Ok(Ok(body)) => {
@@ -166,7 +167,7 @@ mod tests {
     use std::io::{Read as _, Write as _};
     use std::net::{SocketAddr, TcpStream};
 
-    const FEW: Most = Most {
+    const TEST_CONNECTIONS: Most = Most {
         connections: 8,
         of_address: 6,
     };
@@ -189,7 +190,7 @@ mod tests {
                     .route("/healthz", get(|| async { "works" }))
                     .route("/login", post(|body: String| async { body }))
                     .layer(from_fn(complete));
-                serve_at_most(FEW, listener, router, ends).await;
+                serve_at_most(TEST_CONNECTIONS, listener, router, ends).await;
             });
         });
         (address.recv().expect("an address"), ending)
@@ -228,7 +229,7 @@ mod tests {
     fn served_connections_are_not_closed_for_new_ones() {
         let mut connections = Connections {
             open: Vec::new(),
-            most: FEW,
+            most: TEST_CONNECTIONS,
         };
         let [one, other] = [[10, 0, 0, 1], [10, 0, 0, 2]].map(IpAddr::from);
         let held: Vec<_> = (0..6).filter_map(|_| connections.add(one)).collect();

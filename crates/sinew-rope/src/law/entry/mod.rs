@@ -347,7 +347,7 @@ impl CatalogueEntry {
     }
 }
 
-/// Value of a parameter that an entry may leave out, at `z` standard deviations.
+/// Value of a parameter that has a default, at `z` standard deviations.
 fn default_at(parameter: Parameter, z: f64) -> Option<f64> {
     /// Middle and half-width of the 95 % interval: no elongation of a fibre rope against D/d is published.
     const PRESSURE_EXPONENT: [f64; 2] = [0.5, 0.5];
