@@ -21,9 +21,15 @@ const NAMES: usize = 6;
 
 const LEGEND: &str = "* Pareto-optimal in diameter, change and lifetime. change: magnitude of the elongation that 95 % of the draws do not exceed. least: share of the draws in which it changes least. d: diameter. safety: breaking load over the largest tension. life: predicted lifetime, – above 300 years. Order: within the recommended load and bending ratio, outside, possible violations of a constraint, failures within the time in more than 2.5 % of the draws; each by change.";
 
+/// Width from which a terminal shows all columns of the candidates.
+const MIN_WIDTH_ALL_COLUMNS: usize = 100;
+
 /// Builds the columns of the first candidates; a star marks Pareto-optimal ropes.
+///
+/// * `all`: whether to include those that a narrow terminal has no room for.
 fn candidates(
     candidates: &[Candidate],
+    all: bool,
     name: impl Fn(String) -> String,
     number: fn(Bounded) -> String,
 ) -> Columns<&Candidate> {
@@ -31,23 +37,29 @@ fn candidates(
         let mark = if c.pareto { " *" } else { "" };
         name(plain(&c.rope) + mark)
     };
-    Columns::of(candidates)
+    let table = Columns::of(candidates)
         .lines("rope", marked)
         .left()
         .column("elongation\n(mm)", |c| {
             bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–")
         })
-        .column("change\n(mm)", |c| rounded(1e3 * c.change_m, 2))
-        .column("least", |c| share_of_draws(c.min_share))
-        .column("stiffness\n(N/mm)", |c| {
-            number(c.stiffness_n_per_m.scaled(1e-3))
-        })
-        .column("d\n(mm)", |c| {
+        .column("change\n(mm)", |c| rounded(1e3 * c.change_m, 2));
+    let table = match all {
+        true => table.column("least", |c| share_of_draws(c.min_share)),
+        false => table,
+    };
+    let table = table.column("stiffness\n(N/mm)", |c| {
+        number(c.stiffness_n_per_m.scaled(1e-3))
+    });
+    let table = match all {
+        true => table.column("d\n(mm)", |c| {
             or_dash(c.diameter_m, |v| rounded(1e3 * v, 3))
-        })
-        .column("safety", |c| {
-            or_dash(c.safety_factor_ratio, |v| rounded(v, 2))
-        })
+        }),
+        false => table,
+    };
+    table.column("safety", |c| {
+        or_dash(c.safety_factor_ratio, |v| rounded(v, 2))
+    })
 }
 
 /// Names of ropes by what they have in common.
@@ -189,7 +201,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     if !s.candidates.is_empty() {
         first.push(Block::Figure(Box::new(figure(s, &time)), String::new()));
     }
-    let table = candidates(&s.candidates, |name| name, |v| bracketed(v, 2))
+    let table = candidates(&s.candidates, true, |name| name, |v| bracketed(v, 2))
         .column("weight\n(g/m)", |c| {
             or_dash(c.weight_kg_per_m, |v| rounded(1e3 * v, 3))
         })
@@ -239,13 +251,15 @@ pub fn selection_table(s: &Selection) -> String {
     }
     let shown = &s.candidates[..s.candidates.len().min(ROWS)];
     if !shown.is_empty() {
-        let name = |name: String| in_two(&name, text::columns());
-        let table = candidates(shown, name, |v| rounded(v.value, 2)).column("life\n(years)", |c| {
-            or_dash(c.life_s, |l| match l.value < LIFE_MOST_S {
-                true => rounded(l.value / YEAR_S, 2),
-                false => "> 300".into(),
-            })
-        });
+        let all = text::columns() >= MIN_WIDTH_ALL_COLUMNS;
+        let name = |name: String| in_two(&name, text::columns(), all);
+        let table =
+            candidates(shown, all, name, |v| rounded(v.value, 2)).column("life\n(years)", |c| {
+                or_dash(c.life_s, |l| match l.value < LIFE_MOST_S {
+                    true => rounded(l.value / YEAR_S, 2),
+                    false => "> 300".into(),
+                })
+            });
         out.table(table.table());
         match s.candidates.len() - shown.len() {
             0 => {}
@@ -285,10 +299,10 @@ pub fn selection_table(s: &Selection) -> String {
 }
 
 /// Splits a name that is too long for the table at a hyphen.
-fn in_two(name: &str, columns: usize) -> String {
-    /// Width of the numeric columns.
-    const NUMBERS: usize = 61;
-    let room = columns.saturating_sub(NUMBERS).max(13);
+fn in_two(name: &str, columns: usize, all: bool) -> String {
+    // Width of the numeric columns with their gaps.
+    let numbers = if all { 73 } else { 58 };
+    let room = columns.saturating_sub(numbers).max(13);
     let cut = name
         .char_indices()
         .filter(|(_, c)| *c == '-')
@@ -307,9 +321,9 @@ mod tests {
     #[test]
     fn long_name_is_split_at_hyphen() {
         let name = "teufelberger-fl-32-ng *";
-        assert_eq!(in_two(name, 100), name);
-        assert_eq!(in_two(name, 80), "teufelberger-fl-32-\nng *");
-        assert_eq!(in_two(name, 75), "teufelberger-\nfl-32-ng *");
-        assert_eq!(in_two("liros", 80), "liros");
+        assert_eq!(in_two(name, 100, true), name);
+        assert_eq!(in_two(name, 80, false), "teufelberger-fl-32-\nng *");
+        assert_eq!(in_two(name, 70, false), "teufelberger-\nfl-32-ng *");
+        assert_eq!(in_two("liros", 80, false), "liros");
     }
 }
