@@ -24,7 +24,7 @@ fuzz_target!(|text: &str| {
     if bench.phases.len() > 20 {
         return;
     }
-    if let Ok(run) = simulate(law(), &bench, bench.duration_s() / 3.0) {
+    if let Ok(run) = simulate(law(), &bench, Some(1.5e-3), bench.duration_s() / 3.0) {
         assert_eq!(run.time_s.len(), run.strain_percent.len());
         assert!(run.time_s.windows(2).all(|w| w[0] <= w[1]));
         assert!(
