@@ -4216,7 +4216,7 @@ class RejectionElongation(Record):
     __slots__ = ()
 
     elongation_m: Bounded
-    """Elongation, m."""
+    """Elongation at the last requested time, m."""
     kind: Literal["elongation"]
     limit_m: float
     """Largest permitted elongation, m."""
