@@ -253,9 +253,13 @@ fn mean(s: &Stretch, rate: &dyn Fn(RopeLoad) -> f64) -> f64 {
     (at(0) + inner.sum::<f64>() + at(PARTS)) / (3.0 * f64::from(PARTS))
 }
 
-/// Time at which the first section breaks, s; infinite without damage.
+/// Time at which the first section breaks, s; infinite without damage, 0 for a damage that is not a number.
 pub(crate) fn life_s(wear: &[Wear]) -> f64 {
-    wear.iter().map(Wear::life_s).fold(f64::INFINITY, f64::min)
+    let lives = wear.iter().map(Wear::life_s);
+    lives.fold(f64::INFINITY, |least, life| match life.is_nan() {
+        true => 0.0,
+        false => least.min(life),
+    })
 }
 
 /// Damage of every section at a time.

@@ -156,7 +156,8 @@ pub fn is_specified(option: &str) -> bool {
 pub(crate) fn inputs_on_command_line(outputs: &[(&str, Option<&Path>)]) -> Vec<PathBuf> {
     let is_output = |option: &str| outputs.iter().any(|(output, _)| *output == option);
     let mut inputs = Vec::new();
-    let mut arguments = ARGUMENTS.get().into_iter().flatten().skip(1);
+    // Without the program and the subcommand, which a folder may be named after.
+    let mut arguments = ARGUMENTS.get().into_iter().flatten().skip(2);
     while let Some(argument) = arguments.next() {
         let text = argument.to_string_lossy();
         match text.split_once('=') {

@@ -59,14 +59,7 @@ pub fn ramp(
     if duration_s == 0.0 {
         return Ok(());
     }
-    let whole = Ramp {
-        law,
-        lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
-        temperature_k: (from.temperature_k, to.temperature_k),
-        duration_s,
-        is_bedding_only: false,
-    };
-    whole.run(state);
+    Ramp::new(law, [from, to], duration_s, false).run(state);
     Ok(())
 }
 
@@ -77,25 +70,29 @@ pub fn ramp(
 pub(crate) fn bedded_over(
     law: &Law,
     bedding_percent: f64,
-    [from, to]: [RopeLoad; 2],
+    loads: [RopeLoad; 2],
     duration_s: f64,
 ) -> f64 {
     let mut state = State {
         bedding_percent,
         ..State::default()
     };
-    let whole = Ramp {
-        law,
-        lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
-        temperature_k: (from.temperature_k, to.temperature_k),
-        duration_s,
-        is_bedding_only: true,
-    };
-    whole.run(&mut state);
+    Ramp::new(law, loads, duration_s, true).run(&mut state);
     state.bedding_percent
 }
 
-impl Ramp<'_> {
+impl<'a> Ramp<'a> {
+    fn new(law: &'a Law, loads: [RopeLoad; 2], duration_s: f64, is_bedding_only: bool) -> Self {
+        let [from, to] = loads;
+        Self {
+            law,
+            lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
+            temperature_k: (from.temperature_k, to.temperature_k),
+            duration_s,
+            is_bedding_only,
+        }
+    }
+
     fn run(&self, state: &mut State) {
         let mut at = 0.0;
         for cut in self.cuts(state) {

@@ -78,12 +78,16 @@ pub enum RoutingError {
     #[error("a strand needs a length above 0 and a stroke of at least 0")]
     Strand,
     /// Pulley outside the strand.
-    #[error("guiding pulley {pulley} at {at_m} m does not fit on a strand of {length_m} m")]
+    #[error(
+        "guiding pulley {pulley} at {at_m} m has {contact_m:.3} m of rope on it and does not fit on a strand of {length_m} m; check its position, radius and wrap"
+    )]
     Beyond {
         /// Number of the pulley, from 1.
         pulley: usize,
         /// Position of the pulley, m.
         at_m: f64,
+        /// Length of rope on the pulley, m.
+        contact_m: f64,
         /// Length of the strand, m.
         length_m: f64,
     },
@@ -180,6 +184,7 @@ fn divided<const N: usize>(
             return Err(RoutingError::Beyond {
                 pulley,
                 at_m: p.at_m,
+                contact_m: p.contact_m(),
                 length_m,
             });
         }
