@@ -70,6 +70,7 @@ impl<'f> Room<'f> {
     }
 
     /// Counts a text as the cells that need as much memory: compressed formats repeat a long text for few bytes.
+    #[cfg(any(test, feature = "parquet", feature = "sheets"))]
     pub(super) fn take_text(&mut self, text: &str) -> Result<(), TestFileError> {
         self.take(text.len() / size_of::<Cell>())
     }
