@@ -193,14 +193,8 @@ fn stages(
             drop(black_box(said.expect("estimate")));
         });
         stage[5].run(|| {
-            let said = session::estimate_with_replay(
-                &request,
-                window,
-                with,
-                &options,
-                &|_, _, _| Ok(()),
-                &mut |_| {},
-            );
+            let said =
+                session::estimate_with_replay(&request, window, with, &options, false, &mut |_| {});
             drop(black_box(said.expect("estimate")));
         });
     }

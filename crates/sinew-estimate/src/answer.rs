@@ -3,12 +3,10 @@
 use crate::baseline::Baseline;
 use crate::document::{EstimateDocument, Method};
 use crate::error::SessionError;
-use crate::online::trajectory;
 use crate::replay;
 use crate::request::{Progress, Request};
-use crate::session::{self, Recorded, SessionEstimate, SessionOptions, Warning, Window};
+use crate::session::{self, SessionEstimate, SessionOptions, Warning, Window};
 use sinew_files::date::DAY_S;
-use sinew_model::robot::Robot;
 
 /// Settings with which recordings are estimated.
 #[derive(Debug, Clone, Copy)]
@@ -38,18 +36,12 @@ pub fn estimate(
         Method::Paper => (Method::Paper, None, replay::run(request, progress)?, None),
         Method::Absolute => {
             let (baseline, options) = (plan.baseline, &plan.options);
-            let also = |robot: &Robot, recorded: &Recorded, session: &mut SessionEstimate| {
-                let name = &session.recording;
-                let online = || trajectory(robot, recorded, baseline, options, name);
-                session.online = plan.online.then(online).transpose()?;
-                Ok(())
-            };
             let (reading, session, next) = session::estimate_with_replay(
                 request,
                 plan.window,
                 baseline,
                 options,
-                &also,
+                plan.online,
                 progress,
             )?;
             let session = match request.date_utc_s {

@@ -9,6 +9,7 @@ mod answer;
 pub mod baseline;
 pub mod cable;
 mod cause;
+mod decimated;
 mod document;
 mod each;
 mod error;

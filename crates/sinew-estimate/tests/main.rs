@@ -14,6 +14,7 @@ mod external_force;
 mod feeder;
 mod golden;
 mod in_memory;
+mod long_recordings;
 mod model_error;
 mod motor_current;
 mod offset_map;

@@ -15,5 +15,6 @@ mod window;
 
 pub use answer::{OnlineAnswer, OnlineJoint, Provisional};
 pub use estimator::{OnlineEstimator, OnlineWorker, StepOutcome};
+pub(crate) use trajectory::TrajectoryBuilder;
 pub use trajectory::{replay, trajectory};
 pub use window::Window;

@@ -3,6 +3,7 @@
 use super::answer::OnlineJoint;
 use super::window::Window;
 use crate::baseline::Baseline;
+use crate::decimated::Decimated;
 use crate::error::SessionError;
 use crate::estimator::SessionOptions;
 use crate::session::{OnlineBlock, OnlineTendon, OnlineTrajectory, ProvisionalInterval, Recorded};
@@ -36,7 +37,7 @@ pub fn replay(
     Ok(window)
 }
 
-/// Computes the online estimate by [`replay`] as part of a session's result.
+/// Computes the online estimate over a recording as part of a session's result.
 ///
 /// # Errors
 /// Returns [`SessionError`] if no window could be solved.
@@ -47,52 +48,96 @@ pub fn trajectory(
     options: &SessionOptions,
     name: &str,
 ) -> Result<OnlineTrajectory, SessionError> {
-    let mut out = OnlineTrajectory {
-        joints: Vec::new(),
-        external_force: None,
-        provisional: true,
-        provisional_intervals: Vec::new(),
-        blocks: Vec::with_capacity(recorded.blocks.len()),
-    };
-    let mut each = |window: &Window| {
-        let answer = window.answer();
+    let mut builder = TrajectoryBuilder::new(robot, baseline, options, name)?;
+    builder.push(recorded);
+    builder.finish()
+}
+
+/// Online estimate over the parts of a recording.
+#[derive(Debug)]
+pub(crate) struct TrajectoryBuilder {
+    robot: Robot,
+    window: Window,
+    intervals: Vec<ProvisionalInterval>,
+    blocks: Decimated<OnlineBlock>,
+    was_provisional: bool,
+}
+
+impl TrajectoryBuilder {
+    /// Creates the estimate before the first part.
+    ///
+    /// # Errors
+    /// Returns [`SessionError`] if the baseline belongs to another robot.
+    pub(crate) fn new(
+        robot: &Robot,
+        baseline: Option<(&Baseline, &str)>,
+        options: &SessionOptions,
+        name: &str,
+    ) -> Result<Self, SessionError> {
+        let baseline = baseline.map(|(baseline, file)| (baseline.clone(), file.to_owned()));
+        Ok(Self {
+            window: Window::new(robot.clone(), baseline, options, name)?,
+            robot: robot.clone(),
+            intervals: Vec::new(),
+            blocks: Decimated::default(),
+            was_provisional: false,
+        })
+    }
+
+    /// Processes the next part.
+    pub(crate) fn push(&mut self, recorded: &Recorded) {
+        for part in recorded.parts() {
+            self.window.push(&part);
+            if self.window.is_due() {
+                self.window.solve();
+            }
+            self.record();
+        }
+    }
+
+    fn record(&mut self) {
+        let answer = self.window.answer();
         let (time_s, provisional) = (answer.time_s, answer.is_provisional());
-        let continues = out
-            .blocks
-            .last()
-            .is_some_and(|before: &OnlineBlock| before.provisional);
         if provisional {
-            match out.provisional_intervals.last_mut().filter(|_| continues) {
+            match self.intervals.last_mut().filter(|_| self.was_provisional) {
                 Some(interval) => interval.to_s = time_s,
-                None => out.provisional_intervals.push(ProvisionalInterval {
+                None => self.intervals.push(ProvisionalInterval {
                     from_s: time_s,
                     to_s: time_s,
                 }),
             }
         }
-        out.blocks.push(OnlineBlock {
+        self.was_provisional = provisional;
+        self.blocks.push(OnlineBlock {
             time_s,
             weight: 1.0 - answer.contact_probability,
             offset_rad: answer.joints.iter().map(|own| own.offset_rad).collect(),
             provisional,
         });
-    };
-    let mut window = replay(robot, recorded, baseline, options, name, &mut each)?;
-    if window.estimate().is_none() {
-        // A recording shorter than the first window.
-        window.solve();
     }
-    let window = window.solved()?;
-    let answer = window.answer();
-    let tendon = |own: &OnlineJoint| OnlineTendon {
-        name: robot.tendon_name(own.joint).to_owned(),
-        offset_rad: own.offset_rad,
-        stiffness_changed_probability: own.stiffness_changed_probability,
-    };
-    Ok(OnlineTrajectory {
-        joints: answer.joints.iter().map(tendon).collect(),
-        external_force: answer.external_force,
-        provisional: answer.is_provisional(),
-        ..out
-    })
+
+    /// Returns the estimate after the last part.
+    ///
+    /// # Errors
+    /// Returns [`SessionError`] if no window could be solved.
+    pub(crate) fn finish(mut self) -> Result<OnlineTrajectory, SessionError> {
+        if self.window.estimate().is_none() {
+            // A recording shorter than the first window.
+            self.window.solve();
+        }
+        let window = self.window.solved()?;
+        let answer = window.answer();
+        let tendon = |own: &OnlineJoint| OnlineTendon {
+            name: self.robot.tendon_name(own.joint).to_owned(),
+            offset_rad: own.offset_rad,
+            stiffness_changed_probability: own.stiffness_changed_probability,
+        };
+        Ok(OnlineTrajectory {
+            joints: answer.joints.iter().map(tendon).collect(),
+            external_force: answer.external_force,
+            provisional: answer.is_provisional(),
+            provisional_intervals: self.intervals,
+            blocks: self.blocks.into_vec(),
+        })
+    }
 }

@@ -9,6 +9,9 @@ use super::result::{SessionEstimate, TendonEstimate, Verdict};
 use super::warning::Warning;
 use sinew_model::tendons::{Routing, TendonKind};
 
+/// Minimum number of distinct poses that separate payload, mass error and offset.
+pub(super) const MIN_POSES: usize = 3;
+
 /// Minimum range of the spring deflection, rad: below it, stiffness and offset are not separable.
 const MIN_DEFLECTION_RANGE_RAD: f64 = 10e-3;
 /// Maximum distance of a position from the limits of the URDF without a warning, relative to their range: overshoot of the
@@ -88,7 +91,7 @@ pub(super) fn warnings(
     let recorded = context.recorded;
     let joints = &estimate.joints;
     let mut out = Vec::new();
-    if estimate.poses < 3 {
+    if estimate.poses < MIN_POSES {
         out.push(Warning::FewPoses {
             poses: estimate.poses,
         });

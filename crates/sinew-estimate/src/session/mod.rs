@@ -14,7 +14,7 @@
 //! `independent_torque` and `temperature` (validity of the recorded channels), `segments` (blocks to posteriors), `predictive`, `detector` and `recent`
 //! (contact or step in the last seconds), `encoder_slips`, `changes`, `inflation`, `summary` and `checks`
 //! (posteriors to the [`result`](SessionEstimate)), `anchor` (reference contacts and index marks),
-//! `cables` (tendons with friction along their path), `run`.
+//! `cables` (tendons with friction along their path), `run`; `parts` joins the results of the parts of a long recording.
 
 mod anchor;
 mod cables;
@@ -28,6 +28,7 @@ mod groups;
 mod independent_torque;
 mod inflation;
 mod late_step;
+mod parts;
 mod poses;
 mod predictive;
 mod recent;

@@ -1,12 +1,11 @@
 //! Conversion of a recording into blocks of features.
 
 use crate::cable::{CableSample, CableSamples};
-use crate::error::EstimateError;
+use crate::error::{EstimateError, SessionError};
 use crate::feeder::{FeedOutcome, Feeder, FeederOptions, Injection, RejectionReason};
 use crate::jumps::Jumps;
 use crate::recording::Opened;
 use crate::request::{Progress, Request};
-use crate::robot_dir::LoadedRobot;
 use crate::touch::{Touch, TouchReading, mark_of};
 use crate::warning::RecordingWarning;
 use sinew_files::names;
@@ -15,6 +14,10 @@ use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
 use std::borrow::Cow;
 use std::ops::ControlFlow;
+
+/// Number of blocks of a part of a long recording: 20 min, which are ten segments. Memory: about 4 kB per block at seven
+/// joints.
+const PART_BLOCKS: usize = 6000;
 
 /// Interval of a recording that is evaluated, s from its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -188,6 +191,16 @@ impl Recorded {
                 ..Self::default()
             }
         })
+    }
+
+    /// Appends the part of the same recording that follows this one.
+    fn append(&mut self, mut next: Self) {
+        self.blocks.append(&mut next.blocks);
+        self.jumps.append(&next.jumps);
+        self.touches.append(&mut next.touches);
+        self.end_time_ns = next.end_time_ns;
+        self.duration_s = (self.end_time_ns - self.start_time_ns) as f64 * 1e-9;
+        self.frames_missing += next.frames_missing;
     }
 
     /// Time of the last block since the start of the recording, s.
@@ -404,11 +417,14 @@ fn without_positions(joint: &str, lacks: &str, warnings: &[RecordingWarning]) ->
 }
 
 /// Reader of the blocks of an interval of a recording.
-pub(super) struct Blocks<'a> {
+struct Blocks<'a> {
     request: &'a Request,
     robot: Robot,
     window: Window,
     recorder: Recorder,
+    /// Last complete part: the next one is appended to it if the recording ends soon.
+    complete: Option<Recorded>,
+    without_encoder: Vec<usize>,
     start_ns: Option<i64>,
     frames: u64,
     cables: Vec<(usize, CableSamples)>,
@@ -418,7 +434,7 @@ pub(super) struct Blocks<'a> {
 
 impl<'a> Blocks<'a> {
     /// Creates a reader before the first frame of an opened recording.
-    pub(super) fn new(
+    fn new(
         request: &'a Request,
         window: Window,
         opened: &Opened,
@@ -452,6 +468,8 @@ impl<'a> Blocks<'a> {
                 .with_injections(robot, &request.injections)
                 .with_touches(robot, &request.touches)
                 .with_corrections(corrections),
+            complete: None,
+            without_encoder: opened.without_encoder.clone(),
             start_ns: None,
             frames: 0,
             cables: (robot.cables.iter())
@@ -462,7 +480,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// Processes the next frame, and returns whether further frames may be in the interval.
-    pub(super) fn frame(&mut self, frame: &Frame) -> bool {
+    fn frame(&mut self, frame: &Frame) -> bool {
         let start: i64 = *self.start_ns.get_or_insert(frame.time_ns);
         let t = (frame.time_ns - start) as f64 * 1e-9;
         if t >= self.window.to_s {
@@ -517,25 +535,61 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// Returns all blocks.
-    pub(super) fn finish(self, opened: &Opened) -> Result<Recorded, EstimateError> {
-        let most_missing = self.most_missing(&opened.loaded.robot);
-        let Self {
-            request,
-            window,
-            mut cables,
-            ..
-        } = self;
+    /// Returns the next part of a long recording. A part is passed on after the one that follows it is complete, so that
+    /// the last one is never short. A recording with tendons that have friction along their path has one part.
+    ///
+    /// # Errors
+    /// Returns [`EstimateError::Touch`] for a touch in the part without a mark in robot.toml.
+    fn part(&mut self) -> Result<Option<Recorded>, EstimateError> {
+        if self.recorder.recorded().blocks.len() < PART_BLOCKS || !self.cables.is_empty() {
+            return Ok(None);
+        }
+        let part = self.recorder.exchange(Recorded::empty(&self.robot));
+        let Some(mut before) = self.complete.replace(part) else {
+            return Ok(None);
+        };
+        self.describe(&mut before)?;
+        Ok(Some(before))
+    }
+
+    /// Adds the properties of the recording file to a part, and checks its touches.
+    fn describe(&self, part: &mut Recorded) -> Result<(), EstimateError> {
+        let mapping = self.request.open.mapping.as_ref();
+        part.without_encoder.clone_from(&self.without_encoder);
+        part.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
+        for touch in &part.touches {
+            mark_of(&self.robot, touch).map_err(|reason| {
+                let at = format!(
+                    "{}: --touch {}@{}",
+                    self.request.name(),
+                    touch.joint,
+                    touch.time_s
+                );
+                EstimateError::Touch(format!("{at}: {reason}"))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Returns the remaining parts after the last frame: one or two.
+    fn finish(mut self, is_damaged: bool) -> Result<Vec<Recorded>, EstimateError> {
+        let most_missing = self.most_missing(&self.robot);
+        let (request, window) = (self.request, self.window);
         let config = FeatureConfig::default();
         let missed = self.recorder.missed_touch().cloned();
-        let mut out = self.recorder.finish();
-        out.damaged = opened.recording.health().is_damaged();
-        let mapping = request.open.mapping.as_ref();
-        out.without_encoder.clone_from(&opened.without_encoder);
-        out.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
+        let mut last = self.recorder.exchange(Recorded::empty(&self.robot));
+        let mut parts = Vec::from_iter(self.complete.take());
+        if last.blocks.len() < PART_BLOCKS / 2
+            && let Some(mut before) = parts.pop()
+        {
+            before.append(last);
+            last = before;
+        }
+        last.damaged = is_damaged;
+        let mut cables = std::mem::take(&mut self.cables);
         cables.iter_mut().for_each(|(_, samples)| samples.finish());
-        out.cables = cables;
-        if out.blocks.is_empty() {
+        last.cables = cables;
+        if last.blocks.is_empty() {
             return Err(mismatch(
                 request,
                 format!(
@@ -547,7 +601,7 @@ impl<'a> Blocks<'a> {
                     } else {
                         String::new()
                     },
-                    match out.damaged {
+                    match last.damaged {
                         true => "the file is damaged and data is missing: copy it again",
                         false => "record longer",
                     }
@@ -555,26 +609,20 @@ impl<'a> Blocks<'a> {
             ));
         }
         if let Some(Touch { joint, time_s, .. }) = missed {
+            let start_ns = self.start_ns.unwrap_or(last.start_time_ns);
             return Err(EstimateError::Touch(format!(
                 "{}: joint '{joint}' has no positions at {time_s} s; the evaluated interval of {:.1} s starts at {} s, and gaps of more than {} s are not interpolated",
                 request.name(),
-                out.duration_s,
+                (last.end_time_ns - start_ns) as f64 * 1e-9 - window.from_s,
                 window.from_s,
                 request.open.gap_s
             )));
         }
-        for touch in &out.touches {
-            mark_of(&opened.loaded.robot, touch).map_err(|reason| {
-                let at = format!(
-                    "{}: --touch {}@{}",
-                    request.name(),
-                    touch.joint,
-                    touch.time_s
-                );
-                EstimateError::Touch(format!("{at}: {reason}"))
-            })?;
+        parts.push(last);
+        for part in &mut parts {
+            self.describe(part)?;
         }
-        Ok(out)
+        Ok(parts)
     }
 }
 
@@ -585,21 +633,40 @@ fn mismatch(request: &Request, reason: String) -> EstimateError {
     }
 }
 
-/// Reads the blocks of an interval of a recording, with corrections for slips of joint encoders.
-pub(super) fn read(
+/// Reads the blocks of an interval of a recording, with corrections for slips of joint encoders, and passes its parts to
+/// `take` in order. Long recordings have several parts, so that the memory does not depend on their duration.
+///
+/// `also` processes every frame, and breaks if it requires no frames after the interval.
+///
+/// # Errors
+/// Returns an error of the recording, of `also` or of `take`.
+pub(super) fn read_parts(
     request: &Request,
-    window: Window,
-    corrections: &[EncoderCorrection],
+    opened: &mut Opened,
+    (window, corrections): (Window, &[EncoderCorrection]),
     progress: &mut dyn FnMut(Progress),
-) -> Result<(LoadedRobot, Recorded), EstimateError> {
-    let mut opened = Opened::new(request)?;
-    let mut blocks = Blocks::new(request, window, &opened, corrections)?;
+    also: &mut dyn FnMut(&Frame) -> Result<ControlFlow<()>, EstimateError>,
+    take: &mut dyn FnMut(&Robot, &Recorded) -> Result<(), SessionError>,
+) -> Result<(), SessionError> {
+    let mut blocks = Blocks::new(request, window, opened, corrections)?;
+    let robot = opened.loaded.robot.clone();
+    let mut taken = Ok(());
     opened.each_frame(false, progress, |frame| {
-        Ok(match blocks.frame(frame) {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
+        let also = also(frame)?;
+        let is_within = blocks.frame(frame);
+        if let Some(part) = blocks.part()? {
+            taken = take(&robot, &part);
+        }
+        Ok(match taken {
+            Ok(()) if is_within => ControlFlow::Continue(()),
+            Ok(()) => also,
+            Err(_) => ControlFlow::Break(()),
         })
     })?;
-    let recorded = blocks.finish(&opened)?;
-    Ok((opened.loaded, recorded))
+    taken?;
+    let is_damaged = opened.recording.health().is_damaged();
+    for part in blocks.finish(is_damaged)? {
+        take(&robot, &part)?;
+    }
+    Ok(())
 }

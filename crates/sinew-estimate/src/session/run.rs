@@ -4,12 +4,13 @@ use super::anchor;
 use super::cables;
 use super::context::Context;
 use super::frozen_encoder;
+use super::parts::Parts;
 use super::predictive::PredictiveCheck;
 use super::recent::RecentCheck;
-use super::recorder::{Blocks, EncoderCorrection, Recorded, Window, read};
+use super::recorder::{EncoderCorrection, Recorded, Window, read_parts};
 use super::repeated_motion;
 use super::result::{SessionEstimate, TemperatureSource, Verdict};
-use super::segments::Segments;
+use super::segments::{Chained, Segments};
 use super::summary::{summarise, utc_s};
 use super::transmission_loss::{self, TransmissionLoss};
 use super::warning::Warning;
@@ -18,14 +19,16 @@ use crate::baseline::Baseline;
 use crate::cause::Cause;
 use crate::error::{EstimateError, SessionError};
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
+use crate::online::TrajectoryBuilder;
 use crate::recording::Opened;
 use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use crate::warning::RecordingWarning;
+use sinew_log::Frame;
 use sinew_model::offset::{
-    JointParameter, MapEstimator, Payload, Prior, SearchScope, SharedError, StateEstimate,
-    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, state_estimates, stated_payload,
+    JointParameter, MapError, MapEstimator, ModelError, Payload, Prior, SearchScope, SharedError,
+    StateEstimate, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, state_estimates, stated_payload,
 };
 use sinew_model::robot::Robot;
 use sinew_model::tendons::Routings;
@@ -36,7 +39,7 @@ use std::ops::ControlFlow;
 /// Maximum pause between the end of a recording and the start of one that continues it, s.
 const MAX_PAUSE_S: f64 = 60.0;
 /// Minimum number of distinct poses of a baseline; fewer degrade every estimate relative to it.
-const MIN_BASELINE_POSES: usize = 6;
+pub(super) const MIN_BASELINE_POSES: usize = 6;
 
 /// Options of the estimation of a baseline.
 #[derive(Debug, Clone, Copy)]
@@ -106,36 +109,70 @@ pub fn learn_runs(
     learning: &Learning<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
-    let mut robot = None;
-    let mut recordings = Vec::with_capacity(requests.len());
-    for request in requests {
-        let (loaded, recorded) = read(request, window, &[], progress)?;
-        let robot = robot.get_or_insert(loaded.robot);
-        if !recordings.is_empty() && robot.cables.is_empty() {
-            return Err(EstimateError::Mismatch {
-                file: request.name(),
-                reason: "is a further recording of a baseline, but robot.toml has no joint with friction_along_path = true, which alone requires several loads; specify one recording".into(),
-            }
-            .into());
-        }
-        recordings.push((recorded, request.name()));
-    }
-    let (Some(robot), Some((recorded, name))) = (&robot, recordings.first()) else {
+    let Some((first, further)) = requests.split_first() else {
         return Err(EstimateError::Mismatch {
             file: "baseline".into(),
             reason: "no recording specified; specify at least one".into(),
         }
         .into());
     };
-    let (mut baseline, mut estimate) = learn_recorded(robot, recorded, name, learning)?;
-    baseline.cables = cables::learn(robot, &recordings)?;
-    // The first recording relative to all of them, for the parameters in the result.
-    cables::add(
-        robot,
-        (recorded, name),
-        Some((&baseline, name)),
-        &mut estimate,
+    let mut also = |_: &_| Ok(ControlFlow::Break(()));
+    let name = first.name();
+    let mut recordings = Vec::new();
+    let mut learned: Option<Learned> = None;
+    let mut whole = Parts::default();
+    let mut opened = Opened::new(first)?;
+    let part = (window, &[][..]);
+    read_parts(
+        first,
+        &mut opened,
+        part,
+        progress,
+        &mut also,
+        &mut |robot, recorded| {
+            let mut part = learn_part(robot, recorded, &name, learning, learned.take())?;
+            whole.add(recorded, &mut part.estimate);
+            learned = Some(part);
+            if !robot.cables.is_empty() {
+                recordings.push((recorded.clone(), name.clone()));
+            }
+            Ok(())
+        },
     )?;
+    let robot = &opened.loaded.robot;
+    for request in further {
+        if robot.cables.is_empty() {
+            return Err(EstimateError::Mismatch {
+                file: request.name(),
+                reason: "is a further recording of a baseline, but robot.toml has no joint with friction_along_path = true, which alone requires several loads; specify one recording".into(),
+            }
+            .into());
+        }
+        let mut opened = Opened::new(request)?;
+        read_parts(
+            request,
+            &mut opened,
+            part,
+            progress,
+            &mut also,
+            &mut |_, recorded| {
+                recordings.push((recorded.clone(), request.name()));
+                Ok(())
+            },
+        )?;
+    }
+    let (Some(Learned { mut baseline, .. }), Some(mut estimate)) = (learned, whole.finish()) else {
+        return Err(SessionError::Map {
+            file: name,
+            error: MapError::NoData,
+        });
+    };
+    baseline.cables = cables::learn(robot, &recordings)?;
+    if let Some((recorded, name)) = recordings.first() {
+        // The first recording relative to all of them, for the parameters in the result.
+        let of = (recorded, name.as_str());
+        cables::add(robot, of, Some((&baseline, name)), &mut estimate)?;
+    }
     for (further, _) in recordings.iter().skip(1) {
         estimate.damaged |= further.damaged;
     }
@@ -152,6 +189,26 @@ pub fn learn_recorded(
     name: &str,
     learning: &Learning<'_>,
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
+    let learned = learn_part(robot, recorded, name, learning, None)?;
+    Ok((learned.baseline, learned.estimate))
+}
+
+/// Baseline from a recording up to the end of one of its parts.
+struct Learned {
+    baseline: Baseline,
+    /// Result of the last part.
+    estimate: SessionEstimate,
+    chained: Chained,
+}
+
+/// Estimates a baseline from a part of a recording that follows `before`, or from a whole recording.
+fn learn_part(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    learning: &Learning<'_>,
+    before: Option<Learned>,
+) -> Result<Learned, SessionError> {
     let earlier = learning.prior;
     let options = SessionOptions {
         payload: Payload::Empty,
@@ -185,7 +242,7 @@ pub fn learn_recorded(
         prior.hold_zero(&mut start);
     }
     match learning.tensioned {
-        _ if learning.continues => {}
+        _ if learning.continues || before.is_some() => {}
         Some(joints) => {
             prior.reset_offsets(&mut start, UNKNOWN_OFFSET_RAD);
             for joint in joints {
@@ -206,11 +263,14 @@ pub fn learn_recorded(
             start.temperature_c = temperature_c;
         }
     }
+    if let Some(before) = &before {
+        start.clone_from(&before.chained.state_estimate);
+    }
     let no_changes = SearchScope {
         offsets: false,
         payload: false,
         creep: false,
-        continues: false,
+        continues: before.is_some(),
         onset: None,
     };
     let payload = Payload::Empty;
@@ -226,27 +286,39 @@ pub fn learn_recorded(
         )
     };
     // Only a new encoder zero is specified by robot.toml.
-    let is_specified = earlier.is_none() && learning.tensioned.is_none();
+    let is_specified = earlier.is_none() && learning.tensioned.is_none() && before.is_none();
     let free_zero = match is_specified {
         true => zero::estimate_zero(robot, prior, &start, from)?,
         false => None,
     };
-    let (segments, zero_warnings) = match free_zero {
+    let (mut segments, zero_warnings) = match free_zero {
         Some(estimate) => estimate,
         None => (from(start)?, Vec::new()),
     };
+    let before_part = before.as_ref().map(|before| &before.chained);
+    if let Some(before) = before_part {
+        segments.follow(before);
+    }
+    let touched = anchor::readings(robot, recorded, estimator, &segments);
+    let chained = segments.chained(before_part, touched);
     let mut baseline = Baseline::new(
         robot,
         vec![name.into()],
         recorded.end_time_ns,
-        &segments.learned(prior),
+        &chained.learned(prior),
         segments.noise(),
     );
-    let model_error = segments.model_error(estimator, &recorded.blocks);
-    baseline.model_error = model_error.map_err(|error| SessionError::Map {
-        file: name.into(),
-        error,
-    })?;
+    baseline.model_error = match &before {
+        // That of the first part: the errors of further parts are not independent of it.
+        Some(before) => before.baseline.model_error.clone(),
+        None => {
+            let model_error = segments.model_error(estimator, &recorded.blocks);
+            model_error.map_err(|error| SessionError::Map {
+                file: name.into(),
+                error,
+            })?
+        }
+    };
     baseline.temperature_std_k = learning.temperature_c.map_or(0.0, |t| t.std);
     match earlier {
         Some((previous, _)) if learning.continues => {
@@ -259,7 +331,7 @@ pub fn learn_recorded(
         None => {}
     }
     let mut estimate = session.summarise(&segments, name, None, &[], &[], (0.0, None));
-    baseline.anchors = anchor::readings(robot, recorded, estimator, &segments);
+    baseline.anchors.clone_from(&chained.touched);
     if let Some((previous, _)) = earlier.filter(|_| learning.continues) {
         anchor::keep(&mut baseline.anchors, &previous.anchors);
     }
@@ -269,7 +341,11 @@ pub fn learn_recorded(
             poses: estimate.poses,
         });
     }
-    Ok((baseline, estimate))
+    Ok(Learned {
+        baseline,
+        estimate,
+        chained,
+    })
 }
 
 /// Estimates the offsets of a recording since `baseline` (with the name of its file), or relative to the encoder zero.
@@ -286,15 +362,95 @@ pub fn estimate(
     options: &SessionOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
-    let (loaded, recorded) = read(request, window, &[], progress)?;
-    let (robot, file) = (&loaded.robot, request.name());
-    let found = estimate_recorded(robot, &recorded, &file, baseline, options)?;
-    let corrections = encoder_corrections(robot, &found.0);
-    if corrections.is_empty() {
-        return Ok(found);
+    let mut also = |_: &_| Ok(ControlFlow::Break(()));
+    let run = Run {
+        request,
+        window,
+        baseline,
+        options,
+    };
+    let mut opened = Opened::new(request)?;
+    let found = run.estimate(&mut opened, &[], progress, &mut also, &mut |_| {})?;
+    run.corrected(&opened.loaded.robot, found, progress)
+}
+
+/// Estimate of a recording file, part by part.
+struct Run<'a> {
+    request: &'a Request,
+    window: Window,
+    baseline: Option<(&'a Baseline, &'a str)>,
+    options: &'a SessionOptions,
+}
+
+impl Run<'_> {
+    /// Estimates an opened recording. `also` processes every frame; `each` processes every part.
+    fn estimate(
+        &self,
+        opened: &mut Opened,
+        corrections: &[EncoderCorrection],
+        progress: &mut dyn FnMut(Progress),
+        also: &mut dyn FnMut(&Frame) -> Result<ControlFlow<()>, EstimateError>,
+        each: &mut dyn FnMut(&Recorded),
+    ) -> Result<(SessionEstimate, Baseline), SessionError> {
+        let &Self {
+            request,
+            window,
+            baseline,
+            options,
+        } = self;
+        let name = request.name();
+        let mut whole = Parts::default();
+        let mut last: Option<Solved> = None;
+        let part = (window, corrections);
+        read_parts(
+            request,
+            opened,
+            part,
+            progress,
+            also,
+            &mut |robot, recorded| {
+                each(recorded);
+                let before = last.take().map(|solved| solved.chain);
+                let mut solved = match before {
+                    // Model errors bias the offsets of every part alike, so that further parts are no further information.
+                    Some(chain) if baseline.is_some() => {
+                        solve_next(robot, recorded, &name, baseline, chain)?
+                    }
+                    _ => {
+                        let since = since(baseline.map(|(baseline, _)| baseline), recorded);
+                        solve_stretch(robot, recorded, &name, (baseline, since), options)?
+                    }
+                };
+                cables::add(robot, (recorded, &name), baseline, &mut solved.estimate)?;
+                whole.add(recorded, &mut solved.estimate);
+                last = Some(solved);
+                Ok(())
+            },
+        )?;
+        match (whole.finish(), last) {
+            (Some(estimate), Some(last)) => Ok((estimate, last.next)),
+            _ => Err(SessionError::Map {
+                file: name,
+                error: MapError::NoData,
+            }),
+        }
     }
-    let (_, recorded) = read(request, window, &corrections, progress)?;
-    estimate_recorded(robot, &recorded, &file, baseline, options)
+
+    /// Repeats an estimate with the poses corrected, if the encoder of a joint slipped.
+    fn corrected(
+        &self,
+        robot: &Robot,
+        found: (SessionEstimate, Baseline),
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(SessionEstimate, Baseline), SessionError> {
+        let corrections = encoder_corrections(robot, &found.0);
+        if corrections.is_empty() {
+            return Ok(found);
+        }
+        let mut also = |_: &_| Ok(ControlFlow::Break(()));
+        let mut opened = Opened::new(self.request)?;
+        self.estimate(&mut opened, &corrections, progress, &mut also, &mut |_| {})
+    }
 }
 
 /// Corrections of the poses of the arm for the slips of joint encoders in an estimate.
@@ -323,9 +479,9 @@ fn encoder_corrections(robot: &Robot, found: &SessionEstimate) -> Vec<EncoderCor
 }
 
 /// Estimates the offsets of a recording as [`estimate`], and by the method of the paper ([`replay::run`]) in the same
-/// pass.
+/// pass; `is_online`: also by the [online](crate::online) estimator.
 ///
-/// `also` may add further results from the blocks. A requested CSV file is written last.
+/// A requested CSV file is written last.
 ///
 /// # Errors
 /// As [`estimate`] and [`replay::run`]; no file has been written in that case.
@@ -334,28 +490,33 @@ pub fn estimate_with_replay(
     window: Window,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
-    also: &dyn Fn(&Robot, &Recorded, &mut SessionEstimate) -> Result<(), SessionError>,
+    is_online: bool,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Estimate, SessionEstimate, Baseline), SessionError> {
     let reference = replay::reference(request, progress)?;
     let mut opened = Opened::new(request)?;
     let mut pass = Pass::new(request, &opened)?;
-    let mut blocks = Blocks::new(request, window, &opened, &[])?;
-    opened.each_frame(false, progress, |frame| {
+    let run = Run {
+        request,
+        window,
+        baseline,
+        options,
+    };
+    let robot = &opened.loaded.robot.clone();
+    let start = || TrajectoryBuilder::new(robot, baseline, options, &request.name());
+    let mut online = is_online.then(start).transpose()?;
+    let mut also = |frame: &Frame| {
         pass.frame(frame)?;
-        blocks.frame(frame);
         Ok(ControlFlow::Continue(()))
-    })?;
-    let recorded = blocks.finish(&opened)?;
-    let file = request.name();
-    let robot = &opened.loaded.robot;
-    let (mut session, mut next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
-    let corrections = encoder_corrections(robot, &session);
-    if !corrections.is_empty() {
-        let (_, corrected) = read(request, window, &corrections, progress)?;
-        (session, next) = estimate_recorded(robot, &corrected, &file, baseline, options)?;
-    }
-    also(robot, &recorded, &mut session)?;
+    };
+    let mut each = |recorded: &Recorded| {
+        if let Some(online) = &mut online {
+            online.push(recorded);
+        }
+    };
+    let found = run.estimate(&mut opened, &[], progress, &mut also, &mut each)?;
+    let (mut session, next) = run.corrected(robot, found, progress)?;
+    session.online = online.map(TrajectoryBuilder::finish).transpose()?;
     let mut paper = pass.finish(opened)?;
     if let Some(reference) = reference {
         replay::compare(&mut paper, &reference);
@@ -390,11 +551,16 @@ pub fn estimate_recorded(
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
-    let since = match continues(baseline.map(|(baseline, _)| baseline), recorded) {
+    let since = since(baseline.map(|(baseline, _)| baseline), recorded);
+    estimate_segment(robot, recorded, name, (baseline, since), options)
+}
+
+/// Time relation of a recording to the last one of `baseline`.
+fn since(baseline: Option<&Baseline>, recorded: &Recorded) -> Since {
+    match continues(baseline, recorded) {
         true => Since::Now,
         false => Since::Days(1.0),
-    };
-    estimate_segment(robot, recorded, name, (baseline, since), options)
+    }
 }
 
 /// Whether a recording continues the last one of `baseline` without a long pause.
@@ -437,6 +603,45 @@ pub(crate) struct Solved {
     pub(crate) unknown_temperature_rad: Vec<f64>,
     /// Logarithm of the Bayes factor for the stated payload against an unknown one; 0 if none was compared.
     ln_stated_payload: f64,
+    chain: Chain,
+}
+
+/// State of the estimate of a recording after one of its parts, with what holds for all of them.
+#[derive(Debug, Clone)]
+pub(crate) struct Chain {
+    chained: Chained,
+    /// Standard deviation of the temperature change since the baseline, K.
+    change_k: f64,
+    /// Standard deviation of each joint's offset from errors that are constant over all blocks, rad.
+    added_rad: Vec<f64>,
+    model_error: Option<ModelError>,
+    /// Prior standard deviation of the time offset between the encoders, s.
+    lag_s: f64,
+    /// Options after the tests of the stated values.
+    options: SessionOptions,
+    /// Time relation of the recording to the session before.
+    since: Since,
+}
+
+/// Estimates the part of a recording that follows the one of `chain`.
+fn solve_next(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    baseline: Option<(&Baseline, &str)>,
+    chain: Chain,
+) -> Result<Solved, SessionError> {
+    let (options, lag_s) = (chain.options, chain.lag_s);
+    let since = (baseline, chain.since);
+    estimate_with_lag(
+        robot,
+        recorded,
+        name,
+        since,
+        &options,
+        (lag_s, None),
+        Some(chain),
+    )
 }
 
 /// Estimates as [`estimate_segment`], and returns the posterior and the estimator too.
@@ -448,8 +653,17 @@ pub(crate) fn solve_stretch(
     options: &SessionOptions,
 ) -> Result<Solved, SessionError> {
     let estimate_as_specified = |options: &SessionOptions, stated: Option<Payload>| {
-        let solve =
-            |lag_s| estimate_with_lag(robot, recorded, name, baseline, options, (lag_s, stated));
+        let solve = |lag_s| {
+            estimate_with_lag(
+                robot,
+                recorded,
+                name,
+                baseline,
+                options,
+                (lag_s, stated),
+                None,
+            )
+        };
         let simultaneous = solve(0.0)?;
         let delay = simultaneous
             .estimate
@@ -557,6 +771,7 @@ fn estimate_with_lag(
     (baseline, since): (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
     (lag_s, stated): (f64, Option<Payload>),
+    chain: Option<Chain>,
 ) -> Result<Solved, SessionError> {
     sides::check_scales(robot, recorded, name)?;
     let mut session = Session::new(robot, recorded, options);
@@ -613,17 +828,24 @@ fn estimate_with_lag(
         }
     };
     prior.open_lag(&mut start, lag_s);
-    let model_error = baseline.and_then(|(baseline, _)| {
+    let mut model_error = baseline.and_then(|(baseline, _)| {
         let then = baseline.model_error.as_ref()?;
         Some(session.estimator.aged_model_error(then, &common, &start))
     });
+    let before = chain.map(|chain| {
+        (change_k, added_rad, model_error) =
+            (chain.change_k, chain.added_rad, chain.model_error.clone());
+        start.clone_from(&chain.chained.state_estimate);
+        chain.chained
+    });
     session.estimator = session.estimator.with_model_error(model_error.clone());
     let estimator = &session.estimator;
+    let continues = baseline.is_some() && since == Since::Now;
     let everything = SearchScope {
         offsets: true,
         payload: true,
         creep: options.creep,
-        continues: baseline.is_some() && since == Since::Now,
+        continues: before.is_some() || continues,
         onset: None,
     };
     let payload = options.payload;
@@ -654,6 +876,11 @@ fn estimate_with_lag(
         file: name.into(),
         error,
     })?;
+    if let Some(before) = &before {
+        segments.follow(before);
+    }
+    let touched = anchor::readings(robot, recorded, estimator, &segments);
+    let chained = segments.chained(before.as_ref(), touched);
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());
@@ -661,7 +888,7 @@ fn estimate_with_lag(
         robot,
         recordings,
         recorded.end_time_ns,
-        &segments.learned(prior),
+        &chained.learned(prior),
         segments.noise(),
     );
     if let Some((baseline, _)) = baseline {
@@ -669,18 +896,18 @@ fn estimate_with_lag(
         next.zero_time_ns = baseline.zero_time();
         next.temperature_std_k = baseline.temperature_std_k;
         next.change_std_k = change_k;
-        next.model_error = model_error;
+        next.model_error.clone_from(&model_error);
         next.anchors.clone_from(&baseline.anchors);
         next.cables.clone_from(&baseline.cables);
     }
-    let shared = segments.shared_errors(prior, &common, everything.continues, name)?;
+    let shared = segments.shared_errors(prior, &common, continues, name)?;
     let stated_rad = Some(robot.tolerances.zero_rad);
     let zero_std_rad = stated_rad.filter(|rad| baseline.is_none() && *rad > 0.0);
     let errors = (lag_s, zero_std_rad);
     let mut estimate = session.summarise(&segments, name, first, &added_rad, &shared, errors);
     estimate.baseline_time_utc_s = next.zero_time_ns.and_then(utc_s);
-    let touched = anchor::readings(robot, recorded, estimator, &segments);
-    anchor::apply(robot, &touched, baseline.map(|(b, _)| b), &mut estimate);
+    let references = &chained.touched;
+    anchor::apply(robot, references, baseline.map(|(b, _)| b), &mut estimate);
     // A reference measurement that reduces the error reduces its systematic part too.
     for joint in &mut estimate.joints {
         let whole_rad = joint.offset_rad.std;
@@ -728,8 +955,17 @@ fn estimate_with_lag(
         ln_stated_payload,
         estimator: session.estimator,
         unknown_temperature_rad: match unknown {
-            true => added_rad,
+            true => added_rad.clone(),
             false => Vec::new(),
+        },
+        chain: Chain {
+            chained,
+            change_k,
+            added_rad,
+            model_error,
+            lag_s,
+            options: *options,
+            since,
         },
     })
 }

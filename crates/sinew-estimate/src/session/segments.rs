@@ -1,8 +1,10 @@
 //! Estimation of a recording in segments; the posterior of each segment is the prior of the next.
 
+use super::anchor;
 use super::encoder_slips::encoder_slips;
 use super::late_step::LateStep;
 use super::recorder::Recorded;
+use crate::anchored::ReferenceMeasurement;
 use crate::error::SessionError;
 use sinew_model::offset::excess_residual::tempered;
 use sinew_model::offset::{
@@ -29,14 +31,37 @@ pub(super) fn visited<'a>(blocks: &'a [Block], visits: Option<&[f64]>) -> Cow<'a
 
 /// Estimates of the segments of a recording.
 pub(super) struct Segments {
-    /// Prior of the first segment.
+    /// Prior of the recording.
     pub(super) before: StateEstimate,
+    /// Prior of the first of these segments: that of the recording, or the posterior of its part before.
+    start: StateEstimate,
     /// Posterior of the last segment.
     pub(super) state_estimate: StateEstimate,
     /// Estimate of each segment, with the index of its first block.
     pub(super) estimates: Vec<(usize, MapEstimate)>,
     /// Most probable step change in the last seconds; `None` if they were not checked, or no step is probable.
     pub(super) step: Option<LateStep>,
+}
+
+/// State of the estimate of a recording after one of its parts.
+#[derive(Debug, Clone)]
+pub(super) struct Chained {
+    /// Prior of the first part.
+    origin: StateEstimate,
+    /// Posterior of the last part.
+    pub(super) state_estimate: StateEstimate,
+    /// Largest noise of the link equation of every joint, rad.
+    noise_rad: Vec<f64>,
+    /// Reference measurements so far.
+    pub(super) touched: Vec<ReferenceMeasurement>,
+}
+
+impl Chained {
+    /// Posterior after the recording, tempered by the excess residual.
+    pub(super) fn learned(&self, prior: &Prior) -> StateEstimate {
+        let after = self.state_estimate.clone();
+        tempered(prior, &self.origin, after, &self.noise_rad)
+    }
 }
 
 impl Segments {
@@ -90,7 +115,8 @@ impl Segments {
             return Err(failed(MapError::NoData));
         }
         Ok(Self {
-            before: start,
+            before: start.clone(),
+            start,
             state_estimate,
             estimates,
             step: None,
@@ -133,7 +159,7 @@ impl Segments {
     /// Prior of the last segment.
     pub(super) fn before_last(&self, prior: &Prior) -> StateEstimate {
         let before = self.estimates.iter().rev().nth(1);
-        before.map_or_else(|| self.before.clone(), |(_, map)| map.state_estimate(prior))
+        before.map_or_else(|| self.start.clone(), |(_, map)| map.state_estimate(prior))
     }
 
     /// Residuals of the link equations of all blocks, rad; one per joint and block, grouped by block.
@@ -167,12 +193,28 @@ impl Segments {
         })
     }
 
-    /// Posterior after the recording, tempered by the excess residual.
-    pub(super) fn learned(&self, prior: &Prior) -> StateEstimate {
-        let noise: Vec<f64> = (self.estimates.iter())
-            .flat_map(|(_, map)| map.noise_rad.iter().copied())
-            .collect();
-        tempered(prior, &self.before, self.state_estimate.clone(), &noise)
+    /// State of the chain after these segments, which follow those of `before` in the same recording; `touched`:
+    /// reference measurements in these segments.
+    pub(super) fn chained(
+        &self,
+        before: Option<&Chained>,
+        mut touched: Vec<ReferenceMeasurement>,
+    ) -> Chained {
+        let mut noise_rad = before.map_or_else(Vec::new, |before| before.noise_rad.clone());
+        for (_, map) in &self.estimates {
+            noise_rad.resize(map.noise_rad.len(), 0.0);
+            let pairs = noise_rad.iter_mut().zip(&map.noise_rad);
+            pairs.for_each(|(most, own)| *most = most.max(*own));
+        }
+        if let Some(before) = before {
+            anchor::keep(&mut touched, &before.touched);
+        }
+        Chained {
+            origin: self.before.clone(),
+            state_estimate: self.state_estimate.clone(),
+            noise_rad,
+            touched,
+        }
     }
 
     /// Model error of all segments, for the evidence about causes in later recordings.
@@ -192,6 +234,11 @@ impl Segments {
         estimator
             .model_error(&self.before, &whole, blocks)
             .map(Some)
+    }
+
+    /// Refers the results to the prior of the recording, of which `before` is the state after the part before.
+    pub(super) fn follow(&mut self, before: &Chained) {
+        self.before.clone_from(&before.origin);
     }
 
     /// Noise of the link (rad) and motor (N·m) equations in the last segment, per joint.

@@ -293,3 +293,33 @@ pub enum Warning {
         specified_utc_s: f64,
     },
 }
+
+impl Warning {
+    /// Name of the joint or tendon that the warning concerns; `None` for a warning about the robot or the recording.
+    pub fn joint(&self) -> Option<&str> {
+        match self {
+            Self::TorqueRangeSmall { joint, .. }
+            | Self::ChangeNearEnd { joint, .. }
+            | Self::AtRestAtEnd { joint, .. }
+            | Self::RestPhaseInconsistent { joint, .. }
+            | Self::RopeMemory { joint, .. }
+            | Self::TendonCreep { joint, .. }
+            | Self::UnexplainedResidual { joint, .. }
+            | Self::NoJointEncoder { joint, .. }
+            | Self::BeyondPretension { joint, .. }
+            | Self::JointSeized { joint, .. }
+            | Self::BeyondLimits { joint, .. }
+            | Self::MotorEncoderFrozen { joint, .. }
+            | Self::EncoderZeroOffset { joint, .. }
+            | Self::TemperatureUnknown { joint, .. }
+            | Self::ThermalEffect { joint, .. }
+            | Self::ReferenceInconsistent { joint, .. }
+            | Self::MotorTorqueRejected { joint, .. }
+            | Self::TensionRejected { joint, .. }
+            | Self::CableInconclusive { joint, .. }
+            | Self::StiffnessChanged { joint, .. } => Some(joint),
+            Self::FarFromPrior { joint, .. } => joint.as_deref(),
+            _ => None,
+        }
+    }
+}
