@@ -1,7 +1,7 @@
 //! Catalogue ropes as results: published values and parameters of the creep law.
 
 use super::{Catalogue, CatalogueRope};
-use crate::law::entry::{Origin, Uncertainty, Value};
+use crate::law::entry::{DEFAULT_SOURCE, Origin, Uncertainty, Value};
 use crate::law::tested_range::TestedRange;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
@@ -164,6 +164,12 @@ impl CatalogueRope {
         let class = self.endurance().ok();
         let (endurance, endurance_sources) =
             class.map_or_else(Default::default, |c| (c.endurance, c.sources));
+        let law = e.law_with_defaults();
+        let mut sources = e.sources.clone();
+        if law.len() > e.law.len() {
+            let [key, text] = DEFAULT_SOURCE;
+            sources.entry(key.into()).or_insert_with(|| text.into());
+        }
         RopeDescription {
             summary: self.summary(),
             note: e.note.clone(),
@@ -173,8 +179,7 @@ impl CatalogueRope {
                 weight_kg_per_m: value(&e.weight_g_per_m, 1e-3),
             },
             tested_range: self.tested_range(),
-            law: e
-                .law
+            law: law
                 .iter()
                 .map(|(p, v)| (p.name().to_owned(), CatalogueValue::scaled(v, 1.0)))
                 .collect(),
@@ -183,7 +188,7 @@ impl CatalogueRope {
                 .map(|(k, v)| (k.name().to_owned(), CatalogueValue::scaled(v, 1.0)))
                 .collect(),
             endurance_sources,
-            sources: e.sources.clone(),
+            sources,
         }
     }
 }

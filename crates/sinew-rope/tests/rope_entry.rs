@@ -218,23 +218,16 @@ fn manual_lists_parameters_with_origin() {
     let catalogue = Catalogue::shipped().expect("shipped ropes");
     let rope = catalogue.find("liros-dc000-0301").expect("there");
     let law = &rope.entry.law;
+    let with_defaults = rope.entry.law_with_defaults();
+    let described = rope.describe();
+    let exponent = &described.law["pass_pressure_exponent"];
+    assert_eq!((exponent.value, exponent.plus_minus), (0.5, Some(0.5)));
+    assert!(described.sources.contains_key(&exponent.source));
     let rows: String = (Parameter::ALL.iter())
         .map(|p| {
             let key = format!("law.{}", p.name());
-            // A parameter with a default is assumed.
-            let default = || {
-                let at = |z| rope.entry.parameters_at(|_| z).expect("complete").get(*p);
-                let value = at(0.0);
-                Value {
-                    value,
-                    origin: Origin::Assumed,
-                    source: "default".into(),
-                    uncertainty: Uncertainty::PlusMinus(at(1.959_963_984_540_054) - value),
-                    date: None,
-                }
-            };
-            let value = law.get(p).cloned().unwrap_or_else(default);
-            row(&key, p.meaning(), p.must(), &value)
+            let value = &with_defaults[p];
+            row(&key, p.meaning(), p.must(), value)
         })
         .collect();
     let class = rope.endurance().expect("a shipped class");

@@ -5,7 +5,7 @@ use super::error::AnalyzeError;
 use super::inputs::{CompleteTrend, LoadedTrend, feed, inputs};
 use super::limits;
 use super::passage::FirstPassage;
-use super::prior::{RopePrior, days, rope_prior};
+use super::prior::{RopePrior, days, rope_prior_with_progress};
 use super::records::{SessionRecord, Sorted};
 use super::result::{
     CycleClock, ForecastPoint, JointTrend, LifeNotUsed, Limit, LimitForecast, LimitState,
@@ -49,6 +49,20 @@ pub struct TrendRequest<'a> {
 /// Returns an [`AnalyzeError`] if a specified day matches no joint or no session, a rope is
 /// invalid, or a record is invalid.
 pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport, AnalyzeError> {
+    analyze_with_progress(sorted, request, &|_| ())
+}
+
+/// Analyses sorted records as [`analyze`] does.
+///
+/// * `done`: called with the completed share; a duty takes most of the time.
+///
+/// # Errors
+/// Returns an [`AnalyzeError`] as [`analyze`] does.
+pub fn analyze_with_progress(
+    sorted: Sorted,
+    request: &TrendRequest<'_>,
+    done: &dyn Fn(f64),
+) -> Result<TrendReport, AnalyzeError> {
     let available: Vec<&str> = sorted.joints.iter().map(|(n, _)| n.as_str()).collect();
     for stated in &request.stated {
         if let Some(joint) = stated.joint.as_deref().filter(|j| !available.contains(j)) {
@@ -60,8 +74,10 @@ pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport
     }
     let mut notes = sorted.notes;
     let mut joints = Vec::new();
-    for (name, records) in &sorted.joints {
-        joints.push(joint(name, records, request, &mut notes)?.0);
+    let count = sorted.joints.len() as f64;
+    for (i, (name, records)) in sorted.joints.iter().enumerate() {
+        let done = |share: f64| done((i as f64 + share) / count);
+        joints.push(joint(name, records, request, &mut notes, &done)?.0);
     }
     let action_required = joints.iter().any(|j| {
         (j.limits.iter()).any(|l| l.state == LimitState::Passed)
@@ -89,7 +105,7 @@ pub fn analyze_joint(
     records: &[SessionRecord],
     request: &TrendRequest<'_>,
 ) -> Result<(JointTrend, Vec<FirstPassage>), AnalyzeError> {
-    let (trend, paths) = joint(name, records, request, &mut Vec::new())?;
+    let (trend, paths) = joint(name, records, request, &mut Vec::new(), &|_| ())?;
     let limits = trend.limits.iter();
     let times = limits.filter_map(|limit| limits::passage_times(limit, &paths));
     let times = times.collect();
@@ -102,12 +118,14 @@ fn joint(
     records: &[SessionRecord],
     request: &TrendRequest<'_>,
     notes: &mut Vec<TrendNote>,
+    done: &dyn Fn(f64),
 ) -> Result<(JointTrend, Paths), AnalyzeError> {
     let tendon = request.robot.and_then(|r| tendon_of(r, name));
     let (clock, records) = clock(name, records, &request.stated)?;
     let duty = request.duty.as_ref();
     let mean_c = mean_temperature_c(records);
-    let rope = rope_prior(tendon, request.catalogue, duty, mean_c, request.seed)?;
+    let load = (duty, mean_c);
+    let rope = rope_prior_with_progress(tendon, request.catalogue, load, request.seed, done)?;
     let prior = prior(name, rope.prior, records, &clock, request);
     note_clock(name, records, &clock, notes);
     let inputs = inputs(records, &clock, name, notes);
@@ -143,7 +161,7 @@ fn joint(
 /// The result is bitwise identical to that of all records at once. The trend is restarted if the
 /// records, the specified actions or the prior of the rope changed.
 ///
-/// * `rope`: prior of the rope ([`rope_prior`]), used instead of that of the request.
+/// * `rope`: prior of the rope ([`rope_prior`](super::prior::rope_prior)), used instead of that of the request.
 ///
 /// # Errors
 /// Returns an [`AnalyzeError`] as [`analyze`] does.

@@ -20,7 +20,8 @@ pub mod stored;
 pub mod survival;
 
 pub use analyze::{
-    ResumedTrend, TrendRequest, analyze, analyze_joint, mean_temperature_c, resume_joint,
+    ResumedTrend, TrendRequest, analyze, analyze_joint, analyze_with_progress, mean_temperature_c,
+    resume_joint,
 };
 pub use clock::Stated;
 pub use error::{AnalyzeError, RecordError};

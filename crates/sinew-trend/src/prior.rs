@@ -41,29 +41,82 @@ const UNKNOWN_STEP_RAD: f64 = 0.3e-3;
 /// share of the time. Peaks differ between days: the highest of all days exceeds the usual one, and
 /// a rope beds in further on that day.
 pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) -> Option<Vec<f64>> {
-    let mean = RopeLoad::celsius(pretension_n * work.mean_factor, work.temperature_c);
-    let peak = RopeLoad::celsius(pretension_n * work.peak_factor, work.temperature_c);
-    let quiet = RopeLoad::celsius(pretension_n, work.temperature_c);
     through(law, tendon, pretension_n, |law, state, from_s, to_s| {
-        let quiet_s = (BASELINE_AFTER_S - from_s).clamp(0.0, to_s - from_s);
-        law.hold(state, quiet, quiet_s).ok()?;
-        let dt = to_s - from_s - quiet_s;
-        let mut pulled = *state;
-        law.hold(state, mean, dt).ok()?;
-        let flow = state.flow_percent;
-        law.hold(&mut pulled, peak, dt * work.peak_share).ok()?;
-        let height = 1.0 + PEAK_SPREAD * highest_of(to_s / DAY_S);
-        if height > 1.0 {
-            let tension_n = pretension_n * work.peak_factor * height;
-            let highest = RopeLoad::celsius(tension_n, work.temperature_c);
-            let day_s = dt.min(DAY_S);
-            law.hold(&mut pulled, highest, day_s * work.peak_share)
-                .ok()?;
-        }
-        state.bedding_percent = state.bedding_percent.max(pulled.bedding_percent);
-        state.flow_percent = flow.max(pulled.flow_percent);
-        Some(())
+        work_step(law, state, pretension_n, work, [from_s, to_s], to_s)
     })
+}
+
+/// Advances a section between two times since its last tensioning, s, to the age `age_s` of the rope.
+fn work_step(
+    law: &Law,
+    state: &mut State,
+    pretension_n: f64,
+    work: &Work,
+    [from_s, to_s]: [f64; 2],
+    age_s: f64,
+) -> Option<()> {
+    let load = |factor: f64| RopeLoad::celsius(pretension_n * factor, work.temperature_c);
+    let quiet_s = (BASELINE_AFTER_S - from_s).clamp(0.0, to_s - from_s);
+    law.hold(state, load(1.0), quiet_s).ok()?;
+    let dt = to_s - from_s - quiet_s;
+    let mut pulled = *state;
+    law.hold(state, load(work.mean_factor), dt).ok()?;
+    let flow = state.flow_percent;
+    let peak = load(work.peak_factor);
+    law.hold(&mut pulled, peak, dt * work.peak_share).ok()?;
+    let height = 1.0 + PEAK_SPREAD * highest_of(age_s / DAY_S);
+    if height > 1.0 {
+        let highest = load(work.peak_factor * height);
+        let day_s = dt.min(DAY_S);
+        law.hold(&mut pulled, highest, day_s * work.peak_share)
+            .ok()?;
+    }
+    state.bedding_percent = state.bedding_percent.max(pulled.bedding_percent);
+    state.flow_percent = flow.max(pulled.flow_percent);
+    Some(())
+}
+
+/// Additional offset at the nodes of [`node_times_s`] after a re-tensioning, per lost share of the
+/// pretension, rad; `None` if the tension breaks the rope.
+///
+/// The difference between a rope whose tension has fallen in proportion to the logarithm of its age
+/// to half of the pretension and then rises to the pretension again, and the same rope at constant
+/// pretension. It is linear in the lost share for delayed elasticity, and nearly so for bedding-in.
+pub fn retensioned_curve(
+    law: &Law,
+    tendon: &Tendon,
+    pretension_n: f64,
+    work: &Work,
+) -> Option<Vec<f64>> {
+    /// Age of the rope at the re-tensioning, s. Relative to the first day's, the additional creep of
+    /// ropes of 30 to 300 days differs by less than a tenth.
+    const AGE_S: f64 = 100.0 * DAY_S;
+    /// Share of the pretension that is lost by then.
+    const LOST: f64 = 0.5;
+    let read = RopeLoad::at_reference(pretension_n);
+    let times = node_times_s();
+    let mut out = vec![0.0; times.len()];
+    for portion in strand(tendon) {
+        let law = law.passed_by(portion.guides as f64);
+        let per_percent = 0.01 * portion.length_m / tendon.joint_pulley_radius_m;
+        for (lost, per_percent) in [(LOST, per_percent / LOST), (0.0, -per_percent / LOST)] {
+            let (mut state, mut from_s) = (State::default(), 0.0);
+            for &t in times.iter().take_while(|t| **t <= AGE_S) {
+                let tension_n = pretension_n * (1.0 - lost * (1.0 + t).ln() / (1.0 + AGE_S).ln());
+                work_step(&law, &mut state, tension_n, work, [from_s, t], t)?;
+                from_s = t;
+            }
+            let total = |state: &State| Some(law.strain(state, read).ok()?.total_percent());
+            let (start, mut from_s) = (total(&state)?, 0.0);
+            for (value, &t) in out.iter_mut().zip(&times) {
+                let between_s = [from_s, t];
+                work_step(&law, &mut state, pretension_n, work, between_s, AGE_S + t)?;
+                *value += per_percent * (total(&state)? - start);
+                from_s = t;
+            }
+        }
+    }
+    out.iter().all(|v| v.is_finite()).then_some(out)
 }
 
 /// Expected maximum of `count` standard normal numbers: `√(2 ln n) − (ln ln n + ln 4π)/(2 √(2 ln
@@ -133,12 +186,28 @@ pub fn rope_curves(
     temperature_c: f64,
     seed: u64,
 ) -> Result<Vec<Curve>, CatalogueError> {
+    let load = (duty, temperature_c);
+    rope_curves_with_progress(rope, tendon, pretension_n, load, seed, &|_| ())
+}
+
+/// As [`rope_curves`], with the duty and the temperature in one argument.
+///
+/// * `done`: called with the share of the draws that are complete.
+fn rope_curves_with_progress(
+    rope: &CatalogueRope,
+    tendon: &Tendon,
+    pretension_n: f64,
+    (duty, temperature_c): (Option<&Duty>, f64),
+    seed: u64,
+    done: &dyn Fn(f64),
+) -> Result<Vec<Curve>, CatalogueError> {
     let draws = Draws::new(rope, CURVES, seed)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut curves = Vec::with_capacity(CURVES + 22);
     for i in 0..CURVES {
         let work = Work::unknown(temperature_c, &mut rng);
         curves.extend(drawn(&draws, i, tendon, pretension_n, duty, &work));
+        done((i + 1) as f64 / CURVES as f64);
     }
     Ok(with_generic(curves, Some(tendon)))
 }
@@ -220,13 +289,26 @@ fn drawn(
         Some(duty) => duty_curve(draw.law, tendon, pretension_n, duty),
         None => work_curve(draw.law, tendon, pretension_n, work),
     }?;
-    let mut added = AddedStrain::default();
-    for (value, time_s) in values.iter_mut().zip(node_times_s()) {
-        added = draw.error.next(added, time_s, *value);
-        *value = added.widened;
+    let work = match duty.map(Duty::summary) {
+        Some(duty) => &Work {
+            mean_factor: duty.tension_mean_n / pretension_n,
+            peak_factor: duty.tension_max_n / pretension_n,
+            temperature_c: duty.temperature_mean_c,
+            ..*work
+        },
+        None => work,
+    };
+    let mut retensioned = retensioned_curve(draw.law, tendon, pretension_n, work)?;
+    for values in [&mut values, &mut retensioned] {
+        let mut added = AddedStrain::default();
+        for (value, time_s) in values.iter_mut().zip(node_times_s()) {
+            added = draw.error.next(added, time_s, *value);
+            *value = added.widened;
+        }
     }
     let curve = Curve {
         values,
+        retensioned: Some(retensioned),
         amplitude: 1.0,
         amplitude_std: AMPLITUDE_DEVIATION,
         log_weight: ((1.0 - GENERIC_SHARE) / CURVES as f64).ln(),
@@ -275,6 +357,19 @@ pub fn rope_prior(
     temperature_c: f64,
     seed: u64,
 ) -> Result<RopePrior, CatalogueError> {
+    rope_prior_with_progress(tendon, catalogue, (duty, temperature_c), seed, &|_| ())
+}
+
+/// As [`rope_prior`], with the duty and the temperature in one argument.
+///
+/// * `done`: called with the share of the draws that are complete.
+pub(super) fn rope_prior_with_progress(
+    tendon: Option<&Tendon>,
+    catalogue: &Catalogue,
+    (duty, temperature_c): (Option<&Duty>, f64),
+    seed: u64,
+    done: &dyn Fn(f64),
+) -> Result<RopePrior, CatalogueError> {
     let any_of = |ropes, missing| {
         let (prior, ropes) = any_rope(ropes, tendon, temperature_c, seed);
         RopePrior {
@@ -294,7 +389,8 @@ pub fn rope_prior(
         let own = std::slice::from_ref(rope);
         return Ok(any_of(own, MissingFromRobot::Pretension));
     };
-    let curves = rope_curves(rope, tendon, pretension_n, duty, temperature_c, seed)?;
+    let load = (duty, temperature_c);
+    let curves = rope_curves_with_progress(rope, tendon, pretension_n, load, seed, done)?;
     Ok(RopePrior {
         prior: Prior::new(curves),
         basis: PriorBasis::Rope {

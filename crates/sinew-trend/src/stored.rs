@@ -9,7 +9,7 @@ use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 
 /// Version of the written format.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// State from which a trend is resumed: some tens of kilobytes, just after a step change about one
 /// megabyte.
@@ -39,6 +39,8 @@ pub struct StoredTrend {
     /// State of the additional error of sessions since a step change.
     #[serde(default)]
     pub misread: BaselineShift,
+    /// Time of the last re-tensioning before the last entries, s since tensioning.
+    pub retensioned_s: Option<f64>,
     /// Stiffness since the last step change: mean, information, number of sessions.
     #[serde(alias = "softened")]
     pub stiffness_loss: Option<(f64, f64, u64)>,
@@ -164,6 +166,7 @@ impl From<&Trend> for StoredTrend {
                 .collect(),
             baseline_last: (state.baseline.last).map(|last| (last.variance, last.stated)),
             misread: state.baseline.misread,
+            retensioned_s: state.retensioned_s,
             stiffness_loss: (state.stiffness_loss).map(|s| (s.mean, s.information, s.sessions)),
             stiffness_sessions: state.stiffness.sessions,
             entries: state.entries.iter().map(entry).collect(),
@@ -250,6 +253,7 @@ impl StoredTrend {
                 .collect::<Option<_>>()
                 .ok_or(TrendError::State)?,
             baseline,
+            retensioned_s: self.retensioned_s,
             stiffness_loss: self.stiffness_loss.map(|(mean, information, sessions)| {
                 StiffnessLossStats {
                     mean,

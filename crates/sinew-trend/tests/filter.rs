@@ -15,6 +15,7 @@ const DAY_S: f64 = 86_400.0;
 fn log_curve(amplitude: f64, std: f64) -> Curve {
     Curve {
         values: node_times_s().iter().map(|t| (t / 100.0).ln()).collect(),
+        retensioned: None,
         amplitude,
         amplitude_std: std,
         log_weight: 0.0,

@@ -228,6 +228,7 @@ fn sessions_at_one_time_and_of_impossible_parts() {
 /// `ln(t / 100 s)` from 100 s on.
 fn log_curve() -> Curve {
     Curve {
+        retensioned: None,
         values: node_times_s().iter().map(|t| (t / 100.0).ln()).collect(),
         amplitude: 1e-3,
         amplitude_std: 0.4e-3,

@@ -1,11 +1,19 @@
 //! Step changes of a tendon: detected, distinguished, withdrawn; few and invalid records.
 
 use crate::random::Random;
+use crate::support::biorob_like;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
+use sinew_model::transmission::Tendon;
+use sinew_rope::law::{RopeLoad, State};
+use sinew_rope::work::Work;
+use sinew_rope::{Catalogue, CatalogueRope, Draws};
 use sinew_trend::filter::{
     Event, Paths, Prior, Record, Trend, TrendConfig, TrendError, TrendNow, generic_curves,
 };
+use sinew_trend::prior::rope_curves;
 
 const DAY_S: f64 = 86_400.0;
 
@@ -161,6 +169,9 @@ fn tensioning_is_distinguished_from_step() {
     };
     assert!(event.tensioned && event.size_rad.mean < -3e-3, "{event:?}");
 
+    // A specified one of a linear viscoelastic rope, `c = 1e-3 ln(1 + t/min)`, that had lost half of its
+    // tension: by superposition half of the curve starts anew.
+    let anew = |t: f64| 0.5e-3 * (1440.0 * (t - 29.5)).max(0.0).ln_1p();
     let mut stated =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
     let mut random = Random(5);
@@ -169,19 +180,26 @@ fn tensioning_is_distinguished_from_step() {
         if day == 30 {
             stated.tensioned((t - 0.5) * DAY_S).expect("in order");
         }
-        let y = 1e-3 * (24.0 * t).ln() + fall(day as usize) + 0.3e-3 * random.normal();
+        let y = 1e-3 * (24.0 * t).ln() + anew(t) + fall(day as usize) + 0.3e-3 * random.normal();
         stated.add(record(t, y, 0.3e-3, 23.0)).expect("in order");
     }
     assert_eq!(stated.events().len(), 1, "{:?}", stated.events());
     // The rope keeps its elongation; the offset has decreased by 5 mrad.
-    for trend in [&trend, &stated] {
+    let mut now = |trend: &Trend, added: f64| {
         let paths = Paths::draw(trend, &[trend.time_s()], 400, &mut || random.normal());
         let mean = |rows: &[Vec<f64>]| rows.iter().map(|r| r[0]).sum::<f64>() / 400.0;
         let (offset, whole) = (mean(&paths.offset_rad), mean(&paths.whole_rad));
-        let true_whole = 1e-3 * (24.0_f64 * 45.0).ln();
-        assert!((whole - true_whole).abs() < 0.8e-3, "{whole}");
+        let true_whole = 1e-3 * (24.0_f64 * 45.0).ln() + added;
         assert!((offset - (true_whole - 5e-3)).abs() < 0.4e-3, "{offset}");
-    }
+        let square = |r: &Vec<f64>| (r[0] - whole) * (r[0] - whole);
+        let std = (paths.whole_rad.iter().map(square).sum::<f64>() / 400.0).sqrt();
+        (whole - true_whole, std)
+    };
+    let (error, std) = now(&trend, 0.0);
+    assert!(error.abs() < 0.8e-3, "{error} {std}");
+    // The creep before the first session is not distinguished from the removed offset.
+    let (error, std) = now(&stated, anew(45.0));
+    assert!(error.abs() < 1.96 * std, "{error} {std}");
 }
 
 #[test]
@@ -416,4 +434,147 @@ fn few_or_invalid_records_are_handled() {
         Trend::new(none, TrendConfig::default()),
         Err(TrendError::Prior)
     );
+}
+
+/// Service of a tendon whose tension relaxes, by the creep law of its rope.
+struct Relaxing {
+    tensioned_s: f64,
+    /// Times and true offsets since the last tensioning: every morning after a night of rest, and
+    /// half-hourly in the night of rest after the re-tensioning.
+    offsets: Vec<(f64, f64)>,
+}
+
+impl Relaxing {
+    /// Tension falls by `lost` of the pretension in proportion to `ln(1 + t/d)` until it is restored
+    /// after two months; eight hours of work a day with peaks of that day.
+    fn new(rope: &CatalogueRope, tendon: &Tendon, lost: f64, seed: u64) -> Option<Self> {
+        const HOUR_S: f64 = 3600.0;
+        const RETENSIONED_DAY: usize = 60;
+        const LAST_DAY: usize = 80;
+        let law = Draws::new(rope, 1, seed).expect("complete").laws[0];
+        let work = Work::unknown(23.0, &mut ChaCha8Rng::seed_from_u64(seed));
+        let pretension_n = tendon.pretension_n.expect("known");
+        let read = RopeLoad::at_reference(pretension_n);
+        let working = 1.0 + 3.0 * (work.mean_factor - 1.0);
+        let load = |factor: f64| RopeLoad::celsius(pretension_n * factor, work.temperature_c);
+        let rad_per_percent = 0.01 * tendon.length_m / tendon.joint_pulley_radius_m;
+        let offset = |state: &State| {
+            let strain = law.strain(state, read).expect("within range");
+            rad_per_percent * strain.total_percent()
+        };
+        let mut random = Random(seed + 100);
+        let mut state = State::default();
+        law.hold(&mut state, load(1.0), HOUR_S).ok()?;
+        let mut zero = offset(&state);
+        let mut offsets = Vec::new();
+        for day in 0..=LAST_DAY {
+            let now_s = HOUR_S + day as f64 * DAY_S;
+            if day > 0 {
+                offsets.push((now_s, offset(&state) - zero));
+            }
+            let share = (1.0 + day as f64).ln() / (1.0 + RETENSIONED_DAY as f64).ln();
+            let factor = match day <= RETENSIONED_DAY {
+                true => 1.0 - lost * share,
+                false => 1.0,
+            };
+            let peak_s = DAY_S * work.peak_share * (0.5 * random.normal()).exp();
+            let peak_s = peak_s.min(4.0 * HOUR_S);
+            let peak = work.peak_factor * (1.0 + 0.05 * random.normal()).max(0.7);
+            let work_s = 8.0 * HOUR_S - peak_s;
+            law.hold(&mut state, load(factor * working), work_s).ok()?;
+            let peak = load(factor * peak.max(working));
+            law.hold(&mut state, peak, peak_s).ok()?;
+            if day != RETENSIONED_DAY {
+                law.hold(&mut state, load(factor), 16.0 * HOUR_S).ok()?;
+                continue;
+            }
+            zero = offset(&state);
+            for half_hour in 1..=32 {
+                law.hold(&mut state, load(1.0), 0.5 * HOUR_S).ok()?;
+                let time_s = now_s + (8.0 + 0.5 * f64::from(half_hour)) * HOUR_S;
+                if half_hour < 32 {
+                    offsets.push((time_s, offset(&state) - zero));
+                }
+            }
+        }
+        Some(Self {
+            tensioned_s: HOUR_S + RETENSIONED_DAY as f64 * DAY_S + 8.0 * HOUR_S,
+            offsets,
+        })
+    }
+
+    /// Trend of its sessions with a new baseline half an hour after the re-tensioning; `step_rad` is
+    /// added ten days after it. Returns it with the error of its offset, in standard deviations.
+    fn trend(&self, prior: Prior, step_rad: f64, seed: u64) -> (Trend, f64) {
+        let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");
+        let mut random = Random(seed + 7);
+        let mut bias = 0.15e-3 * random.normal();
+        let (mut zero, mut truth) = (0.0, 0.0);
+        let mut is_tensioned = false;
+        for &(time_s, offset) in &self.offsets {
+            if time_s > self.tensioned_s && !is_tensioned {
+                is_tensioned = true;
+                trend.tensioned(self.tensioned_s).expect("in order");
+                trend.rebased(time_s, 1e-5).expect("in order");
+                (zero, bias) = (offset, 0.15e-3 * random.normal());
+                continue;
+            }
+            let is_late = time_s > self.tensioned_s + 10.0 * DAY_S;
+            truth = offset - zero + if is_late { step_rad } else { 0.0 };
+            let y = truth + bias + 0.06e-3 * random.normal();
+            let shared = SharedError {
+                baseline_rad: 0.15e-3,
+                drift_rad: 0.0,
+            };
+            let session = Record {
+                shared: Some(shared),
+                ..record(time_s / DAY_S, y, 0.18e-3, 23.0)
+            };
+            trend.add(session).expect("in order");
+        }
+        let now = TrendNow::of(&trend).offset_rad;
+        (trend, (truth - now.mean) / now.std)
+    }
+}
+
+// The restored tension lets the rope creep by some mrad in the first days. Without that term five of
+// these eight tendons have false step changes, and one offset of eight is covered.
+#[test]
+fn creep_after_tensioning_is_no_step_change() {
+    const TENDONS: u64 = 8;
+    let catalogue = Catalogue::shipped().expect("shipped");
+    let rope = catalogue.find("liros-dc000-0301").expect("there");
+    let robot = biorob_like();
+    let mut tendons = robot.transmissions.iter().flatten();
+    let tendon = tendons.find_map(|t| t.tendon.clone()).expect("one");
+    let tendon = Tendon {
+        guides: Vec::new(),
+        ..tendon
+    };
+    let pretension_n = tendon.pretension_n.expect("known");
+    let curves = rope_curves(rope, &tendon, pretension_n, None, 23.0, 7).expect("a law");
+    let prior = Prior::new(curves);
+    let steps = |trend: &Trend| -> Vec<f64> {
+        let steps = trend.events().iter().filter(|e| !e.tensioned);
+        steps.map(|e| e.time_s).collect()
+    };
+    let (mut stepped, mut covered) = (0, 0);
+    for seed in 0..TENDONS {
+        // Evenly over 0.1 to 0.9 in another order.
+        let lost = 0.1 + 0.8 * ((0.618 * seed as f64) % 1.0);
+        let service = Relaxing::new(rope, &tendon, lost, seed).expect("does not break");
+        let (trend, z) = service.trend(prior.clone(), 0.0, seed);
+        stepped += u64::from(!steps(&trend).is_empty());
+        covered += u64::from(z.abs() < 1.96);
+        if seed == 0 {
+            let (trend, _) = service.trend(prior.clone(), 3e-3, seed);
+            let days = steps(&trend);
+            let mut days = days.iter().map(|s| (s - service.tensioned_s) / DAY_S);
+            assert!(days.any(|d| (d - 10.7).abs() < 1.0), "{:?}", trend.events());
+        }
+    }
+    // Of 40 such services 4 have false step changes. Of eight correct 95 % intervals fewer than six cover
+    // the truth once in 170 times.
+    assert!(stepped <= 1, "{stepped} of {TENDONS}");
+    assert!(covered >= 6, "{covered} of {TENDONS}");
 }

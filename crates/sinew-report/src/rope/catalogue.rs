@@ -4,7 +4,7 @@ use super::messages::range;
 use super::spoken;
 use crate::text::{TerminalText, or_dash};
 use sinew_figure::{Columns, Table, rounded};
-use sinew_rope::law::entry::{Uncertainty, Value};
+use sinew_rope::law::entry::{DEFAULT_SOURCE, Uncertainty, Value};
 use sinew_rope::{Catalogue, CatalogueRope};
 
 /// Renders the catalogue, one line per rope.
@@ -80,7 +80,8 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
             None => " (not specified in the entry, default)",
         }
     ));
-    out.table(values(e.law.iter().map(|(p, v)| (p.name(), v))));
+    let law = e.law_with_defaults();
+    out.table(values(law.iter().map(|(p, v)| (p.name(), v))));
     if let Err(missing) = e.parameters() {
         out.paragraph(format!(
             "no prediction possible, missing parameters: {}",
@@ -99,6 +100,10 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
     }
     out.add("\nsources\n");
     for (key, source) in &e.sources {
+        out.item(format!("{key}: {source}"));
+    }
+    if law.len() > e.law.len() {
+        let [key, source] = DEFAULT_SOURCE;
         out.item(format!("{key}: {source}"));
     }
     let of_fibre = class.iter().flat_map(|c| &c.sources);

@@ -2,10 +2,10 @@
 
 use super::baseline_error::{BaselineError, SharedPart, Shares};
 use super::component::{
-    AMPLITUDE, BASELINE, Component, DRIFT, EXCESS, Expected, LEVEL, SLOW, STATES, STIFFNESS,
-    TAKEN_OUT, TRIANGLE, entry,
+    AMPLITUDE, BASELINE, Component, DRIFT, EXCESS, Expected, LEVEL, RETENSIONED, SLOW, STATES,
+    STIFFNESS, TAKEN_OUT, TRIANGLE, entry,
 };
-use super::curve::Place;
+use super::curve::{FIRST_S, Place};
 use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
 use super::record::{Record, TrendConfig, TrendEntry};
@@ -33,7 +33,16 @@ pub(super) struct Bank {
     pub stiffness_loss: Option<StiffnessLossStats>,
     /// Common error of all sessions since the baseline.
     pub baseline: BaselineError,
+    /// Time of the last re-tensioning, s since the first tensioning.
+    pub retensioned_s: Option<f64>,
 }
+
+/// Share of the pretension that a tendon has lost before it is re-tensioned: uniform from 0 to 1,
+/// as no session measures it.
+pub(super) const LOST_SHARE: Gaussian = Gaussian {
+    mean: 0.5,
+    std: 0.288_675_134_594_812_9,
+};
 
 /// Decay of the errors of one noise over a time step.
 struct Forgets {
@@ -47,6 +56,8 @@ struct Forgets {
 pub(super) struct Passing {
     /// Creep per curve for an amplitude of 1, rad.
     creep: Vec<f64>,
+    /// Additional creep since the last re-tensioning, in the same way.
+    added: Vec<f64>,
     /// Factor on the slow error, per noise.
     slow: Vec<f64>,
     ages: f64,
@@ -56,6 +67,7 @@ impl Passing {
     pub(super) fn apply(&self, c: &Component, answer: &mut [f64; STATES]) {
         let at = |of: &[f64], k: u32, none: f64| of.get(k as usize).copied().unwrap_or(none);
         answer[LEVEL] += answer[AMPLITUDE] * at(&self.creep, c.curve, 0.0);
+        answer[LEVEL] += answer[RETENSIONED] * at(&self.added, c.curve, 0.0);
         answer[SLOW] *= at(&self.slow, c.noise, 1.0);
         answer[BASELINE] *= self.ages;
         answer[EXCESS] *= self.ages;
@@ -100,6 +112,7 @@ impl Bank {
             components,
             stiffness_loss: None,
             baseline: BaselineError::default(),
+            retensioned_s: None,
         }
     }
 
@@ -115,7 +128,8 @@ impl Bank {
     }
 
     /// Advances the filters in time: the level creeps, the creep rate may deviate from its curve,
-    /// the slow error decays, the baseline error ages.
+    /// the slow error decays, the baseline error ages. After a re-tensioning the additional creep
+    /// deviates from its curve in the same way, per e-fold of the time since then.
     pub(super) fn advance(&mut self, prior: &Prior, time_s: f64) {
         let dt = time_s - self.time_s;
         if !(dt > 0.0) {
@@ -123,6 +137,8 @@ impl Bank {
         }
         let creep = creep(prior, self.time_s, time_s);
         let folds = folds(prior, self.time_s, time_s);
+        let added = self.added(prior, time_s);
+        let added_folds = added_folds(self.retensioned_s, self.time_s, time_s);
         let ages = libm::exp(-dt / BASELINE_CORRELATION_S);
         let renewed = 1.0 - ages * ages;
         let noises: Vec<Forgets> = (prior.noises.iter())
@@ -141,22 +157,23 @@ impl Bank {
                 continue;
             };
             // Level after: level + amplitude · step.
-            c.mean[LEVEL] += c.mean[AMPLITUDE] * step;
-            let p = &mut c.covariance;
-            p[entry(LEVEL, LEVEL)] +=
-                step * (2.0 * p[entry(AMPLITUDE, LEVEL)] + step * p[entry(AMPLITUDE, AMPLITUDE)]);
-            for k in TAKEN_OUT..STATES {
-                p[entry(LEVEL, k)] += step * p[entry(AMPLITUDE, k)];
-            }
+            c.shear(AMPLITUDE, *step);
             // The amplitude walks relative to its own size; one near 0 can still rise.
             let size = c.mean[AMPLITUDE].max(0.1 * (curve.amplitude + curve.amplitude_std));
             let walk = noise.creep_rate_rel_error * size;
-            let walk = walk * walk * folds;
-            p[entry(AMPLITUDE, AMPLITUDE)] += walk;
-            p[entry(AMPLITUDE, LEVEL)] += 0.5 * walk * step;
-            p[entry(LEVEL, LEVEL)] += walk * step * step / 3.0;
+            c.walk(AMPLITUDE, walk * walk * folds, *step);
             // Creep comes in steps: a day of hard work contributes more than ten others.
-            p[entry(LEVEL, LEVEL)] += prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0);
+            c.open(LEVEL, prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0));
+            if let Some(step) = added.get(c.curve as usize) {
+                c.shear(RETENSIONED, *step);
+                let size = c.mean[RETENSIONED].max(0.1 * size);
+                let walk = noise.creep_rate_rel_error * size;
+                c.walk(RETENSIONED, walk * walk * added_folds, *step);
+                c.open(
+                    LEVEL,
+                    prior.step_rad * (c.mean[RETENSIONED] * step).max(0.0),
+                );
+            }
             c.scale(SLOW, forgets.slow);
             let stationary = noise.slow_std_rad * noise.slow_std_rad;
             c.open(SLOW, (1.0 - forgets.slow * forgets.slow) * stationary);
@@ -170,11 +187,32 @@ impl Bank {
         self.time_s = time_s;
     }
 
+    /// Additional creep since the last re-tensioning from the time of the filters to `time_s` for an
+    /// amplitude of 1, per curve, rad; empty without a re-tensioning.
+    fn added(&self, prior: &Prior, time_s: f64) -> Vec<f64> {
+        added(prior, self.retensioned_s, self.time_s, time_s)
+    }
+
+    /// Registers a re-tensioning: the removed offset is unknown, up to `removed_std_rad`, and the
+    /// tension rises again by the share that it has lost.
+    ///
+    /// By superposition that rise adds its own creep from here on: of the curve since tensioning for
+    /// a linear viscoelastic rope, else of its law (`retensioned` of a curve). The share is unknown
+    /// ([`LOST_SHARE`]).
+    fn retensioned(&mut self, removed_std_rad: f64) {
+        self.open(TAKEN_OUT, removed_std_rad);
+        for c in &mut self.components {
+            c.make_random(RETENSIONED, LOST_SHARE, AMPLITUDE);
+        }
+        self.retensioned_s = Some(self.time_s);
+    }
+
     /// Transition of the filters' responses to a step change up to `time_s`.
     pub(super) fn passing(&self, prior: &Prior, time_s: f64) -> Passing {
         let dt = (time_s - self.time_s).max(0.0);
         Passing {
             creep: creep(prior, self.time_s, time_s.max(self.time_s)),
+            added: self.added(prior, time_s.max(self.time_s)),
             slow: (prior.noises.iter())
                 .map(|noise| libm::exp(-dt / noise.slow_time_s))
                 .collect(),
@@ -233,7 +271,8 @@ impl Bank {
         let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
         let off = self.stiffness_loss.map_or(0.0, |s| s.off(record));
         let [better, poorer] = shares.h;
-        Some(([1.0, 1.0, 0.0, warm, 1.0, off, better, poorer], shares))
+        let h = [1.0, 1.0, 0.0, warm, 1.0, off, better, poorer, 0.0];
+        Some((h, shares))
     }
 
     /// Predictions of all filters for a record with an offset, and the record's observation vector.
@@ -442,7 +481,7 @@ impl Bank {
                 self.reconsider_errors(prior);
                 self.jumped();
             }
-            TrendEntry::Tensioned { .. } => self.open(TAKEN_OUT, config.fall_std_rad),
+            TrendEntry::Tensioned { .. } => self.retensioned(config.fall_std_rad),
             TrendEntry::Baseline { std_rad, .. } => self.rebase(*std_rad),
         }
     }
@@ -489,6 +528,7 @@ impl Bank {
             components,
             stiffness_loss: self.stiffness_loss,
             baseline: self.baseline,
+            retensioned_s: self.retensioned_s,
         }
     }
 }
@@ -499,6 +539,27 @@ pub(super) fn creep(prior: &Prior, from_s: f64, to_s: f64) -> Vec<f64> {
     (prior.curves.iter())
         .map(|c| c.between(to) - c.between(from))
         .collect()
+}
+
+/// Additional creep since a re-tensioning between two times for an amplitude of 1, per curve, rad;
+/// empty without a re-tensioning.
+pub(super) fn added(prior: &Prior, retensioned_s: Option<f64>, from_s: f64, to_s: f64) -> Vec<f64> {
+    let Some(start_s) = retensioned_s else {
+        return Vec::new();
+    };
+    let [from, to] = [from_s, to_s].map(|t| Place::of(t - start_s));
+    (prior.curves.iter())
+        .map(|c| c.added_between(to) - c.added_between(from))
+        .collect()
+}
+
+/// Number of e-folds of the time since a re-tensioning between two times; the curves begin with
+/// their first node.
+pub(super) fn added_folds(retensioned_s: Option<f64>, from_s: f64, to_s: f64) -> f64 {
+    retensioned_s.map_or(0.0, |start_s| {
+        let [from, to] = [from_s, to_s].map(|t| (t - start_s).max(FIRST_S));
+        libm::log(to / from).max(0.0)
+    })
 }
 
 /// Number of e-folds of the time since tensioning between two times.

@@ -1,10 +1,12 @@
 //! Kalman filter for one curve and one noise.
 
 use super::gauss::{LogSum, above_zero};
+use sinew_model::Gaussian;
 
 /// Number of states: level, removed offset, amplitude, temperature drift, slow error, offset error
-/// per stiffness error, baseline error, additional baseline error of less accurate sessions.
-pub const STATES: usize = 8;
+/// per stiffness error, baseline error, additional baseline error of less accurate sessions,
+/// amplitude of the additional creep since the last re-tensioning.
+pub const STATES: usize = 9;
 /// Number of entries of the lower triangle of a covariance.
 pub(super) const TRIANGLE: usize = STATES * (STATES + 1) / 2;
 pub(super) const LEVEL: usize = 0;
@@ -15,6 +17,7 @@ pub(super) const SLOW: usize = 4;
 pub(super) const STIFFNESS: usize = 5;
 pub(super) const BASELINE: usize = 6;
 pub(super) const EXCESS: usize = 7;
+pub(super) const RETENSIONED: usize = 8;
 
 /// A Kalman filter for one curve and one noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +28,7 @@ pub struct Component {
     pub noise: u32,
     /// Logarithm of the filter's probability, up to a constant of the bank.
     pub log_weight: f64,
-    /// Means of the states: rad, rad, 1, rad/K, rad, rad, rad, rad.
+    /// Means of the states: rad, rad, 1, rad/K, rad, rad, rad, rad, 1.
     pub mean: [f64; STATES],
     /// Lower triangle of the covariance, row by row.
     pub covariance: [f64; TRIANGLE],
@@ -99,6 +102,33 @@ impl Component {
     /// Inflates the variance of a state.
     pub(super) fn open(&mut self, state: usize, variance: f64) {
         self.covariance[entry(state, state)] += variance;
+    }
+
+    /// Advances the level by `step` times a state.
+    pub(super) fn shear(&mut self, state: usize, step: f64) {
+        self.mean[LEVEL] += self.mean[state] * step;
+        let p = &mut self.covariance;
+        p[entry(LEVEL, LEVEL)] +=
+            step * (2.0 * p[entry(state, LEVEL)] + step * p[entry(state, state)]);
+        for k in TAKEN_OUT..STATES {
+            p[entry(LEVEL, k)] += step * p[entry(state, k)];
+        }
+    }
+
+    /// Adds the walk of an amplitude, of this variance, while the level advances by `step` times it.
+    pub(super) fn walk(&mut self, amplitude: usize, variance: f64, step: f64) {
+        let p = &mut self.covariance;
+        p[entry(amplitude, amplitude)] += variance;
+        p[entry(amplitude, LEVEL)] += 0.5 * variance * step;
+        p[entry(LEVEL, LEVEL)] += variance * step * step / 3.0;
+    }
+
+    /// Sets a state to `factor` times another one; the factor is independent of all states.
+    pub(super) fn make_random(&mut self, state: usize, factor: Gaussian, of: usize) {
+        let mean = self.mean[of];
+        let variance = self.covariance[entry(of, of)];
+        self.make(state, factor.mean, of);
+        self.open(state, factor.std * factor.std * (variance + mean * mean));
     }
 
     /// Multiplies a state by a factor.

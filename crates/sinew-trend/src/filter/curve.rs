@@ -1,7 +1,7 @@
 //! Creep curves on a common logarithmic clock.
 
 /// Time of the first node, s.
-const FIRST_S: f64 = 100.0;
+pub(super) const FIRST_S: f64 = 100.0;
 /// Nodes per decade of time: a straight line over time has an error of 0.5 % between two nodes, a
 /// straight line over its logarithm none.
 const PER_DECADE: usize = 12;
@@ -17,6 +17,10 @@ const YEAR_S: f64 = 31_557_600.0;
 pub struct Curve {
     /// Offset at [`node_times_s`] for an amplitude of 1, rad; rising.
     pub values: Vec<f64>,
+    /// Additional offset at [`node_times_s`] after a re-tensioning of a tendon that has lost all of its
+    /// tension, for an amplitude of 1, rad; `None` for a linear viscoelastic rope, of which it is
+    /// `values` by superposition.
+    pub retensioned: Option<Vec<f64>>,
     /// Mean of the amplitude's prior (a normal distribution truncated at 0).
     pub amplitude: f64,
     /// Standard deviation of the amplitude's prior before truncation.
@@ -71,25 +75,20 @@ impl Curve {
 
     /// Value at a position among the nodes.
     pub(super) fn between(&self, place: Place) -> f64 {
-        let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else {
-            return 0.0;
-        };
-        match place {
-            Place::NotYet => 0.0,
-            Place::BeforeFirst { time_s } => first * time_s / FIRST_S,
-            Place::After { below, share } => {
-                match (self.values.get(below), self.values.get(below + 1)) {
-                    (Some(a), Some(b)) => a + (b - a) * share,
-                    _ => *last,
-                }
-            }
-        }
+        between(&self.values, place)
+    }
+
+    /// Additional offset after a re-tensioning, at a position among the nodes of the time since then.
+    pub(super) fn added_between(&self, place: Place) -> f64 {
+        between(self.retensioned.as_ref().unwrap_or(&self.values), place)
     }
 
     /// Whether the curve is valid: as many finite, rising values as nodes, and a valid prior.
     #[must_use]
     pub fn is_possible(&self) -> bool {
-        let finite = self.values.iter().all(|v| v.is_finite());
+        let added = self.retensioned.as_ref();
+        let finite = self.values.iter().all(|v| v.is_finite())
+            && added.is_none_or(|a| a.len() == NODES && a.iter().all(|v| v.is_finite()));
         // A rope that retracts while warming up falls a little; a larger fall is not a creep curve.
         let range = self.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let rising = self.values.windows(2).all(|w| w[1] >= w[0] - 0.05 * range);
@@ -100,6 +99,21 @@ impl Curve {
             && self.amplitude_std > 0.0
             && self.amplitude_std.is_finite()
             && self.log_weight.is_finite()
+    }
+}
+
+/// Value at a position among nodes.
+fn between(values: &[f64], place: Place) -> f64 {
+    let (Some(first), Some(last)) = (values.first(), values.last()) else {
+        return 0.0;
+    };
+    match place {
+        Place::NotYet => 0.0,
+        Place::BeforeFirst { time_s } => first * time_s / FIRST_S,
+        Place::After { below, share } => match (values.get(below), values.get(below + 1)) {
+            (Some(a), Some(b)) => a + (b - a) * share,
+            _ => *last,
+        },
     }
 }
 
@@ -120,6 +134,7 @@ pub fn generic_curves(amplitude_std_rad: f64) -> Vec<Curve> {
     let mut push = |values: Vec<f64>| {
         let mut curve = Curve {
             values,
+            retensioned: None,
             amplitude: 0.0,
             amplitude_std: amplitude_std_rad,
             log_weight: 0.0,
@@ -176,6 +191,7 @@ mod tests {
                 values[NODES / 2] = values[NODES / 2 - 1] - share * whole;
                 Curve {
                     values,
+                    retensioned: None,
                     amplitude: 1.0,
                     amplitude_std: 0.5,
                     log_weight: 0.0,

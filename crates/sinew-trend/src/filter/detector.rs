@@ -254,6 +254,7 @@ mod tests {
     /// Linear creep and errors, so that the evidence of a step change has a closed form.
     fn linear() -> Prior {
         let curve = |amplitude: f64| Curve {
+            retensioned: None,
             values: (node_times_s().iter())
                 .map(|t| libm::log(t / 100.0))
                 .collect(),

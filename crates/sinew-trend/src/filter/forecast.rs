@@ -1,7 +1,7 @@
 //! Paths drawn from the posterior, and their first passage of a limit.
 
-use super::bank::{creep, folds};
-use super::component::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, entry};
+use super::bank::{added, added_folds, creep, folds};
+use super::component::{AMPLITUDE, Component, DRIFT, LEVEL, RETENSIONED, SLOW, TAKEN_OUT, entry};
 use super::gauss::LogSum;
 use super::prior::Prior;
 use super::tracker::Trend;
@@ -49,11 +49,16 @@ impl Paths {
             let last = times.last().copied().unwrap_or(trend.time_s());
             times.push(if t > last { t } else { last });
         }
-        // Creep of every curve between successive times, and the e-folds.
-        let mut steps: Vec<(f64, Vec<f64>)> = Vec::with_capacity(times.len());
+        let mut steps: Vec<Step> = Vec::with_capacity(times.len());
         let mut from = trend.time_s();
+        let retensioned_s = trend.retensioned_s();
         for &t in &times {
-            steps.push((folds(prior, from, t), creep(prior, from, t)));
+            steps.push(Step {
+                folds: folds(prior, from, t),
+                creep: creep(prior, from, t),
+                added_folds: added_folds(retensioned_s, from, t),
+                added: added(prior, retensioned_s, from, t),
+            });
             from = t;
         }
         let mut out = Self {
@@ -76,14 +81,28 @@ impl Paths {
     }
 }
 
+/// Creep between two successive times.
+struct Step {
+    /// E-folds of the time since tensioning.
+    folds: f64,
+    /// Creep of every curve for an amplitude of 1, rad.
+    creep: Vec<f64>,
+    /// E-folds of the time since the last re-tensioning.
+    added_folds: f64,
+    /// Additional creep since the last re-tensioning, per curve for an amplitude of 1, rad; empty
+    /// without one.
+    added: Vec<f64>,
+}
+
 /// Draws one path of one filter.
 fn path(
     prior: &Prior,
     component: &Component,
-    steps: &[(f64, Vec<f64>)],
+    steps: &[Step],
     normal: &mut dyn FnMut() -> f64,
 ) -> (Vec<f64>, Vec<f64>) {
-    let state = draw(component, normal);
+    let is_retensioned = steps.iter().any(|step| !step.added.is_empty());
+    let state = draw(component, is_retensioned, normal);
     let mut offset = vec![0.0; steps.len()];
     let mut whole = vec![0.0; steps.len()];
     let creep_rate_rel_error = prior
@@ -91,12 +110,22 @@ fn path(
         .get(component.noise as usize)
         .map_or(0.0, |n| n.creep_rate_rel_error);
     let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
-    for (i, (folds, creep)) in steps.iter().enumerate() {
-        let step = creep.get(component.curve as usize).copied().unwrap_or(0.0);
+    let mut retensioned = state[ADDED];
+    let curve = component.curve as usize;
+    for (i, step) in steps.iter().enumerate() {
         // Factor of mean 1; the level uses the mean of both ends.
-        let variance = creep_rate_rel_error * creep_rate_rel_error * folds;
-        let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
-        let crept = 0.5 * (1.0 + factor) * amplitude * step;
+        let mut walk = |folds: f64| {
+            let variance = creep_rate_rel_error * creep_rate_rel_error * folds;
+            libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance)
+        };
+        let factor = walk(step.folds);
+        let creep = step.creep.get(curve).copied().unwrap_or(0.0);
+        let mut crept = 0.5 * (1.0 + factor) * amplitude * creep;
+        if let Some(added) = step.added.get(curve) {
+            let factor = walk(step.added_folds);
+            crept += 0.5 * (1.0 + factor) * retensioned * added;
+            retensioned *= factor;
+        }
         let jerk = libm::sqrt(prior.step_rad * crept.max(0.0));
         level += crept + if jerk > 0.0 { jerk * normal() } else { 0.0 };
         amplitude *= factor;
@@ -106,23 +135,32 @@ fn path(
     (offset, whole)
 }
 
-/// Number of states that determine a path; the others affect sessions only.
-const DRAWN: usize = 5;
+/// States that are drawn; the last one only after a re-tensioning.
+const DRAWN_STATES: [usize; DRAWN] = [LEVEL, TAKEN_OUT, AMPLITUDE, DRIFT, SLOW, RETENSIONED];
+/// Number of states that are drawn.
+const DRAWN: usize = 6;
+/// Place of the amplitude of the additional creep among the states that are drawn.
+const ADDED: usize = DRAWN - 1;
 
 /// Draws a state of a filter with an amplitude above 0.
-fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] {
-    let covariance: [f64; DRAWN * DRAWN] =
-        core::array::from_fn(|at| component.covariance[entry(at / DRAWN, at % DRAWN)]);
+fn draw(
+    component: &Component,
+    is_retensioned: bool,
+    normal: &mut dyn FnMut() -> f64,
+) -> [f64; DRAWN] {
+    let of = |i: usize, k: usize| component.covariance[entry(DRAWN_STATES[i], DRAWN_STATES[k])];
+    let covariance: [f64; DRAWN * DRAWN] = core::array::from_fn(|at| of(at / DRAWN, at % DRAWN));
     let mut l = [0.0; DRAWN * DRAWN];
     // A state that is exactly determined has a column of zeros: the factorisation accepts it.
     let pivot = |left: f64| Some(libm::sqrt(left.max(0.0)));
     let _ = cholesky::factorise_singular(&covariance, &mut l, DRAWN, pivot);
     // Maximum number of attempts: filters with an amplitude rarely above 0 contribute few paths.
     const MAX_ATTEMPTS: usize = 64;
-    let mean: [f64; DRAWN] = core::array::from_fn(|i| component.mean[i]);
+    let mean = DRAWN_STATES.map(|state| component.mean[state]);
+    let drawn = if is_retensioned { DRAWN } else { ADDED };
     let mut x = mean;
     for _ in 0..MAX_ATTEMPTS {
-        let z: [f64; DRAWN] = core::array::from_fn(|_| normal());
+        let z: [f64; DRAWN] = core::array::from_fn(|i| if i < drawn { normal() } else { 0.0 });
         x = mean;
         for i in 0..DRAWN {
             x[i] += (0..=i).map(|k| l[i * DRAWN + k] * z[k]).sum::<f64>();

@@ -61,4 +61,4 @@ pub(super) fn jump_size(
 }
 
 /// State vector with a unit of level.
-const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -6,10 +6,12 @@
 //!
 //! ```text
 //! offset record = J + R + α (T − T_ref) + u(t) + w σ_i e,   e ~ N(0, 1)
-//! J  true elongation since the baseline: dJ = a(t) dc(t), and step changes
+//! J  true elongation since the baseline: dJ = a(t) dc(t) + b(t) dg(t − t_r), and step changes
 //! c  creep curve over time since tensioning; a > 0 its present amplitude,
 //!    da = δ a dW(ln t): the creep rate may deviate from its curve by δ per e-fold of time;
 //!    creep comes in steps of some 0.07 mrad, as on days of hard work: Var[dJ] = step a dc
+//! b  amplitude of the additional creep g since the last re-tensioning at t_r: b = q a there, with q
+//!    the lost share of the pretension, uniform from 0 to 1; db = δ b dW(ln(t − t_r))
 //! R  offset removed by re-tensioning (usually below 0)
 //! α  drift of the estimate with temperature
 //! u  slow error of neighbouring sessions: Ornstein–Uhlenbeck, standard deviation σ_u, time τ_u
@@ -22,6 +24,10 @@
 //! and of noises, every pair is one filter, and the filters are weighted by their evidence. The
 //! interval of a forecast therefore includes the uncertainty of the law and of the errors. Creep
 //! does not run backwards: the share of each filter's posterior with `a > 0` accounts for it.
+//!
+//! **Re-tensioning.** The rope keeps its memory: `c` continues. The restored tension creeps anew, by
+//! Boltzmann's superposition principle with `g = c` for a linear viscoelastic rope; a rope creep law
+//! states its own `g`, because its bedding-in is not linear ([`Curve::retensioned`]).
 //!
 //! **Step changes.** The last few records are kept separately. For each of them the hypothesis of a
 //! step change just before it is compared with none, and both with the hypothesis that this record

@@ -1,6 +1,9 @@
 //! Present state of a tendon after the last record.
 
-use super::component::{AMPLITUDE, BASELINE, Component, DRIFT, LEVEL, TAKEN_OUT, entry};
+use super::bank::added;
+use super::component::{
+    AMPLITUDE, BASELINE, Component, DRIFT, LEVEL, RETENSIONED, TAKEN_OUT, entry,
+};
 use super::curve::Place;
 use super::gauss::LogSum;
 use super::tracker::Trend;
@@ -44,11 +47,13 @@ impl TrendNow {
         let rates: Vec<f64> = (prior.curves.iter())
             .map(|k| (k.between(tomorrow) - k.between(today)) / DAY_S)
             .collect();
+        let added = added(prior, trend.retensioned_s(), t, t + DAY_S);
         let mut moments = [[0.0; 2]; 5];
         let (mut slow_std_rad, mut white_scale) = (0.0, 0.0);
         for (c, weight) in trend.components().iter().zip(&weights) {
             let share = libm::exp(weight - total);
             let rate = rates.get(c.curve as usize).copied().unwrap_or(0.0);
+            let extra = added.get(c.curve as usize).map_or(0.0, |step| step / DAY_S);
             let p = |i: usize, k: usize| c.covariance[entry(i, k)];
             let offset = c.mean[LEVEL] + c.mean[TAKEN_OUT];
             let offset_variance =
@@ -57,8 +62,11 @@ impl TrendNow {
                 (offset, offset_variance.max(0.0)),
                 (c.mean[LEVEL], p(LEVEL, LEVEL)),
                 (
-                    rate * c.mean[AMPLITUDE],
-                    rate * rate * p(AMPLITUDE, AMPLITUDE),
+                    rate * c.mean[AMPLITUDE] + extra * c.mean[RETENSIONED],
+                    (rate * rate * p(AMPLITUDE, AMPLITUDE)
+                        + 2.0 * rate * extra * p(AMPLITUDE, RETENSIONED)
+                        + extra * extra * p(RETENSIONED, RETENSIONED))
+                    .max(0.0),
                 ),
                 (c.mean[DRIFT], p(DRIFT, DRIFT)),
                 (c.mean[BASELINE], p(BASELINE, BASELINE)),
@@ -99,6 +107,7 @@ mod tests {
         const AMPLITUDE: f64 = 1e-3;
         for days in [0.5, 10.0, 100.0] {
             let mut prior = Prior::new(vec![Curve {
+                retensioned: None,
                 values: node_times_s().iter().map(|t| libm::log(*t)).collect(),
                 amplitude: AMPLITUDE,
                 amplitude_std: 1e-9,

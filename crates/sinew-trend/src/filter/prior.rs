@@ -88,7 +88,8 @@ impl Prior {
         let mut all = Fingerprint::new();
         let mut mix = |v: f64| all.take(v);
         for c in &self.curves {
-            c.values.iter().for_each(|v| mix(*v));
+            let added = c.retensioned.iter().flatten();
+            c.values.iter().chain(added).for_each(|v| mix(*v));
             for v in [c.amplitude, c.amplitude_std, c.log_weight] {
                 mix(v);
             }

@@ -1,7 +1,9 @@
 //! Screening of all step changes of a window in one pass.
 
-use super::bank::{Bank, Prediction};
-use super::component::{BASELINE, Component, EXCESS, LEVEL, STATES, TAKEN_OUT};
+use super::bank::{Bank, LOST_SHARE, Prediction};
+use super::component::{
+    AMPLITUDE, BASELINE, Component, EXCESS, LEVEL, RETENSIONED, STATES, TAKEN_OUT,
+};
 use super::gauss::LogSum;
 use super::prior::Prior;
 use super::record::{TrendConfig, TrendEntry};
@@ -108,6 +110,12 @@ impl Bank {
                     c.correct(&prediction.expected, error, prediction.s);
                 }
                 self.take_stiffness(record);
+            }
+            TrendEntry::Tensioned { .. } => {
+                self.undergo(prior, config, entry);
+                screen.each(&self.components, |_, answer| {
+                    answer[RETENSIONED] = LOST_SHARE.mean * answer[AMPLITUDE];
+                });
             }
             TrendEntry::Baseline { .. } => {
                 self.undergo(prior, config, entry);

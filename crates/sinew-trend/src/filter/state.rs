@@ -19,6 +19,8 @@ pub struct TrendState {
     pub stiffness_loss: Option<StiffnessLossStats>,
     /// Common error of the sessions since the baseline, before the last entries.
     pub baseline: BaselineError,
+    /// Time of the last re-tensioning before the last entries, s.
+    pub retensioned_s: Option<f64>,
     /// Stiffness before the last entries.
     pub stiffness: Stiffness,
     /// Entries of the window.

@@ -66,6 +66,7 @@ impl Trend {
         if state.fingerprint != out.prior.fingerprint()
             || state.components.is_empty()
             || !state.time_s.is_finite()
+            || state.retensioned_s.is_some_and(|t| !t.is_finite())
             || !state.components.iter().all(possible)
             || !state.stiffness.is_possible()
             || !state.baseline.is_possible()
@@ -78,6 +79,7 @@ impl Trend {
             components: state.components,
             stiffness_loss: state.stiffness_loss,
             baseline: state.baseline,
+            retensioned_s: state.retensioned_s,
         };
         out.stiffness = state.stiffness;
         out.entries = state.entries;
@@ -96,6 +98,7 @@ impl Trend {
             components: self.anchor.components.clone(),
             stiffness_loss: self.anchor.stiffness_loss,
             baseline: self.anchor.baseline,
+            retensioned_s: self.anchor.retensioned_s,
             stiffness: self.stiffness,
             entries: self.entries.clone(),
             events: self.events.clone(),
@@ -119,6 +122,11 @@ impl Trend {
     #[must_use]
     pub fn records(&self) -> u64 {
         self.records
+    }
+
+    /// Time of the last re-tensioning, s since tensioning.
+    pub(super) fn retensioned_s(&self) -> Option<f64> {
+        self.current.retensioned_s
     }
 
     /// Time of the last entry, s since tensioning; that of the baseline before the first entry.
@@ -162,7 +170,8 @@ impl Trend {
     }
 
     /// Registers a specified re-tensioning. The rope keeps its memory: the creep continues along
-    /// its curve, and the variance of the removed offset is inflated.
+    /// its curve, and the tension that is restored adds its own. The variance of the removed offset
+    /// is inflated.
     ///
     /// # Errors
     /// Returns [`TrendError::OutOfOrder`] or [`TrendError::NotFinite`]; the trend is unchanged.

@@ -241,8 +241,9 @@ impl CatalogueEntry {
         let mut out = Parameters::zero(self.material);
         let mut missing = Vec::new();
         for &parameter in Parameter::ALL {
-            let stated = self.law.get(&parameter).map(|v| v.at(z(parameter)));
-            let Some(value) = stated.or_else(|| default_at(parameter, z(parameter))) else {
+            let at = |v: &Value| v.at(z(parameter));
+            let stated = self.law.get(&parameter).map(at);
+            let Some(value) = stated.or_else(|| default(parameter).as_ref().map(at)) else {
                 missing.push(parameter.name());
                 continue;
             };
@@ -254,6 +255,21 @@ impl CatalogueEntry {
         } else {
             Err(missing)
         }
+    }
+
+    /// Values of the creep law, including those of parameters that have a default and are not stated
+    /// ([`DEFAULT_SOURCE`]); none for an entry without a law.
+    #[must_use]
+    pub fn law_with_defaults(&self) -> BTreeMap<Parameter, Value> {
+        let mut out = self.law.clone();
+        if !out.is_empty() {
+            for &parameter in Parameter::ALL {
+                if let (false, Some(value)) = (out.contains_key(&parameter), default(parameter)) {
+                    out.insert(parameter, value);
+                }
+            }
+        }
+        out
     }
 
     /// Manufacturer's discard strain since new, m/m.
@@ -347,12 +363,21 @@ impl CatalogueEntry {
     }
 }
 
-/// Value of a parameter that has a default, at `z` standard deviations.
-fn default_at(parameter: Parameter, z: f64) -> Option<f64> {
-    /// Middle and half-width of the 95 % interval: no elongation of a fibre rope against D/d is published.
-    const PRESSURE_EXPONENT: [f64; 2] = [0.5, 0.5];
-    let [middle, half_width] = PRESSURE_EXPONENT;
-    (parameter == Parameter::PassPressureExponent).then(|| middle + half_width * z / QUANTILE_975)
+/// Key and text of the source of default values.
+pub const DEFAULT_SOURCE: [&str; 2] = [
+    "default",
+    "assumed: no elongation of a fibre rope against D/d is published",
+];
+
+/// Value of a parameter that has a default.
+fn default(parameter: Parameter) -> Option<Value> {
+    (parameter == Parameter::PassPressureExponent).then(|| Value {
+        value: 0.5,
+        uncertainty: Uncertainty::PlusMinus(0.5),
+        origin: Origin::Assumed,
+        source: DEFAULT_SOURCE[0].into(),
+        date: None,
+    })
 }
 
 /// A TOML basic string.

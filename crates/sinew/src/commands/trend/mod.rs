@@ -6,7 +6,7 @@ use super::external::Arguments;
 use super::rope::Ropes;
 use crate::files::{Named, check_outputs, write_table};
 use crate::quantity::{Share, Time, duration, part};
-use crate::terminal::{Failure, Finish, Word, answer, complain_coded};
+use crate::terminal::{Bar, Failure, Finish, Word, answer, complain_coded};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_files::JsonDocument as _;
@@ -14,7 +14,7 @@ use sinew_files::date::{DAY_S, parse_utc_s};
 use sinew_report::trend::{html, note_message, render_table, trend_series, trend_table};
 use sinew_rope::Duty;
 use sinew_trend::survival::LifePrior;
-use sinew_trend::{Stated, TrendRequest, analyze, read_sessions};
+use sinew_trend::{Stated, TrendRequest, analyze_with_progress, read_sessions};
 use std::path::PathBuf;
 
 /// Analyse the trend of tendons over sessions, and forecast re-tensioning and replacement
@@ -148,7 +148,9 @@ impl Trend {
             horizon_days: self.horizon.0 / DAY_S,
             seed: self.seed,
         };
-        let report = analyze(sorted, &request)?;
+        let bar = Bar::new("creep curves");
+        let report = analyze_with_progress(sorted, &request, &|done| bar.set(done, 1.0))?;
+        drop(bar);
         write_table(self.csv.as_deref(), || trend_table(&report))?;
         write_table(self.series.as_deref(), || trend_series(&report))?;
         if let Some(path) = &self.report {
