@@ -1,6 +1,6 @@
 //! Command-line arguments of the monitor.
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -13,8 +13,10 @@ use std::path::PathBuf;
     name = "sinew-watch",
     version,
     max_term_width = 80,
+    args_conflicts_with_subcommands = true,
     after_help = "Exit codes: 0 success, 1 invalid input, 2 usage.\n\n\
-                  Examples:\n  sinew watch --demo\n  sinew watch --check /etc/sinew/watch.toml"
+                  Examples:\n  sinew watch --demo\n  sinew watch --check /etc/sinew/watch.toml\n  \
+                  sinew watch backup /var/backups/watch.db"
 )]
 pub struct Args {
     /// Configuration file [default: /etc/sinew/watch.toml, if it exists]
@@ -28,6 +30,22 @@ pub struct Args {
     /// Address of the demonstration page [default: 127.0.0.1:8642]
     #[arg(long, value_name = "ADDRESS", requires = "demo", value_parser = loopback)]
     pub bind: Option<SocketAddr>,
+    /// Command instead of monitoring
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// Command of the program.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Copy the store into a file while the monitor is running
+    Backup {
+        /// File to write; an existing one is replaced once the copy is complete
+        target: PathBuf,
+        /// Configuration file that names the store
+        #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
+        config: PathBuf,
+    },
 }
 
 /// Parses an address on the loopback interface: everybody who reaches the demonstration may operate it.

@@ -22,16 +22,20 @@ pub mod web;
 pub mod webhooks;
 pub mod words;
 
-use args::Args;
+use args::{Args, Command};
 use config::Config;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use store::{Place, Reader, StoreError};
 
 /// Runs the program with its arguments.
 ///
 /// # Errors
 /// Returns the reason as text if an argument, file or address is invalid.
 pub fn run(args: &Args) -> Result<ExitCode, String> {
+    if let Some(Command::Backup { target, config }) = &args.command {
+        return backup(config, target);
+    }
     if args.demo {
         let mut web = config::WebSettings::default();
         if let Some(bind) = args.bind {
@@ -56,6 +60,18 @@ pub fn run(args: &Args) -> Result<ExitCode, String> {
         return check_file(&file);
     }
     service::run(&file)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn backup(config: &Path, target: &Path) -> Result<ExitCode, String> {
+    let config = Config::read(config).map_err(|e| e.to_string())?;
+    let place = Place::Folder(config.store);
+    let file = place.file();
+    let error = |e: StoreError| format!("{file}: {e}");
+    let reader = Reader::open(&place).map_err(error)?;
+    reader.check().map_err(error)?;
+    let length = reader.backup(target).map_err(error)?;
+    println!("{}: {:.1} MB", target.display(), 1e-6 * length as f64);
     Ok(ExitCode::SUCCESS)
 }
 

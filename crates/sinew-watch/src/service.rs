@@ -84,6 +84,7 @@ impl Web {
             .max_blocking_threads(16)
             .build();
         let tokio = tokio.map_err(|e| e.to_string())?;
+        let hooks = start.webhooks.clone();
         let work = async move {
             signals_of_the_system(signals);
             tokio::spawn(webhooks::run(
@@ -94,8 +95,13 @@ impl Web {
             let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), start.demo);
             let now = move || clock_rate.instant(clock.now()).utc_s();
             let (tell, ticks) = watch::channel(Arc::new(ticker.tick(now())));
-            let guard = Guard::new(&start.settings, start.token);
-            let app = App::new((registry, health), guard, ticks, start.place);
+            let guard = Guard::new(
+                &start.settings,
+                start.token,
+                &start.place,
+                Arc::clone(&health),
+            );
+            let app = App::new((registry, health), guard, ticks, hooks, start.place);
             let mut ended_too = ended.clone();
             if let Some(listener) = listener
                 && let Ok(listener) = tokio::net::TcpListener::from_std(listener)

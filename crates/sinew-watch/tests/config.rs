@@ -30,7 +30,7 @@ fn config_reads_every_key() {
     let config = parse(
         "[web]\nbind = \"0.0.0.0:80\"\nhost_names = [\"Cell-3.example.org\"]\ntoken_file = \"token\"\n\
          [store]\ndir = \"store\"\n[publish]\ntendons = false\n\
-         [[webhook]]\nurl = \"http://[::1]:9000/hook?a=1\"\nseverity_min = 600\n\
+         [[webhook]]\nurl = \"http://[::1]:9000/hook?a=1\"\nseverity_min = 600\nformat = \"ntfy\"\n\
          [[robot]]\nname = \"arm-7\"\ndir = \"/robots/arm\"\nbaseline = \"arm.baseline\"\nmapping = \"names.toml\"\n\
          joint_topic = \"js\"\nmotor_topic = \"ms\"\nmotor_interface = \"position\"\njoint_effort = \"tau-m\"\n\
          stamps = \"simulated\"\nmotor_torque = false\nempty_gripper = true\ntemperature_c = 21\n\
@@ -45,6 +45,7 @@ fn config_reads_every_key() {
     assert_eq!(config.web.token_file, Some("/etc/sinew/token".into()));
     assert!(config.publish.diagnostics && !config.publish.tendons);
     let hook = &config.webhooks[0];
+    assert_eq!(hook.format, sinew_watch::config::PostFormat::Ntfy);
     assert_eq!(
         (hook.host.as_str(), hook.port, hook.path.as_str()),
         ("[::1]", 9000, "/hook?a=1")

@@ -2,7 +2,7 @@
 
 use sinew_model::Gaussian;
 use sinew_watch::store::{
-    COLUMNS, JournalFilter, Place, Reader, RecordQuery, Store, StoreError, VERSION,
+    COLUMNS, JournalFilter, Place, Reader, RecordQuery, SeriesQuery, Store, StoreError, VERSION,
 };
 use sinew_watch_core::alarm::{Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition};
 use sinew_watch_core::journal::{Entry, Event, SessionEnd};
@@ -190,6 +190,7 @@ fn records_query_filters_and_limits_to_newest() {
         joint: Some("elbow".into()),
         from_utc_s: Some(1_793_600_000.0 + 600.0 * 5.0),
         to_utc_s: Some(1_793_600_000.0 + 600.0 * 9.0),
+        before: None,
         most: None,
     };
     assert_eq!(of(&query), [5.0, 6.0, 7.0, 8.0]);
@@ -322,4 +323,191 @@ fn readers_see_whole_transactions_during_writes() {
     for reader in readers {
         reader.join().unwrap();
     }
+}
+
+#[test]
+fn lost_database_is_not_begun_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("watch.db");
+    let place = || Place::Folder(folder.path().into());
+    open(folder.path()).commit(&[transaction("a", 1)]).unwrap();
+    std::fs::write(&file, b"").unwrap();
+    let error = Store::open(place()).unwrap_err();
+    assert!(matches!(error, StoreError::Lost { .. }), "{error}");
+    assert_eq!(std::fs::metadata(&file).unwrap().len(), 0);
+    let error = Reader::open(&place()).unwrap().check().unwrap_err();
+    assert!(matches!(error, StoreError::Lost { .. }), "{error}");
+    // Missing beside its write-ahead log, which SQLite would remove.
+    std::fs::remove_file(&file).unwrap();
+    let log = folder.path().join("watch.db-wal");
+    std::fs::write(&log, b"frames").unwrap();
+    let error = Store::open(place()).unwrap_err();
+    assert!(error.to_string().contains("watch.db-wal"), "{error}");
+    // Removed by the operator: begun anew. The rest of an interrupted start does no harm.
+    std::fs::remove_file(&log).unwrap();
+    std::fs::write(folder.path().join("watch.db.new"), b"half").unwrap();
+    drop(open(folder.path()));
+    assert!(!folder.path().join("watch.db.new").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn store_is_readable_by_its_owner_only() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let store_folder = folder.path().join("sinew");
+    let mut store = open(&store_folder);
+    store.commit(&[transaction("a", 1)]).unwrap();
+    let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    assert_eq!(mode(&store_folder), 0o700);
+    for entry in std::fs::read_dir(&store_folder).unwrap() {
+        let path = entry.unwrap().path();
+        assert_eq!(mode(&path), 0o600, "{}", path.display());
+    }
+}
+
+#[test]
+fn backup_of_written_store_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path());
+    store.commit(&[transaction("a", 1)]).unwrap();
+    let copies = tempfile::tempdir().unwrap();
+    let target = copies.path().join("watch.db");
+    let reader = store.reader().unwrap();
+    reader.backup(&target).unwrap();
+    store.commit(&[transaction("a", 2)]).unwrap();
+    let records = |folder: &Path| {
+        let reader = Reader::open(&Place::Folder(folder.into())).unwrap();
+        reader.check().unwrap();
+        reader.records(&RecordQuery::default()).unwrap().len()
+    };
+    assert_eq!((records(copies.path()), records(folder.path())), (2, 4));
+    // A later copy replaces it, and can be used as a store.
+    reader.backup(&target).unwrap();
+    assert_eq!(
+        open(copies.path())
+            .reader()
+            .unwrap()
+            .stored("a")
+            .unwrap()
+            .last_id,
+        2
+    );
+}
+
+/// Stores hourly records of one tendon of each robot, with two single outliers and a part without offsets.
+fn hourly(store: &mut Store, robots: &[&str], count: u64) {
+    for (at, robot) in robots.iter().enumerate() {
+        let mut all = Transaction {
+            records: Vec::new(),
+            ..transaction(robot, 1)
+        };
+        for hour in 0..count {
+            let mut one = record(
+                robot,
+                "elbow",
+                1_793_600_000.0 + 3600.0 * hour as f64 + at as f64,
+            );
+            one.offset_rad = match hour {
+                700 => Some(0.5),
+                701 => Some(-0.5),
+                // A part without conclusive records.
+                900..1000 => None,
+                _ => Some(1e-5 * hour as f64),
+            };
+            all.records.push(one);
+        }
+        store.commit(&[all]).unwrap();
+    }
+}
+
+#[test]
+fn records_are_read_in_pieces_and_by_cursor() {
+    let mut store = Store::open(Place::Memory(4)).unwrap();
+    hourly(&mut store, &["a", "b"], 1000);
+    let reader = store.reader().unwrap();
+    for (robot, joint) in [(None, None), (Some("a"), None), (Some("a"), Some("elbow"))] {
+        let mut query = RecordQuery {
+            robot: robot.map(str::to_owned),
+            joint: joint.map(str::to_owned),
+            most: Some(300),
+            ..RecordQuery::default()
+        };
+        let whole = reader
+            .records(&RecordQuery {
+                most: None,
+                ..query.clone()
+            })
+            .unwrap();
+        // From the newest to the oldest, each page in pieces of 70.
+        let mut pages = Vec::new();
+        loop {
+            let span = reader.span(&query).unwrap().unwrap();
+            let (mut next, mut page) = (Some(span.first), Vec::new());
+            while let Some(from) = next {
+                let before = page.len();
+                next = reader
+                    .piece(&query, [from, span.last], 70, |record| page.push(record))
+                    .unwrap();
+                assert!(page.len() - before <= 70);
+            }
+            assert_eq!(page, reader.records(&query).unwrap());
+            pages.push(page);
+            if !span.has_older {
+                break;
+            }
+            query.before = Some(span.first.id);
+        }
+        let read: Vec<Record> = pages.into_iter().rev().flatten().collect();
+        assert_eq!(read, whole);
+    }
+    let none = RecordQuery {
+        robot: Some("c".into()),
+        ..RecordQuery::default()
+    };
+    assert_eq!(reader.span(&none).unwrap(), None);
+}
+
+#[test]
+fn series_keeps_extremes_of_every_interval() {
+    let mut store = Store::open(Place::Memory(5)).unwrap();
+    hourly(&mut store, &["a"], 10_000);
+    let reader = store.reader().unwrap();
+    let all = SeriesQuery::default();
+    let series = reader.series("a", "elbow", &all, 50).unwrap();
+    assert_eq!((series.records, series.inconclusive), (10_000, 100));
+    assert!(
+        series.points.len() <= 150 && series.points.len() >= 50,
+        "{}",
+        series.points.len()
+    );
+    assert!(series.points.is_sorted_by_key(|p| p.time_utc_s));
+    let offsets = || series.points.iter().filter_map(|p| p.offset_rad);
+    // The short step of one record remains visible.
+    assert!(offsets().any(|x| x == 0.5) && offsets().any(|x| x == -0.5));
+    let last = series.points.last().unwrap();
+    assert_eq!(Some(last.time_utc_s), series.last_utc_s);
+    // A year inside is reached with its own resolution, down to every record.
+    let from = 1_793_600_000.0 + 3600.0 * 5000.0;
+    let some = SeriesQuery {
+        from_utc_s: Some(from),
+        to_utc_s: Some(from + 3600.0 * 99.0),
+        intervals: None,
+    };
+    let series = reader.series("a", "elbow", &some, 50).unwrap();
+    assert_eq!((series.points.len(), series.interval_s), (100, None));
+    let none = reader.series("a", "knee", &all, 50).unwrap();
+    assert_eq!((none.first_utc_s, none.points), (None, Vec::new()));
+}
+
+/// Ten years of records of 12 robots, one million, in the folder `SINEW_MILLION`: the store of the measurement of memory.
+#[test]
+fn million_records() {
+    let Some(folder) = std::env::var_os("SINEW_MILLION") else {
+        return;
+    };
+    let mut store = open(Path::new(&folder));
+    let names: Vec<String> = (0..12).map(|n| format!("arm-{n}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    hourly(&mut store, &names, 83_334);
 }

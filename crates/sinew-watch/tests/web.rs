@@ -2,13 +2,22 @@
 
 use crate::http::{ask, events, get, post, raw};
 use serde_json::{Value, json};
-use sinew_watch::config::WebSettings;
+use sinew_watch::config::{PostFormat, WebSettings, Webhook};
 use sinew_watch::demo::Demo;
+use sinew_watch::runtime::{Health, RobotRegistry};
+use sinew_watch::store::{Place, Store};
+use sinew_watch::web::guard::Guard;
 use sinew_watch::web::metrics::ABOUT;
+use sinew_watch::web::routes::router;
+use sinew_watch::web::{App, Ticker};
+use sinew_watch::webhooks::Post;
+use sinew_watch_core::alarm::{AlarmKey, AlarmState, Condition, Transition, TransitionReason};
+use sinew_watch_core::journal::{Entry, Event};
 use std::collections::BTreeSet;
+use std::io::{BufRead as _, Read as _, Write as _};
 use std::net::SocketAddr;
-use std::sync::OnceLock;
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Demonstration on its own port.
@@ -381,7 +390,7 @@ fn metrics_match_list_with_unique_types() {
 fn page_is_compressed_and_complete() {
     let running = Running::shared();
     let mut packed = 0;
-    for path in ["/", "/app.js", "/app.css", "/icon.svg"] {
+    for path in ["/", "/app.js", "/stream.js", "/app.css", "/icon.svg"] {
         let plain = get(running.at, path);
         let small = ask(
             running.at,
@@ -414,4 +423,360 @@ fn page_is_compressed_and_complete() {
         assert_eq!(get(running.at, path).text(), get(running.at, "/").text());
     }
     assert_eq!(get(running.at, "/nowhere").status, 404);
+}
+
+/// Serves the pages of a store, with a token and receivers of notifications.
+fn served(place: &Place, token: Option<&str>, hooks: Vec<Webhook>) -> SocketAddr {
+    let settings = WebSettings::default();
+    let (registry, health) = (Arc::new(RobotRegistry::default()), Arc::new(Health::new(1)));
+    for n in 0..12 {
+        registry.slot(&format!("arm-{n}"));
+    }
+    let guard = Guard::new(
+        &settings,
+        token.map(str::to_owned),
+        place,
+        Arc::clone(&health),
+    );
+    let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), None);
+    let (tell, ticks) = tokio::sync::watch::channel(Arc::new(ticker.tick(1.8e9)));
+    let (_hooks, hooks) = tokio::sync::watch::channel(hooks);
+    let app = App::new((registry, health), guard, ticks, hooks, place.clone());
+    let (sender, address) = channel();
+    std::thread::spawn(move || {
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .unwrap();
+        runtime.block_on(async {
+            let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+            sender.send(listener.local_addr().unwrap()).unwrap();
+            tokio::spawn(async move {
+                loop {
+                    tokio::time::sleep(Duration::from_millis(50)).await;
+                    tell.send_replace(Arc::new(ticker.tick(1.8e9)));
+                }
+            });
+            let (_ends, ended) = tokio::sync::watch::channel(false);
+            sinew_watch::web::serve(listener, router(app), ended).await;
+        });
+    });
+    address.recv().unwrap()
+}
+
+const TOKEN: &str = "0123456789abcdef0123456789abcdef";
+
+/// Store in memory that exists as long as the process.
+fn store_in_memory(number: u64) -> Place {
+    let place = Place::Memory(number);
+    std::mem::forget(Store::open(place.clone()).unwrap());
+    place
+}
+
+#[test]
+fn logout_ends_the_login_on_the_server() {
+    let at = served(&store_in_memory(9_000_001), Some(TOKEN), Vec::new());
+    assert_eq!(get(at, "/api/v1/fleet").status, 401);
+    let login = post(at, "/login", &json!({ "token": TOKEN }).to_string());
+    assert_eq!(login.status, 200);
+    let cookies = login
+        .headers
+        .iter()
+        .filter(|(name, _)| name == "set-cookie");
+    let cookies: Vec<&str> = cookies
+        .map(|(_, value)| value.split(';').next().unwrap())
+        .collect();
+    let cookie = cookies.join("; ");
+    let fleet = || ask(at, "GET", "/api/v1/fleet", &[("cookie", &cookie)], None).status;
+    assert_eq!(fleet(), 200, "{cookie}");
+    let headers = [
+        ("content-type", "application/json"),
+        ("x-sinew", "1"),
+        ("cookie", cookie.as_str()),
+    ];
+    let stream = std::net::TcpStream::connect(at).unwrap();
+    let request = format!("GET /api/v1/events HTTP/1.1\r\nhost: {at}\r\ncookie: {cookie}\r\n\r\n");
+    (&stream).write_all(request.as_bytes()).unwrap();
+    let mut events = std::io::BufReader::new(stream).lines();
+    assert!(events.any(|line| line.unwrap().starts_with("event: change")));
+    assert_eq!(ask(at, "POST", "/logout", &headers, Some("{}")).status, 200);
+    // An open stream of the login ends.
+    let ends = events.position(|line| line.unwrap() == "0");
+    assert!(ends.is_some());
+    // The cookie itself, kept by somebody, opens nothing any more.
+    assert_eq!(fleet(), 401);
+}
+
+#[test]
+fn wrong_tokens_cost_time_and_end_in_exclusion() {
+    let at = served(&store_in_memory(9_000_002), Some(TOKEN), Vec::new());
+    let wrong = json!({ "token": "wrong" }).to_string();
+    let begun = Instant::now();
+    assert_eq!(post(at, "/login", &wrong).status, 401);
+    assert!(begun.elapsed() >= Duration::from_millis(500));
+    // The same for a token in the header, and for attempts at the same time.
+    let header = [("authorization", "Bearer wrong")];
+    let attempts: Vec<_> = (0..9)
+        .map(|_| std::thread::spawn(move || ask(at, "GET", "/api/v1/fleet", &header, None).status))
+        .collect();
+    for attempt in attempts {
+        assert_eq!(attempt.join().unwrap(), 401);
+    }
+    assert_eq!(post(at, "/login", &wrong).status, 429);
+    let right = format!("Bearer {TOKEN}");
+    let right = [("authorization", right.as_str())];
+    assert_eq!(ask(at, "GET", "/api/v1/fleet", &right, None).status, 429);
+}
+
+/// Receives one request, answers with this status, and returns the request.
+fn receiver(status: &'static str) -> (u16, std::thread::JoinHandle<String>) {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let thread = std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut reader = std::io::BufReader::new(stream.try_clone().unwrap());
+        let (mut text, mut length) = (String::new(), 0);
+        loop {
+            let mut line = String::new();
+            reader.read_line(&mut line).unwrap();
+            if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+                length = value.trim().parse().unwrap();
+            }
+            text += &line;
+            if line.trim().is_empty() {
+                break;
+            }
+        }
+        let mut body = vec![0; length];
+        reader.read_exact(&mut body).unwrap();
+        write!(stream, "HTTP/1.1 {status}\r\ncontent-length: 0\r\n\r\n").unwrap();
+        text + &String::from_utf8(body).unwrap()
+    });
+    (port, thread)
+}
+
+fn hook(port: u16, format: PostFormat) -> Webhook {
+    Webhook {
+        host: "127.0.0.1".into(),
+        port,
+        path: "/alarms".into(),
+        format,
+        severity_min: 1,
+        token_file: None,
+    }
+}
+
+#[test]
+fn test_notifications_are_posted_and_reported() {
+    let place = store_in_memory(9_000_003);
+    let none = served(&place, None, Vec::new());
+    assert_eq!(post(none, "/api/v1/notify/test", "{}").status, 409);
+    let [ntfy, slack, refused] = ["200 OK", "200 OK", "403 Forbidden"].map(receiver);
+    let hooks = vec![
+        hook(ntfy.0, PostFormat::Ntfy),
+        hook(slack.0, PostFormat::Slack),
+        hook(refused.0, PostFormat::Sinew),
+    ];
+    let at = served(&place, None, hooks);
+    let answer = post(at, "/api/v1/notify/test", "{}").json();
+    let errors: Vec<&Value> = (0..3).map(|k| &answer["results"][k]["error"]).collect();
+    assert_eq!(
+        errors,
+        [&Value::Null, &Value::Null, &json!("response 403 Forbidden")]
+    );
+    let ntfy = ntfy.1.join().unwrap();
+    assert!(
+        ntfy.contains("title: Sinew: test") && ntfy.ends_with("no action required"),
+        "{ntfy}"
+    );
+    let slack = slack.1.join().unwrap();
+    assert!(
+        slack.ends_with("{\"text\":\"Test notification of Sinew watch; no action required\"}"),
+        "{slack}"
+    );
+}
+
+#[test]
+fn series_reaches_every_year_of_the_demonstration() {
+    let at = Running::shared().at;
+    let path = "/api/v1/robots/demo-1/tendons/elbow/series";
+    let series = get(at, &format!("{path}?intervals=20")).json();
+    let points = series["points"].as_array().unwrap();
+    assert!(
+        points.len() <= 60 && series["records"].as_u64().unwrap() > 60,
+        "{series}"
+    );
+    let first = series["first_utc_s"].as_f64().unwrap();
+    let month = get(
+        at,
+        &format!(
+            "{path}?from_utc_s={first}&to_utc_s={}",
+            first + 30.0 * 86_400.0
+        ),
+    );
+    let month = month.json();
+    assert!(month["interval_s"].is_null(), "{month}");
+    assert_eq!(
+        month["points"].as_array().unwrap().len() as u64,
+        month["records"].as_u64().unwrap()
+    );
+    assert_eq!(month["points"][0]["time_utc_s"], first);
+    assert_eq!(
+        get(at, "/api/v1/robots/nobody/tendons/elbow/series").status,
+        404
+    );
+    // Pages of records lead to the first one.
+    let records = |query: &str| {
+        get(
+            at,
+            &format!("/api/v1/records?robot=demo-1&joint=elbow{query}"),
+        )
+        .json()
+    };
+    let (mut before, mut times) = (String::new(), Vec::new());
+    loop {
+        let page = records(&format!("&most=50{before}"));
+        let page_times = page["records"].as_array().unwrap().iter();
+        times.extend(page_times.map(|r| r["time_utc_s"].as_f64().unwrap()));
+        let Some(older) = page["older"].as_i64() else {
+            break;
+        };
+        before = format!("&before={older}");
+    }
+    assert!(
+        times.contains(&first) && times.len() > 100,
+        "{}",
+        times.len()
+    );
+    assert_eq!(records("&most=0")["records"], json!([]));
+    assert_eq!(get(at, "/api/v1/records?before=999999999").status, 422);
+}
+
+#[test]
+fn calendar_has_an_event_for_every_due_tendon() {
+    let at = Running::shared().at;
+    let calendar = get(at, "/api/v1/due.ics?within_days=1095");
+    assert!(
+        calendar
+            .header("content-type")
+            .unwrap()
+            .starts_with("text/calendar")
+    );
+    let text = calendar.text();
+    assert!(
+        text.starts_with("BEGIN:VCALENDAR\r\nVERSION:2.0\r\n")
+            && text.ends_with("END:VCALENDAR\r\n")
+    );
+    let due = get(at, "/api/v1/due?within_days=1095").json();
+    let count = |line: &str| text.lines().filter(|l| l.starts_with(line)).count();
+    assert_eq!(
+        count("DTSTART;VALUE=DATE:2"),
+        due["due"].as_array().unwrap().len()
+    );
+    assert_eq!(count("BEGIN:VEVENT"), count("END:VEVENT"));
+}
+
+#[test]
+fn latched_alarm_is_posted_as_active() {
+    let entry = |from, to| Entry {
+        time_utc_s: 1.8e9,
+        event: Event::Alarm {
+            transition: Transition {
+                key: AlarmKey {
+                    joint: Some("elbow".into()),
+                    condition: Condition::StepChange,
+                },
+                from,
+                to,
+                time_utc_s: 1.8e9,
+                reason: TransitionReason::ShelfEnded,
+            },
+        },
+    };
+    use AlarmState::{Acknowledged, Active, Latched, Normal};
+    let active = |from, to| Post::of("arm", &entry(from, to)).map(|post| post.active);
+    assert_eq!(active(Normal, Active), Some(true));
+    // Raised and latched within milliseconds: one message, not one that seems to end the alarm.
+    assert_eq!(active(Active, Latched), None);
+    assert_eq!(active(Acknowledged, Latched), None);
+    // Acknowledged while latched: still active.
+    assert_eq!(active(Latched, Latched), Some(true));
+    assert_eq!(active(Latched, Normal), Some(false));
+}
+
+/// Peak memory of requests for all records of the store in `SINEW_MILLION` (tests/store.rs writes it): 12 at the same time.
+#[test]
+#[cfg(target_os = "linux")]
+fn million_records_take_little_memory() {
+    let Some(folder) = std::env::var_os("SINEW_MILLION") else {
+        return;
+    };
+    let at = served(&Place::Folder(folder.into()), None, Vec::new());
+    let peak_mb = || {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        let line = status
+            .lines()
+            .find(|line| line.starts_with("VmHWM"))
+            .unwrap();
+        1e-3 * line
+            .split_whitespace()
+            .nth(1)
+            .unwrap()
+            .parse::<f64>()
+            .unwrap()
+    };
+    let before = peak_mb();
+    let read = |path: String| {
+        std::thread::spawn(move || {
+            // Read without being kept.
+            let mut stream = std::net::TcpStream::connect(at).unwrap();
+            write!(
+                stream,
+                "GET {path} HTTP/1.1\r\nhost: {at}\r\nconnection: close\r\n\r\n"
+            )
+            .unwrap();
+            std::io::copy(&mut stream, &mut std::io::sink()).unwrap()
+        })
+    };
+    for (name, paths) in [
+        (
+            "json",
+            (0..12)
+                .map(|_| "/api/v1/records?most=100000".to_owned())
+                .collect(),
+        ),
+        (
+            "robot",
+            (0..12)
+                .map(|n| format!("/api/v1/records?robot=arm-{n}&joint=elbow&most=100000"))
+                .collect(),
+        ),
+        (
+            "csv",
+            (0..12).map(|_| "/api/v1/records.csv".to_owned()).collect(),
+        ),
+        (
+            "parquet",
+            (0..12)
+                .map(|_| "/api/v1/records.parquet".to_owned())
+                .collect(),
+        ),
+        (
+            "series",
+            (0..12)
+                .map(|n| format!("/api/v1/robots/arm-{n}/tendons/elbow/series"))
+                .collect::<Vec<_>>(),
+        ),
+    ] {
+        let begun = Instant::now();
+        let reading: Vec<_> = paths.into_iter().map(read).collect();
+        let bytes: u64 = reading.into_iter().map(|r| r.join().unwrap()).sum();
+        let took = begun.elapsed();
+        eprintln!(
+            "{name}: {:.0} MB in {took:.1?}, peak {:.0} MB (before {before:.0} MB)",
+            1e-6 * bytes as f64,
+            peak_mb()
+        );
+    }
+    assert!(peak_mb() < 512.0);
 }

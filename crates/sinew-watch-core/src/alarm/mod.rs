@@ -60,6 +60,14 @@ pub struct Alarm {
 }
 
 impl Alarm {
+    /// Whether the alarm is active: its condition is present, or it is latched until a repair is recorded or it is reset.
+    pub fn is_active(&self) -> bool {
+        matches!(
+            self.state,
+            AlarmState::Active | AlarmState::Acknowledged | AlarmState::Latched
+        )
+    }
+
     /// Returns the displayed level; shelving hides everything except errors.
     pub fn level(&self) -> Level {
         let level = self.key.condition.level();

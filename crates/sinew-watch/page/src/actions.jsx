@@ -8,11 +8,11 @@ const SHELVES = [["1 hour", 3600], ["8 hours", 8 * 3600], ["1 day", 86400], ["7 
 
 const KINDS = {
   tensioned: {
-    button: "Record re-tensioning", title: "Record re-tensioning", does: "Save",
+    past: "re-tensioned", button: "Record re-tensioning", title: "Record re-tensioning", does: "Save",
     explains: "Offsets are measured from now on. Move the arm as usual with an empty gripper until the new baseline is acquired.",
   },
   replaced: {
-    button: "Record replacement", title: "Record replacement", does: "Save",
+    past: "replaced", button: "Record replacement", title: "Record replacement", does: "Save",
     explains: "The age of the rope restarts at zero. Move the arm with an empty gripper until the new baseline is acquired.",
   },
   note: { button: "Add note", title: "Add note", does: "Save", note: true },
@@ -34,45 +34,49 @@ const KINDS = {
 // `joints`: selectable joints; `joint`: preselected joint; `alarm`: key of an alarm.
 export function Action({ kind, robot, joints, joint, alarm }) {
   const [open, setOpen] = useState(false);
+  const [confirmed, setConfirmed] = useState("");
   const { button } = KINDS[kind];
   return (
     <>
       <button class="action" onClick={() => setOpen(true)}>{button}</button>
-      {open && <Ask kind={kind} robot={robot} joints={joints} joint={joint} alarm={alarm} close={() => setOpen(false)} />}
+      {open && <Ask kind={kind} robot={robot} joints={joints} joint={joint} alarm={alarm} close={() => setOpen(false)} done={setConfirmed} />}
+      <span class="confirmed" role="status">{confirmed}</span>
     </>
   );
 }
 
-function Ask({ kind, robot, joints = [], joint, alarm, close }) {
+function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
   const { title, does, explains, note: noteNeeded } = KINDS[kind];
   const dialog = useRef(null);
   const [who, setWho] = useState(() => localStorage.getItem(WHO) ?? "");
   const [note, setNote] = useState("");
-  const [meant, setMeant] = useState(() => new Set(joint ? [joint] : joints));
+  // Nothing is preselected where there is a choice: which tendon was worked on is known only to the person who did it.
+  const [meant, setMeant] = useState(() => new Set(joints.length === 1 ? joints : []));
   const [shelf, setShelf] = useState(SHELVES[1][1]);
   const [error, setError] = useState("");
   const [busy, setBusy] = useState(false);
   useEffect(() => { dialog.current.showModal(); }, []);
-  const choose = joints.length > 0 && (kind === "tensioned" || kind === "replaced");
+  const isWork = kind === "tensioned" || kind === "replaced";
+  const choose = isWork && joints.length > 1;
+  const named = joints.filter(name => meant.has(name)).join(", ");
   const toggle = name => setMeant(old => {
     const next = new Set(old);
     if (!next.delete(name)) next.add(name);
     return next;
   });
   const what = () => {
-    if (kind === "tensioned" || kind === "replaced") {
-      return { kind, joints: meant.size === joints.length ? [] : [...meant] };
-    }
+    if (isWork) return { kind, joints: joints.filter(name => meant.has(name)) };
     if (kind === "note") return { kind };
     return kind === "shelve" ? { kind, alarm, for_s: shelf } : { kind, alarm };
   };
   const submit = async event => {
     event.preventDefault();
-    if (choose && meant.size === 0) { setError("Select at least one tendon."); return; }
+    if (isWork && meant.size === 0) { setError("Select at least one tendon."); return; }
     setBusy(true);
     try {
       localStorage.setItem(WHO, who);
       await command(robot, who.trim(), note.trim(), what());
+      if (isWork) done(`Recorded: ${KINDS[kind].past} ${named} of ${robot}.`);
       dialog.current.close();
     } catch (failure) {
       setError(failure.message);
@@ -89,6 +93,8 @@ function Ask({ kind, robot, joints = [], joint, alarm, close }) {
         {choose && (
           <fieldset>
             <legend>Tendons</legend>
+            <label><input type="checkbox" checked={meant.size === joints.length}
+              onChange={() => setMeant(new Set(meant.size === joints.length ? [] : joints))} /> <em>all {joints.length}</em></label>
             {joints.map(name => (
               <label key={name}><input type="checkbox" checked={meant.has(name)} onChange={() => toggle(name)} /> {name}</label>
             ))}
@@ -105,7 +111,7 @@ function Ask({ kind, robot, joints = [], joint, alarm, close }) {
         {error && <p class="error" role="alert">{error}</p>}
         <p class="buttons">
           <button type="button" onClick={() => dialog.current.close()}>Cancel</button>
-          <button class="main" disabled={busy}>{busy ? "Saving …" : does}</button>
+          <button class="main" disabled={busy}>{busy ? "Saving …" : isWork && named ? `${does}: ${named}` : does}</button>
         </p>
       </form>
     </dialog>

@@ -1,13 +1,14 @@
 // Alarms of all robots, the most severe first.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { AlarmActions } from "./actions.jsx";
+import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { similar } from "./similar.js";
-import { get } from "./api.js";
+import { get, testNotifications } from "./api.js";
 import { count, dayAndTime, utc } from "./format.js";
 import { CLASSES, Sign } from "./signs.jsx";
 
 const STATES = {
-  active: "active", acknowledged: "active, acknowledged", cleared: "cleared, unacknowledged", latched: "cleared, latched",
+  active: "active", acknowledged: "active, acknowledged", cleared: "cleared, unacknowledged", latched: "active, latched until repair or reset",
 };
 
 // Alarm with its text, recommended action and buttons.
@@ -66,24 +67,40 @@ export function AlarmList({ alarms, named = true }) {
   );
 }
 
+// Sends a test notification to every configured receiver, and shows the results.
+function TestNotifications() {
+  const [said, setSaid] = useState("");
+  const [busy, setBusy] = useState(false);
+  const send = async () => {
+    setBusy(true);
+    try {
+      const { results } = await testNotifications();
+      setSaid(results.map(({ url, error }) => `${url}: ${error ?? "delivered"}`).join("; "));
+    } catch (error) { setSaid(error.message); }
+    setBusy(false);
+  };
+  return (
+    <p class="actions"><button class="action" disabled={busy} onClick={send}>{busy ? "Sending …" : "Test notifications"}</button>{" "}
+      <span role="status">{said}</span></p>
+  );
+}
+
 export function Alarms({ live }) {
-  const [alarms, setAlarms] = useState(null);
   // Loaded again when the alarms of a robot have changed.
-  const mark = [...live.robots.values()].map(row => `${row.robot}:${row.alarms}:${row.unacknowledged}:${row.changed}`).join();
-  useEffect(() => {
-    let stale = false;
-    get(["alarms"]).then(got => { if (!stale) setAlarms(got.alarms); }).catch(() => {});
-    return () => { stale = true; };
-  }, [mark]);
-  if (!alarms) return <p class="loading">Connecting to monitor …</p>;
+  const mark = [...live.robots.values()].map(row => `${row.robot}:${row.changed}`).join();
+  const answer = useAnswer("alarms", mark, () => get(["alarms"]));
+  if (!answer.value) return <Missing answer={answer} title="Alarms" what="alarms" />;
+  const { alarms } = answer.value;
   const shelved = alarms.filter(view => view.alarm.shelved_until_utc_s !== null);
   const open = alarms.filter(view => view.alarm.shelved_until_utc_s === null);
   return (
     <>
       <h1 tabindex="-1">{open.length === 0 ? "No alarms" : open.length === 1 ? "1 alarm" : `${open.length} alarms`}</h1>
+      <Outdated answer={answer} />
       <AlarmList alarms={open} />
       {shelved.length > 0 && <><h2>Shelved</h2><AlarmList alarms={shelved} /></>}
       <p><a href="/journal">Older alarms: see Journal</a></p>
+      <TestNotifications />
     </>
   );
 }

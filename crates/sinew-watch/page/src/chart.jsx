@@ -1,5 +1,5 @@
 // Chart of records over time, with events, limit and prediction interval of the forecast.
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { day, dayAndTime, plusMinus, rounded } from "./format.js";
@@ -35,19 +35,23 @@ function horizon(records, trend) {
 // Limit that is drawn: the first one with a forecast.
 const limitOf = trend => trend?.limits.find(limit => limit.kind === "retension") ?? trend?.limits[0];
 
-function describe(records, trend, joint) {
-  const conclusive = records.filter(r => r.offset_rad !== null);
-  if (conclusive.length === 0) return `${joint}: ${records.length} records, all inconclusive`;
+function describe(series, trend, joint) {
+  const conclusive = series.points.filter(r => r.offset_rad !== null);
+  if (conclusive.length === 0) return `${joint}: ${series.records} records, all inconclusive`;
   const [first, last] = [conclusive[0], conclusive.at(-1)];
   const at = r => `${plusMinus({ mean: r.offset_rad, std: r.offset_std_rad }, 1e3)} mrad on ${day(r.time_utc_s)}`;
   const limit = limitOf(trend);
   const stepChanges = trend?.events.filter(event => event.kind === "step-change").length ?? 0;
-  return `${joint}: ${conclusive.length} records from ${at(first)} to ${at(last)}.` +
+  return `${joint}: ${series.records - series.inconclusive} records from ${at(first)} to ${at(last)}.` +
     (stepChanges ? ` ${stepChanges} step change${stepChanges > 1 ? "s" : ""}.` : "") +
     (limit ? ` Limit ${rounded(1e3 * limit.limit_rad, 3)} mrad.` : "");
 }
 
-export function Chart({ records, trend, joint }) {
+// `series`: points of the records; `isPast`: whether the time range ends before the last record, so that there is no forecast;
+// `zoom`, `reset`: called for a selected time range, and to show everything.
+export function Chart({ series, trend: whole, isPast, joint, zoom, reset }) {
+  const records = series.points;
+  const trend = useMemo(() => isPast && whole ? { ...whole, forecast: [] } : whole, [whole, isPast]);
   const frame = useRef(null), plot = useRef(null);
   const [held, setAt] = useState(null);
   const data = columns(records, trend);
@@ -142,16 +146,21 @@ export function Chart({ records, trend, joint }) {
           values: (u, ticks) => ticks.map(tick => rounded(tick * metre, 2)) }] : []),
       ],
       // Only for mouse events: the hook is also called without a selection when the chart is created or resized.
-      hooks: { drawAxes: [under], setCursor: [u => { if (u.cursor.event) setAt(u.cursor.idx ?? null); }] },
+      hooks: {
+        drawAxes: [under],
+        setSelect: [u => { if (u.select.width > 0) zoom(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")); }],
+        setCursor: [u => { if (u.cursor.event) setAt(u.cursor.idx ?? null); }],
+      },
     };
     plot.current = new uPlot(options, data, frame.current);
     if (shown) plot.current.setScale("x", { min: shown[0] - 0.02 * (shown[1] - shown[0]), max: shown[1] });
     const fit = new ResizeObserver(() => plot.current.setSize({ width: frame.current.clientWidth, height: HEIGHT }));
     fit.observe(frame.current);
+    plot.current.over.addEventListener("dblclick", reset);
     const dark = matchMedia("(prefers-color-scheme: dark)"), redraw = () => plot.current.redraw(false);
     dark.addEventListener("change", redraw);
     return () => { fit.disconnect(); dark.removeEventListener("change", redraw); plot.current.destroy(); };
-  }, [records, trend]);
+  }, [series, trend]);
 
   const point = i => {
     const u = plot.current, x = data[0][i], { min, max } = u.scales.x;
@@ -185,7 +194,7 @@ export function Chart({ records, trend, joint }) {
   }
   return (
     <figure class="chart">
-      <div ref={frame} role="slider" tabindex="0" aria-label={describe(records, trend, joint)} aria-valuemin="0"
+      <div ref={frame} role="slider" tabindex="0" aria-label={describe(series, trend, joint)} aria-valuemin="0"
         aria-valuemax={data[0].length - 1} aria-valuenow={at ?? 0} aria-valuetext={readout} onKeyDown={key} />
       <figcaption>
         <p class="readout">{readout}</p>

@@ -1,5 +1,6 @@
 // Maintenance forecast: tendons of all robots by the week of limit exceedance.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
+import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";
 import { chance, count, day, plusMinus, span, utc } from "./format.js";
 import { Sign } from "./signs.jsx";
@@ -55,6 +56,7 @@ function Row({ tendon, until }) {
       <Cell name="Limit reached" below={interval(tendon)}>{when(tendon)}</Cell>
       <Cell name={`Reached by ${until}`}>{tendon.until_probability === null ? "not available" : chance(tendon.until_probability)}</Cell>
       <Cell name="Based on" below={`since ${day(tendon.first_utc_s)}`}>{sessions === 1 ? "1 session" : `${count(sessions)} sessions`}</Cell>
+      <td class="print" />
     </tr>
   );
 }
@@ -64,7 +66,7 @@ function Group({ what, list, until, rows }) {
   const title = what === "passed" ? "Limit exceeded" : what === "perhaps" ? `Possible by ${until}, median later` : weekName(what);
   return (
     <tbody>
-      <tr class="week"><th scope="rowgroup" colspan="6"><h2>{what === "passed" && <Sign level="ERROR" />}{title}{" "}
+      <tr class="week"><th scope="rowgroup" colspan="7"><h2>{what === "passed" && <Sign level="ERROR" />}{title}{" "}
         {Number.isInteger(what) && <small>{day(from)} to {day(Math.min(from + WEEK_S, list.until_utc_s))}</small>}</h2></th></tr>
       {rows.map(tendon => <Row key={`${tendon.robot}/${tendon.joint}`} tendon={tendon} until={until} />)}
     </tbody>
@@ -96,17 +98,11 @@ function others(list, until) {
 
 export function Due({ live }) {
   const [weeks, setWeeks] = useState(DEFAULT_WEEKS);
-  const [list, setList] = useState(null);
-  const [missing, setMissing] = useState("");
   // Trends change daily: loaded again once a minute of the monitor's time.
   const mark = Math.floor((live.fleet?.time_utc_s ?? 0) / 60);
-  useEffect(() => {
-    let stale = false;
-    get(["due"], { within_days: 7 * weeks }).then(got => { if (!stale) { setList(got); setMissing(""); } })
-      .catch(error => { if (!stale) setMissing(error.message); });
-    return () => { stale = true; };
-  }, [weeks, mark]);
-  if (!list) return missing ? <><h1 tabindex="-1">Maintenance forecast</h1><p class="error">{missing}</p></> : <p class="loading">Connecting to monitor …</p>;
+  const answer = useAnswer(weeks, mark, () => get(["due"], { within_days: 7 * weeks }));
+  const list = answer.value;
+  if (!list) return <Missing answer={answer} title="Maintenance forecast" what="maintenance forecast" />;
   const until = day(list.until_utc_s);
   const groups = byWeek(list);
   const unmonitored = live.fleet?.not_watched?.length ?? 0;
@@ -116,13 +112,16 @@ export function Due({ live }) {
       <h1 tabindex="-1">{title(list, groups)}</h1>
       <p class="filters"><label>Time range <select value={weeks} onChange={event => setWeeks(Number(event.target.value))}>
         {WITHIN.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
-      </select></label>, until {until}</p>
-      {missing && <p class="error">{missing}</p>}
+      </select></label>, until {until} <span class="actions">
+        <a download href={`/api/v1/due.ics?within_days=${7 * weeks}`}>Calendar (.ics)</a>
+        <button onClick={() => print()}>Print plan</button></span></p>
+      <Outdated answer={answer} />
       {groups.length > 0 && (
         <table class="tendons due">
           <thead><tr>
             <th scope="col">Tendon</th><th scope="col">Action</th><th scope="col">Last value</th><th scope="col">Limit reached</th>
             <th scope="col">Reached by {until}</th><th scope="col">Based on</th>
+            <th scope="col" class="print">Done (date, name)</th>
           </tr></thead>
           {groups.map(([what, rows]) => <Group key={what} what={what} list={list} until={until} rows={rows} />)}
         </table>

@@ -1,6 +1,8 @@
 // All robots, the most urgent first.
 import { useMemo, useState } from "preact/hooks";
-import { count } from "./format.js";
+import { useAnswer } from "./answer.jsx";
+import { get } from "./api.js";
+import { count, day, plusMinus } from "./format.js";
 import { CLASSES, LEVELS, Sign, WORDS, urgency } from "./signs.jsx";
 
 // Number of robots above which only those with action required are shown in full size.
@@ -17,12 +19,46 @@ function summary(rows) {
   return ["ERROR", "WARN", "STALE", "OK"].map(level => ({ level, n: of(level), text: words[level](of(level)) })).filter(part => part.n);
 }
 
-function Cell({ row, small }) {
+// Time range and number of intervals of the small curve of a robot.
+const SPARK_S = 90 * 86400, SPARK_INTERVALS = 30;
+// Interval in which it is loaded again, s.
+const SPARK_EVERY_S = 6 * 3600;
+
+// Offsets of the last 90 days, without axes: the value is shown beside it.
+function Spark({ robot, joint, now_utc_s }) {
+  const from = SPARK_EVERY_S * Math.floor(now_utc_s / SPARK_EVERY_S) - SPARK_S;
+  const answer = useAnswer(`${robot}/${joint}`, from, () =>
+    get(["robots", robot, "tendons", joint, "series"], { from_utc_s: from, intervals: SPARK_INTERVALS }));
+  const points = (answer.value?.points ?? []).filter(point => point.offset_rad !== null);
+  if (points.length < 2) return <span class="spark" />;
+  const WIDTH = 80, HEIGHT = 20;
+  const offsets = points.map(point => point.offset_rad), [low, high] = [Math.min(...offsets), Math.max(...offsets)];
+  const [first, last] = [points[0].time_utc_s, points.at(-1).time_utc_s];
+  const x = t => 1 + (WIDTH - 2) * (t - first) / (last - first || 1), y = rad => HEIGHT - 2 - (HEIGHT - 4) * (rad - low) / (high - low || 1);
+  const path = points.map((point, i) => `${i ? "L" : "M"}${x(point.time_utc_s).toFixed(1)} ${y(point.offset_rad).toFixed(1)}`).join("");
+  return <svg class="spark" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} aria-hidden="true"><path d={path} /></svg>;
+}
+
+// Tendon nearest to its limit: value, share of the limit, course and date.
+function Next({ row, now_utc_s }) {
+  const { joint, limit, value, share, at_utc_s } = row.next;
+  const isStrain = limit.kind === "replace";
+  return (
+    <span class="next">
+      <span>{joint}: {`${plusMinus(value, isStrain ? 100 : 1e3)}\u00a0${isStrain ? "%" : "mm"}`}</span>
+      <Spark robot={row.robot} joint={joint} now_utc_s={now_utc_s} />
+      <span>{Math.round(100 * share)} % of limit{at_utc_s !== null && at_utc_s > now_utc_s && <>, limit about {day(at_utc_s)}</>}</span>
+    </span>
+  );
+}
+
+function Cell({ row, small, now_utc_s }) {
   return (
     <li class={`cell ${CLASSES[row.level]} ${small ? "small" : ""}`}>
       <a href={`/r/${encodeURIComponent(row.robot)}`} title={small ? row.headline : undefined}>
         <span class="name"><Sign level={row.level} />{row.robot}</span>
         {!small && <span class="detail">{row.headline}</span>}
+        {!small && row.next && <Next row={row} now_utc_s={now_utc_s} />}
         {!small && (
           <span class="joints" aria-hidden="true">
             {row.tendons.map(tendon => <i key={tendon.joint} class={CLASSES[tendon.level]} title={`${tendon.joint}: ${WORDS[tendon.level]}`} />)}
@@ -71,7 +107,7 @@ export function Fleet({ live }) {
       ))}
       <p><a href="/due">Maintenance forecast</a></p>
       <ul class={`cells ${many ? "many" : ""}`}>
-        {rows.map(row => <Cell key={row.robot} row={row} small={many && row.level !== "ERROR"} />)}
+        {rows.map(row => <Cell key={row.robot} row={row} small={many && row.level !== "ERROR"} now_utc_s={live.fleet.time_utc_s} />)}
       </ul>
       {rows.length === 0 && <p>{all.length ? "No matching robot" : "No robot configured"}</p>}
       <p class="legend" aria-hidden="true">

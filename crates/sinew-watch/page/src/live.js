@@ -1,13 +1,16 @@
 // State of the monitor, updated every second. A slow browser skips updates; a lost connection is shown.
 import { useEffect, useState } from "preact/hooks";
-import { get, RequestError } from "./api.js";
+import { onLoginRequired } from "./api.js";
+import { Stream } from "./stream.js";
 
 // Time without an update after which values count as outdated, ms.
 const MAX_AGE_MS = 5000;
+// Interval in which a window reports to the worker that it is open, ms.
+const REPORT_MS = 10_000;
 
 const state = { fleet: null, robots: new Map(), robot: null, lost: false, received_ms: Date.now(), login: false };
 const readers = new Set();
-let source = null, wanted = null, version = 0;
+let wanted = null, version = 0;
 
 function notify() {
   version += 1;
@@ -19,52 +22,73 @@ function received() {
   state.lost = false;
 }
 
-function update(fleet, whole) {
+function receive(kind, data) {
+  if (kind === "login") { loginRequired(); return; }
   received();
-  if (whole) state.robots = new Map();
-  for (const row of fleet.robots) state.robots.set(row.robot, row);
-  for (const name of fleet.gone ?? []) state.robots.delete(name);
-  state.fleet = fleet;
+  if (kind === "robot") {
+    if (data.robot.robot !== wanted) return;
+    state.robot = data;
+  } else {
+    if (kind === "fleet") state.robots = new Map();
+    for (const row of data.robots) state.robots.set(row.robot, row);
+    for (const name of data.gone ?? []) state.robots.delete(name);
+    state.fleet = data;
+    // The stream was opened again after a login, perhaps in another window.
+    state.login = false;
+  }
   notify();
 }
 
-// A browser opens at most six connections to a host for all tabs, and each visible page keeps one. Hidden pages disconnect,
-// otherwise a seventh page would wait forever.
-function rest() {
-  source?.close();
-  source = null;
+function loginRequired() {
+  if (state.login) return;
+  state.login = true;
+  notify();
+}
+onLoginRequired(loginRequired);
+
+// Stream of this window, where the browser shares none.
+function ownStream() {
+  const stream = new Stream(receive);
+  return { follow: again => stream.follow(wanted ? [wanted] : [], again), leave: () => stream.close() };
 }
 
-function listen() {
-  rest();
-  if (document.hidden) return;
-  const query = wanted ? `?robot=${encodeURIComponent(wanted)}` : "";
-  const own = source = new EventSource(`/api/v1/events${query}`);
-  source.addEventListener("fleet", event => update(JSON.parse(event.data), true));
-  source.addEventListener("change", event => update(JSON.parse(event.data), false));
-  source.addEventListener("robot", event => {
-    received();
-    state.robot = JSON.parse(event.data);
-    notify();
-  });
-  source.addEventListener("error", async () => {
-    // The browser reports no reason: the login has expired, or the monitor has stopped.
-    try { await get(["fleet"]); }
-    catch (error) { if (error instanceof RequestError && error.status === 401) { state.login = true; notify(); } }
-    if (own === source && own.readyState === EventSource.CLOSED) setTimeout(() => { if (own === source) listen(); }, 2000);
-  });
+// Stream shared by all windows; `failed` is called if the browser cannot run it.
+function sharedStream(failed) {
+  const worker = new SharedWorker("/stream.js", "sinew-watch");
+  worker.addEventListener("error", failed);
+  worker.port.addEventListener("message", ({ data }) => receive(data.kind, data.data));
+  worker.port.start();
+  return {
+    follow: again => worker.port.postMessage({ kind: again ? "again" : "follow", robot: wanted }),
+    leave: () => worker.port.postMessage({ kind: "leave" }),
+  };
 }
 
-// A page that becomes visible again is treated as newly opened.
+function open() {
+  if (typeof SharedWorker === "undefined") return ownStream();
+  try {
+    return sharedStream(() => { source = ownStream(); listen(); });
+  } catch { return ownStream(); }
+}
+
+let source = open();
+
+// Hidden windows receive nothing.
+function listen(again = false) {
+  if (!document.hidden) source.follow(again);
+}
+
+// A window that becomes visible again is treated as newly opened.
 function resume() {
   received();
   notify();
   listen();
 }
 
-addEventListener("pagehide", rest);
+addEventListener("pagehide", () => source.leave());
 addEventListener("pageshow", event => { if (event.persisted) resume(); });
-document.addEventListener("visibilitychange", () => document.hidden ? rest() : resume());
+document.addEventListener("visibilitychange", () => document.hidden ? source.leave() : resume());
+setInterval(() => listen(), REPORT_MS);
 
 setInterval(() => {
   const lost = !document.hidden && Date.now() - state.received_ms > MAX_AGE_MS;
@@ -73,15 +97,20 @@ setInterval(() => {
 
 export function loggedIn() {
   state.login = false;
-  listen();
+  received();
+  listen(true);
   notify();
+}
+
+export function loggedOut() {
+  source.leave();
+  loginRequired();
 }
 
 // Subscribes to a robot in addition to the fleet.
 export function follow(robot) {
-  if (robot === wanted && source) return;
+  if (robot !== wanted) state.robot = null;
   wanted = robot;
-  state.robot = null;
   listen();
 }
 

@@ -6,7 +6,8 @@ import { Due } from "./due.jsx";
 import { Fleet } from "./fleet.jsx";
 import { time } from "./format.js";
 import { Journal } from "./journal.jsx";
-import { follow, useLive } from "./live.js";
+import { logout } from "./api.js";
+import { follow, loggedOut, useLive } from "./live.js";
 import { Login } from "./login.jsx";
 import { Robot } from "./robot.jsx";
 import { Tendon } from "./tendon.jsx";
@@ -68,8 +69,29 @@ function Nav({ here, live }) {
       {link("/alarms", <>Alarms{alarms > 0 && <b class="count" title="unacknowledged">{alarms}</b>}</>, ["alarms"])}
       {link("/journal", "Journal", ["journal"])}
       <Pulse live={live} />
+      <LogOut />
     </nav>
   );
+}
+
+// Shown where the monitor requires a login.
+function LogOut() {
+  const [error, setError] = useState("");
+  if (!document.cookie.includes("sinew_watch_open=")) return null;
+  const end = async () => {
+    try { await logout(); loggedOut(); }
+    catch (failure) { setError(failure.message); }
+  };
+  return <><button onClick={end}>Log out</button>{error && <span class="error" role="alert">{error}</span>}</>;
+}
+
+// Title of the tab: number of active alarms, then the page.
+function useTitle(live, page, rest) {
+  const active = [...live.robots.values()].reduce((sum, row) => sum + row.active, 0);
+  const names = { due: "Maintenance", alarms: "Alarms", journal: "Journal", r: rest.slice().reverse().join(" of ") };
+  const name = page === undefined ? "Robots" : names[page] ?? "Page not found";
+  const title = `${live.lost ? "(disconnected) " : active > 0 ? `(${active}) ` : ""}${name} – Sinew watch`;
+  useEffect(() => { document.title = title; }, [title]);
 }
 
 // Connection state and time of the monitor.
@@ -108,6 +130,7 @@ function App() {
   const [page, ...rest] = usePlace();
   const robot = page === "r" ? rest[0] : null;
   useEffect(() => follow(robot), [robot]);
+  useTitle(live, page, rest);
   if (live.login) return <main><Login /></main>;
   let content;
   if (page === undefined) content = <Fleet live={live} />;

@@ -1,7 +1,7 @@
 // One robot: its state and its tendons.
-import { useEffect, useState } from "preact/hooks";
 import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
+import { Missing, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";
 import { chance, count, day, dayAndTime, plusMinus, rounded, span, temperature, utc } from "./format.js";
 import { CLASSES, Sign } from "./signs.jsx";
@@ -83,10 +83,9 @@ function Tendon({ robot, tendon, text, old }) {
 }
 
 export function Robot({ name, live }) {
-  const [missing, setMissing] = useState("");
-  const now = live.robot?.robot?.robot === name ? live.robot : null;
-  useEffect(() => { get(["robots", name]).catch(error => setMissing(error.message)); }, [name]);
-  if (!now) return missing ? <><h1 tabindex="-1">{name}</h1><p class="error">{missing}</p></> : <p class="loading">Loading {name} …</p>;
+  const answer = useAnswer(name, "", () => get(["robots", name]));
+  const now = live.robot?.robot?.robot === name ? live.robot : answer.value;
+  if (!now) return <Missing answer={answer} title={name} what={name} />;
   const robot = now.robot;
   const joints = robot.tendons.map(tendon => tendon.joint);
   const old = live.lost || robot.freshness.kind !== "fresh";

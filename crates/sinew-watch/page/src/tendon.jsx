@@ -1,15 +1,14 @@
 // One tendon: trend of its records, events and forecast.
-import { useEffect, useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
+import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";
 import { Chart } from "./chart.jsx";
-import { chance, day, dayAndTime, plusMinus, rounded, utc } from "./format.js";
+import { chance, count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
 import { whyNoOffset, whyNot } from "./robot.jsx";
 import { CLASSES, Sign } from "./signs.jsx";
 
-// Maximum number of records in the chart: one year of hourly sessions.
-const MAX_RECORDS = 9000;
 const MAX_ROWS = 200;
 
 const days = s => `${Math.max(0, Math.round(s / 86400))} days`;
@@ -39,39 +38,128 @@ function basis(basis) {
   return `${models}; ${basis.missing} not specified in robot.toml`;
 }
 
+// Time ranges of the chart: everything, the last year or month, and each calendar year with records.
+function ranges(series) {
+  const { first_utc_s, last_utc_s } = series;
+  const names = [["all", "All", null, null]];
+  if (first_utc_s === null) return names;
+  const year = utc_s => new Date(1000 * utc_s).getUTCFullYear();
+  if (last_utc_s - first_utc_s > 366 * 86400) names.push(["year", "Last 12 months", last_utc_s - 366 * 86400, null]);
+  if (last_utc_s - first_utc_s > 31 * 86400) names.push(["month", "Last 31 days", last_utc_s - 31 * 86400, null]);
+  for (let y = year(last_utc_s); year(first_utc_s) < year(last_utc_s) && y >= year(first_utc_s); y--) {
+    names.push([String(y), String(y), Date.UTC(y, 0, 1) / 1000, Date.UTC(y + 1, 0, 1) / 1000]);
+  }
+  return names;
+}
+
+const ALL = { name: "all", from: null, to: null };
+
+// Records over time, reduced by the monitor to what can be drawn, and loaded again for a selected time range.
+function Trend({ robot, joint, trend, mark }) {
+  const [range, setRange] = useState(ALL);
+  const key = JSON.stringify([robot, joint, range]);
+  const answer = useAnswer(key, mark, () =>
+    get(["robots", robot, "tendons", joint, "series"], { from_utc_s: range.from, to_utc_s: range.to }));
+  // Until another range is loaded, the present one remains.
+  const shown = useRef(null);
+  if (answer.value) shown.current = { series: answer.value, range };
+  if (!shown.current) return <Missing answer={answer} what="records" />;
+  const { series } = shown.current;
+  if (series.first_utc_s === null) return <p>No records. A session is recorded after 10 min of motion, or after 1 min at rest.</p>;
+  const names = ranges(series);
+  const choose = name => {
+    const [, , from, to] = names.find(([key]) => key === name);
+    setRange({ name, from, to });
+  };
+  const isPast = shown.current.range.to !== null && shown.current.range.to < series.last_utc_s;
+  return (
+    <>
+      <Outdated answer={answer} />
+      {!answer.value && answer.error && <p class="error" role="alert">{answer.error.message} <button onClick={answer.retry}>Retry</button></p>}
+      <p class="filters">
+        <label>Time range <select value={range.name} onChange={event => choose(event.target.value)}>
+          {names.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
+          {range.name === "zoom" && <option value="zoom">{day(range.from)} to {day(range.to)}</option>}
+        </select></label>{" "}
+        <small>{!answer.value && !answer.error ? "Loading …" : <>{count(series.records)} records{series.inconclusive > 0 && `, ${count(series.inconclusive)} inconclusive`}
+          {series.interval_s && `; minimum, maximum and last of every ${span(series.interval_s)}`}</>}</small>
+      </p>
+      {series.points.length === 0 ? <p>No records in this time range</p>
+        : <Chart series={series} trend={trend} isPast={isPast} joint={joint}
+          zoom={(from, to) => { if (series.interval_s) setRange({ name: "zoom", from, to }); }} reset={() => setRange(ALL)} />}
+    </>
+  );
+}
+
+// Table of the records, the newest first; older ones on demand.
+function Records({ robot, joint, mark }) {
+  const [open, setOpen] = useState(false);
+  return (
+    <details onToggle={event => setOpen(event.currentTarget.open)}>
+      <summary>Table of records</summary>
+      {open && <RecordTable robot={robot} joint={joint} mark={mark} />}
+    </details>
+  );
+}
+
+function RecordTable({ robot, joint, mark }) {
+  const [before, setBefore] = useState([null]);
+  const page = before.at(-1);
+  // The newest page is loaded again with new records.
+  const answer = useAnswer(page, page === null ? mark : "", () => get(["records"], { robot, joint, most: MAX_ROWS, before: page }));
+  if (!answer.value) return <Missing answer={answer} what="records" />;
+  const { records, older } = answer.value;
+  const newest = records.slice().reverse();
+  return (
+    <>
+      <Outdated answer={answer} />
+      <div class="scroll"><table>
+        <thead><tr><th scope="col">Start</th><th scope="col">Offset (mrad)</th><th scope="col">Elongation (mm)</th><th scope="col">Stiffness (%)</th><th scope="col">Temperature (°C)</th><th scope="col">Poses</th></tr></thead>
+        <tbody>
+          {newest.map(record => (
+            <tr key={record.time_utc_s}>
+              <th scope="row"><time title={utc(record.time_utc_s)}>{dayAndTime(record.time_utc_s)}</time></th>
+              <td>{record.offset_rad === null ? whyNoOffset(record.reason) : plusMinus({ mean: record.offset_rad, std: record.offset_std_rad }, 1e3)}</td>
+              <td>{record.elongation_m === null ? "–" : plusMinus({ mean: record.elongation_m, std: record.elongation_std_m }, 1e3)}</td>
+              <td>{record.stiffness_ratio === null ? "–" : plusMinus({ mean: record.stiffness_ratio, std: record.stiffness_std_ratio }, 100)}</td>
+              <td>{record.temperature_c === null ? "–" : rounded(record.temperature_c, 3)}</td>
+              <td>{record.poses}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table></div>
+      <p class="actions">
+        {older !== null && <button onClick={() => setBefore([...before, older])}>Older</button>}
+        {before.length > 1 && <button onClick={() => setBefore(before.slice(0, -1))}>Newer</button>}
+      </p>
+    </>
+  );
+}
+
 export function Tendon({ robot, joint, live }) {
-  const [records, setRecords] = useState(null);
-  const [now, setNow] = useState(null);
-  const [missing, setMissing] = useState("");
   const of = live.robot?.robot?.robot === robot ? live.robot : null;
-  const tendon = of?.robot.tendons.find(tendon => tendon.joint === joint) ?? now?.tendon;
+  const present = of?.robot.tendons.find(tendon => tendon.joint === joint);
   // Loaded again when new data have been stored.
-  const mark = `${tendon?.last?.time_utc_s} ${tendon?.tensioned_utc_s} ${of?.trends}`;
-  useEffect(() => {
-    let stale = false;
-    const both = [get(["robots", robot, "tendons", joint]), get(["records"], { robot, joint, most: MAX_RECORDS })];
-    Promise.all(both).then(([now, records]) => { if (!stale) { setNow(now); setRecords(records.records); } })
-      .catch(error => { if (!stale) setMissing(error.message); });
-    return () => { stale = true; };
-  }, [robot, joint, mark]);
-  if (missing) return <><h1 tabindex="-1">{joint} of {robot}</h1><p class="error">{missing}</p></>;
-  if (!tendon || !now) return <p class="loading">Loading {joint} of {robot} …</p>;
+  const mark = `${present?.last?.time_utc_s} ${present?.tensioned_utc_s} ${of?.trends}`;
+  const key = JSON.stringify([robot, joint]);
+  const answer = useAnswer(key, mark, () => get(["robots", robot, "tendons", joint]));
+  const now = answer.value;
+  const tendon = present ?? now?.tendon;
+  if (!tendon || !now) return <Missing answer={answer} title={`${joint} of ${robot}`} what={`${joint} of ${robot}`} />;
   const trend = now.trend;
   const text = of ? of.tendons.find(view => view.joint === joint)?.sentence : now.sentence;
   const alarms = (of ?? now).alarms.filter(view => view.alarm.key.joint === joint);
   const old = live.lost || (of && of.robot.freshness.kind !== "fresh");
-  const newest = records.slice(-MAX_ROWS).reverse();
   return (
     <>
       <p class="crumbs"><a href="/">Robots</a> › <a href={`/r/${encodeURIComponent(robot)}`}>{robot}</a> ›</p>
       <h1 tabindex="-1">{joint} <small>of {robot}</small></h1>
+      <Outdated answer={answer} />
       <ul class="headlines"><li class={CLASSES[tendon.level]}><Sign level={tendon.level} />{text}</li></ul>
       {alarms.length > 0 && <section aria-label="alarms"><AlarmList alarms={alarms} named={false} /></section>}
       <section>
         <h2>Trend</h2>
-        {records.length === 0
-          ? <p>No records. A session is recorded after 10 min of motion, or after 1 min at rest.</p>
-          : <Chart records={records} trend={trend} joint={joint} />}
+        <Trend robot={robot} joint={joint} trend={trend} mark={mark} />
       </section>
       <section>
         <table class="facts"><tbody>
@@ -103,26 +191,7 @@ export function Tendon({ robot, joint, live }) {
           </ul>
         </section>
       )}
-      {newest.length > 0 && (
-        <details>
-          <summary>Table of the last {newest.length} of {records.length} records</summary>
-          <div class="scroll"><table>
-            <thead><tr><th scope="col">Start</th><th scope="col">Offset (mrad)</th><th scope="col">Elongation (mm)</th><th scope="col">Stiffness (%)</th><th scope="col">Temperature (°C)</th><th scope="col">Poses</th></tr></thead>
-            <tbody>
-              {newest.map(record => (
-                <tr key={record.time_utc_s}>
-                  <th scope="row"><time title={utc(record.time_utc_s)}>{dayAndTime(record.time_utc_s)}</time></th>
-                  <td>{record.offset_rad === null ? whyNoOffset(record.reason) : plusMinus({ mean: record.offset_rad, std: record.offset_std_rad }, 1e3)}</td>
-                  <td>{record.elongation_m === null ? "–" : plusMinus({ mean: record.elongation_m, std: record.elongation_std_m }, 1e3)}</td>
-                  <td>{record.stiffness_ratio === null ? "–" : plusMinus({ mean: record.stiffness_ratio, std: record.stiffness_std_ratio }, 100)}</td>
-                  <td>{record.temperature_c === null ? "–" : rounded(record.temperature_c, 3)}</td>
-                  <td>{record.poses}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table></div>
-        </details>
-      )}
+      <Records key={key} robot={robot} joint={joint} mark={mark} />
       <p><a download href={`/api/v1/records.csv?robot=${encodeURIComponent(robot)}&joint=${encodeURIComponent(joint)}`}>Export records of this tendon: CSV</a></p>
     </>
   );

@@ -10,7 +10,7 @@ mod web;
 
 pub use robot::RobotSettings;
 pub use transport::{Address, TransportSettings};
-pub use web::{WebSettings, Webhook};
+pub use web::{PostFormat, WebSettings, Webhook};
 
 use sinew_files::{Fault, Fields as _, Located, Section, TomlFile, limits, read_text};
 use sinew_transport::Publishing;

@@ -73,6 +73,18 @@ fn is_host_name(text: &str) -> bool {
     !text.is_empty() && text.len() <= 253 && text.chars().all(fits)
 }
 
+/// Format of the notifications that a receiver accepts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PostFormat {
+    /// JSON object `sinew-webhook/2`.
+    #[default]
+    Sinew,
+    /// Text with title and priority for a topic of ntfy.
+    Ntfy,
+    /// JSON object with a text, as the incoming webhooks of Slack and Mattermost accept.
+    Slack,
+}
+
 /// Receiver of alarm notifications.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Webhook {
@@ -82,6 +94,8 @@ pub struct Webhook {
     pub port: u16,
     /// Path and query.
     pub path: String,
+    /// Format of the notifications.
+    pub format: PostFormat,
     /// Minimum severity of the posted alarms.
     pub severity_min: u16,
     /// File of the bearer token sent with each request.
@@ -106,11 +120,18 @@ pub(super) fn read_webhook(s: &Section<'_>, folder: &Path) -> Result<Webhook, Lo
     if severity_min > 1000 {
         return Err(s.invalid("severity_min", "between 0 and 1000"));
     }
+    let formats = [
+        ("sinew", PostFormat::Sinew),
+        ("ntfy", PostFormat::Ntfy),
+        ("slack", PostFormat::Slack),
+    ];
+    let format = s.one_of("format", &formats)?.unwrap_or_default();
     let (host, port, path) = parsed;
     Ok(Webhook {
         host,
         port,
         path,
+        format,
         severity_min: severity_min as u16,
         token_file: super::path(s, "token_file", folder)?,
     })

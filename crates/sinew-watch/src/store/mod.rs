@@ -9,13 +9,15 @@ mod export;
 mod read;
 mod row;
 mod schema;
+mod series;
 mod write;
 
 pub use export::{Pending, write_records, write_sessions};
-pub use read::{JournalEntry, JournalFilter, Reader, RecordQuery};
+pub use read::{JournalEntry, JournalFilter, Position, Reader, RecordQuery, RecordSpan};
 pub use row::COLUMNS;
 pub(crate) use row::word;
 pub use schema::VERSION;
+pub use series::{Series, SeriesPoint, SeriesQuery};
 pub use write::Store;
 
 use rusqlite::ErrorCode;
@@ -53,6 +55,23 @@ impl Place {
     }
 }
 
+/// Checks that a database which was created is not empty or missing beside its write-ahead log: SQLite would begin a new
+/// one in its place. A new database is never empty, as it is written under another name first.
+fn check_content(file: &Path) -> Result<(), StoreError> {
+    let length = |path: &Path| std::fs::metadata(path).ok().map(|of| of.len());
+    let log = PathBuf::from(format!("{}-wal", file.display()));
+    let (what, remains) = match (length(file), length(&log)) {
+        (Some(0), _) => ("is empty", file),
+        (None, Some(1..)) => ("is missing", log.as_path()),
+        _ => return Ok(()),
+    };
+    Err(StoreError::Lost {
+        file: file.display().to_string(),
+        what,
+        remains: remains.display().to_string(),
+    })
+}
+
 /// Error of storing or reading.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -80,6 +99,18 @@ pub enum StoreError {
     Foreign {
         /// Path of the database.
         file: String,
+    },
+    /// The database has no content, although it was created before: a file system repair or a copy lost it.
+    #[error(
+        "{file} {what}, but a store has been here before; restore it from a backup, or remove {remains} to begin a new store"
+    )]
+    Lost {
+        /// Path of the database.
+        file: String,
+        /// Condition of the file.
+        what: &'static str,
+        /// Path of the file that remains.
+        remains: String,
     },
     /// The database was written by a newer program.
     #[error(
@@ -153,7 +184,7 @@ impl StoreError {
         use ErrorCode::{CannotOpen, DiskFull, PermissionDenied, ReadOnly, SystemIoFailure};
         match self.code() {
             Some(DiskFull) => StoreFault::Full,
-            _ if self.is_damaged() => StoreFault::Damaged,
+            _ if self.is_damaged() || matches!(self, Self::Lost { .. }) => StoreFault::Damaged,
             Some(ReadOnly | CannotOpen | PermissionDenied) => StoreFault::ReadOnly,
             Some(SystemIoFailure) => StoreFault::Disk,
             _ => StoreFault::Other,

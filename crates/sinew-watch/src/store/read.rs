@@ -2,12 +2,13 @@
 
 use super::row::{COLUMNS, record};
 use super::{MAX_BUSY_TIME, Place, StoreError};
-use rusqlite::{Connection, OpenFlags, OptionalExtension as _, ToSql, params};
+use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Row, ToSql, params};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sinew_watch_core::alarm::{Alarm, AlarmsStored};
 use sinew_watch_core::journal::Entry;
 use sinew_watch_core::{History, MonitorState, Record, Stored};
+use std::path::Path;
 
 /// Maximum length of an unpacked state, that of a baseline, bytes.
 const MAX_STATE_BYTES: usize = sinew_files::limits::BASELINE.length();
@@ -31,8 +32,71 @@ pub struct RecordQuery {
     pub from_utc_s: Option<f64>,
     /// End of the time range, s since 1970 UTC, exclusive.
     pub to_utc_s: Option<f64>,
+    /// Only records before the record with this number in chronological order: `older` of the previous response.
+    pub before: Option<i64>,
     /// Maximum number of records, the newest; for JSON the default is 1000, the limit 100,000.
     pub most: Option<u64>,
+}
+
+/// Position of a record in chronological order: start of its session, s since 1970 UTC, and its number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position {
+    /// Start of the session, s since 1970 UTC.
+    pub time_utc_s: f64,
+    /// Number of the record.
+    pub id: i64,
+}
+
+/// First and last record of a selection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordSpan {
+    /// Position of the first record.
+    pub first: Position,
+    /// Position of the last record.
+    pub last: Position,
+    /// Whether the limit excludes older records.
+    pub has_older: bool,
+}
+
+/// Condition of a selection with its values.
+struct Selection<'q> {
+    /// Name of the index that yields the records in chronological order without sorting.
+    index: &'static str,
+    condition: String,
+    values: Vec<&'q dyn ToSql>,
+}
+
+impl RecordQuery {
+    fn selection(&self) -> Selection<'_> {
+        let mut condition = String::from("1");
+        let mut values: Vec<&dyn ToSql> = Vec::new();
+        let conditions: [(&str, Option<&dyn ToSql>); 5] = [
+            ("robot = ?", self.robot.as_ref().map(|v| v as _)),
+            ("joint = ?", self.joint.as_ref().map(|v| v as _)),
+            ("time_utc_s >= ?", self.from_utc_s.as_ref().map(|v| v as _)),
+            ("time_utc_s < ?", self.to_utc_s.as_ref().map(|v| v as _)),
+            (
+                "(time_utc_s, id) < (SELECT time_utc_s, id FROM record WHERE id = ?)",
+                self.before.as_ref().map(|v| v as _),
+            ),
+        ];
+        for (text, value) in conditions {
+            if let Some(value) = value {
+                condition += " AND ";
+                condition += text;
+                values.push(value);
+            }
+        }
+        let index = match (&self.robot, &self.joint) {
+            (Some(_), Some(_)) => "record_of_tendon",
+            _ => "record_by_time",
+        };
+        Selection {
+            index,
+            condition,
+            values,
+        }
+    }
 }
 
 /// Selection of journal entries.
@@ -85,6 +149,7 @@ impl Reader {
     /// Returns a [`StoreError`] if it belongs to another program, is newer, or cannot be read.
     pub fn check(&self) -> Result<(), StoreError> {
         let path = self.connection.path().unwrap_or_default();
+        super::check_content(Path::new(path))?;
         super::schema::version(&self.connection, path).map(drop)
     }
 
@@ -178,20 +243,11 @@ impl Reader {
         mut take: impl FnMut(Record) -> Result<(), StoreError>,
     ) -> Result<u64, StoreError> {
         let columns = COLUMNS.join(", ");
-        let mut which = String::from("1");
-        let mut values: Vec<&dyn ToSql> = Vec::new();
-        let conditions: [(&str, Option<&dyn ToSql>); 4] = [
-            ("robot =", query.robot.as_ref().map(|v| v as _)),
-            ("joint =", query.joint.as_ref().map(|v| v as _)),
-            ("time_utc_s >=", query.from_utc_s.as_ref().map(|v| v as _)),
-            ("time_utc_s <", query.to_utc_s.as_ref().map(|v| v as _)),
-        ];
-        for (condition, value) in conditions {
-            if let Some(value) = value {
-                which += &format!(" AND {condition} ?");
-                values.push(value);
-            }
-        }
+        let Selection {
+            condition: which,
+            mut values,
+            ..
+        } = query.selection();
         let most = query.most.map(|n| i64::try_from(n).unwrap_or(i64::MAX));
         let text = match &most {
             None => format!("SELECT {columns} FROM record WHERE {which} ORDER BY time_utc_s, id"),
@@ -211,6 +267,124 @@ impl Reader {
             count += 1;
         }
         Ok(count)
+    }
+
+    /// Returns first and last record of a selection; `None`: it has none.
+    ///
+    /// # Errors
+    /// Returns a [`StoreError`] if the database cannot be read.
+    pub fn span(&self, query: &RecordQuery) -> Result<Option<RecordSpan>, StoreError> {
+        let Selection {
+            index,
+            condition,
+            values,
+        } = query.selection();
+        let at = |order: &str, offset: u64| {
+            let text = format!(
+                "SELECT time_utc_s, id FROM record INDEXED BY {index} WHERE {condition} \
+                 ORDER BY time_utc_s {order}, id {order} LIMIT 1 OFFSET {offset}"
+            );
+            let mut statement = self.connection.prepare_cached(&text)?;
+            let position = |row: &Row<'_>| {
+                Ok(Position {
+                    time_utc_s: row.get(0)?,
+                    id: row.get(1)?,
+                })
+            };
+            statement.query_row(&values[..], position).optional()
+        };
+        let most = query.most.unwrap_or(u64::from(u32::MAX)).max(1);
+        let Some(last) = at("DESC", 0)? else {
+            return Ok(None);
+        };
+        Ok(Some(match at("DESC", most - 1)? {
+            Some(first) => RecordSpan {
+                first,
+                last,
+                has_older: at("DESC", most)?.is_some(),
+            },
+            None => RecordSpan {
+                first: at("ASC", 0)?.unwrap_or(last),
+                last,
+                has_older: false,
+            },
+        }))
+    }
+
+    /// Passes at most `most` records of a selection between two positions, both included, to `take`; returns the position
+    /// of the next record, if any.
+    ///
+    /// # Errors
+    /// Returns a [`StoreError`] if the database cannot be read.
+    pub fn piece(
+        &self,
+        query: &RecordQuery,
+        [from, to]: [Position; 2],
+        most: usize,
+        mut take: impl FnMut(Record),
+    ) -> Result<Option<Position>, StoreError> {
+        let Selection {
+            index,
+            condition,
+            mut values,
+        } = query.selection();
+        let text = format!(
+            "SELECT {}, id FROM record INDEXED BY {index} WHERE {condition} \
+             AND (time_utc_s, id) >= (?, ?) AND (time_utc_s, id) <= (?, ?) ORDER BY time_utc_s, id",
+            COLUMNS.join(", ")
+        );
+        values.extend([
+            &from.time_utc_s as &dyn ToSql,
+            &from.id,
+            &to.time_utc_s,
+            &to.id,
+        ]);
+        let mut statement = self.connection.prepare_cached(&text)?;
+        let mut rows = statement.query(&values[..])?;
+        let mut count = 0;
+        while let Some(row) = rows.next()? {
+            if count == most {
+                return Ok(Some(Position {
+                    time_utc_s: row.get("time_utc_s")?,
+                    id: row.get("id")?,
+                }));
+            }
+            take(record(row)?);
+            count += 1;
+        }
+        Ok(None)
+    }
+
+    /// Whether there is a record with this number.
+    ///
+    /// # Errors
+    /// Returns a [`StoreError`] if the database cannot be read.
+    pub fn has_record(&self, id: i64) -> Result<bool, StoreError> {
+        let mut statement = self
+            .connection
+            .prepare_cached("SELECT 1 FROM record WHERE id = ?1")?;
+        Ok(statement.exists([id])?)
+    }
+
+    /// Copies the database into a file as it is at this moment, while the monitor continues to store; returns the size of
+    /// the copy, bytes.
+    ///
+    /// # Errors
+    /// Returns a [`StoreError`] if reading or writing fails; an existing file remains unchanged then.
+    pub fn backup(&self, target: &Path) -> Result<u64, StoreError> {
+        let folder = sinew_files::folder_of(target);
+        let error = |source| StoreError::Folder {
+            folder: folder.into(),
+            source,
+        };
+        let new = super::write::NewFile::create(target).map_err(error)?;
+        let path = new.path.display().to_string();
+        // SQLite counts this as writing, although it writes only the copy.
+        self.connection.pragma_update(None, "query_only", false)?;
+        let copied = self.connection.execute("VACUUM INTO ?1", [path]);
+        self.connection.pragma_update(None, "query_only", true)?;
+        copied?;
+        new.finish(target).map_err(error)
     }
 
     /// Returns records in chronological order.

@@ -4,10 +4,10 @@ use crate::runtime::{RobotState, Slot, TransportView};
 use crate::store::JournalEntry;
 use crate::words;
 use serde::{Deserialize, Serialize};
-use sinew_trend::JointTrend;
-use sinew_watch_core::Record;
+use sinew_model::Gaussian;
+use sinew_trend::{JointTrend, Limit};
 use sinew_watch_core::alarm::{Alarm, Level};
-use sinew_watch_core::snapshot::{Freshness, RobotSnapshot, TendonSnapshot};
+use sinew_watch_core::snapshot::{Freshness, LimitNow, RobotSnapshot, TendonSnapshot};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -65,12 +65,74 @@ pub struct RobotRow {
     pub headline: String,
     /// Number of alarms that are not normal.
     pub alarms: usize,
+    /// Number of these alarms that are active and not shelved; a latched alarm is active until repair or reset.
+    pub active: usize,
     /// Number of these alarms that are neither acknowledged nor shelved.
     pub unacknowledged: usize,
     /// Number that changes whenever an alarm of the robot changes.
     pub changed: u64,
+    /// Tendon that has used the largest share of its limit, by its last session; `null`: no limit or no offset.
+    pub next: Option<NextTendon>,
     /// Tendons in the order of the joints.
     pub tendons: Vec<TendonRow>,
+}
+
+/// Tendon that has used the largest share of its limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NextTendon {
+    /// Name of the joint.
+    pub joint: String,
+    /// Limit with its origin.
+    pub limit: LimitNow,
+    /// Elongation, m, or strain, ratio, as the limit.
+    pub value: Gaussian,
+    /// Share of the limit that is used.
+    pub share: f64,
+    /// Median of the date on which the limit is exceeded, s since 1970 UTC; `null`: beyond the forecast horizon, exceeded
+    /// already, or no forecast.
+    pub at_utc_s: Option<f64>,
+}
+
+impl NextTendon {
+    fn of(tendon: &TendonSnapshot) -> Option<Self> {
+        let last = tendon.last.as_ref()?;
+        let quantity = |mean: Option<f64>, std: Option<f64>| Some(Gaussian::new(mean?, std?));
+        let rows = tendon.limits.iter().filter_map(|limit| {
+            let (value, most) = match limit {
+                LimitNow::Retension { elongation_m, .. } => (
+                    quantity(last.elongation_m, last.elongation_std_m)?,
+                    *elongation_m,
+                ),
+                LimitNow::Replace { strain_ratio, .. } => (
+                    quantity(last.strain_ratio, last.strain_std_ratio)?,
+                    *strain_ratio,
+                ),
+            };
+            let forecasts = tendon
+                .trend
+                .as_ref()
+                .map(|trend| (trend.last_utc_s, &trend.limits));
+            let at_utc_s = forecasts.and_then(|(last_utc_s, limits)| {
+                let same = limits.iter().find(|forecast| {
+                    matches!(
+                        (forecast.limit, limit),
+                        (Limit::Retension { .. }, LimitNow::Retension { .. })
+                            | (Limit::Replace { .. }, LimitNow::Replace { .. })
+                    )
+                })?;
+                Some(last_utc_s + same.after_s?)
+            });
+            Some(Self {
+                joint: tendon.joint.clone(),
+                limit: *limit,
+                value,
+                share: value.mean / most,
+                at_utc_s,
+            })
+        });
+        rows.max_by(|a, b| a.share.total_cmp(&b.share))
+    }
 }
 
 /// Summary of a tendon.
@@ -206,14 +268,34 @@ pub struct JournalQuery {
     pub most: Option<u64>,
 }
 
-/// `GET /api/v1/records`: records in chronological order.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+/// `GET /api/v1/records`: records in chronological order. The response is written as the records are read.
+#[cfg(feature = "schema")]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Records {
     /// Name and version of the schema of the records.
     pub schema: &'static str,
+    /// Value of `before` for the next older records; `null`: there are none in the selection.
+    pub older: Option<i64>,
     /// Records in chronological order.
-    pub records: Vec<Record>,
+    pub records: Vec<sinew_watch_core::Record>,
+}
+
+/// `POST /api/v1/notify/test`: results of the test notifications.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TestResults {
+    /// Results in the order of the configuration.
+    pub results: Vec<TestResult>,
+}
+
+/// Result of a test notification.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TestResult {
+    /// Address of the receiver.
+    pub url: String,
+    /// Reason of the failure; `null`: delivered.
+    pub error: Option<String>,
 }
 
 /// Selection of events.
@@ -221,7 +303,7 @@ pub struct Records {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EventsQuery {
-    /// Robot whose state is sent in addition to the fleet.
+    /// Robots whose states are sent in addition to the fleet, separated by commas.
     pub robot: Option<String>,
 }
 
@@ -275,8 +357,13 @@ impl RobotRow {
             level: robot.level,
             headline: headline(robot),
             alarms: robot.alarms.len(),
+            active: (robot.alarms.iter())
+                .filter(|a| a.is_active() && a.shelved_until_utc_s.is_none())
+                .count(),
             unacknowledged: robot.alarms.iter().filter(is_open).count(),
             changed: mark(&robot.alarms),
+            next: (robot.tendons.iter().filter_map(NextTendon::of))
+                .max_by(|a, b| a.share.total_cmp(&b.share)),
             tendons: (robot.tendons.iter())
                 .map(|tendon| TendonRow {
                     joint: tendon.joint.clone(),

@@ -56,7 +56,7 @@ impl Asset {
 }
 
 /// HTML, script, style and icon of the page.
-static ASSETS: LazyLock<[Asset; 4]> = LazyLock::new(|| {
+static ASSETS: LazyLock<[Asset; 5]> = LazyLock::new(|| {
     [
         Asset::new(
             "text/html; charset=utf-8",
@@ -65,6 +65,10 @@ static ASSETS: LazyLock<[Asset; 4]> = LazyLock::new(|| {
         Asset::new(
             "text/javascript; charset=utf-8",
             include_bytes!("../../page/dist/app.js"),
+        ),
+        Asset::new(
+            "text/javascript; charset=utf-8",
+            include_bytes!("../../page/dist/stream.js"),
         ),
         Asset::new(
             "text/css; charset=utf-8",
@@ -76,9 +80,10 @@ static ASSETS: LazyLock<[Asset; 4]> = LazyLock::new(|| {
 
 /// Returns a file of the page by its path; every other path returns the page itself.
 pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Response {
-    let [html, script, style, icon] = &*ASSETS;
+    let [html, script, stream, style, icon] = &*ASSETS;
     let asset = match uri.path() {
         "/app.js" => script,
+        "/stream.js" => stream,
         "/app.css" => style,
         "/icon.svg" | "/favicon.ico" => icon,
         _ => html,

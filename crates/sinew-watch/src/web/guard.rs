@@ -4,40 +4,65 @@
 //! name this host (no DNS rebinding), no CORS header is ever sent, writing requires a custom header and JSON, cookies
 //! are HttpOnly and SameSite=Strict, and a policy lets the page load only its own parts.
 
+use super::logins::{LOGIN_S, Logins};
 use crate::config::WebSettings;
-use crate::hex::hex;
+use crate::runtime::Health;
+use crate::store::Place;
 use crate::words::response;
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::http::request::Parts;
+use axum::http::{Extensions, HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use sha2::{Digest as _, Sha256};
 use std::net::IpAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Header that every writing request requires.
 pub const WRITES: HeaderName = HeaderName::from_static("x-sinew");
 /// Name of the cookie.
 const COOKIE: &str = "sinew_watch";
-/// Duration of a login, s.
-const LOGIN_S: u64 = 30 * 86_400;
+/// Duration of the response to a wrong token.
+const WRONG_TOKEN: Duration = Duration::from_millis(500);
 
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; \
                       form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 
 /// Access control of the page and the API.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Guard {
     host_names: Arc<[String]>,
     /// Access token, where one is required.
     token: Option<Arc<str>>,
+    logins: Arc<Logins>,
+}
+
+/// Address from which a request came.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Client(pub(super) IpAddr);
+
+/// Result of comparing a token.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TokenCheck {
+    Right,
+    Wrong,
+    /// The address has sent too many wrong tokens; this one was not compared.
+    Excluded,
 }
 
 impl Guard {
-    /// Creates the access control from the settings; `token` where one is required.
-    pub fn new(settings: &WebSettings, token: Option<String>) -> Self {
+    /// Creates the access control from the settings; `token` where one is required. Logins are stored beside the database.
+    pub fn new(
+        settings: &WebSettings,
+        token: Option<String>,
+        place: &Place,
+        health: Arc<Health>,
+    ) -> Self {
+        let file = place.folder().map(|folder| folder.join("web-logins"));
         Self {
             host_names: settings.host_names.clone().into(),
+            logins: Arc::new(Logins::new(file.filter(|_| token.is_some()), health)),
             token: token.map(Arc::from),
         }
     }
@@ -47,45 +72,73 @@ impl Guard {
         self.token.is_some()
     }
 
-    /// Whether this is the token; takes as long for a wrong token as for the right one.
-    pub fn is_token(&self, candidate: &str) -> bool {
-        self.token
-            .as_deref()
-            .is_none_or(|token| is_same(token, candidate))
+    /// Compares a token. A wrong one costs time, is logged, and counts against its address.
+    pub(super) async fn check_token(&self, candidate: &str, client: Client) -> TokenCheck {
+        let Some(token) = self.token.as_deref() else {
+            return TokenCheck::Right;
+        };
+        if self.logins.is_excluded(client.0) {
+            return TokenCheck::Excluded;
+        }
+        if is_same(token, candidate) {
+            return TokenCheck::Right;
+        }
+        self.logins.count_wrong(client.0);
+        tokio::time::sleep(WRONG_TOKEN).await;
+        TokenCheck::Wrong
     }
 
-    /// Returns the cookie of a successful login.
-    pub fn cookie(&self, over_tls: bool) -> Option<HeaderValue> {
-        let value = login_of(self.token.as_deref()?);
+    /// Returns the cookies of a successful login: its secret, which scripts cannot read, and a mark for the page.
+    pub fn cookies(&self, over_tls: bool) -> Option<[HeaderValue; 2]> {
+        let value = self.logins.add(self.token.as_deref()?)?;
         let secure = if over_tls { "; Secure" } else { "" };
-        let text = format!(
-            "{COOKIE}={value}; HttpOnly; SameSite=Strict; Path=/; Max-Age={LOGIN_S}{secure}"
-        );
-        HeaderValue::from_str(&text).ok()
+        let rest = format!("SameSite=Strict; Path=/; Max-Age={LOGIN_S}{secure}");
+        let secret = format!("{COOKIE}={value}; HttpOnly; {rest}");
+        let mark = format!("{COOKIE}_open=1; {rest}");
+        Some([
+            HeaderValue::from_str(&secret).ok()?,
+            HeaderValue::from_str(&mark).ok()?,
+        ])
     }
 
-    /// Returns the cookie that ends a login.
-    pub fn no_cookie() -> HeaderValue {
-        HeaderValue::from_static("sinew_watch=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0")
+    /// Ends the logins of the cookies of a request.
+    pub fn log_out(&self, headers: &HeaderMap) {
+        if let Some(token) = self.token.as_deref() {
+            for value in cookies(headers) {
+                self.logins.remove(token, value);
+            }
+        }
     }
 
-    fn may(&self, headers: &HeaderMap) -> bool {
+    /// Returns the cookies that end a login in the browser.
+    pub fn no_cookies() -> [HeaderValue; 2] {
+        [
+            HeaderValue::from_static("sinew_watch=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0"),
+            HeaderValue::from_static("sinew_watch_open=; SameSite=Strict; Path=/; Max-Age=0"),
+        ]
+    }
+
+    /// Checks token and login of a request.
+    async fn may(&self, headers: &HeaderMap, client: Client) -> TokenCheck {
+        let Some(token) = self.token.as_deref() else {
+            return TokenCheck::Right;
+        };
+        if cookies(headers).any(|value| self.logins.has(token, value)) {
+            return TokenCheck::Right;
+        }
+        match bearer(headers) {
+            Some(candidate) => self.check_token(candidate, client).await,
+            None => TokenCheck::Wrong,
+        }
+    }
+
+    /// Whether the token or login of a request that was admitted is still valid.
+    pub(super) fn remains(&self, headers: &HeaderMap) -> bool {
         let Some(token) = self.token.as_deref() else {
             return true;
         };
-        let text = |name| {
-            headers
-                .get(name)
-                .and_then(|value: &HeaderValue| value.to_str().ok())
-        };
-        let bearer = text(header::AUTHORIZATION).and_then(|text| text.strip_prefix("Bearer "));
-        if bearer.is_some_and(|candidate| is_same(token, candidate)) {
-            return true;
-        }
-        let login = login_of(token);
-        let cookies = text(header::COOKIE).unwrap_or("").split(';');
-        let mut own = cookies.filter_map(|c| c.trim().strip_prefix(COOKIE)?.strip_prefix('='));
-        own.any(|value| is_same(&login, value))
+        cookies(headers).any(|value| self.logins.has(token, value))
+            || bearer(headers).is_some_and(|candidate| is_same(token, candidate))
     }
 
     /// Whether a Host header names this host. An address cannot be rebound; a name can.
@@ -109,9 +162,18 @@ fn is_same(secret: &str, candidate: &str) -> bool {
     Sha256::digest(secret) == Sha256::digest(candidate)
 }
 
-/// Returns the content of the cookie: it reveals nothing of the token, and expires with it.
-fn login_of(token: &str) -> String {
-    hex(&Sha256::digest(format!("sinew-watch login\n{token}")))
+/// Returns the token in the Authorization header.
+fn bearer(headers: &HeaderMap) -> Option<&str> {
+    let value = headers.get(header::AUTHORIZATION)?;
+    value.to_str().ok()?.strip_prefix("Bearer ")
+}
+
+/// Returns the contents of the cookies of this page.
+fn cookies(headers: &HeaderMap) -> impl Iterator<Item = &str> {
+    let all = headers.get(header::COOKIE);
+    let all = all.and_then(|value| value.to_str().ok()).unwrap_or("");
+    all.split(';')
+        .filter_map(|cookie| cookie.trim().strip_prefix(COOKIE)?.strip_prefix('='))
 }
 
 /// Whether a path is accessible without a token: the page itself, which contains no data, and the login.
@@ -122,9 +184,10 @@ fn is_open(path: &str) -> bool {
 
 /// Rejects requests without access, and adds the security headers to responses.
 pub async fn guard(State(guard): State<Guard>, request: Request, next: Next) -> Response {
-    let mut response = match rejection(&guard, &request) {
+    let (parts, body) = request.into_parts();
+    let mut response = match rejection(&guard, &parts).await {
         Some((status, reason)) => super::ErrorResponse::new(status, reason).into_response(),
-        None => next.run(request).await,
+        None => next.run(Request::from_parts(parts, body)).await,
     };
     let headers = response.headers_mut();
     let security_headers = [
@@ -146,17 +209,31 @@ pub async fn guard(State(guard): State<Guard>, request: Request, next: Next) -> 
     response
 }
 
-fn rejection(guard: &Guard, request: &Request) -> Option<(StatusCode, &'static str)> {
-    let headers = request.headers();
+/// Returns the address from which a request came.
+pub(super) fn client(extensions: &Extensions) -> Client {
+    let client = extensions.get::<Client>().copied();
+    client.unwrap_or(Client(IpAddr::from([0, 0, 0, 0])))
+}
+
+async fn rejection(guard: &Guard, request: &Parts) -> Option<(StatusCode, &'static str)> {
+    let headers = &request.headers;
     let text = |name: HeaderName| headers.get(name).and_then(|value| value.to_str().ok());
     let Some(host) = text(header::HOST).filter(|host| guard.is_own_host(host)) else {
         return Some((StatusCode::MISDIRECTED_REQUEST, response::UNKNOWN_HOST));
     };
-    let path = request.uri().path();
-    if !is_open(path) && !guard.may(headers) {
-        return Some((StatusCode::UNAUTHORIZED, response::TOKEN_REQUIRED));
+    let path = request.uri.path();
+    if !is_open(path) {
+        match guard.may(headers, client(&request.extensions)).await {
+            TokenCheck::Right => {}
+            TokenCheck::Wrong => {
+                return Some((StatusCode::UNAUTHORIZED, response::TOKEN_REQUIRED));
+            }
+            TokenCheck::Excluded => {
+                return Some((StatusCode::TOO_MANY_REQUESTS, response::TOO_MANY_TOKENS));
+            }
+        }
     }
-    if *request.method() == Method::GET || *request.method() == Method::HEAD {
+    if request.method == Method::GET || request.method == Method::HEAD {
         return None;
     }
     if headers.get(WRITES).is_none() {

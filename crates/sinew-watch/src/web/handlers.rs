@@ -2,18 +2,18 @@
 
 use super::api::{
     AlarmList, AlarmView, Done, DueQuery, Journal, JournalQuery, JournalView, Login, RobotNow,
-    TendonNow,
+    TendonNow, TestResult, TestResults,
 };
-use super::guard::Guard;
+use super::guard::{Client, Guard, TokenCheck};
 use super::{App, ErrorResponse};
 use crate::runtime::{Answer, Control, RobotState, Slot};
-use crate::store::JournalFilter;
+use crate::store::{JournalFilter, Reader, Series, SeriesQuery};
 use crate::words::{self, response};
-use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
+use axum::{Extension, Json};
 use serde::de::DeserializeOwned;
 use sinew_files::date::DAY_S;
 use sinew_watch_core::command::Command;
@@ -25,12 +25,12 @@ use tokio::sync::oneshot;
 
 /// Number of journal entries in one response: default and limit.
 const ENTRIES: [u64; 2] = [100, 1000];
+/// Number of intervals of a series: default and limit.
+const INTERVALS: [u32; 2] = [300, 2000];
 /// Default horizon of the maintenance forecast, days: eight weeks.
 const DUE_WITHIN_DAYS: f64 = 56.0;
 /// Maximum time to wait for the result of a command: the store may be slow.
 const ANSWER_WITHIN: Duration = Duration::from_secs(20);
-/// Delay of the response to a wrong token.
-const WRONG_TOKEN: Duration = Duration::from_millis(500);
 /// Time without a loop after which a core thread counts as hanging.
 const HANGS_AFTER: Duration = Duration::from_secs(10);
 
@@ -122,6 +122,53 @@ pub(super) async fn journal(
     }))
 }
 
+pub(super) async fn series(
+    State(app): State<App>,
+    Path((robot, joint)): Path<(String, String)>,
+    Query(query): Query<SeriesQuery>,
+) -> Result<Json<Series>, ErrorResponse> {
+    if app.registry.get(&robot).is_none() {
+        return Err(ErrorResponse::not_found(response::no_robot(&robot)));
+    }
+    let [usual, most] = INTERVALS;
+    let intervals = query.intervals.unwrap_or(usual).clamp(1, most);
+    let read = move |reader: &Reader| reader.series(&robot, &joint, &query, intervals);
+    app.read(read).await.map(Json)
+}
+
+pub(super) async fn calendar(
+    State(app): State<App>,
+    Query(query): Query<DueQuery>,
+) -> Result<Response, ErrorResponse> {
+    let list = due(State(app), Query(query)).await?.0;
+    let headers = [
+        (header::CONTENT_TYPE, "text/calendar; charset=utf-8"),
+        (
+            header::CONTENT_DISPOSITION,
+            "attachment; filename=\"maintenance.ics\"",
+        ),
+    ];
+    Ok((headers, super::calendar::text(&list)).into_response())
+}
+
+pub(super) async fn test_notifications(
+    State(app): State<App>,
+) -> Result<Json<TestResults>, ErrorResponse> {
+    let hooks = app.webhooks.borrow().clone();
+    if hooks.is_empty() {
+        return Err(ErrorResponse::conflict(response::NO_WEBHOOK));
+    }
+    let time_utc_s = app.ticks.borrow().time_utc_s;
+    let results = crate::webhooks::test(&hooks, time_utc_s).await;
+    let results = results.into_iter().map(|(url, done)| TestResult {
+        url,
+        error: done.err(),
+    });
+    Ok(Json(TestResults {
+        results: results.collect(),
+    }))
+}
+
 /// Parses a JSON body; returns the reason if it is invalid.
 fn read_body<T: DeserializeOwned>(body: &[u8]) -> Result<T, ErrorResponse> {
     serde_json::from_slice(body)
@@ -179,29 +226,34 @@ pub(super) async fn openapi() -> Response {
 pub(super) async fn login(
     State(app): State<App>,
     headers: HeaderMap,
+    Extension(client): Extension<Client>,
     body: Bytes,
 ) -> Result<Response, ErrorResponse> {
     let login: Login = read_body(&body)?;
-    if !app.guard.is_token(&login.token) {
-        tokio::time::sleep(WRONG_TOKEN).await;
-        return Err(ErrorResponse::new(
-            StatusCode::UNAUTHORIZED,
-            response::INVALID_TOKEN,
-        ));
+    let rejected = |status, reason| Err(ErrorResponse::new(status, reason));
+    match app.guard.check_token(&login.token, client).await {
+        TokenCheck::Right => {}
+        TokenCheck::Wrong => return rejected(StatusCode::UNAUTHORIZED, response::INVALID_TOKEN),
+        TokenCheck::Excluded => {
+            return rejected(StatusCode::TOO_MANY_REQUESTS, response::TOO_MANY_TOKENS);
+        }
     }
     let proto = headers
         .get("x-forwarded-proto")
         .and_then(|v| v.to_str().ok());
     let mut response = Json(Done { done: true }).into_response();
-    if let Some(cookie) = app.guard.cookie(proto == Some("https")) {
-        response.headers_mut().insert(header::SET_COOKIE, cookie);
+    let cookies = app.guard.cookies(proto == Some("https"));
+    for cookie in cookies.into_iter().flatten() {
+        response.headers_mut().append(header::SET_COOKIE, cookie);
     }
     Ok(response)
 }
 
-pub(super) async fn logout() -> Response {
+pub(super) async fn logout(State(app): State<App>, headers: HeaderMap) -> Response {
+    app.guard.log_out(&headers);
     let mut response = Json(Done { done: true }).into_response();
-    let headers = response.headers_mut();
-    headers.insert(header::SET_COOKIE, Guard::no_cookie());
+    for cookie in Guard::no_cookies() {
+        response.headers_mut().append(header::SET_COOKIE, cookie);
+    }
     response
 }

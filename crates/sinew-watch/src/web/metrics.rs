@@ -13,7 +13,6 @@ use prometheus_client::registry::Registry;
 use sinew_model::Gaussian;
 use sinew_trend::Limit;
 use sinew_watch_core::RobotSnapshot;
-use sinew_watch_core::alarm::AlarmState;
 use sinew_watch_core::snapshot::{Freshness, LimitNow, TendonSnapshot};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -60,8 +59,8 @@ metrics! {
     gauge sinew_tendon_tensioned_timestamp_seconds "Time of the last tensioning.";
     gauge sinew_tendon_limit_elongation_meters "Elongation limit for re-tensioning.";
     gauge sinew_tendon_limit_strain_ratio "Strain limit for replacement.";
-    gauge sinew_tendon_limit_timestamp_seconds "Forecast time at which a limit is exceeded: quantiles 0.025, 0.5, 0.975.";
-    gauge sinew_alarm_active "1: the condition of the alarm is present; 0: cleared, but the alarm is not normal yet.";
+    gauge sinew_tendon_limit_timestamp_seconds "Forecast time at which a limit is exceeded with probability 0.025, 0.5, 0.975.";
+    gauge sinew_alarm_active "1: the alarm is active, or latched until repair or reset; 0: cleared, unacknowledged.";
     gauge sinew_alarm_severity "Severity of an alarm that is not normal, 1 to 1000.";
 }
 
@@ -224,9 +223,8 @@ fn of_robot(out: &mut Samples, robot: &RobotSnapshot) {
             ("joint", joint),
             ("condition", condition.as_str()),
         ];
-        let active = matches!(alarm.state, AlarmState::Active | AlarmState::Acknowledged);
         let severity = f64::from(alarm.key.condition.severity());
-        out.put("sinew_alarm_active", &labels, f64::from(active));
+        out.put("sinew_alarm_active", &labels, f64::from(alarm.is_active()));
         out.put("sinew_alarm_severity", &labels, severity);
     }
 }
@@ -272,21 +270,21 @@ fn of_tendon(out: &mut Samples, robot: &str, tendon: &TendonSnapshot) {
             Limit::Retension { .. } => "retension",
             Limit::Replace { .. } => "replace",
         };
-        for (quantile, after_s) in [
+        for (probability, after_s) in [
             ("0.025", forecast.after_low_s),
             ("0.5", forecast.after_s),
             ("0.975", forecast.after_high_s),
         ] {
-            let with_quantile = [
+            let with_probability = [
                 labels[0],
                 labels[1],
                 ("limit", limit),
-                ("quantile", quantile),
+                ("probability", probability),
             ];
             let at_utc_s = after_s.map(|after_s| trend.last_utc_s + after_s);
             out.put(
                 "sinew_tendon_limit_timestamp_seconds",
-                &with_quantile,
+                &with_probability,
                 at_utc_s,
             );
         }

@@ -5,11 +5,13 @@
 
 pub mod api;
 mod assets;
+mod calendar;
 #[cfg(feature = "schema")]
 mod describe;
 mod events;
 pub mod guard;
 mod handlers;
+mod logins;
 pub mod metrics;
 #[cfg(feature = "schema")]
 pub mod openapi;
@@ -21,6 +23,7 @@ mod ticks;
 pub use serve::serve;
 pub use ticks::{Tick, Ticker};
 
+use crate::config::Webhook;
 use crate::runtime::{Health, RobotRegistry, lock};
 use crate::store::{Place, Reader, StoreError};
 use crate::words::response;
@@ -29,6 +32,7 @@ use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use guard::Guard;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use tokio::sync::{Semaphore, watch};
 
@@ -50,6 +54,8 @@ pub struct App {
     pub guard: Guard,
     /// Updates sent every second.
     pub ticks: watch::Receiver<Arc<Tick>>,
+    /// Receivers of alarm notifications.
+    pub webhooks: watch::Receiver<Vec<Webhook>>,
     readers: Arc<Readers>,
     listeners: Arc<Semaphore>,
     exports: Arc<Semaphore>,
@@ -61,6 +67,7 @@ impl App {
         (registry, health): (Arc<RobotRegistry>, Arc<Health>),
         guard: Guard,
         ticks: watch::Receiver<Arc<Tick>>,
+        webhooks: watch::Receiver<Vec<Webhook>>,
         place: Place,
     ) -> Self {
         Self {
@@ -68,6 +75,7 @@ impl App {
             health,
             guard,
             ticks,
+            webhooks,
             readers: Arc::new(Readers {
                 place,
                 idle: Mutex::default(),
@@ -75,6 +83,12 @@ impl App {
             listeners: Arc::new(Semaphore::new(MAX_STREAMS)),
             exports: Arc::new(Semaphore::new(MAX_EXPORTS)),
         }
+    }
+
+    /// Returns a folder for temporary files: that of the store, as `/tmp` may be in memory.
+    fn temporary_folder(&self) -> PathBuf {
+        let folder = self.readers.place.folder();
+        folder.map_or_else(std::env::temp_dir, PathBuf::from)
     }
 
     /// Reads the store in a thread that may wait for the disk.

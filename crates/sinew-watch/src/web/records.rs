@@ -1,10 +1,8 @@
 //! Records of sessions as JSON, CSV and Parquet.
 
-use super::api::Records;
 use super::{App, ErrorResponse};
-use crate::store::{Reader, RecordQuery, StoreError, write_records, write_sessions};
+use crate::store::{Position, Reader, RecordQuery, StoreError, write_records, write_sessions};
 use crate::words::response;
-use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path as Named, Query, State};
 use axum::http::header;
@@ -21,6 +19,8 @@ use tokio::sync::OwnedSemaphorePermit;
 
 /// Number of records in one JSON response: default and limit.
 const RECORDS: [u64; 2] = [1000, 100_000];
+/// Number of records that are read and sent at once, about 0.3 MB.
+const PIECE_RECORDS: usize = 500;
 /// Length of the pieces in which files are sent, bytes.
 const PIECE: usize = 64 << 10;
 
@@ -47,17 +47,81 @@ const SESSIONS: Form = Form {
     write: write_sessions,
 };
 
+/// Records that remain to be sent.
+struct Sending {
+    app: App,
+    query: RecordQuery,
+    /// Positions of the next and of the last record; `None`: all are sent.
+    rest: Option<[Position; 2]>,
+    /// Text that remains to be sent before the next records.
+    head: String,
+    has_ended: bool,
+}
+
+/// Sends records as JSON, read in pieces: a slow client blocks nothing, and the memory does not depend on their number.
 pub(super) async fn json(
     State(app): State<App>,
     Query(mut query): Query<RecordQuery>,
-) -> Result<Json<Records>, ErrorResponse> {
+) -> Result<Response, ErrorResponse> {
     let [usual, most] = RECORDS;
     query.most = Some(query.most.unwrap_or(usual).min(most));
-    let records = app.read(move |reader| reader.records(&query)).await?;
-    Ok(Json(Records {
-        schema: Record::SCHEMA,
-        records,
-    }))
+    let asked = query.clone();
+    let found = app.read(move |reader| {
+        let exists = asked.before.map_or(Ok(true), |id| reader.has_record(id))?;
+        Ok((exists, reader.span(&asked)?))
+    });
+    let (exists, span) = found.await?;
+    if !exists {
+        return Err(ErrorResponse::unprocessable(response::NO_CURSOR));
+    }
+    let span = span.filter(|_| query.most != Some(0));
+    let older = span.filter(|span| span.has_older).map(|span| span.first.id);
+    let older = older.map_or("null".into(), |id| id.to_string());
+    let sending = Sending {
+        app,
+        query,
+        rest: span.map(|span| [span.first, span.last]),
+        head: format!(
+            "{{\"schema\":\"{}\",\"older\":{older},\"records\":[",
+            Record::SCHEMA
+        ),
+        has_ended: false,
+    };
+    let body = Body::from_stream(stream::try_unfold(sending, Sending::next));
+    Ok(([(header::CONTENT_TYPE, "application/json")], body).into_response())
+}
+
+impl Sending {
+    /// Returns the next piece of the response.
+    async fn next(mut self) -> Result<Option<(Bytes, Self)>, std::io::Error> {
+        if self.has_ended {
+            return Ok(None);
+        }
+        let mut text = std::mem::take(&mut self.head).into_bytes();
+        let Some([from, to]) = self.rest.take() else {
+            self.has_ended = true;
+            text.extend_from_slice(b"]}");
+            return Ok(Some((Bytes::from(text), self)));
+        };
+        let query = self.query.clone();
+        let read = self.app.read(move |reader| {
+            let mut sent = Ok(());
+            let next = reader.piece(&query, [from, to], PIECE_RECORDS, |record| {
+                if sent.is_ok() {
+                    sent = serde_json::to_writer(&mut text, &record);
+                    text.push(b',');
+                }
+            })?;
+            if next.is_none() && text.last() == Some(&b',') {
+                text.pop();
+            }
+            Ok((next, sent.map(|()| text)))
+        });
+        // The response has begun: an error ends the connection, by which the client notices that it is incomplete.
+        let (next, text) = read.await.map_err(|e| std::io::Error::other(e.1))?;
+        self.rest = next.map(|next| [next, to]);
+        Ok(Some((Bytes::from(text?), self)))
+    }
 }
 
 pub(super) async fn csv(
@@ -98,7 +162,9 @@ async fn file(
 ) -> Result<Response, ErrorResponse> {
     let busy = |_| ErrorResponse::unavailable(response::EXPORTS_BUSY);
     let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
-    let file = app.read(move |reader| write(reader, &query, form)).await?;
+    let folder = app.temporary_folder();
+    let written = app.read(move |reader| write(reader, &query, form, &folder));
+    let file = written.await?;
     let named = format!("attachment; filename=\"{}\"", form.name);
     let headers = [
         (header::CONTENT_TYPE, form.kind),
@@ -108,9 +174,9 @@ async fn file(
     Ok((headers, body).into_response())
 }
 
-type Sending = (File, OwnedSemaphorePermit);
+type SendingFile = (File, OwnedSemaphorePermit);
 
-async fn piece((mut file, permit): Sending) -> std::io::Result<Option<(Bytes, Sending)>> {
+async fn piece((mut file, permit): SendingFile) -> std::io::Result<Option<(Bytes, SendingFile)>> {
     let read = tokio::task::spawn_blocking(move || {
         let mut piece = vec![0; PIECE];
         let length = file.read(&mut piece)?;
@@ -122,11 +188,16 @@ async fn piece((mut file, permit): Sending) -> std::io::Result<Option<(Bytes, Se
 }
 
 /// Writes an unnamed temporary file.
-fn write(reader: &Reader, query: &RecordQuery, form: &Form) -> Result<File, StoreError> {
+fn write(
+    reader: &Reader,
+    query: &RecordQuery,
+    form: &Form,
+    folder: &Path,
+) -> Result<File, StoreError> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
     let name = format!("sinew-watch-{}-{number}-{}", std::process::id(), form.name);
-    let path: PathBuf = std::env::temp_dir().join(name);
+    let path: PathBuf = folder.join(name);
     let error = |source| StoreError::Folder {
         folder: path.clone(),
         source,

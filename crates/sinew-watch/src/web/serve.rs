@@ -5,6 +5,7 @@
 //! always answered.
 
 use super::ErrorResponse;
+use super::guard::Client;
 use crate::words::response;
 use axum::Router;
 use axum::body::{Body, to_bytes};
@@ -123,6 +124,7 @@ async fn serve_at_most(
         let own = Arc::clone(&connection);
         let service = service_fn(move |mut request: hyper::Request<Incoming>| {
             request.extensions_mut().insert(Arc::clone(&own));
+            request.extensions_mut().insert(Client(own.address));
             router.call(request)
         });
         let served = http1::Builder::new()

@@ -37,6 +37,21 @@ pub fn token_file(path: impl std::fmt::Display) -> String {
     format!("the token of the page is in the file {path}")
 }
 
+/// Reports a request with a wrong token.
+pub fn wrong_token(address: impl std::fmt::Display) -> String {
+    format!("request with a wrong token from {address}")
+}
+
+/// Reports that an address is excluded for a minute because of wrong tokens.
+pub fn too_many_tokens(address: impl std::fmt::Display) -> String {
+    format!("too many wrong tokens from {address}: its tokens are rejected for a minute")
+}
+
+/// Reports that the logins of the page could not be stored.
+pub fn logins_not_stored(reason: impl std::fmt::Display) -> String {
+    format!("logins of the page not stored: {reason}; they end with the monitor")
+}
+
 /// Reports that the configuration is invalid and was not reloaded.
 pub fn not_reloaded(error: impl std::fmt::Display) -> String {
     format!("configuration not reloaded: {error}")

@@ -32,6 +32,14 @@ pub const IS_GONE: &str = "the robot is not monitored any more";
 /// Reason if the monitor has not answered a command in time.
 pub const NO_RESULT: &str =
     "no result of the command yet; check the journal before the command is repeated";
+/// Text of the test notification.
+pub const TEST_NOTIFICATION: &str = "Test notification of Sinew watch; no action required";
+/// Reason if a test notification is requested without a receiver.
+pub const NO_WEBHOOK: &str = "no receiver configured; add [[webhook]] to the configuration";
+/// Reason if an address has sent too many wrong tokens.
+pub const TOO_MANY_TOKENS: &str = "too many wrong tokens from this address; retry in a minute";
+/// Reason for a cursor of a record that does not exist.
+pub const NO_CURSOR: &str = "no record with the number in `before`";
 /// Health text of a working monitor.
 pub const WORKS: &str = "works\n";
 /// Health text of a monitor with a thread that hangs.

@@ -657,6 +657,9 @@ fn log_lines(list: &mut List) {
         log::month_not_exported(reason),
         log::export_not_recorded("2026-05", reason),
         log::token_file("/var/lib/sinew/web-token"),
+        log::wrong_token("192.0.2.7"),
+        log::too_many_tokens("192.0.2.7"),
+        log::logins_not_stored(reason),
         log::not_reloaded(reason),
         log::reloaded(),
         log::needs_restart("[web] and [store]"),
@@ -686,6 +689,10 @@ fn responses(list: &mut List) {
         response::IS_STARTING,
         response::IS_GONE,
         response::NO_RESULT,
+        response::TEST_NOTIFICATION,
+        response::NO_WEBHOOK,
+        response::TOO_MANY_TOKENS,
+        response::NO_CURSOR,
         response::WORKS,
         response::HANGS,
     ] {
@@ -759,6 +766,11 @@ fn store_errors(list: &mut List) {
             source: std::io::Error::other("permission denied"),
         },
         StoreError::Foreign { file: file.into() },
+        StoreError::Lost {
+            file: file.into(),
+            what: "is empty",
+            remains: file.into(),
+        },
         StoreError::Newer {
             file: file.into(),
             version: 9,
@@ -778,12 +790,13 @@ fn store_errors(list: &mut List) {
         StoreError::Held { .. } => 0,
         StoreError::Folder { .. } => 1,
         StoreError::Foreign { .. } => 2,
-        StoreError::Newer { .. } => 3,
-        StoreError::Damaged { .. } => 4,
-        StoreError::Document { .. } => 5,
+        StoreError::Lost { .. } => 3,
+        StoreError::Newer { .. } => 4,
+        StoreError::Damaged { .. } => 5,
+        StoreError::Document { .. } => 6,
         StoreError::Sqlite(_) | StoreError::File(_) => unreachable!("{error}"),
     };
-    assert!(all.iter().map(position).eq(0..6));
+    assert!(all.iter().map(position).eq(0..7));
     for error in all {
         list.line(error.to_string());
     }
