@@ -60,12 +60,18 @@ pub struct Alarm {
 }
 
 impl Alarm {
-    /// Whether the alarm is active: its condition is present, or it is latched until a repair is recorded or it is reset.
+    /// Whether the alarm is active: its condition is present, or the alarm is latched until it is reset by a repair or
+    /// an operator. Shelving and acknowledgement do not end it.
     pub fn is_active(&self) -> bool {
-        matches!(
-            self.state,
-            AlarmState::Active | AlarmState::Acknowledged | AlarmState::Latched
-        )
+        match self.state {
+            AlarmState::Active | AlarmState::Acknowledged | AlarmState::Latched => true,
+            AlarmState::Cleared | AlarmState::Normal => false,
+        }
+    }
+
+    /// Whether an operator has yet to acknowledge the alarm.
+    pub fn needs_attention(&self) -> bool {
+        !self.acknowledged && self.state != AlarmState::Normal
     }
 
     /// Returns the displayed level; shelving hides everything except errors.
