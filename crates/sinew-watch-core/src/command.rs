@@ -1,6 +1,7 @@
 //! Operator commands to the monitor; none of them reaches the robot.
 
 use crate::condition::AlarmKey;
+use crate::incident::Finding;
 use serde::{Deserialize, Serialize};
 
 /// Operator command to the monitor.
@@ -40,13 +41,32 @@ impl Command {
         if *what == CommandKind::Note && note.trim().is_empty() {
             return Err(CommandError::NoNote);
         }
-        if let CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } = what
-            && let Some(joint) = joints.iter().find(|joint| !names.contains(joint))
-        {
+        let available = || names.join(", ");
+        let unknown = |joint: &&String| !names.contains(joint);
+        let joint = match what {
+            CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } => {
+                if joints.is_empty() {
+                    let available = available();
+                    return Err(CommandError::NoJoints { available });
+                }
+                joints.iter().find(unknown)
+            }
+            CommandKind::Finding { joint, .. } => Some(joint).filter(unknown),
+            _ => None,
+        };
+        if let Some(joint) = joint {
             return Err(CommandError::Joint {
                 joint: joint.clone(),
-                available: names.join(", "),
+                available: available(),
             });
+        }
+        if let CommandKind::Finding {
+            finding: Finding::Other,
+            ..
+        } = what
+            && note.trim().is_empty()
+        {
+            return Err(CommandError::NoNote);
         }
         Ok(())
     }
@@ -59,12 +79,12 @@ impl Command {
 pub enum CommandKind {
     /// Ropes were re-tensioned: the motion that follows, with an empty gripper, is their new baseline.
     Tensioned {
-        /// Names of the affected joints; empty: all joints.
+        /// Names of the affected joints, at least one.
         joints: Vec<String>,
     },
     /// Ropes were replaced by new ones, and tensioned.
     Replaced {
-        /// Names of the affected joints; empty: all joints.
+        /// Names of the affected joints, at least one.
         joints: Vec<String>,
     },
     /// Acknowledges an alarm.
@@ -89,6 +109,14 @@ pub enum CommandKind {
         /// Joint and condition of the alarm.
         alarm: AlarmKey,
     },
+    /// Records what the inspection of a tendon found; the note has the details. A finding that needs no repair, or that
+    /// follows the repair, closes the incident of the tendon.
+    Finding {
+        /// Name of the joint.
+        joint: String,
+        /// Finding of the inspection.
+        finding: Finding,
+    },
     /// Adds a note to the journal.
     Note,
 }
@@ -107,6 +135,18 @@ pub enum CommandError {
         joint: String,
         /// Comma-separated names of the joints with a tendon.
         available: String,
+    },
+    /// The command names no joint.
+    #[error("joints is empty; name the affected ropes: {available}")]
+    NoJoints {
+        /// Comma-separated names of the joints with a tendon.
+        available: String,
+    },
+    /// The tendon has no open incident.
+    #[error("'{joint}' has no open incident")]
+    NoIncident {
+        /// Joint named in the command.
+        joint: String,
     },
     /// The alarm does not exist.
     #[error("alarm not found; the alarm may have cleared")]

@@ -67,6 +67,14 @@ impl Condition {
         }
     }
 
+    /// Whether the condition is a sudden change of a tendon, which belongs to its incident.
+    pub fn is_change(self) -> bool {
+        matches!(
+            self,
+            Self::TransmissionLost | Self::StrandFailure | Self::StepChange | Self::SuspectedStep
+        )
+    }
+
     /// Whether the alarm latches until the tendon is re-tensioned or replaced, or the alarm is reset: damage to a rope
     /// does not clear automatically.
     pub fn latches(self) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::alarm::Transition;
 use crate::command::Command;
+use crate::incident::Incident;
 use serde::{Deserialize, Serialize};
 
 /// Entry of the journal.
@@ -89,6 +90,11 @@ pub enum Event {
         /// State transition of the alarm.
         #[serde(flatten)]
         transition: Transition,
+    },
+    /// An incident of a tendon was opened, or changed its phase.
+    Incident {
+        /// Incident with its evidence.
+        incident: Incident,
     },
     /// An operator gave a command.
     Command {

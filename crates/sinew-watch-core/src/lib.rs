@@ -4,13 +4,14 @@
 //! [`Transaction`]s to store and a [`RobotSnapshot`] to publish. A week can be replayed in minutes, and steps of a
 //! clock can be tested. The monitor is passive: nothing here commands a robot.
 //!
-//! Reading order: `instant`, `record`, `table`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (inputs and
+//! Reading order: `instant`, `record`, `table`, `alarm`, `incident`, `journal`, `transaction`, `command`, `snapshot` (inputs and
 //! outputs), then `monitor`, and `due` (maintenance list of all robots).
 
 pub mod alarm;
 pub mod command;
 mod condition;
 pub mod due;
+pub mod incident;
 pub mod instant;
 pub mod journal;
 mod monitor;

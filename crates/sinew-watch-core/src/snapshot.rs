@@ -1,6 +1,7 @@
 //! Current state of a robot as published by its monitor.
 
 use crate::alarm::{Alarm, Level, LimitOrigin};
+use crate::incident::Incident;
 use crate::record::{Clock, NoOffset, Record};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::online::Provisional;
@@ -46,6 +47,9 @@ pub struct RobotSnapshot {
     pub tendons: Vec<TendonSnapshot>,
     /// Alarms of the robot and its tendons, in descending order of severity.
     pub alarms: Vec<Alarm>,
+    /// Incidents of the tendons, the oldest first: all open ones, and the last closed ones.
+    #[serde(default)]
+    pub incidents: Vec<Incident>,
     /// Number of transactions waiting to be stored.
     pub waiting_to_be_stored: usize,
 }

@@ -19,6 +19,12 @@ fn command_errors() -> Vec<CommandError> {
             joint: "knee".into(),
             available: "shoulder, elbow".into(),
         },
+        CommandError::NoJoints {
+            available: "shoulder, elbow".into(),
+        },
+        CommandError::NoIncident {
+            joint: "elbow".into(),
+        },
         CommandError::NoAlarm,
         CommandError::Shelf {
             for_s: MAX_SHELF_S + 1.0,
@@ -34,14 +40,16 @@ fn command_errors() -> Vec<CommandError> {
     ];
     let position = |error: &CommandError| match error {
         CommandError::Joint { .. } => 0,
-        CommandError::NoAlarm => 1,
-        CommandError::Shelf { .. } => 2,
-        CommandError::StillActive => 3,
-        CommandError::NoNote => 4,
-        CommandError::NoName => 5,
-        CommandError::TooLong { .. } => 6,
+        CommandError::NoJoints { .. } => 1,
+        CommandError::NoIncident { .. } => 2,
+        CommandError::NoAlarm => 3,
+        CommandError::Shelf { .. } => 4,
+        CommandError::StillActive => 5,
+        CommandError::NoNote => 6,
+        CommandError::NoName => 7,
+        CommandError::TooLong { .. } => 8,
     };
-    assert!(all.iter().map(position).eq(0..7));
+    assert!(all.iter().map(position).eq(0..9));
     all
 }
 

@@ -1,6 +1,7 @@
 //! Transactions that must be stored before they are published.
 
 use crate::alarm::{AlarmsStored, StepKind};
+use crate::incident::Incidents;
 use crate::journal::Entry;
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
@@ -43,11 +44,14 @@ pub struct MonitorState {
     pub sessions: u64,
     /// State of each tendon, in the order of the robot's elastic joints.
     pub tendons: Vec<TendonState>,
+    /// Incidents of the tendons.
+    #[serde(default)]
+    pub incidents: Incidents,
 }
 
 impl MonitorState {
-    /// Version of the format that this program writes.
-    pub const VERSION: u32 = 1;
+    /// Version of the format that this program writes. Version 1 has no incidents, and no evidence of suspicions.
+    pub const VERSION: u32 = 2;
 }
 
 /// Progress of a baseline acquisition.
@@ -78,11 +82,17 @@ pub struct TendonState {
     pub last_rad: Option<Gaussian>,
     /// End of that session, s since 1970 UTC.
     pub last_utc_s: Option<f64>,
-    /// PendingEvent step change awaiting confirmation by another session.
+    /// Start of that session, s since 1970 UTC; the offset may hold for any time in it.
+    #[serde(default)]
+    pub last_from_utc_s: Option<f64>,
+    /// Stiffness relative to nominal, minus 1, in that session.
+    #[serde(default)]
+    pub last_stiffness_ratio: Option<Gaussian>,
+    /// Suspected step change, open until later sessions confirm or refute it, or an operator closes it.
     pub suspected: Option<PendingEvent>,
 }
 
-/// PendingEvent step change awaiting confirmation by another session.
+/// Suspected step change and the evidence of later sessions for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PendingEvent {
     /// Time of the step change, s since 1970 UTC.
@@ -97,10 +107,36 @@ pub struct PendingEvent {
     pub cause: Option<Cause>,
     /// Simultaneous relative change of stiffness; `None`: none detected.
     pub stiffness_ratio: Option<f64>,
+    /// Standard deviation of `stiffness_ratio`.
+    #[serde(default)]
+    pub stiffness_std_ratio: f64,
     /// Stiffness relative to nominal, minus 1, before the step change.
     pub stiffness_before_ratio: f64,
+    /// Standard deviation of `stiffness_before_ratio`.
+    #[serde(default)]
+    pub stiffness_before_std_ratio: f64,
     /// Number of the session in which the step change was detected.
     pub session: u64,
-    /// Number of later sessions with an offset that neither confirm nor withdraw it.
-    pub undecided: u32,
+    /// Offsets of later sessions, rad.
+    #[serde(default)]
+    pub later_rad: LevelSums,
+    /// Stiffness of later sessions, relative to nominal, minus 1.
+    #[serde(default)]
+    pub later_stiffness: LevelSums,
+}
+
+/// Sums over measurements `y = a + c·g + e` of a constant level `a` under creep `c·g`, with `c ~ N(0, 1)`, the creep
+/// `g` expected until the measurement, and independent errors `e` of precision `w = 1/σ²`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct LevelSums {
+    /// Σ w.
+    pub weight: f64,
+    /// Σ w g.
+    pub weight_creep: f64,
+    /// Σ w g².
+    pub weight_creep2: f64,
+    /// Σ w y.
+    pub weight_value: f64,
+    /// Σ w g y.
+    pub weight_creep_value: f64,
 }

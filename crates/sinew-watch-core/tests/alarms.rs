@@ -4,9 +4,11 @@
 use proptest::prelude::*;
 use sinew_watch_core::Instant;
 use sinew_watch_core::alarm::{
-    Alarm, AlarmCause, AlarmKey, AlarmState, Alarms, Condition, Delays, Level,
+    Alarm, AlarmCause, AlarmKey, AlarmState, Alarms, AlarmsStored, Condition, Delays, Level,
+    LimitOrigin, StepKind, TransitionReason,
 };
 use sinew_watch_core::command::{Command, CommandError, CommandKind, MAX_SHELF_S};
+use sinew_watch_core::incident::{Evidence, Finding, IncidentPhase, Incidents};
 use std::collections::BTreeMap;
 
 /// Operation on the alarms of a robot.
@@ -34,7 +36,9 @@ fn key() -> impl Strategy<Value = AlarmKey> {
 }
 
 fn what() -> impl Strategy<Value = CommandKind> {
-    let joints = || prop::sample::subsequence(JOINTS.map(String::from).to_vec(), 0..=2);
+    let joints = || prop::sample::subsequence(JOINTS.map(String::from).to_vec(), 1..=2);
+    let joint = prop::sample::select(JOINTS.as_slice());
+    let finding = prop::sample::select(vec![Finding::StrandFailure, Finding::Nothing]);
     let for_s = prop_oneof![
         0.1..100.0,
         1.0..2.0 * MAX_SHELF_S,
@@ -48,6 +52,10 @@ fn what() -> impl Strategy<Value = CommandKind> {
         (key(), for_s).prop_map(|(alarm, for_s)| CommandKind::Shelve { alarm, for_s }),
         key().prop_map(|alarm| CommandKind::Unshelve { alarm }),
         key().prop_map(|alarm| CommandKind::Reset { alarm }),
+        (joint, finding).prop_map(|(joint, finding)| CommandKind::Finding {
+            joint: joint.into(),
+            finding,
+        }),
         Just(CommandKind::Note),
     ]
 }
@@ -140,7 +148,7 @@ fn may_clear(op: &Op, key: &AlarmKey) -> bool {
     let Op::Say(command) = op else { return false };
     let named = |joints: &Vec<String>| {
         let joint = key.joint.as_ref();
-        joint.is_some_and(|joint| joints.is_empty() || joints.contains(joint))
+        joint.is_some_and(|joint| joints.contains(joint))
     };
     match &command.what {
         CommandKind::Tensioned { joints } => {
@@ -148,6 +156,11 @@ fn may_clear(op: &Op, key: &AlarmKey) -> bool {
         }
         CommandKind::Replaced { joints } => named(joints),
         CommandKind::Reset { alarm } => alarm == key && !command.note.is_empty(),
+        CommandKind::Finding { joint, finding } => {
+            key.joint.as_ref() == Some(joint)
+                && key.condition.is_change()
+                && !finding.needs_repair()
+        }
         _ => false,
     }
 }
@@ -267,6 +280,183 @@ fn condition_follows_delays() {
         update(&mut world, Some(false), 300.0),
         Some(AlarmState::Cleared)
     );
+}
+
+/// The alarm shows the newest cause; its time and the journal keep the raising.
+#[test]
+fn cause_follows_newest_and_journal_keeps_that_of_raising() {
+    let key = AlarmKey {
+        joint: Some("elbow".into()),
+        condition: Condition::RetensionLimit,
+    };
+    let limit = |mean| AlarmCause::Limit {
+        mean,
+        std: 1e-5,
+        limit: 5e-4,
+        probability: 0.99,
+        origin: LimitOrigin::RobotToml,
+    };
+    let mut world = World::new();
+    let raised_utc_s = world.now.utc_s();
+    let on = |alarms: &mut Alarms, cause: &AlarmCause, now| {
+        alarms.condition(&key, Some(true), cause, Delays::NONE, now);
+    };
+    on(&mut world.alarms, &limit(5.3e-4), world.now);
+    let transitions = world.alarms.take_transitions();
+    assert!(!world.alarms.take_changed());
+    world.now = world.now.after_s(86_400.0);
+    on(&mut world.alarms, &limit(6.1e-4), world.now);
+    assert!(world.alarms.take_changed() && world.alarms.take_transitions().is_empty());
+    let alarm = world.alarms.get(&key).unwrap();
+    assert_eq!(
+        (alarm.raised_utc_s, &alarm.cause),
+        (raised_utc_s, &limit(6.1e-4))
+    );
+    let cause = limit(5.3e-4);
+    assert_eq!(transitions[0].reason, TransitionReason::Condition { cause });
+    on(&mut world.alarms, &limit(6.1e-4), world.now);
+    assert!(!world.alarms.take_changed());
+}
+
+#[test]
+fn suspected_strand_failure_precedes_limits_of_elongation() {
+    let alarm = |condition, cause| Alarm {
+        key: AlarmKey {
+            joint: Some("elbow".into()),
+            condition,
+        },
+        state: AlarmState::Active,
+        acknowledged: false,
+        raised_utc_s: 0.0,
+        cause,
+        shelved_until_utc_s: None,
+        shelved_for_s: None,
+    };
+    let suspected = |what| {
+        let cause = AlarmCause::StepChange {
+            time_utc_s: 0.0,
+            size_rad: 5e-3,
+            std_rad: 1e-3,
+            what,
+            cause: None,
+            stiffness_ratio: None,
+        };
+        alarm(Condition::SuspectedStep, cause).severity()
+    };
+    let soon = AlarmCause::Soon {
+        limit: None,
+        at_low_utc_s: None,
+        at_utc_s: None,
+        at_high_utc_s: None,
+    };
+    let near = alarm(Condition::LimitNear, soon).severity();
+    assert!(suspected(StepKind::StrandFailure) > Condition::RetensionLimit.severity());
+    assert!(suspected(StepKind::SlipOrStrandFailure) > Condition::RetensionLimit.severity());
+    assert!(suspected(StepKind::StrandFailure) < Condition::StepChange.severity());
+    assert!(suspected(StepKind::Slip) > near);
+    assert!(alarm(Condition::SuspectedStep, cause()).severity() < near);
+}
+
+/// A forecast stored by an earlier version has no dates until the next trend.
+#[test]
+fn alarms_of_earlier_version_are_read() {
+    let text = r#"{"alarms": [{"key": {"joint": "elbow", "condition": "limit-near"}, "state": "active",
+        "acknowledged": false, "raised_utc_s": 1.0, "shelved_until_utc_s": null, "shelved_for_s": null,
+        "cause": {"kind": "soon", "after_low_s": 9.0, "after_s": null}}]}"#;
+    let stored: AlarmsStored = serde_json::from_str(text).unwrap();
+    let cause = &stored.alarms[0].cause;
+    assert!(matches!(
+        cause,
+        AlarmCause::Soon {
+            at_low_utc_s: None,
+            ..
+        }
+    ));
+}
+
+/// Operation on the incidents of two tendons.
+#[derive(Debug, Clone)]
+enum IncidentOp {
+    Suspect,
+    Confirm,
+    Refute,
+    Acknowledge,
+    Repair,
+    Find(Finding),
+    Reset,
+}
+
+fn incident_op() -> impl Strategy<Value = (usize, IncidentOp)> {
+    let findings = vec![Finding::StrandFailure, Finding::ClampSlip, Finding::Nothing];
+    let op = prop_oneof![
+        3 => Just(IncidentOp::Suspect),
+        2 => Just(IncidentOp::Confirm),
+        2 => Just(IncidentOp::Refute),
+        1 => Just(IncidentOp::Acknowledge),
+        1 => Just(IncidentOp::Repair),
+        1 => prop::sample::select(findings).prop_map(IncidentOp::Find),
+        1 => Just(IncidentOp::Reset),
+    ];
+    (0..JOINTS.len(), op)
+}
+
+proptest! {
+    #[test]
+    fn tendon_has_at_most_one_open_incident(ops in prop::collection::vec(incident_op(), 1..400)) {
+        let mut incidents = Incidents::default();
+        for (k, (tendon, op)) in ops.iter().enumerate() {
+            let (joint, utc_s) = (JOINTS[*tendon], k as f64);
+            let evidence = Evidence {
+                time_utc_s: utc_s,
+                offset_rad: None,
+                stiffness_ratio: None,
+                probability: 0.5,
+            };
+            let before = incidents.open(joint).cloned();
+            match op {
+                IncidentOp::Suspect => {
+                    incidents.suspect(joint, evidence, Vec::new(), utc_s);
+                }
+                IncidentOp::Confirm => {
+                    incidents.confirm(joint, evidence, Vec::new(), utc_s);
+                }
+                IncidentOp::Refute => {
+                    incidents.refute(joint, evidence, Vec::new(), utc_s);
+                }
+                IncidentOp::Acknowledge => {
+                    incidents.acknowledge(joint);
+                }
+                IncidentOp::Repair => {
+                    incidents.repair(joint, utc_s);
+                }
+                IncidentOp::Find(finding) => {
+                    incidents.find(joint, *finding, "", utc_s);
+                }
+                IncidentOp::Reset => {
+                    incidents.reset(joint, "", utc_s);
+                }
+            }
+            let open = |joint: &str| {
+                let of = incidents.iter().filter(|i| i.joint == joint && i.is_open());
+                of.count()
+            };
+            for joint in JOINTS {
+                prop_assert!(open(joint) <= 1, "{joint} after {op:?}");
+            }
+            // New evidence for a change always has an open incident; a confirmed one is not closed by evidence.
+            let now = incidents.open(joint);
+            match (op, before.map(|incident| incident.phase)) {
+                (IncidentOp::Suspect | IncidentOp::Confirm, _) => prop_assert!(now.is_some()),
+                (IncidentOp::Refute, Some(IncidentPhase::Suspected)) => prop_assert!(now.is_none()),
+                (IncidentOp::Refute, Some(phase)) => prop_assert_eq!(now.map(|i| i.phase), Some(phase)),
+                _ => {}
+            }
+            prop_assert!(incidents.iter().all(|i| i.is_open() == i.closed_utc_s.is_none()));
+            prop_assert!(incidents.iter().all(|i| i.evidence.len() <= 64));
+            let numbers: Vec<u64> = incidents.iter().map(|i| i.number).collect();
+            prop_assert!(numbers.windows(2).all(|w| w[0] < w[1]) && numbers.len() <= 52);
+        }
+    }
 }
 
 #[test]

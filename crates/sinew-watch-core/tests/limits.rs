@@ -109,13 +109,31 @@ fn limit_exceeded_within_14_days_raises_near_alarm() {
         condition: Condition::LimitNear,
     };
     let near = alarms.iter().find(|alarm| alarm.key == key);
-    let Some(AlarmCause::Soon { after_low_s, .. }) = near.map(|alarm| &alarm.cause) else {
+    let Some(AlarmCause::Soon {
+        at_low_utc_s: Some(at_low_utc_s),
+        at_utc_s,
+        ..
+    }) = near.map(|alarm| &alarm.cause)
+    else {
         panic!("{alarms:?}");
     };
-    assert!(*after_low_s <= 14.0 * DAY_S, "{} days", after_low_s / DAY_S);
     let trend = harness.snapshot().tendons[ELBOW].trend.clone().unwrap();
+    // The dates of alarm and row are the same.
+    let limit = &trend.limits[0];
+    let low_s = at_low_utc_s - trend.last_utc_s;
+    assert!(low_s <= 14.0 * DAY_S, "{} days", low_s / DAY_S);
+    // f64 resolves 0.2 µs of the civil time.
+    assert!((low_s - limit.after_low_s.unwrap()).abs() < 1e-6);
+    assert_eq!(*at_utc_s, limit.after_s.map(|s| trend.last_utc_s + s));
     assert_eq!(trend.sessions, 30);
     assert!(trend.series.is_empty() && !trend.forecast.is_empty());
+
+    // The exceeded limit ends the alarm of the same limit that was near.
+    harness.session(&longer(seconds(60, 120), ELBOW, 30e-3));
+    harness.pass(700.0);
+    let state = |condition| harness.alarm(Some("elbow"), condition);
+    assert_eq!(state(Condition::RetensionLimit), Some(AlarmState::Active));
+    assert_eq!(state(Condition::LimitNear), Some(AlarmState::Cleared));
 }
 
 #[test]

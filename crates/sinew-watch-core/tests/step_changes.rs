@@ -6,6 +6,8 @@ use crate::support::{
 use sinew_log::Frame;
 use sinew_watch_core::alarm::{AlarmCause, AlarmKey, AlarmState, Condition, Level, StepKind};
 use sinew_watch_core::command::{CommandError, CommandKind};
+use sinew_watch_core::incident::{Finding, Incident, IncidentPhase};
+use sinew_watch_core::journal::Event;
 
 const ELBOW: usize = 2;
 const SLIP_RAD: f64 = 6e-3;
@@ -149,6 +151,113 @@ fn step_absent_in_next_session_is_withdrawn() {
         Some(AlarmState::Cleared)
     );
     assert_eq!(state(&harness, Condition::StepChange), None);
+    // The refutation is in the journal with its evidence.
+    let refuted = incident(&harness);
+    assert_eq!(
+        (refuted.phase, refuted.finding),
+        (IncidentPhase::Closed, None)
+    );
+    assert!(refuted.evidence[1].probability <= 0.05, "{refuted:?}");
+    assert_eq!(
+        phases(&harness),
+        [IncidentPhase::Suspected, IncidentPhase::Closed]
+    );
+}
+
+fn incident(harness: &Harness) -> Incident {
+    let incidents = harness.snapshot().incidents;
+    let [incident] = &incidents[..] else {
+        panic!("{incidents:?}");
+    };
+    assert_eq!(incident.joint, "elbow");
+    incident.clone()
+}
+
+/// Phases of the incident according to the journal.
+fn phases(harness: &Harness) -> Vec<IncidentPhase> {
+    harness.store.events(|event| match event {
+        Event::Incident { incident } => Some(incident.phase),
+        _ => None,
+    })
+}
+
+fn found(finding: Finding) -> CommandKind {
+    let joint = "elbow".into();
+    CommandKind::Finding { joint, finding }
+}
+
+#[test]
+fn incident_lasts_from_suspicion_to_repair_with_finding() {
+    let mut harness = Harness::new(tensioned());
+    let none = harness.command(found(Finding::Nothing), "");
+    assert!(matches!(none, Err(CommandError::NoIncident { .. })));
+    harness.session(&with_slip());
+    let suspected = incident(&harness);
+    assert_eq!(
+        (suspected.number, suspected.phase),
+        (1, IncidentPhase::Suspected)
+    );
+    assert_eq!(suspected.evidence.len(), 1);
+    let mut harness = harness.restart(3600.0);
+    assert_eq!(incident(&harness), suspected);
+
+    harness.session(&longer(&later(seconds(120, 180), 7200.0), ELBOW, SLIP_RAD));
+    let confirmed = incident(&harness);
+    assert_eq!(
+        (confirmed.number, confirmed.phase),
+        (1, IncidentPhase::Confirmed)
+    );
+    assert_eq!(confirmed.evidence.len(), 2);
+    assert!(confirmed.evidence[1].probability >= 0.95, "{confirmed:?}");
+    let sum: f64 = confirmed.causes.iter().map(|one| one.probability).sum();
+    assert!((sum - 1.0).abs() < 1e-12, "{confirmed:?}");
+
+    let alarm = AlarmKey {
+        joint: Some("elbow".into()),
+        condition: Condition::StepChange,
+    };
+    harness
+        .command(CommandKind::Acknowledge { alarm }, "")
+        .unwrap();
+    // A slipped clamp needs a repair.
+    harness
+        .command(found(Finding::ClampSlip), "M4 loose")
+        .unwrap();
+    assert_eq!(incident(&harness).phase, IncidentPhase::Acknowledged);
+    let joints = vec!["elbow".to_string()];
+    harness
+        .command(CommandKind::Tensioned { joints }, "")
+        .unwrap();
+    let closed = incident(&harness);
+    assert_eq!(
+        (closed.phase, closed.finding),
+        (IncidentPhase::Closed, Some(Finding::ClampSlip))
+    );
+    assert_eq!(closed.note, "M4 loose");
+    let expected = [
+        IncidentPhase::Suspected,
+        IncidentPhase::Confirmed,
+        IncidentPhase::Acknowledged,
+        IncidentPhase::Acknowledged,
+        IncidentPhase::Closed,
+    ];
+    assert_eq!(phases(&harness), expected);
+    assert_eq!(state(&harness, Condition::StepChange), None);
+}
+
+#[test]
+fn finding_of_nothing_closes_suspicion() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&with_slip());
+    harness.command(found(Finding::Nothing), "").unwrap();
+    assert_eq!(state(&harness, Condition::SuspectedStep), None);
+    harness.session(&longer(seconds(120, 180), ELBOW, SLIP_RAD));
+    assert_eq!(state(&harness, Condition::StepChange), None);
+    assert_eq!(state(&harness, Condition::SuspectedStep), None);
+    assert_eq!(
+        phases(&harness),
+        [IncidentPhase::Suspected, IncidentPhase::Closed]
+    );
 }
 
 #[test]

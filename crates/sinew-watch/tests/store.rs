@@ -5,6 +5,7 @@ use sinew_watch::store::{
     COLUMNS, JournalFilter, Place, Reader, RecordQuery, SeriesQuery, Store, StoreError, VERSION,
 };
 use sinew_watch_core::alarm::{Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition};
+use sinew_watch_core::incident::Incidents;
 use sinew_watch_core::journal::{Entry, Event, SessionEnd};
 use sinew_watch_core::record::{Clock, NoOffset};
 use sinew_watch_core::transaction::{BaselineAcquisition, TendonState};
@@ -59,8 +60,11 @@ fn state_estimate(mean: f64) -> MonitorState {
             before_m: Gaussian::new(mean, 0.1 + 0.2),
             last_rad: None,
             last_utc_s: None,
+            last_from_utc_s: None,
+            last_stiffness_ratio: None,
             suspected: None,
         }],
+        incidents: Incidents::default(),
     }
 }
 

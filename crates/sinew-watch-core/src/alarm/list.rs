@@ -50,6 +50,8 @@ pub struct Alarms {
     list: BTreeMap<AlarmKey, Entry>,
     /// Transitions since the last [`Alarms::take_transitions`].
     transitions: Vec<Transition>,
+    /// Whether the cause of an alarm changed since the last [`Alarms::take_changed`].
+    changed: bool,
 }
 
 /// Alarms that are not in the normal state, in their stored form.
@@ -128,8 +130,13 @@ impl Alarms {
         std::mem::take(&mut self.transitions)
     }
 
+    /// Returns whether the cause of an alarm changed since the last call.
+    pub fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.changed)
+    }
+
     /// Updates a condition: present, `Some(true)`; absent, `Some(false)`; or between the thresholds of raising and
-    /// clearing, `None`, where nothing changes.
+    /// clearing, `None`. While the alarm is on, its cause follows the newest one; the journal keeps that of the raising.
     pub fn condition(
         &mut self,
         key: &AlarmKey,
@@ -138,6 +145,7 @@ impl Alarms {
         delays: Delays,
         now: Instant,
     ) {
+        self.refresh(key, holds, cause);
         let Some(holds) = holds else {
             // A pending delay restarts.
             if let Some(entry) = self.list.get_mut(key) {
@@ -195,6 +203,19 @@ impl Alarms {
             cause: cause.clone(),
         };
         self.step(key, to, reason, now);
+    }
+
+    /// Replaces the cause of an alarm whose condition is not absent by the newest one.
+    fn refresh(&mut self, key: &AlarmKey, holds: Option<bool>, cause: &AlarmCause) {
+        let entry = self.list.get_mut(key);
+        if let Some(alarm) = entry.and_then(|entry| entry.alarm.as_mut())
+            && holds != Some(false)
+            && matches!(alarm.state, AlarmState::Active | AlarmState::Acknowledged)
+            && cause.supersedes(&alarm.cause)
+        {
+            alarm.cause = cause.clone();
+            self.changed = true;
+        }
     }
 
     /// Ends the shelving of alarms whose time has expired.
@@ -272,22 +293,39 @@ impl Alarms {
                     _ => true,
                 };
                 let is_meant = |key: &AlarmKey| {
-                    let named = |joint: &String| joints.is_empty() || joints.contains(joint);
+                    let named = |joint: &String| joints.contains(joint);
                     key.joint.as_ref().is_some_and(named) && of_rope(key)
                 };
-                let meant: Vec<AlarmKey> =
-                    self.list.keys().filter(|k| is_meant(k)).cloned().collect();
-                for key in meant {
-                    if let Some(entry) = self.list.get_mut(&key) {
-                        entry.holds = false;
-                        entry.since = Some(now);
-                    }
-                    self.step(&key, AlarmState::Normal, reason(), now);
+                self.end(is_meant, &reason(), now);
+            }
+            CommandKind::Finding { joint, finding } => {
+                let is_meant =
+                    |key: &AlarmKey| key.joint.as_ref() == Some(joint) && key.condition.is_change();
+                if !finding.needs_repair() {
+                    self.end(is_meant, &reason(), now);
                 }
             }
             CommandKind::Note => {}
         }
         Ok(())
+    }
+
+    /// Returns alarms to the normal state by a command.
+    fn end(
+        &mut self,
+        is_meant: impl Fn(&AlarmKey) -> bool,
+        reason: &TransitionReason,
+        now: Instant,
+    ) {
+        let keys = self.list.keys().filter(|key| is_meant(key));
+        let meant: Vec<AlarmKey> = keys.cloned().collect();
+        for key in meant {
+            if let Some(entry) = self.list.get_mut(&key) {
+                entry.holds = false;
+                entry.since = Some(now);
+            }
+            self.step(&key, AlarmState::Normal, reason.clone(), now);
+        }
     }
 
     fn unshelve(&mut self, key: &AlarmKey, reason: TransitionReason, now: Instant) {

@@ -20,6 +20,7 @@ pub use list::{Alarms, AlarmsStored, Delays};
 use crate::command::CommandKind;
 use serde::{Deserialize, Serialize};
 use sinew_estimate::Cause;
+use sinew_trend::Limit;
 
 /// State of an alarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,7 +52,7 @@ pub struct Alarm {
     pub acknowledged: bool,
     /// Time at which the alarm was raised, s since 1970 UTC.
     pub raised_utc_s: f64,
-    /// Cause of the alarm.
+    /// Newest cause of the alarm; the journal has the cause at the raising.
     pub cause: AlarmCause,
     /// End of the shelving, s since 1970 UTC; `None`: not shelved.
     pub shelved_until_utc_s: Option<f64>,
@@ -72,6 +73,18 @@ impl Alarm {
     /// Whether an operator has yet to acknowledge the alarm.
     pub fn needs_attention(&self) -> bool {
         !self.acknowledged && self.state != AlarmState::Normal
+    }
+
+    /// Returns the severity, 1 to 1000: that of the condition, except for a suspected step change, which precedes a
+    /// limit that is near, and as a suspected strand failure a re-tensioning limit.
+    pub fn severity(&self) -> u16 {
+        match (&self.cause, self.key.condition) {
+            (AlarmCause::StepChange { what, .. }, Condition::SuspectedStep) => match what {
+                StepKind::StrandFailure | StepKind::SlipOrStrandFailure => 610,
+                _ => 450,
+            },
+            (_, condition) => condition.severity(),
+        }
     }
 
     /// Returns the displayed level; shelving hides everything except errors.
@@ -106,10 +119,18 @@ pub enum AlarmCause {
     },
     /// A limit may be exceeded soon.
     Soon {
-        /// 2.5 % quantile of the time until the limit is exceeded, s.
-        after_low_s: f64,
-        /// Median of that time, s; `None`: beyond the forecast horizon.
-        after_s: Option<f64>,
+        /// Limit that is exceeded first; `None`: raised by an earlier version, until the next trend.
+        #[serde(default)]
+        limit: Option<Limit>,
+        /// 2.5 % quantile of the time at which the limit is exceeded, s since 1970 UTC.
+        #[serde(default)]
+        at_low_utc_s: Option<f64>,
+        /// Median of that time, s since 1970 UTC; `None`: beyond the forecast horizon.
+        #[serde(default)]
+        at_utc_s: Option<f64>,
+        /// 97.5 % quantile of that time, s since 1970 UTC; `None`: beyond the forecast horizon.
+        #[serde(default)]
+        at_high_utc_s: Option<f64>,
     },
     /// A tendon has a step change.
     #[serde(alias = "jump")]
@@ -163,6 +184,36 @@ pub enum AlarmCause {
         /// Time of the last data, s since 1970 UTC; `None`: none since the start.
         since_utc_s: Option<f64>,
     },
+}
+
+impl AlarmCause {
+    /// Whether the cause replaces `other` as the newest cause of an alarm. Durations and shares that change with every
+    /// frame, and errors that repeat, do not.
+    fn supersedes(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Data { trouble }, Self::Data { trouble: before }) => {
+                std::mem::discriminant(trouble) != std::mem::discriminant(before)
+                    || (!trouble.is_graded() && trouble != before)
+            }
+            (Self::Provisional { .. }, Self::Provisional { .. })
+            | (Self::Silence { .. }, Self::Silence { .. })
+            | (Self::Store { .. }, Self::Store { .. }) => false,
+            _ => self != other,
+        }
+    }
+}
+
+impl DataFault {
+    /// Whether the fault has a magnitude that changes with the frames.
+    fn is_graded(&self) -> bool {
+        matches!(
+            self,
+            Self::NotFinite { .. }
+                | Self::Lost { .. }
+                | Self::FarApart { .. }
+                | Self::NonMonotonicTime { .. }
+        )
+    }
 }
 
 /// Reason for a storage failure.

@@ -6,7 +6,8 @@ use super::posterior::PosteriorChain;
 use super::setup::Setup;
 use super::trend::Trends;
 use crate::alarm::{
-    AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, DataFault, Delays, LimitOrigin, StepKind,
+    Alarm, AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, DataFault, Delays, LimitOrigin,
+    StepKind,
 };
 use crate::instant::Instant;
 use crate::transaction::PendingEvent;
@@ -85,11 +86,15 @@ impl AlarmEvaluator {
             self.evaluate_limits(i, setup, chain);
             let joint = Some(setup.names[i].as_str());
             let suspected = &chain.state().tendons[i].suspected;
-            let suspected = suspected.as_ref().map(|s| (Some(true), step_cause(s)));
+            let suspected = suspected.as_ref().map(|event| {
+                let newest = event.updated(event.posterior());
+                (Some(true), step_cause(&newest))
+            });
             self.set(joint, Condition::SuspectedStep, suspected);
             if let Some(made) = trends.get(i) {
                 // `None` if no limit is specified or all are exceeded.
-                let near = near(&made.trend, setup.config.alarms.near_s);
+                let exceeded = |limit: &Limit| self.is_exceeded(&setup.names[i], limit);
+                let near = near(&made.trend, setup.config.alarms.near_s, exceeded);
                 self.set(joint, Condition::LimitNear, near);
             }
         }
@@ -113,6 +118,21 @@ impl AlarmEvaluator {
             let holds = limit.map(|limit| exceeded(value, limit, &setup.config.alarms));
             self.set(Some(&setup.names[i]), condition, holds);
         }
+    }
+
+    /// Whether a limit is exceeded by its condition or its alarm.
+    fn is_exceeded(&self, joint: &str, limit: &Limit) -> bool {
+        let condition = match limit {
+            Limit::Retension { .. } => Condition::RetensionLimit,
+            Limit::Replace { .. } => Condition::ReplaceLimit,
+        };
+        let key = AlarmKey {
+            joint: Some(joint.into()),
+            condition,
+        };
+        let condition = self.conditions.get(&key);
+        condition.is_some_and(|(holds, _)| *holds == Some(true))
+            || self.alarms.get(&key).is_some_and(Alarm::is_active)
     }
 
     /// Raises the alarm of a lost transmission, or of a step change confirmed by a second session.
@@ -224,10 +244,15 @@ fn step_cause(suspected: &PendingEvent) -> AlarmCause {
     }
 }
 
-/// Evaluates whether a limit may be exceeded soon according to the trend; of several limits, the first one.
-fn near(trend: &JointTrend, near_s: f64) -> Option<ConditionState> {
+/// Evaluates whether a limit may be exceeded soon according to the trend; of several limits, the first one that is not
+/// `exceeded`.
+fn near(
+    trend: &JointTrend,
+    near_s: f64,
+    exceeded: impl Fn(&Limit) -> bool,
+) -> Option<ConditionState> {
     let open = trend.limits.iter().filter(|l| {
-        let is_exceeded = l.state == LimitState::Passed;
+        let is_exceeded = l.state == LimitState::Passed || exceeded(&l.limit);
         let is_predicted = l.state != LimitState::TooFewSessions;
         is_predicted
             && !is_exceeded
@@ -245,9 +270,12 @@ fn near(trend: &JointTrend, near_s: f64) -> Option<ConditionState> {
     } else {
         None
     };
+    let at = |after_s: Option<f64>| after_s.map(|s| trend.last_utc_s + s);
     let cause = AlarmCause::Soon {
-        after_low_s,
-        after_s: first.after_s,
+        limit: Some(first.limit),
+        at_low_utc_s: at(first.after_low_s),
+        at_utc_s: at(first.after_s),
+        at_high_utc_s: at(first.after_high_s),
     };
     Some((holds, cause))
 }

@@ -5,7 +5,7 @@ use crate::instant::Instant;
 use crate::record::Clock;
 use sinew_files::date::PLAUSIBLE_S;
 
-/// Minimum deviation of the civil clock rate_start the monotonic clock that counts as a step, s.
+/// Minimum deviation of the civil clock from the monotonic clock that counts as a step, s.
 const MIN_CLOCK_STEP_S: f64 = 5.0;
 /// Period over which the rate of the time stamps is measured, s; a network delay of 1 s is 5 % of it.
 const RATE_PERIOD_S: f64 = 20.0;
@@ -32,15 +32,20 @@ pub(super) struct Clocks {
     zero_ns: Option<(i64, i64)>,
     /// Time stamp, ns, and arrival at the start of the present rate measurement.
     rate_start: Option<(i64, Instant)>,
+    /// Last time stamp, ns.
+    last_stamp_ns: Option<i64>,
+    /// Step of the time stamps that is a gap, ns.
+    gap_ns: i64,
     stamps_are_not_time: bool,
     /// Whether the civil clock stepped since the start of the session.
     stepped: bool,
 }
 
 impl Clocks {
-    pub(super) fn new(choice: ClockChoice) -> Self {
+    pub(super) fn new(choice: ClockChoice, gap_s: f64) -> Self {
         Self {
             choice,
+            gap_ns: (gap_s * 1e9) as i64,
             ..Self::default()
         }
     }
@@ -65,8 +70,13 @@ impl Clocks {
         })
     }
 
-    /// Compares the time stamp of a frame with its arrival.
+    /// Compares the time stamp of a frame with its arrival. A gap of the time stamps restarts the measurement: after a
+    /// pause of the publisher, frames from before it may still arrive.
     pub(super) fn stamp(&mut self, stamp_ns: i64, now: Instant) -> Option<ClockEvent> {
+        let last_ns = self.last_stamp_ns.replace(stamp_ns);
+        if last_ns.is_some_and(|last_ns| stamp_ns.abs_diff(last_ns) > self.gap_ns.unsigned_abs()) {
+            self.rate_start = None;
+        }
         let (first_ns, first) = *self.rate_start.get_or_insert((stamp_ns, now));
         let waited_s = now.since_s(first);
         if waited_s < RATE_PERIOD_S {
@@ -88,7 +98,7 @@ impl Clocks {
 
     /// Restarts the rate measurement after a gap or a restart of the robot.
     pub(super) fn restart(&mut self) {
-        self.rate_start = None;
+        (self.rate_start, self.last_stamp_ns) = (None, None);
     }
 
     /// Notes the start of a session.
@@ -112,9 +122,39 @@ impl Clocks {
 mod tests {
     use super::*;
 
+    fn at(s: f64) -> Instant {
+        let ns = (1e9 * s) as i64;
+        Instant {
+            monotonic_ns: ns,
+            utc_ns: 1_800_000_000_000_000_000 + ns,
+        }
+    }
+
+    /// The publisher is stopped for 178 s; the first frame after it was queued before.
+    #[test]
+    fn rate_is_not_measured_across_gap() {
+        let mut clocks = Clocks::new(ClockChoice::Real, 0.5);
+        let stamp = |s: f64| (1e9 * s) as i64;
+        clocks.restart();
+        assert_eq!(clocks.stamp(stamp(100.0), at(278.0)), None);
+        for k in 0..5000 {
+            let s = 278.0 + 0.01 * f64::from(k);
+            assert_eq!(clocks.stamp(stamp(s), at(s)), None, "{s}");
+        }
+        assert_eq!(clocks.clock(at(330.0)), Clock::Utc);
+        // A simulation at three times real time is still found.
+        let found = (0..5000).any(|k| {
+            let s = 330.0 + 0.01 * f64::from(k);
+            clocks
+                .stamp(stamp(330.0 + 3.0 * (s - 330.0)), at(s))
+                .is_some()
+        });
+        assert!(found);
+    }
+
     #[test]
     fn clock_fast_civil_rate_reports_only_true_steps() {
-        let mut clocks = Clocks::new(ClockChoice::Fast { civil_rate: 3600.0 });
+        let mut clocks = Clocks::new(ClockChoice::Fast { civil_rate: 3600.0 }, 0.5);
         let start = Instant {
             monotonic_ns: 0,
             utc_ns: 1_800_000_000_000_000_000,

@@ -93,6 +93,16 @@ pub enum ClockChoice {
     },
 }
 
+impl ClockChoice {
+    /// Returns the rate of the civil clock relative to real time, s/s.
+    pub(super) fn civil_rate(self) -> f64 {
+        match self {
+            Self::Real | Self::Stamp => 1.0,
+            Self::Fast { civil_rate } => civil_rate,
+        }
+    }
+}
+
 /// Time limits of sessions and segments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times {

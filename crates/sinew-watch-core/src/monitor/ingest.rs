@@ -49,7 +49,7 @@ impl Ingest {
     pub(super) fn new(setup: &Setup, now: Instant) -> Self {
         let gap_s = setup.config.times.gap_s;
         Self {
-            clocks: Clocks::new(setup.config.clock),
+            clocks: Clocks::new(setup.config.clock, gap_s),
             health: Health::new(setup.elastic.clone(), &setup.robot.transmissions),
             recorder: Recorder::new(&setup.robot, &FeatureConfig::default(), gap_s),
             frames: 0,

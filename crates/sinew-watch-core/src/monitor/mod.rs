@@ -9,12 +9,13 @@
 //! [`Monitor`] owns these parts and passes their results on; each part has a file of its name.
 //!
 //! Reading order: `config`, `setup`, this file, `clock` and `health` (checks of the frames), `ingest`, `session`,
-//! `online`, `job`, `tendon`, `baseline`, `posterior`, `history`, `trend`, `alarms`, `outbox`, `snapshot`.
+//! `online`, `job`, `evidence`, `tendon`, `baseline`, `posterior`, `history`, `trend`, `alarms`, `outbox`, `snapshot`.
 
 mod alarms;
 mod baseline;
 mod clock;
 mod config;
+mod evidence;
 mod health;
 mod history;
 mod ingest;
@@ -307,7 +308,7 @@ impl Monitor {
         if let Some((successor, at_once)) = changes.successor {
             self.online.succeed(successor, at_once);
         }
-        if let Some(event) = changes.event {
+        for event in changes.events {
             self.outbox.event(event, now);
         }
         for (i, step) in &changes.steps {
@@ -357,6 +358,12 @@ impl Monitor {
     /// then.
     pub fn command(&mut self, command: Command, now: Instant) -> Result<(), CommandError> {
         command.check(&self.setup.names)?;
+        if let CommandKind::Finding { joint, .. } = &command.what
+            && self.chain.state().incidents.open(joint).is_none()
+        {
+            let joint = joint.clone();
+            return Err(CommandError::NoIncident { joint });
+        }
         self.watch_clock(now);
         let tensioned = match &command.what {
             CommandKind::Tensioned { joints } => Some((joints.clone(), false)),
@@ -367,7 +374,11 @@ impl Monitor {
             self.end_session(SessionEnd::Command, now);
         }
         self.alarms.alarms.command(&command, now)?;
+        let incidents = self.command_incidents(&command, now);
         self.outbox.event(Event::Command { command }, now);
+        for incident in incidents {
+            self.outbox.event(incident, now);
+        }
         if let Some((joints, replaced)) = tensioned {
             let (setup, sessions) = (&self.setup, &self.sessions);
             for i in (self.chain).tension(&joints, replaced, setup, sessions, now) {
@@ -381,6 +392,29 @@ impl Monitor {
         Ok(())
     }
 
+    /// Executes a command on the incidents, after the alarms. Returns the journal entries.
+    fn command_incidents(&mut self, command: &Command, now: Instant) -> Vec<Event> {
+        let ended = match &command.what {
+            CommandKind::Reset { alarm } => {
+                let joint = alarm.joint.as_deref();
+                let tendon = joint.and_then(|joint| self.setup.tendon_of(joint));
+                let state = tendon.and_then(|i| self.chain.state().tendons.get(i));
+                state.is_some_and(|tendon| tendon.suspected.is_none())
+                    && !self.alarms.alarms.iter().any(|other| {
+                        let key = &other.key;
+                        key.joint == alarm.joint && key.condition.is_change() && other.is_active()
+                    })
+            }
+            _ => false,
+        };
+        let events = self.chain.command(command, ended, now.utc_s());
+        if !events.is_empty() {
+            self.outbox.add_results(Vec::new());
+            self.evaluate_state();
+        }
+        events
+    }
+
     /// Advances time: staleness, delays, ends of shelving and sessions. Reserves memory for coming blocks.
     pub fn tick(&mut self, now: Instant) {
         self.ticked = now;
@@ -389,7 +423,8 @@ impl Monitor {
         self.sessions.make_room(&mut self.ingest.recorder);
         self.online.make_room(&self.ingest.recorder);
         let transitions = self.alarms.alarms.take_transitions();
-        let alarms = || self.alarms.alarms.stored();
+        let changed = self.alarms.alarms.take_changed() || !transitions.is_empty();
+        let alarms = changed.then(|| self.alarms.alarms.stored());
         (self.outbox).flush(self.chain.state(), transitions, alarms, now);
     }
 

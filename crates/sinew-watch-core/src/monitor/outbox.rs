@@ -94,12 +94,12 @@ impl Outbox {
         }
     }
 
-    /// Makes a transaction of all changes; `alarms` returns those that are not normal.
+    /// Makes a transaction of all changes; `alarms`: those that are not normal, if one of them changed.
     pub(super) fn flush(
         &mut self,
         state: &Arc<MonitorState>,
         transitions: Vec<Transition>,
-        alarms: impl FnOnce() -> AlarmsStored,
+        alarms: Option<AlarmsStored>,
         now: Instant,
     ) {
         let discarded = std::mem::take(&mut self.discarded);
@@ -107,7 +107,6 @@ impl Outbox {
             let [entries, records] = discarded;
             self.event(Event::GivenUp { entries, records }, now);
         }
-        let alarms = (!transitions.is_empty()).then(alarms);
         let steps = transitions.into_iter().map(|transition| Entry {
             time_utc_s: transition.time_utc_s,
             event: Event::Alarm { transition },
@@ -115,7 +114,7 @@ impl Outbox {
         let journal: Vec<Entry> = self.journal.drain(..).chain(steps).collect();
         let records = std::mem::take(&mut self.records);
         let state = std::mem::take(&mut self.state_changed).then(|| Arc::clone(state));
-        if journal.is_empty() && records.is_empty() && state.is_none() {
+        if journal.is_empty() && records.is_empty() && state.is_none() && alarms.is_none() {
             return;
         }
         self.last_id += 1;

@@ -2,11 +2,14 @@
 
 use super::baseline::BaselineProgress;
 use super::config::MonitorError;
+use super::evidence::SuspicionState;
 use super::job::{BaselineTask, Estimated, JobKind, QueuedJob, SegmentJob};
 use super::online::Successor;
 use super::session::{Segment, Sessions};
 use super::setup::Setup;
-use super::tendon::{DatedChange, PendingTensioning, SessionResult, transmission_loss};
+use super::tendon::{DatedChange, PendingTensioning, SessionResult, Suspicion, transmission_loss};
+use crate::command::{Command, CommandKind};
+use crate::incident::{CauseProbability, Evidence, Incident, IncidentCause, Incidents};
 use crate::instant::Instant;
 use crate::journal::{BaselineWaits, Event, STATE_OF_ANOTHER_ROBOT, SessionEnd};
 use crate::record::{NoOffset, Record};
@@ -56,7 +59,7 @@ struct SessionProgress {
 /// Changes by an estimate, for the other parts of the monitor.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
-    pub(super) event: Option<Event>,
+    pub(super) events: Vec<Event>,
     /// Successor of the online estimator, and whether it takes over immediately.
     pub(super) successor: Option<(Successor, bool)>,
     /// Confirmed step changes with their tendon index.
@@ -104,10 +107,10 @@ impl PosteriorChain {
         segment.baseline_of.is_some() && self.state.learns.is_some()
     }
 
-    fn baseline_waits(&mut self, reason: BaselineWaits, setup: &Setup) -> Option<Event> {
+    fn baseline_waits(&mut self, reason: BaselineWaits, setup: &Setup) -> Event {
         // The acquisition restarts from the stored progress.
         self.baseline = BaselineProgress::of(&self.state, setup.joints());
-        Some(Event::BaselinePending { reason })
+        Event::BaselinePending { reason }
     }
 
     /// Adds a segment without sufficient motion, which only ends its session.
@@ -119,7 +122,7 @@ impl PosteriorChain {
     ) -> Changes {
         match self.is_learning(segment) {
             true => Changes {
-                event: self.baseline_waits(BaselineWaits::FewPoses, setup),
+                events: vec![self.baseline_waits(BaselineWaits::FewPoses, setup)],
                 ..Changes::default()
             },
             false => self.add_segment(segment, Err("too short".into()), setup, sessions),
@@ -195,7 +198,8 @@ impl PosteriorChain {
             Ok(estimated) => estimated,
             Err(reason) => {
                 self.estimator_error = Some(reason);
-                changes.event = self.baseline_waits(BaselineWaits::Rejected, setup);
+                let waits = self.baseline_waits(BaselineWaits::Rejected, setup);
+                changes.events.push(waits);
                 return changes;
             }
         };
@@ -204,7 +208,7 @@ impl PosteriorChain {
         let so_far = so_far.map(|progress| progress.with(segment));
         let state = Arc::make_mut(&mut self.state);
         state.baseline = Some(estimated.next);
-        state.end_utc_s = Some(end_utc_s(segment));
+        state.end_utc_s = Some(end_utc_s(segment, setup));
         state.sessions = sessions.count();
         state.learns = so_far.as_ref().map(BaselineProgress::so_far);
         if let Some(ready) = so_far.filter(BaselineProgress::is_ready) {
@@ -212,9 +216,10 @@ impl PosteriorChain {
             self.baseline = None;
             changes.successor = estimated.successor.map(|next| (next, true));
             let poses = ready.poses();
-            changes.event = Some(Event::Baseline { poses });
+            changes.events.push(Event::Baseline { poses });
         } else if segment.end.is_some() {
-            changes.event = self.baseline_waits(BaselineWaits::FewPoses, setup);
+            let waits = self.baseline_waits(BaselineWaits::FewPoses, setup);
+            changes.events.push(waits);
         }
         changes.state = true;
         changes
@@ -249,13 +254,13 @@ impl PosteriorChain {
                     successor,
                 } = *estimated;
                 state.baseline = Some(next);
-                state.end_utc_s = Some(end_utc_s(segment));
+                state.end_utc_s = Some(end_utc_s(segment, setup));
                 self.estimator_error = None;
                 let joints = self.current.changes.iter_mut().zip(&estimate.joints);
                 for (i, (dated, joint)) in joints.enumerate() {
                     let known = dated.len();
                     dated.extend(joint.changes.iter().map(|change| DatedChange {
-                        time_utc_s: segment.session.start.utc_s() + change.time_s,
+                        time_utc_s: civil_utc_s(segment, change.time_s, setup),
                         change: change.clone(),
                     }));
                     // The robot runs on: the alarm does not wait for the end of the session.
@@ -263,7 +268,28 @@ impl PosteriorChain {
                     let loss = |dated: &DatedChange| transmission_loss(dated, number);
                     if before.iter().find_map(loss).is_none() {
                         let lost = found.iter().find_map(loss);
-                        changes.steps.extend(lost.map(|loss| (i, loss)));
+                        if let Some((joint, loss)) = setup.names.get(i).zip(lost) {
+                            let evidence = Evidence {
+                                time_utc_s: loss.0.time_utc_s,
+                                offset_rad: None,
+                                stiffness_ratio: None,
+                                probability: loss.1,
+                            };
+                            let causes = vec![
+                                CauseProbability {
+                                    cause: IncidentCause::TransmissionLost,
+                                    probability: loss.1,
+                                },
+                                CauseProbability {
+                                    cause: IncidentCause::NoChange,
+                                    probability: 1.0 - loss.1,
+                                },
+                            ];
+                            let utc_s = end_utc_s(segment, setup);
+                            let incident = state.incidents.confirm(joint, evidence, causes, utc_s);
+                            changes.events.push(entry(incident));
+                            changes.steps.push((i, loss.0));
+                        }
                     }
                 }
                 self.current.estimate = Some(estimate);
@@ -307,13 +333,21 @@ impl PosteriorChain {
             let result = SessionResult {
                 session: segment.session.number,
                 start_utc_s: segment.session.start.utc_s(),
-                end_utc_s: end_utc_s(segment),
+                end_utc_s: end_utc_s(segment, setup),
                 offset_rad: offset.ok(),
                 stiffness_ratio: stiffness.unwrap_or(DEFAULT_STIFFNESS),
             };
             let dated = current.changes.get(i).map_or(&[][..], Vec::as_slice);
-            let confirmed = tendon.update(&result, dated, setup.geometry(i));
-            changes.steps.extend(confirmed.map(|step| (i, step)));
+            let suspicion = tendon.update(&result, dated, setup.geometry(i));
+            // A tendon that was repaired since has no incident of a session before.
+            let is_repaired = self.pending.iter().any(|pending| pending.is_tensioned(i));
+            if let Some(suspicion) = suspicion.filter(|_| !is_repaired) {
+                let incident = follow(&mut state.incidents, &tendon.joint, &suspicion);
+                changes.events.extend(incident);
+                if suspicion.state == SuspicionState::Confirmed {
+                    changes.steps.push((i, suspicion.event));
+                }
+            }
             let record = record(segment, setup, (i, tendon), offset, stiffness);
             changes.records.push(record);
         }
@@ -329,6 +363,47 @@ impl PosteriorChain {
         }
     }
 
+    /// Executes an operator command on the incidents, after the alarms; `ended`: whether no alarm of a change remains at
+    /// the joint of a reset alarm. Returns the journal entries.
+    pub(super) fn command(&mut self, command: &Command, ended: bool, utc_s: f64) -> Vec<Event> {
+        let state = Arc::make_mut(&mut self.state);
+        let (incidents, tendons) = (&mut state.incidents, &mut state.tendons);
+        let repaired =
+            |joint: &String, incidents: &mut Incidents| incidents.repair(joint, utc_s).map(entry);
+        match &command.what {
+            CommandKind::Acknowledge { alarm } => {
+                let joint = alarm
+                    .joint
+                    .as_deref()
+                    .filter(|_| alarm.condition.is_change());
+                let incident = joint.and_then(|joint| incidents.acknowledge(joint));
+                incident.map(entry).into_iter().collect()
+            }
+            CommandKind::Reset { alarm } => {
+                let is_change = ended && alarm.condition.is_change();
+                let joint = alarm.joint.as_deref().filter(|_| is_change);
+                let incident = joint.and_then(|joint| incidents.reset(joint, &command.note, utc_s));
+                incident.map(entry).into_iter().collect()
+            }
+            CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } => {
+                let events = joints.iter().filter_map(|joint| repaired(joint, incidents));
+                events.collect()
+            }
+            CommandKind::Finding { joint, finding } => {
+                if !finding.needs_repair()
+                    && let Some(tendon) = tendons.iter_mut().find(|t| t.joint == *joint)
+                {
+                    tendon.suspected = None;
+                }
+                let incident = incidents.find(joint, *finding, &command.note, utc_s);
+                incident.map(entry).into_iter().collect()
+            }
+            CommandKind::Shelve { .. } | CommandKind::Unshelve { .. } | CommandKind::Note => {
+                Vec::new()
+            }
+        }
+    }
+
     /// Starts the next baseline after a re-tensioning or replacement. Returns the indices of the affected tendons.
     pub(super) fn tension(
         &mut self,
@@ -339,7 +414,7 @@ impl PosteriorChain {
         now: Instant,
     ) -> Vec<usize> {
         let name = utc_text(now.utc_ns).unwrap_or_else(|| "undated".into());
-        let is_named = |name: &String| joints.is_empty() || joints.contains(name);
+        let is_named = |name: &String| joints.contains(name);
         let pending = PendingTensioning {
             before: self.state.tendons.clone(),
             tensioned: setup.names.iter().map(is_named).collect(),
@@ -441,14 +516,16 @@ fn begin(
         tendons: (names.iter())
             .map(|name| TendonState::new(name, since.clone()))
             .collect(),
+        incidents: Incidents::default(),
     };
     let Some(mut stored) = stored else {
         return Ok((fresh, None));
     };
     let same = stored.tendons.iter().map(|t| &t.joint).eq(names);
-    if stored.version != MonitorState::VERSION || !same {
+    if !(1..=MonitorState::VERSION).contains(&stored.version) || !same {
         return Ok((fresh, Some(STATE_OF_ANOTHER_ROBOT.into())));
     }
+    stored.version = MonitorState::VERSION;
     let fits = stored.baseline.as_ref().map(|baseline| {
         let state_estimate = baseline.state_estimate(robot, prior, "the stored posterior");
         state_estimate.map(|_| ())
@@ -459,15 +536,48 @@ fn begin(
         stored.end_utc_s = None;
         for tendon in &mut stored.tendons {
             tendon.since.clone_from(&since);
-            (tendon.last_rad, tendon.last_utc_s, tendon.suspected) = (None, None, None);
+            tendon.discard_last();
         }
         return Ok((stored, Some(error.to_string())));
     }
     Ok((stored, None))
 }
 
-/// Returns the end of a segment, s since 1970 UTC: start by the civil clock plus time stamps of the blocks.
-fn end_utc_s(segment: &Segment) -> f64 {
+/// Returns the civil time of a time of the recording, s since 1970 UTC: start by the civil clock plus time stamps of the
+/// blocks at the rate of the civil clock.
+fn civil_utc_s(segment: &Segment, time_s: f64, setup: &Setup) -> f64 {
+    segment.session.start.utc_s() + setup.config.clock.civil_rate() * time_s
+}
+
+/// Returns the end of a segment, s since 1970 UTC.
+fn end_utc_s(segment: &Segment, setup: &Setup) -> f64 {
     let last_s = segment.recorded.blocks.last().map_or(0.0, |b| b.time_s);
-    segment.session.start.utc_s() + last_s
+    civil_utc_s(segment, last_s, setup)
+}
+
+/// Returns the journal entry of an incident.
+fn entry(incident: &Incident) -> Event {
+    Event::Incident {
+        incident: incident.clone(),
+    }
+}
+
+/// Adds a suspicion to the incident of its tendon; returns the journal entry of a new or changed phase.
+fn follow(incidents: &mut Incidents, joint: &str, suspicion: &Suspicion) -> Option<Event> {
+    let Suspicion {
+        event,
+        posterior,
+        evidence,
+        state,
+    } = *suspicion;
+    let (causes, utc_s) = (event.causes(posterior), evidence.time_utc_s);
+    let was_open = incidents.open(joint).map(|incident| incident.number);
+    match state {
+        SuspicionState::Open => {
+            let incident = incidents.suspect(joint, evidence, causes, utc_s);
+            (was_open != Some(incident.number)).then(|| entry(incident))
+        }
+        SuspicionState::Confirmed => Some(entry(incidents.confirm(joint, evidence, causes, utc_s))),
+        SuspicionState::Refuted => incidents.refute(joint, evidence, causes, utc_s).map(entry),
+    }
 }

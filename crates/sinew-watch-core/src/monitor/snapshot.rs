@@ -28,7 +28,7 @@ impl<'a> View<'a> {
             false => monitor.outbox.alarms.clone(),
         };
         alarms.sort_by(|a, b| {
-            let severity = |alarm: &Alarm| std::cmp::Reverse(alarm.key.condition.severity());
+            let severity = |alarm: &Alarm| std::cmp::Reverse(alarm.severity());
             (severity(a), &a.key).cmp(&(severity(b), &b.key))
         });
         let stale_after_s = monitor.setup.config.times.stale_after_s;
@@ -91,6 +91,7 @@ impl<'a> View<'a> {
             external_force: online.external_force().filter(|_| fresh),
             tendons,
             waiting_to_be_stored: outbox.len(),
+            incidents: chain.state().incidents.iter().cloned().collect(),
             alarms: self.alarms,
         }
     }

@@ -40,6 +40,10 @@ const STEP_CHANGES: [(&str, &str, f64, f64, f64); 2] = [
     ("demo-1", "wrist", -30.3 * DAY_S, 2.4e-3, 0.0),
 ];
 
+/// Duration of a step change, s of the civil clock: the motor moves on the rope with finite acceleration, within about a
+/// quarter of the period 2π√(0.06 kg m²/20 Nm/rad) = 0.34 s.
+const STEP_S: f64 = 0.1 * super::RATE;
+
 /// Mean load of the ropes relative to their pretension.
 const MEAN_LOAD_RATIO: f64 = 2.0;
 /// Temperature of the ropes near the motors, °C.
@@ -141,7 +145,7 @@ impl SimulatedTendon {
     /// Increase of the offset by step changes after `from_s` and up to `to_s`, rad.
     fn step_rad(&self, from_s: f64, to_s: f64) -> f64 {
         let within = (self.step_changes.iter()).filter(|s| s.0 > from_s && s.0 <= to_s);
-        within.map(|s| s.1).sum()
+        within.map(|s| s.1 * completed(to_s - s.0)).sum()
     }
 
     /// Offset since the last tensioning, rad. Tensioning removes it; the rope continues to creep at its age.
@@ -159,6 +163,13 @@ impl SimulatedTendon {
     /// Stiffness relative to that of the intact rope.
     pub(super) fn stiffness_factor(&self, time_s: f64) -> f64 {
         let lost = self.step_changes.iter().filter(|s| s.0 <= time_s);
-        lost.map(|s| 1.0 - s.2).product()
+        let factor = |s: &(f64, f64, f64)| 1.0 - s.2 * completed(time_s - s.0);
+        lost.map(factor).product()
     }
+}
+
+/// Completed share of a step change `since_s` after its start, with continuous velocity.
+fn completed(since_s: f64) -> f64 {
+    let x = (since_s / STEP_S).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }

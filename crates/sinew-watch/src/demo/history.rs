@@ -7,6 +7,7 @@ use sinew_files::date::{DAY_S, utc_text};
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_watch_core::command::{Command, CommandKind};
+use sinew_watch_core::incident::Incidents;
 use sinew_watch_core::journal::{Entry, Event, SessionEnd};
 use sinew_watch_core::record::Clock;
 use sinew_watch_core::transaction::TendonState;
@@ -150,6 +151,9 @@ fn state_estimate(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f6
             before_m: before_m.unwrap_or_default(),
             last_rad: life.map(|life| Gaussian::new(life.offset_rad(0.0), OFFSET_RAD)),
             last_utc_s: Some(start_utc_s),
+            last_from_utc_s: None,
+            last_stiffness_ratio: life
+                .map(|life| Gaussian::new(life.stiffness_factor(0.0) - 1.0, STIFFNESS)),
             suspected: None,
         }
     });
@@ -160,5 +164,6 @@ fn state_estimate(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f6
         learns: None,
         sessions: u64::from(arm.days),
         tendons: tendons.collect(),
+        incidents: Incidents::default(),
     }
 }

@@ -43,7 +43,8 @@ const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf
 
 /// Description of the demonstration on the page.
 const DESCRIPTION: &str = "simulated robots, 1 s = 1 h. The ropes creep by the creep law at this rate, while the arms move in \
-                           real time. A strand at the elbow of demo-1 fails after 3 min. No data are kept.";
+                           real time. A strand at the elbow of demo-1 fails after 3 min; it is suspected at the end of that day and \
+                           confirmed on the next. No data are kept.";
 
 fn words(error: impl std::fmt::Display) -> String {
     error.to_string()
@@ -79,7 +80,8 @@ fn monitor(name: &str, robot: &Arc<Robot>, catalogue: &Arc<Catalogue>) -> Monito
     config.estimate.payload = Payload::Empty;
     config.clock = ClockChoice::Fast { civil_rate: RATE };
     config.times.session_motion_s = 60.0;
-    config.times.session_pause_s = 2.0;
+    // The arm stands for 2 s between two repetitions, and for 0.6 s at most within one.
+    config.times.session_pause_s = 1.3;
     // Ten minutes would be weeks.
     let soon = Delays {
         raise_after_s: 1.0,

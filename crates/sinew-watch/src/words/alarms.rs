@@ -1,8 +1,10 @@
 //! Alarm texts: titles, observations and recommended actions.
 
+use super::robots::exceedance;
 use super::{plus_minus, rounded, span, when};
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::Gaussian;
+use sinew_trend::Limit;
 use sinew_watch_core::alarm::{
     Alarm, AlarmCause, AlarmState, Condition, DataFault, LimitOrigin, StepKind, StoreFault,
 };
@@ -27,9 +29,37 @@ pub(super) fn condition_name(condition: Condition) -> &'static str {
 /// Returns the condition of an alarm as a heading.
 pub fn title(alarm: &Alarm) -> &'static str {
     match (&alarm.cause, alarm.key.condition) {
-        (AlarmCause::StepChange { .. }, Condition::SuspectedStep) => "Suspected step change",
+        (AlarmCause::StepChange { what, .. }, Condition::SuspectedStep) => match what {
+            StepKind::StrandFailure => "Suspected strand failure",
+            StepKind::SlipOrStrandFailure => "Suspected strand failure or slip",
+            StepKind::Retensioned => "Suspected re-tensioning",
+            _ => "Suspected step change",
+        },
         (AlarmCause::Provisional { .. }, _) => "Estimate provisional",
         (_, condition) => condition_name(condition),
+    }
+}
+
+/// Returns the heading of an alarm with its tendon, and with the fault where the heading does not name it.
+pub(super) fn headline(alarm: &Alarm) -> String {
+    let what = match &alarm.cause {
+        AlarmCause::Data { trouble } => {
+            let fault = data(trouble);
+            let mut rest = fault.chars();
+            // Names of topics remain as they are.
+            let first = rest.next().map(|c| c.to_lowercase().to_string());
+            format!(
+                "{}: {}{}",
+                title(alarm),
+                first.unwrap_or_default(),
+                rest.as_str()
+            )
+        }
+        _ => title(alarm).to_owned(),
+    };
+    match &alarm.key.joint {
+        Some(joint) => format!("{joint}: {what}"),
+        None => what,
     }
 }
 
@@ -68,15 +98,18 @@ pub fn observation(alarm: &Alarm) -> String {
             )
         }
         AlarmCause::Soon {
-            after_low_s,
-            after_s,
+            limit,
+            at_low_utc_s,
+            at_utc_s,
+            at_high_utc_s,
         } => {
-            let day = |s: f64| sinew_files::date::day_of(alarm.raised_utc_s + s);
-            let median = after_s.map_or("beyond the forecast horizon".into(), day);
-            format!(
-                "A limit may be exceeded from {} onwards (2.5 % quantile of the forecast; median {median}).",
-                day(*after_low_s)
-            )
+            let what = match limit {
+                Some(Limit::Retension { .. }) => "the re-tensioning limit",
+                Some(Limit::Replace { .. }) => "the replacement limit",
+                None => "a limit",
+            };
+            let dates = exceedance([*at_utc_s, *at_low_utc_s, *at_high_utc_s]);
+            format!("Predicted exceedance of {what}: {dates}.")
         }
         AlarmCause::StepChange {
             time_utc_s,
@@ -252,7 +285,7 @@ pub fn advice(alarm: &Alarm) -> Option<&'static str> {
         }
         (_, Condition::LimitNear) => "Schedule the maintenance of the tendon before this date.",
         (AlarmCause::StepChange { .. }, Condition::SuspectedStep) => {
-            "Inspect the tendon, or wait: the next session confirms or withdraws the step change."
+            "Inspect the tendon and record the finding, or wait: further sessions confirm or refute the change."
         }
         (AlarmCause::Provisional { .. }, _) => {
             "Check the gripper for a payload and the arm for contacts; otherwise move through more poses, or wait for the end of the session."

@@ -2,8 +2,10 @@
 
 use super::alarms::condition_name;
 use super::{rounded, span};
+use sinew_files::number::probability;
 use sinew_watch_core::alarm::{AlarmKey, AlarmState, Transition, TransitionReason};
 use sinew_watch_core::command::{Command, CommandKind};
+use sinew_watch_core::incident::{Finding, Incident, IncidentCause, IncidentPhase};
 use sinew_watch_core::journal::{BaselineWaits, Event, SessionEnd};
 
 /// Returns the description of an event.
@@ -62,6 +64,7 @@ pub fn entry(event: &Event) -> String {
             )
         }
         Event::Alarm { transition } => alarm(transition),
+        Event::Incident { incident: of } => incident(of),
         Event::Command { command } => operator_entry(command),
         Event::Reloaded => "Configuration reloaded".into(),
     }
@@ -99,6 +102,48 @@ fn alarm(transition: &Transition) -> String {
     format!("Alarm {}: {step}{by}", of(&transition.key))
 }
 
+fn incident(incident: &Incident) -> String {
+    let Incident { joint, number, .. } = incident;
+    let phase = match (incident.phase, incident.finding) {
+        (IncidentPhase::Suspected, _) => "opened by a suspected change".into(),
+        (IncidentPhase::Confirmed, _) => "change confirmed".into(),
+        (IncidentPhase::Acknowledged, _) => "acknowledged".into(),
+        (IncidentPhase::Repaired, _) => "repaired, finding not recorded".into(),
+        (IncidentPhase::Closed, Some(found)) => format!("closed, finding: {}", finding(found)),
+        (IncidentPhase::Closed, None) => "closed".into(),
+    };
+    let causes = incident.causes.iter().map(|one| {
+        let cause = match one.cause {
+            IncidentCause::StrandFailure => "strand failure",
+            IncidentCause::Slip => "slip of rope or clamp",
+            IncidentCause::Encoder => "slip of an encoder",
+            IncidentCause::SlipOrEncoder => "slip of rope, clamp or encoder",
+            IncidentCause::TransmissionLost => "transmission lost",
+            IncidentCause::Retensioned => "unrecorded re-tensioning",
+            IncidentCause::NoChange => "no lasting change",
+        };
+        format!("{cause} {}", probability(one.probability))
+    });
+    let causes: Vec<String> = causes.collect();
+    let sessions = incident.evidence.len();
+    format!(
+        "Incident {number} of {joint}: {phase} (evidence: {sessions}; probability of the causes: {})",
+        causes.join(", ")
+    )
+}
+
+/// Returns the finding of an inspection.
+fn finding(finding: Finding) -> &'static str {
+    match finding {
+        Finding::StrandFailure => "strand failure",
+        Finding::Slip => "slip of the rope",
+        Finding::ClampSlip => "slip of a clamp",
+        Finding::EncoderMoved => "encoder moved",
+        Finding::Nothing => "nothing found",
+        Finding::Other => "other, see note",
+    }
+}
+
 fn verb(what: &CommandKind) -> String {
     match what {
         CommandKind::Tensioned { .. } => "re-tensioned".into(),
@@ -107,6 +152,7 @@ fn verb(what: &CommandKind) -> String {
         CommandKind::Shelve { for_s, .. } => format!("shelved for {}", span(*for_s)),
         CommandKind::Unshelve { .. } => "unshelved".into(),
         CommandKind::Reset { .. } => "reset".into(),
+        CommandKind::Finding { finding: of, .. } => format!("finding: {}", finding(*of)),
         CommandKind::Note => "note".into(),
     }
 }
@@ -114,6 +160,7 @@ fn verb(what: &CommandKind) -> String {
 fn operator_entry(command: &Command) -> String {
     let Command { who, note, what } = command;
     let joints = |joints: &Vec<String>| match &joints[..] {
+        // Recorded by an earlier version.
         [] => "all ropes".to_owned(),
         [one] => format!("rope of {one}"),
         many => format!("ropes of {}", many.join(", ")),
@@ -127,6 +174,9 @@ fn operator_entry(command: &Command) -> String {
         }
         CommandKind::Unshelve { alarm } => format!("unshelved alarm {}", of(alarm)),
         CommandKind::Reset { alarm } => format!("reset alarm {}", of(alarm)),
+        CommandKind::Finding { joint, finding: of } => {
+            format!("finding at {joint}: {}", finding(*of))
+        }
         CommandKind::Note => return format!("{who}: {note}"),
     };
     match note.is_empty() {

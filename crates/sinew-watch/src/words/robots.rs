@@ -1,11 +1,11 @@
 //! Summary texts of robots and tendons.
 
-use super::alarms::{has_ended, title};
+use super::alarms::{has_ended, headline, title};
 use super::{percent, plus_minus, span, when};
 use sinew_estimate::online::Provisional;
 use sinew_files::date::day_of;
 use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState};
-use sinew_watch_core::alarm::{Alarm, Level};
+use sinew_watch_core::alarm::{Alarm, Condition, Level};
 use sinew_watch_core::record::NoOffset;
 use sinew_watch_core::snapshot::{
     Freshness, Learning, NoEstimateReason, RobotSnapshot, TendonSnapshot,
@@ -17,7 +17,13 @@ pub fn robot(robot: &RobotSnapshot) -> String {
     if robot.level != Level::Ok
         && let Some(first) = pressing.next()
     {
-        let message = of_alarm(first);
+        // Missing data have the fault of the data as their cause.
+        let is_cause = |alarm: &&Alarm| alarm.key.condition == Condition::Data && alarm.is_active();
+        let mut faults = robot.alarms.iter().filter(is_cause);
+        let cause = faults
+            .next()
+            .filter(|_| first.key.condition == Condition::NoData);
+        let message = headline(cause.unwrap_or(first));
         return match pressing.count() {
             0 => message,
             more => format!("{message}, and {more} more"),
@@ -47,14 +53,6 @@ pub fn robot(robot: &RobotSnapshot) -> String {
     }
 }
 
-fn of_alarm(alarm: &Alarm) -> String {
-    let what = title(alarm);
-    match &alarm.key.joint {
-        Some(joint) => format!("{joint}: {what}"),
-        None => what.into(),
-    }
-}
-
 /// Returns the required action of a tendon with its forecast date and interval.
 pub fn tendon(tendon: &TendonSnapshot, alarms: &[Alarm]) -> String {
     let of_tendon = alarms
@@ -62,7 +60,7 @@ pub fn tendon(tendon: &TendonSnapshot, alarms: &[Alarm]) -> String {
         .filter(|a| a.key.joint.as_deref() == Some(&tendon.joint));
     let worst = of_tendon
         .filter(|a| a.level() != Level::Ok)
-        .max_by_key(|a| (a.level().urgency(), a.key.condition.severity()));
+        .max_by_key(|a| (a.level().urgency(), a.severity()));
     let now = match (tendon.offset_rad, tendon.elongation_m, tendon.reason) {
         (Some(offset), Some(length), _) => {
             format!(
@@ -138,11 +136,14 @@ pub(super) fn forecast(limit: &LimitForecast, last_utc_s: f64) -> String {
     };
     match limit.state {
         LimitState::Passed => format!("{what}: limit exceeded"),
-        LimitState::Forecast => format!("{what} {}", days(limit, last_utc_s)),
-        LimitState::NotBefore => format!(
-            "{what} not before {} (95 %)",
-            day_of(last_utc_s + limit.after_low_s.unwrap_or(0.0))
-        ),
+        LimitState::Forecast | LimitState::NotBefore => {
+            let at = |after_s: Option<f64>| after_s.map(|s| last_utc_s + s);
+            let after_s = limit
+                .after_s
+                .filter(|_| limit.state == LimitState::Forecast);
+            let dates = [after_s, limit.after_low_s, limit.after_high_s].map(at);
+            format!("{what} {}", exceedance(dates))
+        }
         LimitState::NotWithinHorizon => "no limit exceedance within the forecast horizon".into(),
         LimitState::TooFewSessions => "too few sessions for a forecast".into(),
     }
@@ -163,13 +164,13 @@ pub fn is_being_stored() -> String {
     "the previous session is still being stored; reload the configuration in a few seconds".into()
 }
 
-/// Formats `about 2026-12-24 (95 %: 2026-12-01 to 2027-03-02)`.
-fn days(limit: &LimitForecast, last_utc_s: f64) -> String {
-    let day = |after_s: Option<f64>| after_s.map(|s| day_of(last_utc_s + s));
-    let middle = day(limit.after_s).unwrap_or_default();
-    let low = day(limit.after_low_s).unwrap_or_default();
-    match day(limit.after_high_s) {
-        Some(high) => format!("about {middle} (95 %: {low} to {high})"),
-        None => format!("about {middle} (95 %: {low} to beyond the forecast horizon)"),
-    }
+/// Formats the dates of a limit exceedance, s since 1970 UTC: median and 95 % interval as
+/// `about 2026-12-24 (95 %: 2026-12-01 to 2027-03-02)`, without a median as `not before 2026-12-01 (95 %)`.
+pub(super) fn exceedance([at, low, high]: [Option<f64>; 3]) -> String {
+    let low = low.map_or("–".into(), day_of);
+    let Some(at) = at else {
+        return format!("not before {low} (95 %)");
+    };
+    let high = high.map_or("beyond the forecast horizon".into(), day_of);
+    format!("about {} (95 %: {low} to {high})", day_of(at))
 }

@@ -14,6 +14,9 @@ use sinew_watch_core::alarm::{
     StoreFault, Transition, TransitionReason,
 };
 use sinew_watch_core::command::{Command, CommandKind};
+use sinew_watch_core::incident::{
+    CauseProbability, Evidence, Finding, Incident, IncidentCause, IncidentPhase,
+};
 use sinew_watch_core::journal::{BaselineWaits, Event, SessionEnd};
 use sinew_watch_core::record::{Clock, NoOffset};
 use sinew_watch_core::snapshot::{
@@ -123,8 +126,12 @@ fn examples() -> Vec<(Condition, AlarmCause)> {
             origin: LimitOrigin::RobotToml,
         },
         Soon {
-            after_low_s: 9.0 * DAY_S,
-            after_s: Some(30.0 * DAY_S),
+            limit: Some(Limit::Retension {
+                elongation_m: 0.5e-3,
+            }),
+            at_low_utc_s: Some(MAY_2026_S + 9.0 * DAY_S),
+            at_utc_s: Some(MAY_2026_S + 30.0 * DAY_S),
+            at_high_utc_s: None,
         },
         StepChange {
             time_utc_s: MAY_2026_S,
@@ -193,8 +200,10 @@ fn alarms(list: &mut List) {
         list.alarm(&alarm(Some(ELBOW), condition, cause));
     }
     let soon = AlarmCause::Soon {
-        after_low_s: 9.0 * DAY_S,
-        after_s: None,
+        limit: Some(Limit::Replace { strain_ratio: 0.01 }),
+        at_low_utc_s: Some(MAY_2026_S + 9.0 * DAY_S),
+        at_utc_s: None,
+        at_high_utc_s: None,
     };
     list.alarm(&alarm(Some(ELBOW), Condition::LimitNear, soon));
     let silence = AlarmCause::Silence { since_utc_s: None };
@@ -326,6 +335,10 @@ fn commands() -> Vec<CommandKind> {
         Reset {
             alarm: key(Some(ELBOW)),
         },
+        Finding {
+            joint: ELBOW.into(),
+            finding: Finding::ClampSlip,
+        },
         Note,
     })
 }
@@ -388,6 +401,9 @@ fn journal(list: &mut List) {
                 TransitionReason::ShelfEnded,
             ),
         },
+        Incident {
+            incident: incident(IncidentPhase::Suspected),
+        },
         Command {
             command: command(CommandKind::Note, "rope looks worn"),
         },
@@ -395,6 +411,30 @@ fn journal(list: &mut List) {
     });
     for event in events {
         list.line(entry(&event));
+    }
+    let phases = every!(IncidentPhase {
+        Suspected,
+        Confirmed,
+        Acknowledged,
+        Repaired,
+        Closed,
+    });
+    for phase in phases {
+        let incident = incident(phase);
+        list.line(entry(&Event::Incident { incident }));
+    }
+    let findings = every!(Finding {
+        StrandFailure,
+        Slip,
+        ClampSlip,
+        EncoderMoved,
+        Nothing,
+        Other,
+    });
+    for finding in findings {
+        let mut incident = incident(IncidentPhase::Closed);
+        incident.finding = Some(finding);
+        list.line(entry(&Event::Incident { incident }));
     }
     for end in ends {
         let duration_s = 480.0;
@@ -469,6 +509,40 @@ fn journal(list: &mut List) {
     }
 }
 
+fn incident(phase: IncidentPhase) -> Incident {
+    let causes = every!(IncidentCause {
+        StrandFailure,
+        Slip,
+        Encoder,
+        SlipOrEncoder,
+        TransmissionLost,
+        Retensioned,
+        NoChange,
+    });
+    let mut probability = 1.0;
+    Incident {
+        joint: ELBOW.into(),
+        number: 3,
+        opened_utc_s: MAY_2026_S,
+        phase,
+        closed_utc_s: None,
+        evidence: vec![Evidence {
+            time_utc_s: MAY_2026_S,
+            offset_rad: Some(Gaussian::new(9.8e-3, 0.4e-3)),
+            stiffness_ratio: Some(Gaussian::new(-0.12, 0.015)),
+            probability: 0.5,
+        }],
+        causes: (causes.into_iter())
+            .map(|cause| {
+                probability *= 0.5;
+                CauseProbability { cause, probability }
+            })
+            .collect(),
+        finding: None,
+        note: String::new(),
+    }
+}
+
 fn tendon_snapshot() -> TendonSnapshot {
     TendonSnapshot {
         joint: ELBOW.into(),
@@ -506,6 +580,7 @@ fn robot_snapshot(freshness: Freshness, learning: Learning) -> RobotSnapshot {
         external_force: None,
         tendons: vec![tendon_snapshot()],
         alarms: Vec::new(),
+        incidents: Vec::new(),
         waiting_to_be_stored: 0,
     }
 }
