@@ -6,7 +6,7 @@
 
 Needs python3 with venv and cargo; installs `scipy` from PyPI into a virtual environment under
 target/peers. The rope law is written here a second time, from docs/src/science/rope.md, with the
-values of ropes/*.toml. Its elements are one system of differential equations, whose tension follows
+values of crates/sinew-rope/ropes/*.toml. Its elements are one system of differential equations, whose tension follows
 at every instant from the length of the strands (Brent); Radau IIA integrates it at 1e-9. Compared
 are the tension after a year, when and how often the ropes are tensioned again, and the joint's sag.
 """

@@ -5,7 +5,7 @@ use libfuzzer_sys::fuzz_target;
 use sinew_model::offset::{OffsetConfig, OffsetObserver};
 use sinew_model::robot::RobotFile;
 
-const URDF: &str = include_str!("../../robots/biorob-like/biorob-like.urdf");
+const URDF: &str = include_str!("../../crates/sinew-model/robots/biorob-like/biorob-like.urdf");
 
 fuzz_target!(|text: &str| {
     let Ok(file) = RobotFile::parse(text, "robot.toml") else {

@@ -26,7 +26,7 @@ from pathlib import Path
 from compare import compare
 
 HERE = Path(__file__).resolve().parent
-INPUTS = ["examples", "robots", "ropes", "fuzz/seeds"]
+INPUTS = ["examples", "robots", "crates/sinew-rope/ropes", "fuzz/seeds"]
 TIMEOUT_S = 1200
 
 

@@ -353,6 +353,7 @@ mod tests {
     use super::*;
     use crate::write::operations;
     use sinew_model::arm::{ArmBuilder, ArmWorkspace, BodyInertia, BodySpec, Pose, urdf};
+    use std::io::Write as _;
     use std::path::Path;
 
     /// Values of the graph and of the generic pass, the largest difference over the largest value of each.
@@ -401,6 +402,12 @@ mod tests {
     fn models_give_what_the_generic_pass_gives() {
         let folder =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../sinew-model/tests/reference/models");
+        if !folder.is_dir() {
+            // In the package alone; past the capture of a passing test's output.
+            let skipped = format!("SKIPPED: {} is not there\n", folder.display());
+            std::io::stderr().write_all(skipped.as_bytes()).unwrap();
+            return;
+        }
         let mut files: Vec<_> = std::fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().path())

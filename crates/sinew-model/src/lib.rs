@@ -17,11 +17,9 @@
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use sinew_model::offset::{OffsetConfig, OffsetObserver, Sample};
-//! use sinew_model::robot::RobotFile;
+//! use sinew_model::robot::{BIOROB_LIKE, RobotFile};
 //!
-//! let toml = include_str!("../../../robots/biorob-like/robot.toml");
-//! let urdf = include_str!("../../../robots/biorob-like/biorob-like.urdf");
-//! let robot = RobotFile::parse(toml, "robot.toml")?.build(urdf)?;
+//! let robot = RobotFile::parse(BIOROB_LIKE.robot_toml, "robot.toml")?.build(BIOROB_LIKE.urdf)?;
 //! let mut observer = OffsetObserver::new(&robot.arm, &robot.transmissions, OffsetConfig::default())?;
 //!
 //! // The arm hangs still; the elbow's rope has an offset of 10 mrad.

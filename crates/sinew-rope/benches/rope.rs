@@ -11,7 +11,7 @@ use sinew_rope::predict::YEAR_S;
 use sinew_rope::{Duty, Stretch};
 use std::hint::black_box;
 
-const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
+const ROPE: &str = include_str!("../ropes/liros-dc000-0301.toml");
 const MINUTES_PER_YEAR: usize = 525_600;
 
 fn law() -> Law {

@@ -10,7 +10,7 @@ macro_rules! shipped {
     ($($name:literal),+ $(,)?) => {
         [$((
             concat!($name, ".toml"),
-            include_str!(concat!("../../../ropes/", $name, ".toml")),
+            include_str!(concat!("../ropes/", $name, ".toml")),
         )),+]
     };
 }

@@ -12,7 +12,7 @@ use sinew_rope::{Catalogue, Draws, Duty};
 const DUTY: &str = include_str!("../../../fuzz/seeds/duty/toml");
 const TABLE: &str = include_str!("../../../fuzz/seeds/duty/csv");
 const BENCH: &str = include_str!("../../../fuzz/seeds/bench_toml/two.toml");
-const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
+const ROPE: &str = include_str!("../ropes/liros-dc000-0301.toml");
 
 const NUMBERS: [&str; 12] = [
     "-1", "0", "-0.0", "nan", "inf", "-inf", "1e308", "1e-308", "1e5", "0.5", "true", "\"x\"",

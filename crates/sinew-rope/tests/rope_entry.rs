@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
+const ROPE: &str = include_str!("../ropes/liros-dc000-0301.toml");
 
 fn changed(from: &str, to: &str) -> String {
     assert!(ROPE.contains(from), "{from}");

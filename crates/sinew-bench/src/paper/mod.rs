@@ -54,7 +54,7 @@ use sinew_files::Located;
 use sinew_model::StepError;
 use sinew_model::arm::ArmError;
 use sinew_model::offset::OffsetConfigError;
-use sinew_model::robot::{Robot, RobotFile};
+use sinew_model::robot::{BIOROB_LIKE, Robot, RobotFile};
 use sinew_sim::SimulateError;
 
 /// Returns the BioRob-like arm, which ships with the program.
@@ -62,9 +62,7 @@ use sinew_sim::SimulateError;
 /// # Errors
 /// Returns a [`Located`] if the shipped description is invalid, which a test excludes.
 pub fn shipped_robot() -> Result<Robot, Located> {
-    const FILE: &str = include_str!("../../../../robots/biorob-like/robot.toml");
-    const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
-    RobotFile::parse(FILE, "robot.toml")?.build(URDF)
+    RobotFile::parse(BIOROB_LIKE.robot_toml, "robot.toml")?.build(BIOROB_LIKE.urdf)
 }
 
 /// Errors of a figure.

@@ -52,7 +52,10 @@ use alloc::vec::Vec;
 use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile, names};
 use tendons::{CoupledDrive, JointOfFile, MotorEntry, TendonEntry};
 
+mod shipped;
 mod tendons;
+
+pub use shipped::{BIOROB_LIKE, SHIPPED_ROBOTS, ShippedRobot};
 
 /// A robot, ready for an observer or a simulation.
 #[derive(Debug, Clone, PartialEq)]

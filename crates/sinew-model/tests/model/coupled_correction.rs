@@ -25,12 +25,12 @@ fn robots() -> [Robot; 2] {
     };
     [
         read(
-            include_str!("../../../../robots/coupled-arm/robot.toml"),
-            include_str!("../../../../robots/coupled-arm/coupled-arm.urdf"),
+            include_str!("../../robots/coupled-arm/robot.toml"),
+            include_str!("../../robots/coupled-arm/coupled-arm.urdf"),
         ),
         read(
-            include_str!("../../../../robots/differential-wrist/robot.toml"),
-            include_str!("../../../../robots/differential-wrist/differential-wrist.urdf"),
+            include_str!("../../robots/differential-wrist/robot.toml"),
+            include_str!("../../robots/differential-wrist/differential-wrist.urdf"),
         ),
     ]
 }

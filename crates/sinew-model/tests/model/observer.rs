@@ -7,7 +7,7 @@ use sinew_model::observer::{
 };
 
 fn biorob_like() -> Arm {
-    let text = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
+    let text = include_str!("../../robots/biorob-like/biorob-like.urdf");
     urdf::parse(text, &urdf::UrdfOptions::default())
         .unwrap()
         .arm

@@ -19,13 +19,13 @@ const MRAD: f64 = 1e-3;
 /// The arm we ship, without friction: the paper's first panels have none.
 fn robot() -> Robot {
     let file = RobotFile::parse(
-        include_str!("../../../../robots/biorob-like/robot.toml"),
+        include_str!("../../robots/biorob-like/robot.toml"),
         "robot.toml",
     )
     .unwrap();
     let mut robot = file
         .build(include_str!(
-            "../../../../robots/biorob-like/biorob-like.urdf"
+            "../../robots/biorob-like/biorob-like.urdf"
         ))
         .unwrap();
     for t in robot.transmissions.iter_mut().flatten() {

@@ -3,8 +3,8 @@
 use sinew_files::{Fault, Located};
 use sinew_model::robot::{Robot, RobotFile};
 
-const TOML: &str = include_str!("../../../../robots/biorob-like/robot.toml");
-const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
+const TOML: &str = include_str!("../../robots/biorob-like/robot.toml");
+const URDF: &str = include_str!("../../robots/biorob-like/biorob-like.urdf");
 
 fn build(text: &str) -> Result<Robot, Located> {
     RobotFile::parse(text, "robot.toml")?.build(URDF)

@@ -61,8 +61,8 @@ fn random(seed: &mut u64) -> f64 {
 }
 
 pub(crate) fn robot() -> Robot {
-    let text = include_str!("../../../../robots/biorob-like/robot.toml");
-    let urdf = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
+    let text = include_str!("../../robots/biorob-like/robot.toml");
+    let urdf = include_str!("../../robots/biorob-like/biorob-like.urdf");
     let file = RobotFile::parse(text, "robot.toml").expect("a robot file");
     file.build(urdf).expect("a robot")
 }

@@ -8,8 +8,8 @@ use sinew_model::robot::{Robot, RobotFile};
 use sinew_model::wire::{BlockReceiver, BlockSender, Received, RobotImage, WireError};
 
 fn robot() -> Robot {
-    let toml = include_str!("../../../../robots/biorob-like/robot.toml");
-    let urdf = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
+    let toml = include_str!("../../robots/biorob-like/robot.toml");
+    let urdf = include_str!("../../robots/biorob-like/biorob-like.urdf");
     let file = RobotFile::parse(toml, "robot.toml").unwrap();
     file.build(urdf).unwrap()
 }

@@ -1,6 +1,7 @@
 //! Embedded texts of the protocol's scenarios, and the scenarios that they extend.
 
 use super::PlanError;
+use sinew_model::robot::BIOROB_LIKE;
 use toml::{Table, Value};
 
 const TEXTS: [(&str, &str); 17] = [
@@ -23,11 +24,11 @@ const TEXTS: [(&str, &str); 17] = [
     ("U8", include_str!("toml/U8.toml")),
 ];
 
-pub(super) const ROBOT: &str = include_str!("../../../../robots/biorob-like/robot.toml");
+pub(super) const ROBOT: &str = BIOROB_LIKE.robot_toml;
 
 pub(super) const ROBOT_FILE: &str = "robots/biorob-like/robot.toml";
 
-pub(super) const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
+pub(super) const URDF: &str = BIOROB_LIKE.urdf;
 
 /// Names of the texts.
 pub(super) fn names() -> impl Iterator<Item = &'static str> {

@@ -1,21 +1,20 @@
 //! Recordings as files.
 
-use super::{biorob_like, shipped_robot};
+use super::{biorob_like, repository, shipped_robot};
 use crate::scenario::Record;
 use crate::{Scenario, SimulateOptions, Simulation, run};
 use std::path::Path;
 
-fn shipped(name: &str) -> Scenario {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../examples/scenarios")
-        .join(name);
+fn shipped(root: &Path, name: &str) -> Scenario {
+    let path = root.join("examples/scenarios").join(name);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     Scenario::from_toml(&text, name).unwrap_or_else(|e| panic!("{e}"))
 }
 
 #[test]
 fn shipped_scenarios_run() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let Some(root) = repository() else { return };
+    let folder = root.join("examples/scenarios");
     let mut seen = 0;
     for entry in std::fs::read_dir(&folder).expect("examples/scenarios") {
         let name = entry
@@ -26,12 +25,13 @@ fn shipped_scenarios_run() {
         if !name.ends_with(".toml") {
             continue;
         }
-        let scenario = shipped(&name);
+        let scenario = shipped(&root, &name);
         let robot = scenario
             .robot
-            .as_ref()
+            .as_deref()
+            .and_then(|folder| Path::new(folder).file_name()?.to_str())
             .unwrap_or_else(|| panic!("{name} names its robot"));
-        let robot = shipped_robot(&folder.join(robot));
+        let robot = shipped_robot(robot);
         let mut simulation = Simulation::new(&robot, &scenario).unwrap_or_else(|e| panic!("{e}"));
         // Through every session would take a while; the first seconds already move.
         for _ in 0..1000 {
@@ -46,6 +46,7 @@ fn shipped_scenarios_run() {
 
 #[test]
 fn formats_round_trip_and_are_deterministic() {
+    let Some(root) = repository() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = Scenario {
         duration_s: Some(2.0),
@@ -57,7 +58,7 @@ fn formats_round_trip_and_are_deterministic() {
             temperature: true,
             tension: false,
         },
-        ..shipped("work-session.toml")
+        ..shipped(&root, "work-session.toml")
     };
     let mut simulation = Simulation::new(&biorob_like(), &scenario).expect("a scenario");
     let mut expected = Vec::new();
@@ -185,8 +186,8 @@ fn faults_are_counted_and_seeded() {
 
 #[test]
 fn scenario_keys_are_documented() {
-    let page = "../../docs/src/reference/scenario.md";
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    let Some(root) = repository() else { return };
+    let page = root.join("docs/src/reference/scenario.md");
     let page = std::fs::read_to_string(page).expect("there");
     let reader = include_str!("../scenario/read.rs");
     // Every quoted lower-case word with an underscore is a key: kinds and shapes have none.

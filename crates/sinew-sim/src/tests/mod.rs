@@ -8,36 +8,35 @@ mod recording;
 mod strands;
 mod tendons;
 
-use sinew_model::robot::{Robot, RobotFile};
+use sinew_model::robot::{BIOROB_LIKE, Robot, RobotFile, SHIPPED_ROBOTS};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
 /// The arm that is shipped.
 pub(super) fn biorob_like() -> Robot {
-    RobotFile::parse(
-        include_str!("../../../../robots/biorob-like/robot.toml"),
-        "robot.toml",
-    )
-    .and_then(|f| {
-        f.build(include_str!(
-            "../../../../robots/biorob-like/biorob-like.urdf"
-        ))
-    })
-    .expect("the shipped robot is readable")
+    shipped_robot(BIOROB_LIKE.name)
 }
 
-/// The robot of a folder, with the only URDF in it.
-pub(super) fn shipped_robot(folder: &std::path::Path) -> Robot {
-    let read = |path: &std::path::Path| {
-        std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
-    };
-    let is_urdf = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e == "urdf");
-    let urdf = std::fs::read_dir(folder)
-        .unwrap_or_else(|e| panic!("{}: {e}", folder.display()))
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .find(is_urdf)
-        .expect("a URDF beside robot.toml");
-    RobotFile::parse(&read(&folder.join("robot.toml")), "robot.toml")
-        .and_then(|f| f.build(&read(&urdf)))
-        .unwrap_or_else(|e| panic!("{}: {e}", folder.display()))
+/// The robot of this name that is shipped.
+pub(super) fn shipped_robot(name: &str) -> Robot {
+    let shipped = SHIPPED_ROBOTS
+        .into_iter()
+        .find(|robot| robot.name == name)
+        .unwrap_or_else(|| panic!("{name} is not shipped"));
+    RobotFile::parse(shipped.robot_toml, "robot.toml")
+        .and_then(|file| file.build(shipped.urdf))
+        .unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The folder of the repository, with its examples and pages; `None`, with a visible message, in the package alone.
+pub(super) fn repository() -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    if root.join("examples/scenarios").is_dir() {
+        return Some(root);
+    }
+    // Past the capture of a passing test's output.
+    let _ = std::io::stderr().write_all(b"SKIPPED: examples and pages are not in the package\n");
+    None
 }
 
 /// A pendulum of 0.5 kg at 0.3 m on a spring of 20 N·m/rad, motor inertia 0.05 kg·m², horizontal

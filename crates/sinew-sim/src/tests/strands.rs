@@ -1,6 +1,6 @@
 //! Robots with unidirectional tendons, one with more tendons than joints, another with fewer.
 
-use super::{biorob_like, shipped_robot};
+use super::{biorob_like, repository, shipped_robot};
 use crate::friction::Friction;
 use crate::paths::{Least, Paths};
 use crate::plant::{Drive, Inputs, Plant, State};
@@ -19,7 +19,6 @@ use sinew_model::tendons::{
     ShorteningTable, TendonDescription, TendonKind, TendonStatus,
 };
 use sinew_model::transmission::Transmission;
-use std::path::Path;
 
 const TWO_JOINTS: &str = r#"<robot name="two-joints"><link name="base"/>
 <link name="a"><inertial><origin xyz="0.1 0 0"/><mass value="0.3"/>
@@ -109,8 +108,7 @@ fn varying() -> Robot {
 }
 
 fn shipped(name: &str) -> Robot {
-    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
-    shipped_robot(&robots.join(name))
+    shipped_robot(name)
 }
 
 fn all_robots() -> [(&'static str, Robot); 5] {
@@ -584,7 +582,8 @@ fn strands_of_one_motor_move_together() {
 #[test]
 fn recording_round_trips() {
     let folder = tempfile::tempdir().expect("a folder");
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let Some(root) = repository() else { return };
+    let examples = root.join("examples/scenarios");
     for name in ["antagonistic-elbow", "n-plus-1-finger"] {
         let robot = shipped(name);
         let mut scenario = Scenario::open(&examples.join(format!("{name}.toml")))

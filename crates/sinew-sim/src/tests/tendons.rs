@@ -13,13 +13,11 @@ use crate::{FaultCounts, SimulateOptions, Simulation, run};
 use sinew_log::Frame;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
-use std::path::Path;
 
 const GRAVITY_M_S2: f64 = 9.81;
 
 fn robot(name: &str) -> Robot {
-    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
-    shipped_robot(&robots.join(name))
+    shipped_robot(name)
 }
 
 fn draws(of: &[(&str, f64)]) -> PerJoint {

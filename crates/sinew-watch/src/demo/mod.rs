@@ -21,7 +21,7 @@ use sinew_estimate::session::{Learning, Payload, Recorder, learn_recorded};
 use sinew_log::live::LiveOptions;
 use sinew_log::{OpenOptions, Recording};
 use sinew_model::offset::FeatureConfig;
-use sinew_model::robot::{Robot, RobotFile};
+use sinew_model::robot::{BIOROB_LIKE, Robot, RobotFile};
 use sinew_rope::Catalogue;
 use sinew_transport::Routes;
 use sinew_transport::replay::{self, Played, ReplayOptions};
@@ -39,7 +39,6 @@ const RATE: f64 = 3600.0;
 /// Motion recorded by `demo/arm.toml`.
 const MOTION: &[u8] = include_bytes!("../../demo/arm.mcap");
 const ROBOT: &str = include_str!("../../demo/robot.toml");
-const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
 
 /// Description of the demonstration on the page.
 const DESCRIPTION: &str = "simulated robots, 1 s = 1 h. The ropes creep by the creep law at this rate, while the arms move in \
@@ -53,7 +52,7 @@ fn words(error: impl std::fmt::Display) -> String {
 /// Returns the robot of all arms.
 fn robot() -> Result<Robot, String> {
     let file = RobotFile::parse(ROBOT, "robot.toml").map_err(words)?;
-    file.build(URDF).map_err(words)
+    file.build(BIOROB_LIKE.urdf).map_err(words)
 }
 
 /// Estimates the baseline of ropes without elongation from the motion.
