@@ -24,9 +24,7 @@ fn robot() -> Robot {
     )
     .unwrap();
     let mut robot = file
-        .build(include_str!(
-            "../../robots/biorob-like/biorob-like.urdf"
-        ))
+        .build(include_str!("../../robots/biorob-like/biorob-like.urdf"))
         .unwrap();
     for t in robot.transmissions.iter_mut().flatten() {
         t.joint_friction = Friction::default();
