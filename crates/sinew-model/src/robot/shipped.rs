@@ -41,7 +41,7 @@ mod tests {
     use crate::robot::RobotFile;
 
     #[test]
-    fn every_shipped_robot_is_listed_and_valid() {
+    fn shipped_robots_are_listed_and_valid() {
         for robot in SHIPPED_ROBOTS {
             let file = RobotFile::parse(robot.robot_toml, "robot.toml");
             let built = file.and_then(|file| file.build(robot.urdf));
