@@ -1,6 +1,6 @@
 //! Creep tests: analysis, fits, hold-out, comparison, time-temperature shift.
 
-use crate::document::{Document, Shown};
+use crate::document::{Concern, Document, Shown};
 use crate::failure::Failure;
 use crate::recording::one_of;
 use crate::work::work;
@@ -214,7 +214,7 @@ impl CreepTests {
             .page(move |report| creep::analyze_page(report, &of_page.tests))
             .table("specimens", creep::analyze_csv)
             .table("series", move |_| creep::readings_series(&of_series.tests))
-            .warnings(warnings)
+            .warnings(Concern::Recording.texts(warnings))
             .lossy(is_lossy)
             .into()
     }
@@ -268,7 +268,7 @@ impl CreepTests {
         .table("series", move |report| {
             creep::fit_series(report, &of_series.tests)
         })
-        .warnings(warnings)
+        .warnings(Concern::Recording.texts(warnings))
         .lossy(is_lossy);
         Ok((document.into(), entry))
     }
@@ -302,7 +302,7 @@ impl CreepTests {
         Ok(Shown::new(report, creep::hold_out_table)
             .page(move |report| creep::hold_out_page(report, &held.tests, &held.conditions))
             .table("coverage", creep::hold_out_csv)
-            .warnings(warnings)
+            .warnings(Concern::Recording.texts(warnings))
             .lossy(is_lossy)
             .into())
     }
@@ -321,7 +321,7 @@ impl CreepTests {
         Ok(Shown::new(report, creep::compare_table)
             .page(move |report| creep::compare_page(report, &held.tests, &held.conditions))
             .table("ranks", creep::compare_csv)
-            .warnings(warnings)
+            .warnings(Concern::Recording.texts(warnings))
             .lossy(is_lossy)
             .into())
     }
@@ -335,7 +335,7 @@ impl CreepTests {
         let is_lossy = !report.failures.is_empty();
         Ok(Shown::new(report, creep::shift_table)
             .table("shifts", creep::shift_csv)
-            .warnings(warnings)
+            .warnings(Concern::Recording.texts(warnings))
             .lossy(is_lossy)
             .into())
     }

@@ -1,9 +1,9 @@
 //! Estimates of recordings, and baselines.
 
-use crate::document::{Document, Shown};
+use crate::document::{Concern, Document, Notice, Shown};
 use crate::failure::Failure;
 use crate::recording::{LogArg, one_of};
-use crate::robot::RobotArg;
+use crate::robot::{Reduced, RobotArg, hash_of};
 use crate::trend::date_utc_s;
 use crate::work::{ProgressTracker, work};
 use pyo3::prelude::*;
@@ -14,6 +14,7 @@ use sinew_estimate::{
     BaselineDocument, EstimateDocument, Given, Method, Plan, Progress, Request,
     estimate_each as each,
 };
+use sinew_files::JsonDocument as _;
 use sinew_model::Gaussian;
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use sinew_report::{document_warnings, each_summary, each_table, estimate_series, tables};
@@ -82,6 +83,25 @@ impl Baseline {
     /// Writes a file for the option `--baseline` of the command.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         Ok(self.baseline.write(&path).map_err(Failure::from)?)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.baseline.to_text() == other.baseline.to_text()
+    }
+
+    fn __hash__(&self) -> u64 {
+        hash_of(&self.baseline.to_text())
+    }
+
+    #[staticmethod]
+    #[pyo3(name = "_restore")]
+    fn restore(text: &str, name: &str) -> PyResult<Self> {
+        Self::from_text(text, name)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, (String, String)>> {
+        let restore = py.get_type::<Self>().getattr("_restore")?;
+        Ok((restore, (self.to_text(), self.name.clone())))
     }
 
     /// Name of the robot.
@@ -348,8 +368,16 @@ fn reporter(tracker: &ProgressTracker) -> impl FnMut(Progress) + '_ {
 
 /// Estimate with its text, page and tables.
 fn shown(document: EstimateDocument) -> Document {
+    // Warnings of the recording, then those of the session.
+    let of_session = document.session.as_ref().map_or(0, |s| s.warnings.len());
     let warnings = document_warnings(&document);
-    let warnings = warnings.iter().map(ToString::to_string).collect();
+    let of_recording = warnings.len().saturating_sub(of_session);
+    let warnings: Vec<Notice> = (warnings.into_iter().enumerate())
+        .map(|(i, warning)| match i < of_recording {
+            true => (Concern::Recording, warning),
+            false => (Concern::Result, warning),
+        })
+        .collect();
     let is_lossy = document.is_damaged() || document.requires_action();
     Shown::new(document, |d| tables::document(d, false))
         .page(sinew_report::page)
@@ -358,6 +386,20 @@ fn shown(document: EstimateDocument) -> Document {
         .warnings(warnings)
         .lossy(is_lossy)
         .into()
+}
+
+/// An estimate from its JSON document.
+#[pyfunction]
+pub(crate) fn estimate_from_json(text: &str) -> PyResult<Document> {
+    let mut json: serde_json::Value = serde_json::from_str(text).map_err(Failure::from)?;
+    let schema = json.as_object_mut().and_then(|json| json.remove("schema"));
+    let schema = schema.as_ref().and_then(|schema| schema.as_str());
+    if schema != Some(EstimateDocument::SCHEMA) {
+        let (found, wanted) = (schema.unwrap_or("none"), EstimateDocument::SCHEMA);
+        let reason = format!("the schema of the document is {found}, expected {wanted}");
+        return Err(Failure::new(reason).into());
+    }
+    Ok(shown(serde_json::from_value(json).map_err(Failure::from)?))
 }
 
 /// Estimates the offsets from a recording and returns the result and the posterior.
@@ -465,9 +507,9 @@ pub(crate) fn learn_baseline(
         )?)
     })?;
     let warnings = sinew_report::session_warnings(&learned);
-    let warnings = (warnings.iter())
+    let warnings = (warnings.into_iter())
         .filter(|w| w.code != "no-baseline")
-        .map(ToString::to_string)
+        .map(|warning| (Concern::Result, warning))
         .collect();
     let is_lossy = learned.damaged;
     let joints = baseline.joints.clone();

@@ -37,7 +37,9 @@ mod _core {
     #[pymodule_export]
     use crate::document::Document;
     #[pymodule_export]
-    use crate::estimate::{Baseline, estimate, estimate_each, learn_baseline, merge_baselines};
+    use crate::estimate::{
+        Baseline, estimate, estimate_each, estimate_from_json, learn_baseline, merge_baselines,
+    };
     #[pymodule_export]
     use crate::live::{OffsetObserver, OnlineEstimator};
     #[pymodule_export]
@@ -47,7 +49,9 @@ mod _core {
     #[pymodule_export]
     use crate::rope::{Catalogue, RopeLaw, plan_pretension, predict_rope, select_rope};
     #[pymodule_export]
-    use crate::simulate::{propose_poses, scenario_text, simulate, simulate_to};
+    use crate::simulate::{
+        dataset, dataset_names, propose_poses, scenario_text, simulate, simulate_to,
+    };
     #[pymodule_export]
     use crate::table::Table;
     #[pymodule_export]

@@ -4,6 +4,7 @@ use crate::estimate::{Baseline, BaselineArg, Stated, external_force, payload, te
 use crate::failure::Failure;
 use crate::recording::one_of;
 use crate::robot::RobotArg;
+use crate::work::pool;
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
 use pyo3::prelude::*;
 use sinew_estimate::feeder::RejectionReason;
@@ -37,7 +38,7 @@ fn rejection(reason: RejectionReason) -> &'static str {
         RejectionReason::Torque => "rejected: a torque is missing",
         RejectionReason::ExternalTorque => "rejected: an external torque is missing",
         RejectionReason::TimeStep => "rejected: the time step is invalid",
-        RejectionReason::Range => "rejected: a value is too large",
+        RejectionReason::Range => "rejected: a value is too large or beyond reach",
     }
 }
 
@@ -64,7 +65,7 @@ fn record<'py>(
 /// * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
 /// * ``motor_torque``: whether the motor torque of the samples is used.
 /// * ``creep``: whether ropes may creep within the session; ``False`` for steel.
-/// * ``worker``: whether an internal thread solves.
+/// * ``worker``: whether an internal thread solves. Threads do not survive a fork: create the object in the child process.
 ///
 /// Objects are thread-safe. Raises ``ValueError`` if the baseline belongs to another robot or a value is out of range.
 #[pyclass(frozen, module = "pysinew._core")]
@@ -189,13 +190,18 @@ impl OnlineEstimator {
     ///
     /// Not for a control loop: call it after a ``"block"``, or from another thread. Other Python threads continue meanwhile. Blocks wait
     /// for ten seconds; then they are dropped. No effect with ``worker=True``.
-    fn work(&self, py: Python<'_>) {
+    fn work(&self, py: Python<'_>) -> PyResult<()> {
         if let Some(worker) = &self.worker {
+            // Is never interrupted: the estimate would be half updated.
+            let pool = pool(&Arc::default())?;
             py.detach(|| {
-                let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
-                worker.work();
+                pool.install(|| {
+                    let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
+                    worker.work();
+                });
             });
         }
+        Ok(())
     }
 
     /// Marks a gap before the next sample: the filters are re-initialised, the estimates are kept.

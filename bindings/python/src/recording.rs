@@ -21,7 +21,12 @@ use std::sync::Arc;
 /// Source of the samples.
 #[derive(Clone)]
 enum Source {
-    Files(PathBuf),
+    /// Files, and the owner of temporary ones.
+    Files(
+        PathBuf,
+        #[expect(dead_code, reason = "deletes the files when it is dropped")]
+        Option<Arc<Py<PyAny>>>,
+    ),
     Arrays(Arc<Held>),
     Messages(Arc<GivenMessages>),
 }
@@ -29,7 +34,7 @@ enum Source {
 impl Source {
     fn open(&self, name: &str, options: &OpenOptions) -> Result<sinew_log::Recording, LogError> {
         match self {
-            Self::Files(path) => sinew_log::open(path, options),
+            Self::Files(path, _) => sinew_log::open(path, options),
             Self::Arrays(held) => {
                 let reader = Box::new(Reader(held.clone()));
                 sinew_log::Recording::from_arrays(reader, name, options)
@@ -370,7 +375,7 @@ impl Recording {
     #[new]
     #[pyo3(signature = (path, *, mapping=None, joint_topic=None, motor_topic=None, motor_interface=None, joint_effort=None, gap_s=None))]
     fn new(
-        path: PathBuf,
+        path: Bound<'_, PyAny>,
         mapping: Option<PathBuf>,
         joint_topic: Option<String>,
         motor_topic: Option<String>,
@@ -386,23 +391,27 @@ impl Recording {
             joint_effort,
             gap_s,
         };
-        let name = path.display().to_string();
-        Ok(Self::of(name, Source::Files(path), opening.options()?)?)
+        let frames = path.py().import("pysinew._frames")?;
+        let (path, name, owner): (PathBuf, String, Option<Py<PyAny>>) =
+            frames.call_method1("place", (path,))?.extract()?;
+        let source = Source::Files(path, owner.map(Arc::new));
+        Ok(Self::of(name, source, opening.options()?)?)
     }
 
     /// A recording from arrays, one row per sample: read block by block, never copied completely.
     ///
     /// `time_ns` (whole numbers or `datetime64`) or `time_s`: `(rows,)`. `q`, `theta`: `(rows, joints)`, rad; `dq`: rad/s;
     /// `tau_el`, `tau_m`, `tau_ext`: N·m; `temperature_c`: `(rows,)`, °C. NaN means "not recorded". `float64` is used
-    /// directly, with any strides; other types are converted.
+    /// directly, with any strides; other types are converted. Columns with names, as those of a data frame, are found by the names of
+    /// `joints`, which they may replace. `segment`, as `arrays()` returns it, follows from the gaps of the times.
     #[staticmethod]
-    #[pyo3(signature = (*, joints, q, theta, time_ns=None, time_s=None, dq=None, tau_el=None, tau_m=None, tau_ext=None, temperature_c=None, name="arrays", gap_s=None))]
+    #[pyo3(signature = (*, q, theta, joints=None, time_ns=None, time_s=None, dq=None, tau_el=None, tau_m=None, tau_ext=None, temperature_c=None, segment=None, name="arrays", gap_s=None))]
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     fn from_arrays<'py>(
         py: Python<'py>,
-        joints: Vec<String>,
         q: Bound<'py, PyAny>,
         theta: Bound<'py, PyAny>,
+        joints: Option<Vec<String>>,
         time_ns: Option<Bound<'py, PyAny>>,
         time_s: Option<Bound<'py, PyAny>>,
         dq: Option<Bound<'py, PyAny>>,
@@ -410,15 +419,36 @@ impl Recording {
         tau_m: Option<Bound<'py, PyAny>>,
         tau_ext: Option<Bound<'py, PyAny>>,
         temperature_c: Option<Bound<'py, PyAny>>,
+        segment: Option<Bound<'py, PyAny>>,
         name: &str,
         gap_s: Option<f64>,
     ) -> PyResult<Self> {
+        drop(segment);
         let numpy = py.import("numpy")?.into_any();
-        let time_ns = times(&numpy, time_ns, time_s)?;
+        let frames = py.import("pysinew._frames")?;
+        let named = PyDict::new(py);
         let given = [Some(q), Some(theta), dq, tau_el, tau_m, tau_ext];
-        let mut by_joint = Vec::new();
         for (quantity, array) in Quantity::PER_JOINT.into_iter().zip(given) {
-            let Some(array) = array else { continue };
+            if let Some(array) = array {
+                named.set_item(quantity.symbol(), array)?;
+            }
+        }
+        let arranged = frames.call_method1("arranged", (joints, named))?;
+        let (joints, index, named): (Vec<String>, Option<Bound<'py, PyAny>>, Bound<'py, PyDict>) =
+            arranged.extract()?;
+        let time_ns = match &time_s {
+            Some(_) => time_ns,
+            None => time_ns.or(index),
+        };
+        let time_ns = time_ns
+            .map(|time_ns| frames.call_method1("clock", (time_ns,)))
+            .transpose()?;
+        let time_ns = times(&numpy, time_ns, time_s)?;
+        let mut by_joint = Vec::new();
+        for quantity in Quantity::PER_JOINT {
+            let Some(array) = named.get_item(quantity.symbol())? else {
+                continue;
+            };
             let array = floats(&numpy, &array)?.cast_into::<PyArray2<f64>>();
             let array = array.map_err(|_| {
                 let symbol = quantity.symbol();
@@ -526,7 +556,7 @@ impl Recording {
     fn info(&self, py: Python<'_>, progress: Option<Bound<'_, PyAny>>) -> PyResult<Document> {
         let (opener, options, name) = (self.opener(), self.options.clone(), self.name.clone());
         let files = match &self.source {
-            Source::Files(path) => Some(path.clone()),
+            Source::Files(path, _) => Some(path.clone()),
             _ => None,
         };
         let info = work(py, "reading", progress.as_ref(), move |tracker| {

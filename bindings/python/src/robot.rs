@@ -6,6 +6,7 @@ use numpy::{
     AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir::{self, LoadedRobot};
 use sinew_files::{limits, read_text};
@@ -13,6 +14,7 @@ use sinew_log::Mapping;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::RobotFile;
 use sinew_model::transmission::Tendon;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -54,6 +56,16 @@ impl Robot {
     }
 }
 
+/// What `pickle` keeps of an object: the function that restores it, and its arguments.
+pub(crate) type Reduced<'py, T> = (Bound<'py, PyAny>, T);
+
+/// Hash of a text, equal for equal texts.
+pub(crate) fn hash_of(text: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    hasher.finish()
+}
+
 /// Three arrays of the shape of `q`.
 type Terms<'py> = (
     Bound<'py, PyArrayDyn<f64>>,
@@ -82,6 +94,33 @@ impl Robot {
             urdf: parsed.urdf().unwrap_or("given as text").into(),
             urdf_text: urdf.into(),
         })))
+    }
+
+    /// Whether both descriptions are the same, wherever they lie.
+    fn __eq__(&self, other: &Self) -> bool {
+        self.0.file_text == other.0.file_text && self.0.urdf_text == other.0.urdf_text
+    }
+
+    fn __hash__(&self) -> u64 {
+        hash_of(&self.0.file_text)
+    }
+
+    #[staticmethod]
+    #[pyo3(name = "_restore")]
+    fn restore(robot_toml: &str, urdf: &str, file: &str) -> PyResult<Self> {
+        Self::from_text(robot_toml, urdf, file)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, Bound<'py, PyTuple>>> {
+        let class = py.get_type::<Self>();
+        let file = self.0.file.display().to_string();
+        let parsed = RobotFile::parse(&self.0.file_text, &file).map_err(Failure::from)?;
+        // Tables of their own files are read again.
+        if !parsed.tables().is_empty() {
+            return Ok((class.into_any(), PyTuple::new(py, [file])?));
+        }
+        let parts = [self.0.file_text.clone(), self.0.urdf_text.clone(), file];
+        Ok((class.getattr("_restore")?, PyTuple::new(py, parts)?))
     }
 
     /// Name of the robot.

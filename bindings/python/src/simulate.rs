@@ -1,6 +1,6 @@
 //! Simulated recordings with known ground truth, scenarios of the protocol and informative poses.
 
-use crate::document::{Document, Shown};
+use crate::document::{Concern, Document, Shown};
 use crate::estimate::BaselineArg;
 use crate::failure::Failure;
 use crate::recording::{Columns, one_of};
@@ -78,7 +78,7 @@ fn shown(truth: sinew_sim::Truth, warnings: Vec<String>) -> Document {
         control: None,
     };
     Shown::new(document, |_| "a simulated recording's truth".into())
-        .warnings(warnings)
+        .warnings(Concern::Robot.texts(warnings))
         .into()
 }
 
@@ -145,6 +145,33 @@ pub(crate) fn simulate_to(
         )?)
     })?;
     Ok(shown(summary.truth, warnings))
+}
+
+/// Scenarios whose recordings are sample data of the package, with their names.
+const DATASETS: [(&str, &str); 2] = [
+    (
+        "stretched-arm",
+        include_str!("../../../examples/scenarios/stretched-arm.toml"),
+    ),
+    (
+        "work-session",
+        include_str!("../../../examples/scenarios/work-session.toml"),
+    ),
+];
+
+/// Names of the sample data.
+#[pyfunction]
+pub(crate) fn dataset_names() -> Vec<&'static str> {
+    DATASETS.iter().map(|(name, _)| *name).collect()
+}
+
+/// Scenario, robot.toml and URDF of sample data.
+#[pyfunction]
+pub(crate) fn dataset(name: &str) -> PyResult<(&'static str, &'static str, &'static str)> {
+    let scenario = one_of("the name", name, &DATASETS)?;
+    let robot_toml = include_str!("../../../robots/biorob-like/robot.toml");
+    let urdf = include_str!("../../../robots/biorob-like/biorob-like.urdf");
+    Ok((scenario, robot_toml, urdf))
 }
 
 /// A scenario of the protocol as text, for the robot of a folder where one is named.

@@ -1,6 +1,7 @@
 //! Tables as an Arrow C stream, without a copy of the columns.
 
 use crate::failure::Failure;
+use crate::robot::Reduced;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::{
     Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator,
@@ -13,12 +14,23 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyList};
 use sinew_log::{Cell, CellKind, Table as Rows};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A table of named columns.
-#[pyclass(frozen, module = "pysinew._core")]
+#[pyclass(frozen, from_py_object, module = "pysinew._core")]
+#[derive(Clone)]
 pub(crate) struct Table(RecordBatch);
+
+/// A column as pickle keeps it: its name, and its values in the place of its type.
+type KeptColumn = (
+    String,
+    Option<Vec<Option<f64>>>,
+    Option<Vec<Option<i64>>>,
+    Option<Vec<Option<String>>>,
+    Option<Vec<Option<bool>>>,
+);
 
 fn failure(error: ArrowError) -> Failure {
     Failure::new(error.to_string())
@@ -28,7 +40,11 @@ impl Table {
     /// Columns of one length; numbers that are NaN are null.
     pub(crate) fn new(columns: Vec<(String, ArrayRef)>) -> Result<Self, Failure> {
         let field = |(name, column): &(String, ArrayRef)| {
-            Field::new(name, column.data_type().clone(), true)
+            let field = Field::new(name, column.data_type().clone(), true);
+            match sinew_files::bound::unit_of(name) {
+                "" => field,
+                unit => field.with_metadata(HashMap::from([("unit".into(), unit.into())])),
+            }
         };
         let schema = Schema::new(Vec::from_iter(columns.iter().map(field)));
         let columns = columns.into_iter().map(|(_, column)| column).collect();
@@ -98,6 +114,56 @@ impl Table {
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
         let schema = FFI_ArrowSchema::try_from(&*self.0.schema()).map_err(failure)?;
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
+    }
+
+    /// Unit of every column that has one, by name; the `unit` of its field in Arrow.
+    #[getter]
+    fn units(&self) -> HashMap<String, String> {
+        let schema = self.0.schema();
+        let unit = |field: &Arc<Field>| {
+            let unit = field.metadata().get("unit")?;
+            Some((field.name().clone(), unit.clone()))
+        };
+        schema.fields().iter().filter_map(unit).collect()
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+
+    #[staticmethod]
+    #[pyo3(name = "_restore")]
+    fn restore(columns: Vec<KeptColumn>) -> PyResult<Self> {
+        let column = |(name, numbers, integers, texts, flags): KeptColumn| {
+            let column: ArrayRef = match (numbers, integers, texts, flags) {
+                (Some(numbers), ..) => Arc::new(Float64Array::from_iter(numbers)),
+                (_, Some(integers), ..) => Arc::new(Int64Array::from_iter(integers)),
+                (_, _, Some(texts), _) => Arc::new(StringArray::from_iter(texts)),
+                (_, _, _, flags) => Arc::new(BooleanArray::from(flags.unwrap_or_default())),
+            };
+            (name, column)
+        };
+        Ok(Self::new(columns.into_iter().map(column).collect())?)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, (Vec<KeptColumn>,)>> {
+        let columns = self.column_names().into_iter().zip(self.0.columns());
+        let kept = columns.map(|(name, column)| {
+            let any = column.as_any();
+            let numbers = any.downcast_ref::<Float64Array>();
+            let integers = any.downcast_ref::<Int64Array>();
+            let texts = any.downcast_ref::<StringArray>();
+            let flags = any.downcast_ref::<BooleanArray>();
+            (
+                name,
+                numbers.map(|column| column.iter().collect()),
+                integers.map(|column| column.iter().collect()),
+                texts.map(|column| column.iter().map(|text| text.map(str::to_owned)).collect()),
+                flags.map(|column| column.iter().collect()),
+            )
+        });
+        let restore = py.get_type::<Self>().getattr("_restore")?;
+        Ok((restore, (kept.collect(),)))
     }
 
     /// Names of the columns, in order.

@@ -1,6 +1,6 @@
 //! Months of sessions.
 
-use crate::document::{Document, Shown};
+use crate::document::{Concern, Document, Shown};
 use crate::failure::Failure;
 use crate::robot::RobotArg;
 use crate::work::work;
@@ -92,7 +92,7 @@ pub(crate) fn trend(
         };
         Ok(analyze(sorted, &request)?)
     })?;
-    let warnings = report.notes.iter().map(format_note).collect();
+    let warnings = Concern::Recording.texts(report.notes.iter().map(format_note));
     let is_lossy = report.action_required;
     Ok(Shown::new(report, render_table)
         .page(page)

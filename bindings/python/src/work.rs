@@ -1,28 +1,31 @@
-//! Runs Rust work on a separate thread. Python's thread waits without the interpreter lock, reports progress, and can be
+//! Runs Rust work on threads of its own. Python's thread waits without the interpreter lock, reports progress, and can be
 //! interrupted.
 //!
-//! Interrupted work is unwound at its next progress report. Incomplete files do not remain, because a file receives
-//! its final name last.
+//! Every call has its own [`pool`] of threads. No thread is left over for the next call, so that a process may fork between two
+//! calls: the threads of a pool exist in the parent only, and a child that waits for them never ends.
+//!
+//! Interrupted work is unwound at its next progress report or [`interrupt::check`], on whichever of its threads that is. Incomplete
+//! files do not remain, because a file receives its final name last.
 
 use crate::failure::Failure;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use sinew_files::interrupt;
 use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Interval at which Python checks for interrupts.
-const POLL_INTERVAL: Duration = Duration::from_millis(40);
-/// Maximum time to wait for interrupted work, which otherwise continues in the background until its next check.
-const STOP_TIMEOUT: Duration = Duration::from_secs(2);
-/// Stack size of the thread, bytes; equal to that of a main thread.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+/// Maximum time to wait for interrupted work, which otherwise continues in the background until its next check. With
+/// [`POLL_INTERVAL`] it is less than the 0.1 s within which an interrupt is promised.
+const STOP_TIMEOUT: Duration = Duration::from_millis(60);
+/// Stack size of a thread, bytes; equal to that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
-
-/// Payload of the unwinding of interrupted work.
-struct Stopped;
 
 /// Progress of the work, shared between its thread and Python's.
 #[derive(Clone, Default)]
@@ -35,7 +38,7 @@ struct State {
     /// Number of stages so far, which reveals a new one.
     words: AtomicUsize,
     word: Mutex<&'static str>,
-    stop: AtomicBool,
+    stop: Arc<AtomicBool>,
 }
 
 impl ProgressTracker {
@@ -45,7 +48,7 @@ impl ProgressTracker {
         if share.is_finite() {
             self.0.share.store(share.to_bits(), Ordering::Relaxed);
         }
-        self.check_stop();
+        interrupt::check();
     }
 
     /// Reports the current stage.
@@ -56,14 +59,7 @@ impl ProgressTracker {
             self.0.words.fetch_add(1, Ordering::Relaxed);
         }
         drop(now);
-        self.check_stop();
-    }
-
-    fn check_stop(&self) {
-        if self.0.stop.load(Ordering::Relaxed) {
-            // Bypasses the panic hook, because an interrupt is not an error.
-            resume_unwind(Box::new(Stopped));
-        }
+        interrupt::check();
     }
 
     /// Progress visible to Python; the value changes when the work proceeds.
@@ -79,7 +75,19 @@ impl ProgressTracker {
     }
 }
 
-/// Runs work on a thread and calls `progress(share, stage)` from time to time.
+/// Starts the threads of one call, one per processor. Their work ends at its next check after `stop` has become true. They end
+/// when the pool is dropped and their work is done.
+pub(crate) fn pool(stop: &Arc<AtomicBool>) -> PyResult<ThreadPool> {
+    let stop = stop.clone();
+    ThreadPoolBuilder::new()
+        .thread_name(|i| format!("pysinew-{i}"))
+        .stack_size(STACK_BYTES)
+        .start_handler(move |_| interrupt::watch(stop.clone()))
+        .build()
+        .map_err(|e| PyRuntimeError::new_err(format!("cannot start threads: {e}")))
+}
+
+/// Runs work on threads of its own and calls `progress(share, stage)` from time to time.
 pub(crate) fn work<T: Send + 'static>(
     py: Python<'_>,
     word: &'static str,
@@ -98,16 +106,12 @@ pub(crate) fn work<T: Send + 'static>(
         })
     };
     let of_thread = tracker.clone();
-    let thread = std::thread::Builder::new()
-        .name("pysinew".into())
-        .stack_size(STACK_BYTES);
-    thread
-        .spawn(move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| task(&of_thread)));
-            // Results of interrupted work are discarded.
-            let _ = done.send(outcome);
-        })
-        .map_err(|e| PyRuntimeError::new_err(format!("cannot start a thread: {e}")))?;
+    let pool = pool(&tracker.0.stop)?;
+    pool.spawn(move || {
+        let outcome = catch_unwind(AssertUnwindSafe(|| task(&of_thread)));
+        // Results of interrupted work are discarded.
+        let _ = done.send(outcome);
+    });
     let mut seen = tracker.seen();
     loop {
         match wait(POLL_INTERVAL) {

@@ -31,10 +31,7 @@ def joints_of(answer: sn.Estimate) -> Any:
 
 
 def test_arrays_estimate_equals_file(arrays: dict[str, Any]) -> None:
-    columns = dict(arrays)
-    columns["celsius"] = columns.pop("temperature_c", None)
-    columns.pop("tau_ext", None)
-    found = sn.estimate_arrays(ROBOT, **columns)
+    found = sn.estimate_arrays(ROBOT, **sn.Recording(SHIPPED).arrays())
     assert joints_of(found) == joints_of(sn.estimate(SHIPPED, ROBOT))
     assert found.reading.recording.format == "arrays"
     assert found.reading.recording.path == "arrays"

@@ -274,3 +274,24 @@ def test_a_robot_is_made_of_texts() -> None:
     assert (robot.name, robot.joints) == (named.name, named.joints)
     assert (robot.stiffness_nm_per_rad == named.stiffness_nm_per_rad).all()
     assert robot.rope("elbow") == named.rope("elbow")
+
+
+def test_one_wild_sample_is_rejected_and_changes_nothing(work: Path, learned: sn.Learned) -> None:
+    clean = sn.OnlineEstimator(ROBOT, learned.learned_baseline)
+    wild = sn.OnlineEstimator(ROBOT, learned.learned_baseline)
+    for i, (_, (dt, q, theta, tau_m, celsius)) in enumerate(samples(work, 60.0, 75.0)):
+        if i == 4000:
+            # The same sample is lost in one stream and wild in the other.
+            lost, far = np.full_like(q, np.nan), np.array(q)
+            far[1] = 1000.0
+            assert clean.step(dt, lost, theta, tau_m, celsius).startswith("rejected: a joint position is missing")
+            assert wild.step(dt, far, theta, tau_m, celsius) == "rejected: a value is too large or beyond reach"
+            continue
+        outcome = clean.step(dt, q, theta, tau_m, celsius)
+        assert wild.step(dt, q, theta, tau_m, celsius) == outcome
+        if outcome == "block":
+            clean.work()
+            wild.work()
+    assert not np.isnan(clean.offset("elbow")).any()
+    for joint in clean.joints:
+        assert wild.offset(joint) == clean.offset(joint)

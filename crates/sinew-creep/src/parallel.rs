@@ -1,6 +1,7 @@
 //! Parallel processing of many items, in the order of the items.
 
 use rayon::prelude::*;
+use sinew_files::interrupt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Processes items on all processors and returns results in their order; `done` is called with the
@@ -15,6 +16,7 @@ pub fn each<I: Sync, T: Send>(
         .par_iter()
         .with_max_len(1)
         .map(|item| {
+            interrupt::check();
             let result = work(item);
             done(finished.fetch_add(1, Ordering::Relaxed) + 1);
             result

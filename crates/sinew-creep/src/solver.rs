@@ -11,6 +11,7 @@
 //! Least-Squares Algorithm*, ACM TOMS 7, 1981 (secant estimate and its size).
 
 use serde::{Deserialize, Serialize};
+use sinew_files::interrupt;
 use sinew_model::cholesky::{dot, factorise, solve};
 
 /// Reason for the termination of a search.
@@ -125,6 +126,7 @@ pub(super) fn minimum(residuals: &Residuals<'_>, start: &[f64], most: u64) -> Mi
     // Whether the damping was reset since the cost last decreased.
     let mut let_go = false;
     for steps in 0..most {
+        interrupt::check();
         let normal: Vec<f64> = columns.iter().flat_map(|a| along(&columns, a)).collect();
         for (j, scale) in scale.iter_mut().enumerate() {
             *scale = scale.max(normal[j * n + j]);

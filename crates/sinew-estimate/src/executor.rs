@@ -1,13 +1,16 @@
 //! Parallel execution of two halves of a computation on idle processors.
 
+use sinew_files::interrupt;
 use sinew_model::offset::Executor;
 
-/// Thread pool of Rayon: the pool of the caller, otherwise one thread per processor.
+/// Thread pool of Rayon: the pool of the caller, otherwise one thread per processor. An [interruption](interrupt) is checked before
+/// each computation.
 #[derive(Debug, Clone, Copy)]
 pub struct Pool;
 
 impl Executor for Pool {
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        interrupt::check();
         rayon::join(one, other);
     }
 }

@@ -7,7 +7,7 @@
 use sinew_log::Frame;
 use sinew_model::feeder::RobotSample;
 pub use sinew_model::feeder::{
-    FeedOutcome, FeederOptions, FrameObserver, Input, MissingMotor, Needs, RejectionReason,
+    FeedOutcome, FeederOptions, FrameObserver, Input, MissingMotor, Needs, Reach, RejectionReason,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
@@ -65,6 +65,14 @@ impl<O: FrameObserver> Feeder<O> {
             }
         }
         self
+    }
+
+    /// Rejects samples beyond the limits of the robot's joints, with the margins of [`Reach`].
+    #[must_use]
+    pub fn with_limits(self, robot: &Robot) -> Self {
+        let limits = robot.limits.iter();
+        let reach = limits.map(|limit| Reach::new(limit.lower, limit.upper, limit.velocity));
+        Self(self.0.with_reach(reach))
     }
 
     /// Sets the start of the recording to which the times of injections refer; default: the first frame.

@@ -89,6 +89,43 @@ fn rejected_sample_does_not_change_state() {
     }
 }
 
+// Wild values of a running robot: beyond the limits of the URDF, or within them at a speed that no drive reaches (2 rad in 1 ms are
+// 2000 rad/s, the URDF states 6 rad/s).
+#[test]
+fn unreachable_sample_does_not_change_state() {
+    let robot = biorob_like();
+    let clean = swing(&robot);
+    let recorded = |frames: &[Frame]| {
+        let recorder = Recorder::new(&robot, &FeatureConfig::default(), 0.5);
+        let mut recorder = recorder.with_limits(&robot);
+        for frame in frames {
+            recorder.push(frame, frame.time_ns as f64 * 1e-9);
+        }
+        recorder.finish().blocks
+    };
+    let refused = |k: usize| k % 50 == 49;
+    let left: Vec<Frame> = (0..clean.len())
+        .filter(|k| !refused(*k))
+        .map(|k| clean[k].clone())
+        .collect();
+    let wild: [fn(&mut Frame); 3] = [
+        |frame| frame.q[1] = 1000.0,
+        |frame| frame.q[1] += 2.0,
+        |frame| frame.theta[1] = 1000.0,
+    ];
+    for wild in wild {
+        let mut frames = clean.clone();
+        for (k, frame) in frames.iter_mut().enumerate() {
+            if refused(k) {
+                wild(frame);
+            }
+        }
+        assert_same(&recorded(&frames), &recorded(&left));
+    }
+    // A valid recording is not affected.
+    assert_same(&recorded(&clean), &self::recorded(&robot, &clean));
+}
+
 // After a short gap, which the recording marks as a new segment, the arm has another pose.
 #[test]
 fn new_segment_reinitialises_filters() {

@@ -15,18 +15,21 @@ pub fn glance(page: &Page) -> String {
         _ => None,
     });
     let answers = answers.unwrap_or_default();
-    let figures: Vec<&Figure> = blocks()
-        .filter_map(|block| match block {
-            Block::Figure(figure, _) => Some(&**figure),
+    // Each with the heading of its section, which names its joint.
+    let of_sections = page.sections.iter().flat_map(|section| {
+        section.blocks.iter().filter_map(move |block| match block {
+            Block::Figure(figure, _) => Some((section.heading.as_str(), &**figure)),
             _ => None,
         })
-        .collect();
+    });
+    let figures: Vec<(&str, &Figure)> = of_sections.collect();
     // In pages with one figure per result, results and figures have the same order.
     let all = answers.iter().enumerate();
     let most = all.max_by_key(|(i, answer)| (answer.level, Reverse(*i)));
     let index = most.map_or(0, |(i, _)| i);
     let figure = figures.get(index).or(figures.first());
     let (title, answers) = (&page.title, Serde(answers));
-    let figure = figure.map(|figure| figure.svg());
-    fill("glance.html", context! { title, answers, figure })
+    let heading = figure.map(|(heading, _)| *heading);
+    let figure = figure.map(|(_, figure)| figure.svg());
+    fill("glance.html", context! { title, answers, heading, figure })
 }

@@ -13,7 +13,7 @@ fn page(levels: &[Level]) -> Page {
     let answers = levels.iter().enumerate().map(answer).collect();
     let mut page = Page::new("a & b").section("", vec![Block::Headlines(answers)]);
     for i in 0..levels.len() {
-        page = page.section("", vec![figure(&format!("figure {i}"))]);
+        page = page.section(format!("joint {i}"), vec![figure(&format!("figure {i}"))]);
     }
     page
 }
@@ -31,10 +31,11 @@ fn glance_has_all_results_and_most_urgent_figure() {
         "answer &lt;0&gt;",
         "answer &lt;3&gt;",
         "figure 1",
+        "joint 1",
     ] {
         assert!(text.contains(word), "{word}");
     }
-    assert!(!text.contains("<script") && !text.contains("figure 2"));
+    assert!(!text.contains("<script") && !text.contains("figure 2") && !text.contains("joint 2"));
 }
 
 #[test]

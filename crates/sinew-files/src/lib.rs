@@ -12,6 +12,7 @@
 //! * [`number`]: formatting of numbers;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
 //! * [`date`]: days and times of day, UTC;
+//! * [`interrupt`]: interruption of long computations;
 //! * [`atomic`]: output files that are complete or absent;
 //! * [`temporary`]: temporary files with an exclusive writer, deleted unless they are given a name.
 
@@ -20,6 +21,7 @@ pub mod bound;
 #[cfg(feature = "csv")]
 pub mod csv;
 pub mod date;
+pub mod interrupt;
 #[cfg(feature = "json")]
 mod json;
 pub mod limits;

@@ -11,6 +11,7 @@
 //! | an elastic joint's motor position missing or not finite | as specified by [`MissingMotor`] |
 //! | a rigid joint's motor position missing or not finite | none: the joint position is used instead |
 //! | a time stamp that does not increase, an implausibly large value | the sample is rejected |
+//! | a position beyond the [`Reach`] of its joint, or that no drive reaches from the last accepted one | the sample is rejected |
 //!
 //! The time step is the time since the last sample that the observer **accepted**: rejected samples have no effect.
 
@@ -22,6 +23,58 @@ use alloc::vec::Vec;
 
 /// Default gap limit: a longer pause between samples re-initialises the observer, s.
 pub const GAP_S: f64 = 0.5;
+
+/// Speed that no drive of a robot exceeds, rad/s at its own shaft: 95 000 rpm, above the fastest small brushless motors (assumption,
+/// within a factor of 2). Bound of joints whose description has none, and of all motors.
+pub const SPEED_MAX_RAD_PER_S: f64 = 1e4;
+
+/// Change of a position between two samples that is always accepted, rad (m): above the resolution, noise and play of an
+/// encoder (assumption, within a factor of 2).
+const CHANGE_MIN_RAD: f64 = 0.2;
+
+/// Ratio of the largest accepted speed to that of the description, whose values are nominal (assumption, within a factor of 3).
+const SPEED_MARGIN: f64 = 10.0;
+
+/// Positions and speeds that a joint can reach; samples beyond them are rejected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// Smallest accepted position, rad (m).
+    lower: f64,
+    /// Largest accepted position, rad (m).
+    upper: f64,
+    /// Largest accepted speed, rad/s (m/s).
+    speed: f64,
+}
+
+impl Reach {
+    /// Reach of a joint with the limits of its description, rad and rad/s (m and m/s). A position may exceed its limits by their
+    /// distance, for encoders whose zero is not calibrated; the speed may be ten times its limit. Limits of 0 or without
+    /// end are none.
+    pub fn new(lower: f64, upper: f64, speed: f64) -> Self {
+        let range = upper - lower;
+        let (lower, upper) = match range > 0.0 && range.is_finite() {
+            true => (lower - range, upper + range),
+            false => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let speed = match speed > 0.0 && speed.is_finite() {
+            true => (SPEED_MARGIN * speed).min(SPEED_MAX_RAD_PER_S),
+            false => SPEED_MAX_RAD_PER_S,
+        };
+        Self {
+            lower,
+            upper,
+            speed,
+        }
+    }
+
+    /// Whether `position` is reachable from `last`, `dt_s` before; NaN: nothing is known of it.
+    fn includes(&self, position: f64, last: f64, dt_s: f64) -> bool {
+        // Not reachable only if a comparison says so: NaN is checked elsewhere.
+        !(position < self.lower
+            || position > self.upper
+            || (position - last).abs() > CHANGE_MIN_RAD + self.speed * dt_s)
+    }
+}
 
 /// Measured values of a robot at one time. Slices have one entry per axis, NaN for missing values; slices that the
 /// observer does not need may be empty. A [`FeatureObserver`] needs motor torques, though all may be NaN.
@@ -209,7 +262,8 @@ pub enum RejectionReason {
     ExternalTorque,
     /// The time stamp is not after that of the last accepted sample, or too far ahead.
     TimeStep,
-    /// A value is implausibly large, or the number of joints differs.
+    /// A value is implausibly large, beyond the [`Reach`] of its joint or not reachable since the last accepted sample, or the number
+    /// of joints differs.
     Range,
 }
 
@@ -227,6 +281,10 @@ struct Motor {
     /// The position has been missing for too long to bridge: the last position is held.
     held: bool,
     settled_at_ns: i64,
+    /// What the joint of the axis can reach.
+    reach: Reach,
+    /// Last accepted positions of joint and motor as measured, rad; NaN before.
+    last: [f64; 2],
 }
 
 /// Feeds samples to an observer, which it owns.
@@ -263,6 +321,8 @@ impl<O: FrameObserver> Feeder<O> {
             seen_ns: None,
             held: false,
             settled_at_ns: i64::MIN,
+            reach: Reach::new(0.0, 0.0, 0.0),
+            last: [f64::NAN; 2],
         });
         Self {
             observer,
@@ -278,6 +338,15 @@ impl<O: FrameObserver> Feeder<O> {
             segment: None,
             segments: 0,
         }
+    }
+
+    /// Sets what the joints can reach, in their order; further joints keep the bound of [`SPEED_MAX_RAD_PER_S`].
+    #[must_use]
+    pub fn with_reach(mut self, reach: impl IntoIterator<Item = Reach>) -> Self {
+        for (motor, reach) in self.motors.iter_mut().zip(reach) {
+            motor.reach = reach;
+        }
+        self
     }
 
     /// Adds `offset_rad` to a joint's motor position from `from_ns` since the start on, as the paper does to see it found
@@ -320,6 +389,7 @@ impl<O: FrameObserver> Feeder<O> {
             motor.held = false;
             motor.seen_ns = None;
             motor.settled_at_ns = i64::MIN;
+            motor.last = [f64::NAN; 2];
         }
     }
 
@@ -330,9 +400,9 @@ impl<O: FrameObserver> Feeder<O> {
     ) -> Result<FeedOutcome<O::Output>, RejectionReason> {
         let needs = self.observer.needs();
         self.check(reading, needs)?;
+        self.check_reach(reading)?;
         self.read_motors(reading, since_start_ns)?;
-        let is_gap = |t: i64| reading.time_ns.saturating_sub(t) > self.gap_ns;
-        if self.accepted_ns.is_some_and(is_gap) {
+        if self.is_after_gap(reading) {
             self.restart();
         }
         let since = |t: i64| reading.time_ns.saturating_sub(t) as f64 * 1e-9;
@@ -372,10 +442,55 @@ impl<O: FrameObserver> Feeder<O> {
                 | StepError::Spring { .. }
                 | StepError::UnknownLink => RejectionReason::Range,
             })?;
+        for i in 0..self.motors.len() {
+            let position = [reading.q.get(i).copied(), self.measured(reading, i)];
+            let Some(motor) = self.motors.get_mut(i) else {
+                continue;
+            };
+            for (last, position) in motor.last.iter_mut().zip(position) {
+                *last = position.filter(|p| p.is_finite()).unwrap_or(*last);
+            }
+        }
         Ok(match self.accepted_ns.replace(reading.time_ns) {
             Some(_) => FeedOutcome::Accepted(output),
             None => FeedOutcome::Restarted(output),
         })
+    }
+
+    /// Whether the last accepted sample is longer ago than the gap limit.
+    fn is_after_gap(&self, reading: &RobotSample<'_>) -> bool {
+        let is_gap = |t: i64| reading.time_ns.saturating_sub(t) > self.gap_ns;
+        self.accepted_ns.is_some_and(is_gap)
+    }
+
+    /// Position of the motor of axis `i`; tendons may share a motor.
+    fn measured(&self, reading: &RobotSample<'_>, i: usize) -> Option<f64> {
+        let routes = self.routes.as_ref();
+        let axis = routes.map_or(i, |routes| routes.motor_axis(i));
+        reading.theta.get(axis).copied()
+    }
+
+    /// Checks that the positions are reachable since the last accepted sample. At a start, and after a gap, only the range is checked.
+    fn check_reach(&self, reading: &RobotSample<'_>) -> Result<(), RejectionReason> {
+        let from_ns = match self.is_after_gap(reading) {
+            true => None,
+            false => self.accepted_ns,
+        };
+        let dt_s = from_ns.map_or(f64::INFINITY, |t| {
+            reading.time_ns.saturating_sub(t).max(0) as f64 * 1e-9
+        });
+        let of_motor = Reach::new(0.0, 0.0, 0.0);
+        let mut motors = self.motors.iter().zip(reading.q).enumerate();
+        let is_reachable = motors.all(|(i, (motor, q))| {
+            let [last_q, last_theta] = motor.last;
+            let theta = self.measured(reading, i).filter(|_| motor.elastic);
+            motor.reach.includes(*q, last_q, dt_s)
+                && theta.is_none_or(|theta| of_motor.includes(theta, last_theta, dt_s))
+        });
+        match is_reachable {
+            true => Ok(()),
+            false => Err(RejectionReason::Range),
+        }
     }
 
     /// Checks that a sample has all inputs except motor positions.

@@ -17,6 +17,7 @@ use crate::law::routing::{self, Pulley};
 use crate::law::tested_range::Extrapolation;
 use crate::law::{Law, RopeLoad, State, damage};
 use rayon::prelude::*;
+use sinew_files::interrupt;
 use sinew_model::Bounded;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -108,6 +109,7 @@ pub(crate) fn drawn(
     let finished = AtomicUsize::new(0);
     let each: Vec<Draw<'_>> = draws.each(extrapolation).collect();
     let simulated = each.par_iter().map(|draw| {
+        interrupt::check();
         let Draw { law, endurance, .. } = *draw;
         let life_s = wear(law, endurance, request, rope_m).map_or(0.0, |w| life_s(&w));
         let load_share = law.load_ratio(read_at.tension_n);

@@ -20,7 +20,7 @@ use crate::law::validity::{LOAD_RATIO_HIGH, LimitViolation};
 use crate::law::{Law, LoadError, RopeLoad, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sinew_files::JsonDocument;
+use sinew_files::{JsonDocument, interrupt};
 use sinew_model::Bounded;
 
 /// Bedding-in tensions tried, as multiples of the working tension.
@@ -137,6 +137,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
             Ok(out)
         };
         let trajectory = |draw: &Draw<'_>| {
+            interrupt::check();
             let rate = draw.endurance.damage_per_s(draw.law, work, 1.0);
             let load_share = draw.law.load_ratio(work.tension_n);
             let life_s = rate.map_or(0.0, |rate| 1.0 / rate);

@@ -9,6 +9,7 @@ use crate::law::validity::LOAD_RATIO_HIGH;
 use crate::law::{CELSIUS_ZERO_K, Law, LoadError, RopeLoad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use sinew_files::interrupt;
 use sinew_model::Bounded;
 
 /// Maximum number of re-tensionings in a schedule.
@@ -154,6 +155,7 @@ pub(super) fn schedule(
     };
     let (times_s, unattended, start_n) = one(nominal, ModelError::default())?;
     let stiffness_error = |draw: &Draw<'_>| {
+        interrupt::check();
         let load_share = draw.law.load_ratio(request.tension_n);
         let factor = draw.error.immediate_factor(load_share);
         one(&draw.law.with_stiffness_error(factor), draw.error).ok()

@@ -22,7 +22,7 @@ use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
 use crate::law::RopeLoad;
 use serde::{Deserialize, Serialize};
-use sinew_files::JsonDocument;
+use sinew_files::{JsonDocument, interrupt};
 use sinew_model::Bounded;
 use sinew_model::statistics::quantile;
 
@@ -295,6 +295,7 @@ pub fn select_with_progress(
     let mut rejected = Vec::new();
     let all = (catalogue.ropes().len() * request.draws) as f64;
     for (i, rope) in catalogue.ropes().iter().enumerate() {
+        interrupt::check();
         let before = i * request.draws;
         let found = drawn(rope, request, &|draws| done((before + draws) as f64 / all));
         match assess(rope, request, constraints, found) {

@@ -6,8 +6,8 @@
     >>> est.joint("elbow").offset_rad     # mean and deviation, rad
     >>> pandas.DataFrame.from_arrow(est.table())
 
-Everything is in SI; a ± is a standard deviation. Errors are ``ValueError`` with the sentence of the command. Work runs
-without Python's lock, can be interrupted, and reports to ``progress``.
+Everything is in SI; a ± is a standard deviation. Errors are ``SinewError``, a ``ValueError``, and warnings ``SinewWarning``, with the
+message of the command. Work runs without Python's lock, can be interrupted, and reports to ``progress``.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from . import datasets as datasets
     from . import results as results
     from ._core import VERSION as __version__
     from ._core import Baseline as Baseline
@@ -28,7 +29,12 @@ if TYPE_CHECKING:
     from ._creep import CreepFit as CreepFit
     from ._creep import CreepTests as CreepTests
     from ._errors import LocatedError as LocatedError
+    from ._errors import RecordingWarning as RecordingWarning
+    from ._errors import ResultWarning as ResultWarning
+    from ._errors import RobotWarning as RobotWarning
     from ._errors import SinewError as SinewError
+    from ._errors import SinewWarning as SinewWarning
+    from ._errors import UnknownNameError as UnknownNameError
     from ._estimate import Estimate as Estimate
     from ._estimate import EstimateEach as EstimateEach
     from ._estimate import Learned as Learned
@@ -62,7 +68,16 @@ if TYPE_CHECKING:
 _HOMES = {
     "_core": ("Baseline", "Catalogue", "OnlineEstimator", "OffsetObserver", "Recording", "Robot", "RopeLaw", "Table"),
     "_creep": ("CreepFit", "CreepTests"),
-    "_errors": ("LocatedError", "SinewError"),
+    "_errors": (
+        "LocatedError",
+        "RecordingWarning",
+        "ResultWarning",
+        "RobotWarning",
+        "SinewError",
+    "SinewWarning",
+        "SinewWarning",
+        "UnknownNameError",
+    ),
     "_estimate": (
         "Estimate",
         "EstimateEach",
@@ -100,15 +115,20 @@ __all__ = [
     "Poses",
     "Provisional",
     "Recording",
+    "RecordingWarning",
+    "ResultWarning",
     "Robot",
+    "RobotWarning",
     "RopeLaw",
     "Simulated",
     "SinewError",
     "Table",
     "Trend",
+    "UnknownNameError",
     "__version__",
     "check_robot",
     "curves",
+    "datasets",
     "describe_rope",
     "estimate",
     "estimate_arrays",
@@ -135,8 +155,8 @@ def __getattr__(name: str) -> Any:
 
     if name == "__version__":
         value: Any = importlib.import_module("._core", __name__).VERSION
-    elif name == "results":
-        value = importlib.import_module(".results", __name__)
+    elif name in ("datasets", "results"):
+        value = importlib.import_module("." + name, __name__)
     elif name in _HOME_OF:
         value = getattr(importlib.import_module("." + _HOME_OF[name], __name__), name)
     else:

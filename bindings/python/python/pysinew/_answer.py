@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import html
 import json
 from typing import TYPE_CHECKING, Any, Mapping
 
+from . import _errors
+from ._core import Document
+from ._errors import SinewError, SinewWarning
 from ._record import Record
 
 if TYPE_CHECKING:
     import os
 
-    from ._core import Document, Table
+    from typing_extensions import Self
+
+    from ._core import Table
 
 
 class Answer(Record):
@@ -25,6 +31,39 @@ class Answer(Record):
 
     def __init__(self, document: Document) -> None:
         object.__setattr__(self, "_document", document)
+        for warning in self.warnings:
+            _errors._warn(warning)
+
+    @classmethod
+    def _restore(cls, document: Document, parts: Mapping[str, Any]) -> Self:
+        """A result without its warnings, which were issued when it was made."""
+        answer = cls.__new__(cls)
+        object.__setattr__(answer, "_document", document)
+        for name, value in parts.items():
+            object.__setattr__(answer, name, value)
+        return answer
+
+    @classmethod
+    def _parts(cls) -> list[str]:
+        """Names of the attributes besides the document."""
+        slots = [name for kind in cls.__mro__ for name in getattr(kind, "__slots__", ())]
+        return [name for name in slots if name not in ("_document", "_data")]
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """The result of a JSON document, such as ``to_json()`` returns.
+
+        It has the fields of the document. Its text is the document itself; tables and report are those of ``Estimate`` only.
+        Raises ``SinewError`` if the text is no JSON object.
+        """
+        try:
+            data = json.loads(text)
+        except ValueError as error:
+            raise SinewError(f"the text is no JSON document: {error}") from None
+        if not isinstance(data, dict):
+            raise SinewError("the JSON document is no object")
+        document = Document._restore((text, text, None, None, [], [], False))
+        return cls._restore(document, dict.fromkeys(cls._parts()))
 
     def __getattr__(self, name: str) -> Any:
         if name == "_data":
@@ -39,9 +78,9 @@ class Answer(Record):
         return self._document.json()
 
     @property
-    def notices(self) -> list[str]:
-        """Warnings that the command prints on stderr."""
-        return self._document.warnings()
+    def warnings(self) -> list[SinewWarning]:
+        """Warnings that the command prints on stderr. They are also issued with ``warnings.warn`` when the result is made."""
+        return [getattr(_errors, category)(code, text) for category, code, text in self._document.warnings()]
 
     @property
     def is_lossy(self) -> bool:
@@ -65,10 +104,10 @@ class Answer(Record):
 
         Raises ``ValueError`` where this answer has no report.
         """
-        html = self._document.html()
-        if html is None:
-            raise ValueError(f"{type(self).__name__} has no report")
-        return html
+        page = self._document.html()
+        if page is None:
+            raise SinewError(f"{type(self).__name__} has no report")
+        return page
 
     def write_html(self, path: str | os.PathLike[str]) -> None:
         """Writes the report. The file is complete or absent.
@@ -76,16 +115,21 @@ class Answer(Record):
         Raises ``ValueError`` if this result has no report or the file cannot be written.
         """
         if not self._document.write_html(path):
-            raise ValueError(f"{type(self).__name__} has no report")
+            raise SinewError(f"{type(self).__name__} has no report")
 
     def __str__(self) -> str:
         return self._document.words()
 
     def __repr__(self) -> str:
-        return f"<pysinew.{type(self).__name__}>"
+        warnings = "".join(f"\n  {type(warning).__name__}: {warning}" for warning in self.warnings)
+        return f"<pysinew.{type(self).__name__}{warnings}>"
 
     def _repr_html_(self) -> str | None:
-        return self._document.glance()
+        glance = self._document.glance()
+        if glance is None or not self.warnings:
+            return glance
+        items = "".join(f"<li>{html.escape(str(warning))}</li>" for warning in self.warnings)
+        return f"{glance}<ul>{items}</ul>"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Answer) and self.to_json() == other.to_json()
@@ -94,4 +138,4 @@ class Answer(Record):
     __hash__ = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        raise TypeError(f"{type(self).__name__} cannot be pickled; store to_json() instead")
+        return type(self)._restore, (self._document, {name: getattr(self, name) for name in self._parts()})

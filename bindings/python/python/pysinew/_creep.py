@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
-from typing import Any, Literal, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Literal, Mapping, Sequence, Union
 
 from . import results
 from ._answer import Answer
 from ._core import CreepTests as _CreepTests
 from ._core import Document
-from ._types import PathLike, Progress
+from ._errors import SinewError
+from ._types import PathLike, Progress, seed_of
+
+if TYPE_CHECKING:
+    from ._types import RandomLike
 
 LawName = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched", "line", "rope"]
 
@@ -70,7 +74,7 @@ def _source(item: Any, name: str) -> Any:
     columns = [list(column) for column in item.values()]
     if len({len(column) for column in columns}) > 1:
         sizes = ", ".join(f"{key}: {len(column)}" for key, column in zip(item, columns))
-        raise ValueError(f"{name}: columns have different lengths ({sizes})")
+        raise SinewError(f"{name}: columns have different lengths ({sizes})")
     # The shortest text that reads back as the same number.
     writer.writerows([[repr(float(cell)) if isinstance(cell, float) else cell for cell in row] for row in zip(*columns)])
     return name, out.getvalue()
@@ -79,16 +83,38 @@ def _source(item: Any, name: str) -> Any:
 class CreepTests:
     """Creep tests, read and analysed once; then fitted, held out, compared or shifted.
 
-    * ``files``: a file (CSV, XLSX, Parquet) or several; or tables (data frames, columns by name) by the name of each
-      test, such as ``{"rope A": {"time_s": t, "force_n": f, "strain_percent": e}}``.
-    * ``columns``: column mapping where headers are ambiguous, such as ``"force=Kraft:N"``; ``specimen_columns``: columns
-      that distinguish specimens; ``sheet`` of a workbook; ``group_by``: columns that name a group of repeats.
-    * ``gauge_length_m`` (m), ``area_m2`` (m²), ``temperature_c`` (°C): values missing from the files.
-    * ``keep_artefacts``: keep grip slips and outliers. ``slope_from_s``: start of the straight line of m_E, s.
-    * ``level`` of the intervals; ``seed`` of their posterior draws.
-    * ``standard``, ``preconditioning``, ``conditions``: texts of the report.
+    Parameters
+    ----------
+    files
+        A file (CSV, XLSX, Parquet) or several; or tables (data frames, columns by name) by the name of
+        each test, such as ``{"rope A": {"time_s": t, "force_n": f, "strain_percent": e}}``.
+    columns
+        Column mapping where headers are ambiguous, such as ``"force=Kraft:N"``.
+    specimen_columns
+        Columns that distinguish specimens.
+    sheet
+        Sheet of a workbook.
+    group_by
+        Columns that name a group of repeats.
+    gauge_length_m, area_m2, temperature_c
+        Values missing from the files, m, m² and °C.
+    keep_artefacts
+        Keep grip slips and outliers.
+    slope_from_s
+        Start of the straight line of m_E, s.
+    level
+        Level of the intervals.
+    seed
+        Seed of their posterior draws.
+    rng
+        Seed or generator of NumPy, instead of ``seed``.
+    standard, preconditioning, conditions
+        Texts of the report.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
 
     def __init__(
@@ -106,6 +132,7 @@ class CreepTests:
         slope_from_s: float = 1200.0,
         level: float = 0.95,
         seed: int = 1,
+        rng: RandomLike | None = None,
         standard: str = "ISO 899-1 (tensile creep), evaluation",
         preconditioning: str | None = None,
         conditions: str | None = None,
@@ -128,7 +155,7 @@ class CreepTests:
             "group_by": list(group_by),
             "slope_from_s": slope_from_s,
             "level": level,
-            "seed": seed,
+            "seed": seed_of(seed, rng),
             "standard": standard,
             "preconditioning": preconditioning,
             "conditions": conditions,
@@ -156,14 +183,29 @@ class CreepTests:
     ) -> CreepFit:
         """Fits creep laws, selects the supported one and reports parameters that are not identifiable.
 
-        * ``laws``: the default is all laws that need only the record, and the rope law if ``rope`` is given.
-        * ``joint``: parameters that the specimens of a group share. ``noise``: model of the measurement noise.
-          ``intervals``: method of the intervals.
-        * ``rope``: catalogue rope that the rope law starts from; ``rope_name``: name of the fitted entry.
-        * ``forecast_s``: forecast to this time after the load, s; at ``forecast_load_n`` (N) and
-          ``forecast_temperature_c`` (°C) of a new specimen; the default is the load and temperature of the test.
+        Parameters
+        ----------
+        laws
+            The default is all laws that need only the record, and the rope law if ``rope`` is given.
+        joint
+            Parameters that the specimens of a group share.
+        noise
+            Model of the measurement noise.
+        intervals
+            Method of the intervals.
+        rope
+            Catalogue rope that the rope law starts from.
+        rope_name
+            Name of the fitted entry.
+        forecast_s
+            Forecast to this time after the load, s; at ``forecast_load_n`` (N) and
+            ``forecast_temperature_c`` (°C) of a new specimen; the default is the load and temperature of
+            the test.
 
-        Raises ``ValueError`` with the sentence of the command.
+        Raises
+        ------
+        SinewError
+            For invalid input, with the message of the command.
         """
         args = self._args(laws, joint, noise, intervals, rope, ropes)
         args["forecast_s"] = forecast_s

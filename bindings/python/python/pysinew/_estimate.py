@@ -9,12 +9,17 @@ from ._answer import Answer
 from ._core import Baseline, Document, Recording, Robot
 from ._core import estimate as _estimate
 from ._core import estimate_each as _estimate_each
+from ._core import estimate_from_json as _estimate_from_json
 from ._core import learn_baseline as _learn_baseline
 from ._core import merge_baselines as _merge_baselines
+from ._errors import SinewError, UnknownNameError
+from ._frames import day, is_content
 from ._types import Injection, Progress, Stated, injections
 
 if TYPE_CHECKING:
-    from ._types import ArrayLike, BaselineLike, RecordingLike, RobotLike
+    import os
+
+    from ._types import ArrayLike, BaselineLike, DateLike, RecordingLike, RobotLike
 
 
 class Estimate(Answer, results.EstimateResult):
@@ -33,18 +38,28 @@ class Estimate(Answer, results.EstimateResult):
         super().__init__(document)
         object.__setattr__(self, "baseline", baseline)
 
+    @classmethod
+    def from_json(cls, text: str) -> Estimate:
+        """The estimate of a JSON document, with its text, table and report.
+
+        ``baseline`` is ``None`` and the table ``series`` empty: they are not in the document; ``pickle`` keeps both.
+
+        Raises ``SinewError`` if the text is no such document.
+        """
+        return cls._restore(_estimate_from_json(text), {"baseline": None})
+
     def joint(self, name: str) -> results.TendonEstimate:
         """The answer for a joint: offset, elongation, verdict.
 
-        Raises ``KeyError`` where there is none, and ``ValueError`` of the paper's method, which gives no verdict.
+        Raises ``UnknownNameError`` where there is none, and ``SinewError`` of the paper's method, which gives no verdict.
         """
         if self.session is None:
-            raise ValueError("the paper's method gives a reading and no verdict; look at .reading.joints")
+            raise SinewError("the paper's method gives a reading and no verdict; look at .reading.joints")
         for joint in self.session.joints:
             if joint.name == name:
                 return joint
         known = ", ".join(joint.name for joint in self.session.joints)
-        raise KeyError(f"no elastic joint '{name}'; there are {known}")
+        raise UnknownNameError(f"no elastic joint '{name}'; there are {known}")
 
 
 class EstimateEach(Answer, results.EstimateEachResult):
@@ -53,7 +68,7 @@ class EstimateEach(Answer, results.EstimateEachResult):
     __slots__ = ()
 
 
-class Learned(Answer, results.BaselineResult):
+class Learned(Answer, results.BaselineResult):  # type: ignore[misc]
     """Baseline from a recording directly after tensioning."""
 
     __slots__ = ("learned_baseline",)
@@ -83,6 +98,11 @@ class Merged(Answer, results.BaselineMergeResult):
         object.__setattr__(self, "merged_baseline", baseline)
 
 
+def _opened(log: RecordingLike) -> str | os.PathLike[str] | Recording:
+    """A recording, or its path."""
+    return Recording(log) if is_content(log) else log  # type: ignore[arg-type,return-value]
+
+
 def estimate(
     log: RecordingLike,
     robot: RobotLike | None = None,
@@ -97,7 +117,7 @@ def estimate(
     motor_torque: bool = True,
     from_s: float = 0.0,
     to_s: float | None = None,
-    date: str | None = None,
+    date: DateLike | None = None,
     inject: Sequence[Injection] = (),
     source: Literal["observer", "torque-sensor", "motor"] | None = None,
     comparison: Literal["matched", "paper"] | None = None,
@@ -111,33 +131,60 @@ def estimate(
 
     ``delta_e = (theta_measured − q) − tau_el / K``: a longer tendon shifts the measured motor position.
 
-    * ``log``: a file (MCAP, CSV, Parquet), the folder of a bag, or a ``Recording``.
-    * ``robot``: its folder or a ``Robot``; without it, ``robot.toml`` next to the recording or in the current folder.
-    * ``baseline``: reference of the offsets instead of the encoder zero: a file, or the ``baseline`` of a result.
-    * ``reference``: an earlier recording with comparable motion for the paper's difference method.
-    * ``method``: ``"absolute"`` (offsets with intervals) or ``"paper"`` (uncorrected estimate).
-      The default is ``"paper"`` if one of its options and no baseline is set, otherwise ``"absolute"``.
-    * ``empty``, ``payload_kg``: mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
-    * ``temperature_c``: °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
-    * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame,
-      N, for example of a cable, a hose or a balancer. By default a force is estimated if the recording contains
-      evidence of it.
-    * ``motor_torque``: whether a recorded motor torque is used.
-    * ``from_s``, ``to_s``: the part of the recording that is used, s.
-    * ``date``: date of the recording for ``trend``, such as ``"2026-11-29"`` or ``"2026-11-29T08:30Z"``; by default
-      that of its clock.
-    * ``inject``: offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
-    * The paper's settings: ``source`` of the elastic torque, ``comparison``, ``gain_per_s`` (K_I, 1/s, 20),
-      ``velocity_filter`` (rad/s, 40, or ``"recorded"``), ``tau_ext`` (use the recorded external torque).
-    * ``online``: whether the online estimate is replayed over the recording, too: ``session.online``.
-    * ``progress``: called with the completed share and the current step.
+    Parameters
+    ----------
+    log
+        A file (MCAP, CSV, Parquet), the folder of a bag, a ``Recording``, or the content of a file as
+        bytes or an open file.
+    robot
+        Its folder or a ``Robot``; without it, ``robot.toml`` next to the recording or in the current
+        folder.
+    baseline
+        Reference of the offsets instead of the encoder zero: a file, or the ``baseline`` of a result.
+    reference
+        An earlier recording with comparable motion for the paper's difference method.
+    method
+        ``"absolute"`` (offsets with intervals) or ``"paper"`` (uncorrected estimate). The default is
+        ``"paper"`` if one of its options and no baseline is set, otherwise ``"absolute"``.
+    empty, payload_kg
+        Mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
+    temperature_c
+        °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
+    external_force_n
+        Constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N, for example of
+        a cable, a hose or a balancer. By default a force is estimated if the recording contains evidence
+        of it.
+    motor_torque
+        Whether a recorded motor torque is used.
+    from_s, to_s
+        The part of the recording that is used, s.
+    date
+        Date of the recording for ``trend``, such as ``"2026-11-29"``, ``"2026-11-29T08:30Z"`` or a
+        ``datetime``; by default that of its clock.
+    inject
+        Offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
+    source, comparison
+        Source of the elastic torque, and comparison, of the paper's method.
+    gain_per_s
+        Gain K_I of the paper's observer, 1/s; 20 by default.
+    velocity_filter
+        Cut-off of its velocity filter, rad/s, or ``"recorded"``; 40 by default.
+    tau_ext
+        Whether it uses the recorded external torque.
+    online
+        Whether the online estimate is replayed over the recording, too: ``session.online``.
+    progress
+        Called with the completed share and the current step.
 
-    Raises ``ValueError`` with the sentence of the command; ``LocatedError`` where it is about a place in a file.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command; ``LocatedError`` where it is about a place in a file.
     """
     args = {
         "robot": robot,
         "baseline": baseline,
-        "reference": reference,
+        "reference": None if reference is None else _opened(reference),
         "method": method,
         "inject": injections(inject),
         "source": source,
@@ -152,10 +199,10 @@ def estimate(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
-        "date": date,
+        "date": None if date is None else day(date),
         "online": online,
     }
-    return Estimate(*_estimate(log, args, progress))
+    return Estimate(*_estimate(_opened(log), args, progress))
 
 
 def estimate_arrays(
@@ -169,22 +216,50 @@ def estimate_arrays(
     dq: ArrayLike | None = None,
     tau_el: ArrayLike | None = None,
     tau_m: ArrayLike | None = None,
-    celsius: ArrayLike | None = None,
+    tau_ext: ArrayLike | None = None,
+    temperature_c: ArrayLike | Stated | None = None,
+    segment: ArrayLike | None = None,
     name: str = "arrays",
     **options: Any,
 ) -> Estimate:
-    """``estimate`` of NumPy arrays: one row per sample, one column per joint. ``float64`` is not copied.
+    """``estimate`` of arrays: one row per sample, one column per joint. ``float64`` is not copied.
 
-    * ``robot``: its folder or a ``Robot``.
-    * ``q``, ``theta``: ``(rows, joints)``, joint and motor positions, rad; NaN where not recorded.
-    * ``time_ns`` (whole numbers or ``datetime64``) or ``time_s``: ``(rows,)``.
-    * ``joints``: names of the columns; without them, the robot's joints in its order.
-    * ``dq``: ``(rows, joints)``, rad/s. ``tau_el``, ``tau_m``: ``(rows, joints)``, N·m. ``celsius``: ``(rows,)``, °C.
-    * ``name``: name of the recording in the result.
-    * ``options``: as ``estimate`` takes them.
+    ``estimate_arrays(robot, **recording.arrays())`` is the estimate of the recording.
 
-    Raises ``ValueError`` if shapes are inconsistent, and as ``estimate`` does.
+    Parameters
+    ----------
+    robot
+        Its folder or a ``Robot``.
+    q, theta
+        ``(rows, joints)``, joint and motor positions, rad; NaN where not recorded. The columns of a data
+        frame of pandas or polars, and of a labelled array of xarray, are found by the names of the
+        joints, in any order.
+    time_ns, time_s
+        One of them, ``(rows,)``: whole numbers in ns, ``datetime64`` or times with or without a zone, UTC
+        without one; or seconds. Without both, the index of a data frame.
+    joints
+        Names of the columns; without them, the robot's joints in its order.
+    dq
+        ``(rows, joints)``, rad/s.
+    tau_el, tau_m, tau_ext
+        ``(rows, joints)``, N·m.
+    temperature_c
+        ``(rows,)``, °C; or one number or ``(mean, std)``, as ``estimate`` takes it.
+    segment
+        As ``arrays()`` returns it; it follows from the gaps of the times.
+    name
+        Name of the recording in the result.
+    options
+        As ``estimate`` takes them.
+
+    Raises
+    ------
+    SinewError
+        If shapes are inconsistent or a joint has no column, and as ``estimate`` does.
     """
+    is_stated = isinstance(temperature_c, (int, float)) or (isinstance(temperature_c, tuple) and len(temperature_c) == 2)
+    if is_stated:
+        options["temperature_c"] = temperature_c
     loaded = robot if isinstance(robot, Robot) else Robot(robot)
     recording = Recording.from_arrays(
         joints=list(loaded.joints if joints is None else joints),
@@ -195,7 +270,9 @@ def estimate_arrays(
         dq=dq,
         tau_el=tau_el,
         tau_m=tau_m,
-        temperature_c=celsius,
+        tau_ext=tau_ext,
+        temperature_c=None if is_stated else temperature_c,
+        segment=segment,
         name=name,
     )
     return estimate(recording, loaded, **options)
@@ -245,7 +322,7 @@ def estimate_each(
         "date": None,
         "online": False,
     }
-    return EstimateEach(_estimate_each(list(logs), args, progress))
+    return EstimateEach(_estimate_each([_opened(log) for log in logs], args, progress))
 
 
 def learn_baseline(
@@ -263,12 +340,21 @@ def learn_baseline(
 
     Offsets are zero by definition then, so that stiffness, masses, friction and encoder errors are identifiable.
 
-    * ``start``: prior: posterior of this robot before re-tensioning, or of its type.
-    * ``temperature_c``: °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
+    Parameters
+    ----------
+    log, robot, motor_torque, from_s, to_s, progress
+        As in ``estimate``.
+    start
+        Prior: posterior of this robot before re-tensioning, or of its type.
+    temperature_c
+        °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
-    return Learned(*_learn_baseline(log, robot, start, temperature_c, motor_torque, from_s, to_s, progress))
+    return Learned(*_learn_baseline(_opened(log), robot, start, temperature_c, motor_torque, from_s, to_s, progress))
 
 
 def merge_baselines(
@@ -281,12 +367,24 @@ def merge_baselines(
 ) -> Merged:
     """Merges several baselines into a prior for ``learn_baseline``.
 
-    * ``common``: the common prior of the baselines; without it, the prior is ``robot.toml``.
-    * ``fleet``: the baselines are of several robots of one type, whose masses differ by ``scatter`` (relative standard
-      deviation).
+    Parameters
+    ----------
+    baselines
+        Files or ``Baseline`` objects.
+    robot
+        The folder of their robot or a ``Robot``.
+    common
+        The common prior of the baselines; without it, the prior is ``robot.toml``.
+    fleet
+        Whether the baselines are of several robots of one type.
+    scatter
+        Relative standard deviation of the masses of these robots.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
     if not 0.0 < scatter <= 1.0:
-        raise ValueError(f"scatter is {scatter}; it must be above 0 and at most 1")
+        raise SinewError(f"scatter is {scatter}; it must be above 0 and at most 1")
     return Merged(*_merge_baselines(list(baselines), robot, common, fleet, scatter))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Sequence
 
+from ._errors import SinewError
+
 if TYPE_CHECKING:
     from ._types import AnyArray
 
@@ -22,15 +24,25 @@ def lerobot(
 ) -> dict[str, Any]:
     """The columns of an episode as ``estimate_arrays`` takes them: ``estimate_arrays(robot, **lerobot(ds, ...))``.
 
-    * ``dataset``: a ``LeRobotDataset``, a data set of the package ``datasets``, or a table of pyarrow, pandas or polars
-      with its columns. A folder or a file is opened with ``Recording`` instead.
-    * ``q``, ``theta``: the features that hold joint and motor positions, such as ``"observation.state"``; ``tau_m``, ``dq``,
-      ``tau_el`` likewise.
-    * ``episode``: which ``episode_index``; needed where there is more than one.
-    * ``joints``: names of the columns; the default is the names of the data set, otherwise those of the robot.
-    * ``scale``: factor from the data set's angles to rad (π/180 where they are degrees).
+    Parameters
+    ----------
+    dataset
+        A ``LeRobotDataset``, a data set of the package ``datasets``, or a table of pyarrow, pandas or
+        polars with its columns. A folder or a file is opened with ``Recording`` instead.
+    q, theta
+        The features that hold joint and motor positions, such as ``"observation.state"``; ``tau_m``,
+        ``dq``, ``tau_el`` likewise.
+    episode
+        Which ``episode_index``; needed where there is more than one.
+    joints
+        Names of the columns; the default is the names of the data set, otherwise those of the robot.
+    scale
+        Factor from the data set's angles to rad (π/180 where they are degrees).
 
-    Raises ``ValueError`` where there is no such feature or episode.
+    Raises
+    ------
+    SinewError
+        Where there is no such feature or episode.
     """
     import numpy as np
 
@@ -39,7 +51,7 @@ def lerobot(
 
     def find(feature: str) -> Any:
         if feature not in columns:
-            raise ValueError(f"no feature '{feature}' in the data set; it has {', '.join(map(str, columns))}")
+            raise SinewError(f"no feature '{feature}' in the data set; it has {', '.join(map(str, columns))}")
         return columns[feature]
 
     episodes = _plain(find("episode_index")) if "episode_index" in columns else None
@@ -48,16 +60,16 @@ def lerobot(
     else:
         there = np.unique(episodes)
         if episode is None and len(there) > 1:
-            raise ValueError(f"the data set has {len(there)} episodes, from {there[0]} to {there[-1]}; name one with episode")
+            raise SinewError(f"the data set has {len(there)} episodes, from {there[0]} to {there[-1]}; name one with episode")
         wanted = there[0] if episode is None else episode
         rows = np.flatnonzero(episodes == wanted)
         if len(rows) == 0:
-            raise ValueError(f"no episode {wanted}; there are {len(there)}, from {there[0]} to {there[-1]}")
+            raise SinewError(f"no episode {wanted}; there are {len(there)}, from {there[0]} to {there[-1]}")
 
     def matrix(feature: str, factor: float) -> AnyArray:
         values = _plain(find(feature))[rows]
         if values.ndim != 2:
-            raise ValueError(f"feature '{feature}' must hold a list of numbers per frame, one per joint")
+            raise SinewError(f"feature '{feature}' must hold a list of numbers per frame, one per joint")
         return np.asarray(values, dtype=np.float64) * factor if factor != 1.0 else np.asarray(values, dtype=np.float64)
 
     out: dict[str, Any] = {

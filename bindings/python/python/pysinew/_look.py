@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Sequence
 from . import results
 from ._answer import Answer
 from ._core import Recording, Robot
+from ._errors import RobotWarning, SinewWarning
 from ._types import PathLike, Progress
 
 if TYPE_CHECKING:
@@ -24,11 +25,16 @@ class RobotCheck(Answer, results.RobotCheckResult):
 
     __slots__ = ()
 
+    @property
+    def warnings(self) -> list[SinewWarning]:  # type: ignore[override]
+        """Warnings about implausible values of the description."""
+        return [RobotWarning("", text) for text in self.to_dict()["warnings"]]
+
 
 def recording_info(log: RecordingLike, *, progress: Progress | None = None) -> RecordingInfo:
     """Reads a recording to its end: joints, channels, rate, gaps, damage.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises ``ValueError`` with the message of the command.
     """
     recording = log if isinstance(log, Recording) else Recording(log)
     return RecordingInfo(recording._info(progress=progress))
@@ -39,7 +45,7 @@ def check_robot(
 ) -> RobotCheck:
     """Checks a robot description for implausible values; ``ropes`` are folders with additional ropes.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises ``ValueError`` with the message of the command.
     """
     loaded = robot if isinstance(robot, Robot) else Robot(robot)
     return RobotCheck(loaded._check(mapping=mapping, ropes=list(ropes)))

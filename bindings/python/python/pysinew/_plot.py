@@ -55,10 +55,16 @@ def curves(answer: Answer) -> Curves:
 def plot(answer: Answer, *, backend: Backend | None = None, ax: Any = None) -> Any:
     """Plots the main curves of a result, with 95 % bands.
 
-    * ``backend``: ``"matplotlib"`` or ``"plotly"``; the default is the one that is already imported, otherwise the installed one.
-    * ``ax``: axes of matplotlib to draw into.
 
     Returns matplotlib's axes, or plotly's figure. Raises ``ImportError`` where neither is installed.
+
+    Parameters
+    ----------
+    backend
+        ``"matplotlib"`` or ``"plotly"``; the default is the one that is already imported, otherwise the
+        installed one.
+    ax
+        Axes of matplotlib to draw into.
     """
     shown = curves(answer)
     chosen = "matplotlib" if ax is not None else backend or _backend()

@@ -10,10 +10,11 @@ from ._core import Catalogue
 from ._core import plan_pretension as _plan_pretension
 from ._core import predict_rope as _predict_rope
 from ._core import select_rope as _select_rope
-from ._types import PathLike, Progress
+from ._errors import SinewError
+from ._types import PathLike, Progress, seed_of
 
 if TYPE_CHECKING:
-    from ._types import RecordingLike, RobotLike
+    from ._types import RandomLike, RecordingLike, RobotLike
 
 Block = Union["tuple[float, float]", "tuple[float, float, float]"]
 """Duration in s, tension in N and, optionally, temperature in °C."""
@@ -143,21 +144,46 @@ def predict_rope(
     read_at_n: float | None = None,
     draws: int = 400,
     seed: int = 1,
+    rng: RandomLike | None = None,
     ropes: Sequence[PathLike] = (),
     progress: Progress | None = None,
 ) -> Prediction:
     """Predicts the elongation of a rope under a duty: after an hour, a day, a month, a year.
 
-    * ``rope``: its name; without it, the one of the joint's tendon.
-    * What it has to do: constant ``tension_n`` (N); ``duty``, a file or blocks of duration (s), tension (N) and
-      temperature (°C), repeated; or the torques of a ``recording`` on one ``strand``. Without any, the tendon's
-      pretension.
-    * Where it lies: ``robot`` and ``joint``, or ``length_m`` and ``guides``; ``stroke_m`` back and forth over them.
-    * ``strokes_per_hour``, ``termination``, ``abrasion_factor``: for when it breaks.
-    * ``times_s``: when to read, s. ``read_at_n``: tension the readings refer to, N.
-    * ``draws``, ``seed``: of the rope's parameters, for the intervals. ``ropes``: folders with ropes of one's own.
+    Parameters
+    ----------
+    rope
+        Its name; without it, the one of the joint's tendon.
+    tension_n, temperature_c
+        Constant tension, N, at a temperature, °C. Without a load, the tendon's pretension.
+    duty
+        Load instead of ``tension_n``: a file, or blocks of duration (s), tension (N) and temperature
+        (°C), repeated.
+    recording, strand
+        Load from the torques of a recording on one strand.
+    robot, joint
+        The tendon that the rope belongs to.
+    length_m, guides
+        Its route without them.
+    stroke_m
+        Motion back and forth over the guides, m.
+    strokes_per_hour, termination, abrasion_factor
+        Inputs of the lifetime.
+    times_s
+        When to read, s.
+    read_at_n
+        Tension the readings refer to, N.
+    draws, seed
+        Draws of the rope's parameters for the intervals, and their seed.
+    rng
+        Seed or generator of NumPy, instead of ``seed``.
+    ropes
+        Folders with ropes of one's own.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
     task = _task(
         tension_n,
@@ -175,7 +201,7 @@ def predict_rope(
         abrasion_factor,
         times_s,
         draws,
-        seed,
+        seed_of(seed, rng),
         ropes,
     )
     return Prediction(_predict_rope(rope, read_at_n, task, progress))
@@ -207,6 +233,7 @@ def select_rope(
     weight_max_g_per_m: float | None = None,
     draws: int = 400,
     seed: int = 1,
+    rng: RandomLike | None = None,
     ropes: Sequence[PathLike] = (),
     progress: Progress | None = None,
 ) -> Selection:
@@ -215,7 +242,7 @@ def select_rope(
     The duty and the route are specified as for ``predict_rope``. A constraint on a property that the manufacturer does not publish
     rejects the rope, because compliance cannot be verified.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises ``ValueError`` with the message of the command.
     """
     task = _task(
         tension_n,
@@ -233,7 +260,7 @@ def select_rope(
         abrasion_factor,
         times_s,
         draws,
-        seed,
+        seed_of(seed, rng),
         ropes,
     )
     limits = {
@@ -266,23 +293,37 @@ def plan_pretension(
     remove: float = 0.8,
     draws: int = 200,
     seed: int = 1,
+    rng: RandomLike | None = None,
     ropes: Sequence[PathLike] = (),
     progress: Progress | None = None,
 ) -> Pretension:
     """How much pretension, how to bed a rope in, and when to tension it again.
 
-    * ``tension_n``: working tension, N (of two strands their mean); without it, the tendon's pretension.
-    * ``lowest_n``: tension at which it is re-tensioned, N; without it, 80 % of the working tension.
-    * ``series_compliance_m_per_n``: compliance in series with each strand, m/N; the default follows from the joint
-      stiffness without the rope, otherwise 0.
-    * ``joint_radius_m``: pulley radius of an equal antagonistic rope, m; ``torque_nm``: torque that the joint holds,
-      N·m.
-    * ``horizon_s``: required lifetime, s. ``remove``: share of the later elongation to remove, 0 to 1.
+    Parameters
+    ----------
+    tension_n
+        Working tension, N (of two strands their mean); without it, the tendon's pretension.
+    lowest_n
+        Tension at which it is re-tensioned, N; without it, 80 % of the working tension.
+    series_compliance_m_per_n
+        Compliance in series with each strand, m/N; the default follows from the joint stiffness without
+        the rope, otherwise 0.
+    joint_radius_m
+        Pulley radius of an equal antagonistic rope, m.
+    torque_nm
+        Torque that the joint holds, N·m.
+    horizon_s
+        Required lifetime, s.
+    remove
+        Share of the later elongation to remove, 0 to 1.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
     if not 0.0 < remove < 1.0:
-        raise ValueError(f"remove is {remove}; it must lie between 0 and 1")
+        raise SinewError(f"remove is {remove}; it must lie between 0 and 1")
     args = {
         "tension_n": tension_n,
         "lowest_n": lowest_n,
@@ -297,7 +338,7 @@ def plan_pretension(
         "horizon_s": horizon_s,
         "remove": remove,
         "draws": draws,
-        "seed": seed,
+        "seed": seed_of(seed, rng),
         "ropes": list(ropes),
     }
     return Pretension(_plan_pretension(rope, args, progress))

@@ -11,10 +11,10 @@ from ._core import propose_poses as _propose_poses
 from ._core import scenario_text as scenario_text
 from ._core import simulate as _simulate
 from ._core import simulate_to as _simulate_to
-from ._types import PathLike, Progress
+from ._types import PathLike, Progress, seed_of
 
 if TYPE_CHECKING:
-    from ._types import AnyArray, BaselineLike, RobotLike
+    from ._types import AnyArray, BaselineLike, RandomLike, RobotLike
 
 ScenarioLike = Union[PathLike, "tuple[str, str]"]
 """The file of a scenario, or its text and a name for messages."""
@@ -34,6 +34,15 @@ class Simulated(Answer, results.SimulatedResult):
         super().__init__(document)
         object.__setattr__(self, "arrays", arrays)
         object.__setattr__(self, "recording", recording)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The recording is made from its arrays, or opened again.
+        return _restored, (self._document, self.arrays, self.recording.name)
+
+
+def _restored(document: Document, arrays: dict[str, Any], name: str) -> Simulated:
+    recording = Recording.from_arrays(name=name, **arrays) if arrays else Recording(name)
+    return Simulated._restore(document, {"arrays": arrays, "recording": recording})
 
 
 class Poses(Answer, results.PosesResult):
@@ -55,6 +64,7 @@ def simulate(
     *,
     out: PathLike | None = None,
     seed: int | None = None,
+    rng: RandomLike | None = None,
     duration_s: float | None = None,
     compression: Literal["zstd", "lz4", "none"] = "zstd",
     progress: Progress | None = None,
@@ -63,13 +73,27 @@ def simulate(
 
     Same robot, scenario and seed: the same numbers.
 
-    * ``scenario``: a file, or ``(text, name)``.
-    * ``robot``: folder of the robot or a ``Robot``; without it, the robot of the scenario.
-    * ``out``: write it (``.mcap``, ``.parquet``, ``.csv``), with the ground truth next to it; without it, in memory.
-    * ``seed``, ``duration_s``: instead of the scenario's.
+    Parameters
+    ----------
+    scenario
+        A file, or ``(text, name)``.
+    robot
+        Folder of the robot or a ``Robot``; without it, the robot of the scenario.
+    out
+        Write it (``.mcap``, ``.parquet``, ``.csv``), with the ground truth next to it; without it, in
+        memory.
+    seed, duration_s
+        Seed and duration, s, instead of those of the scenario.
+    rng
+        Seed or generator of NumPy, instead of ``seed``.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
+    if rng is not None:
+        seed = seed_of(0, rng)
     if out is not None:
         document = _simulate_to(scenario, out, robot, seed, duration_s, compression, progress)
         recording = Recording(out)
@@ -90,16 +114,37 @@ def propose_poses(
     joint_bits: int = 13,
     candidates: int = 6,
     seed: int = 1,
+    rng: RandomLike | None = None,
     progress: Progress | None = None,
 ) -> Poses:
     """Proposes a short list of poses that makes the offsets identifiable. Collisions are not checked.
 
-    * ``baseline`` as prior; without it, that of 25 random poses.
-    * ``poses`` in the list, ``pause_s`` rest at each, s. ``payload``: whether the payload is unknown.
-    * ``joint_bits``: of a turn of the joint encoders. ``candidates``: poses tried in the place of each.
+    Parameters
+    ----------
+    robot
+        Folder of the robot or a ``Robot``.
+    baseline
+        Prior; without it, that of 25 random poses.
+    poses
+        Number of poses in the list.
+    pause_s
+        Rest at each, s.
+    payload
+        Whether the payload is unknown.
+    joint_bits
+        Resolution of the joint encoders, bits per turn.
+    candidates
+        Poses tried in the place of each.
+    seed
+        Seed of the random poses.
+    rng
+        Seed or generator of NumPy, instead of ``seed``.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
     return Poses(
-        *_propose_poses(robot, baseline, poses, pause_s, payload, joint_bits, candidates, seed, progress)
+        *_propose_poses(robot, baseline, poses, pause_s, payload, joint_bits, candidates, seed_of(seed, rng), progress)
     )

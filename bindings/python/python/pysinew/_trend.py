@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import csv
+import datetime
 import io
-from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterable, Mapping, Sequence, Union
 
 from . import results
 from ._answer import Answer
 from ._core import trend as _trend
+from ._errors import UnknownNameError
 from ._estimate import Estimate
-from ._types import PathLike, Progress
+from ._frames import day
+from ._types import PathLike, Progress, seed_of
 
 if TYPE_CHECKING:
-    from ._types import RobotLike
+    from ._types import DateLike, RandomLike, RobotLike
 
-Dates = Union[str, "Sequence[str]", "Mapping[str, str | Sequence[str]]"]
+Dates = Union["DateLike", "Sequence[DateLike]", "Mapping[str, DateLike | Sequence[DateLike]]"]
 """A day, several, or those of each joint by its name."""
 
 
@@ -28,40 +31,64 @@ class Trend(Answer, results.TrendResult):
     __slots__ = ()
 
     def joint(self, name: str) -> results.JointTrend:
-        """The trend of a joint. Raises ``KeyError`` where there is none."""
+        """The trend of a joint. Raises ``UnknownNameError`` where there is none."""
         for joint in self.joints:
             if joint.name == name:
                 return joint
-        raise KeyError(f"no joint '{name}'; there are {', '.join(joint.name for joint in self.joints)}")
+        raise UnknownNameError(f"no joint '{name}'; there are {', '.join(joint.name for joint in self.joints)}")
 
 
 def _dates(stated: Dates) -> list[tuple[str | None, str]]:
-    if isinstance(stated, str):
-        return [(None, stated)]
+    def days(own: Any) -> list[str]:
+        is_several = isinstance(own, Iterable) and not isinstance(own, str)
+        return [day(one) for one in own] if is_several else [day(own)]
+
     if isinstance(stated, Mapping):
-        pairs = []
-        for joint, days in stated.items():
-            pairs += [(joint, day) for day in ([days] if isinstance(days, str) else days)]
-        return [(joint, day) for joint, day in pairs]
-    return [(None, day) for day in stated]
+        return [(joint, one) for joint, own in stated.items() for one in days(own)]
+    return [(None, one) for one in days(stated)]
+
+
+# Columns of the tables of `estimate` under the names and in the units of session records.
+_RECORDED = {"time_utc_s": ("time", 1.0), "offset_rad": ("offset_mrad", 1e3), "offset_interval_95_rad": ("interval_95_mrad", 1e3)}
+
+
+def _recorded(columns: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Columns of a table, with those of ``estimate`` as session records have them."""
+    out = {}
+    for head, column in columns.items():
+        name, factor = _RECORDED.get(head, (head, 1.0))
+        cells = column.to_pylist() if hasattr(column, "to_pylist") else list(column)
+        if head in _RECORDED:
+            # Empty where the value is not known.
+            cells = [None if cell is None or cell != cell else factor * cell for cell in cells]
+        out[name] = cells
+    return out
+
+
+def _cell(cell: Any) -> Any:
+    if cell is None or cell != cell:
+        return ""
+    # NumPy's numbers as Python's: the shortest text that reads back as the same number.
+    cell = cell.item() if hasattr(cell, "item") and not hasattr(cell, "isoformat") else cell
+    return day(cell) if isinstance(cell, datetime.date) else cell
 
 
 def _text(table: Any, name: str) -> tuple[str, str, str]:
     """A table as CSV: a data frame, columns by name, or rows."""
-    if hasattr(table, "to_csv"):
-        return "csv", name, table.to_csv(index=False)
-    if hasattr(table, "write_csv"):
-        return "csv", name, table.write_csv()
-    if isinstance(table, Mapping):
-        heads = list(table)
-        rows = list(zip(*(list(column) for column in table.values())))
+    names = getattr(table, "column_names", None)
+    if names is None and hasattr(table, "columns"):
+        names = list(table.columns)
+    if names is not None or isinstance(table, Mapping):
+        columns = _recorded({head: table[head] for head in (table if names is None else names)})
+        heads = list(columns)
+        rows = list(zip(*columns.values()))
     else:
         heads = list(dict.fromkeys(key for row in table for key in row))
         rows = [tuple(row.get(head) for head in heads) for row in table]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(heads)
-    writer.writerows([["" if cell is None or cell != cell else cell for cell in row] for row in rows])
+    writer.writerows([[_cell(cell) for cell in row] for row in rows])
     return "csv", name, out.getvalue()
 
 
@@ -75,19 +102,34 @@ def trend(
     ropes: Sequence[PathLike] = (),
     horizon_days: float = 1095.0,
     seed: int = 1,
+    rng: RandomLike | None = None,
     progress: Progress | None = None,
 ) -> Trend:
     """Evaluates the trend of tendons over months: offsets, events, and dates of re-tensioning or replacement.
 
-    * ``records``: answers of ``estimate``, files (JSON or CSV), or both in a list; or a table (a data frame, columns by
-      name, rows) with ``time``, ``joint``, ``offset_mrad``, ``interval_95_mrad`` and, optionally, ``temperature_c``,
-      ``robot``, ``baseline``, ``duration_s``.
-    * ``robot``: folder of the robot or a ``Robot``: ropes, geometry, limits. Without it, angles only.
-    * ``tensioned``, ``replaced``: days, of all tendons or by joint.
-    * ``duty``: duty file of the ropes; ``ropes``: folders with additional ropes.
-    * ``horizon_days``: forecast horizon from the last session.
+    Parameters
+    ----------
+    records
+        Answers of ``estimate``, their tables, files (JSON or CSV), or these in a list; or a table (a data
+        frame, columns by name, rows) with ``time``, ``joint``, ``offset_mrad``, ``interval_95_mrad`` and,
+        optionally, ``temperature_c``, ``robot``, ``baseline``, ``duration_s``.
+    robot
+        Folder of the robot or a ``Robot``: ropes, geometry, limits. Without it, angles only.
+    tensioned, replaced
+        Days or times as text or ``datetime``, of all tendons or by joint.
+    duty
+        Duty file of the ropes.
+    ropes
+        Folders with additional ropes.
+    horizon_days
+        Forecast horizon from the last session.
+    rng
+        Seed or generator of NumPy, instead of ``seed``.
 
-    Raises ``ValueError`` with the sentence of the command.
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
     sources: list[Any] = []
     is_list = isinstance(records, (list, tuple))
@@ -102,5 +144,5 @@ def trend(
         else:
             sources.append(_text(item, "records"))
     return Trend(
-        _trend(sources, robot, _dates(tensioned), _dates(replaced), duty, list(ropes), horizon_days, seed, progress)
+        _trend(sources, robot, _dates(tensioned), _dates(replaced), duty, list(ropes), horizon_days, seed_of(seed, rng), progress)
     )

@@ -154,7 +154,8 @@ impl OnlineEstimator {
         let robot = robot.into();
         let window = Window::new(Arc::clone(&robot), baseline, options, name)?;
         let gap_s = FeederOptions::default().gap_s;
-        let mut recorder = Recorder::new(&robot, &FeatureConfig::default(), gap_s);
+        let recorder = Recorder::new(&robot, &FeatureConfig::default(), gap_s);
+        let mut recorder = recorder.with_limits(&robot);
         recorder.make_room(ROOM_S);
         let (ready, take) = rtrb::RingBuffer::new(MAX_PARTS);
         let (mut give, empty) = rtrb::RingBuffer::new(MAX_PARTS);

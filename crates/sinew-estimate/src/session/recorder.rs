@@ -243,6 +243,14 @@ impl Recorder {
         }
     }
 
+    /// Excludes frames beyond the limits of the robot's joints, as a running robot needs it, on whose filters a wild sample would act
+    /// for minutes. The estimate of a recording keeps such frames: they show a wrong unit, sign or zero.
+    #[must_use]
+    pub fn with_limits(mut self, robot: &Robot) -> Self {
+        self.feeder = self.feeder.with_limits(robot);
+        self
+    }
+
     /// Adds offsets to the motor positions (`--inject`); injections at joints that are not in the robot are ignored.
     #[must_use]
     pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {

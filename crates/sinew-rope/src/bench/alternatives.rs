@@ -13,6 +13,7 @@ use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
+use sinew_files::interrupt;
 
 /// Routings of the paper, in the order of [`Explored::percent`].
 pub const ROUTINGS: [&str; 4] = ["A", "B", "C", "D"];
@@ -115,6 +116,7 @@ pub fn explore(
     let rope_m = rope.diameter_m();
     let each = draws.laws.par_iter().zip(alternatives);
     let each = each.map(|(law, (geometry, mechanism, pass_exponent))| {
+        interrupt::check();
         let mut parameters = *law.parameters();
         parameters.set(Parameter::PassExponent, pass_exponent);
         let law = Law::new(parameters).ok()?;

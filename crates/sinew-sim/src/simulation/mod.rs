@@ -13,6 +13,7 @@ use crate::plant::{Drive, Inputs, Plant, PointForce};
 use crate::sampled::{SampledOffset, SampledPayload, SampledTemperature};
 use crate::scenario::{Jam, OffsetKind, Scenario};
 use crate::sensors::Sensors;
+use sinew_files::interrupt;
 use sinew_log::Frame;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, BodyInertia};
@@ -235,6 +236,7 @@ impl Simulation {
     /// # Errors
     /// Returns [`SimulateError::Diverged`] if the simulation diverges.
     pub fn next_frame(&mut self) -> Result<Option<&Frame>, SimulateError> {
+        interrupt::check();
         if self.frames >= self.frame_count {
             return Ok(None);
         }

@@ -10,6 +10,7 @@ use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
 use super::record::{Record, TrendConfig, TrendEntry};
 use super::stiffness_loss::StiffnessLossStats;
+use sinew_files::interrupt;
 use sinew_model::Gaussian;
 
 /// Standard deviation of a session's offset error per unit of its stiffness error, rad: 0.5 mrad
@@ -474,6 +475,7 @@ impl Bank {
 
     /// Applies an entry other than a record, at the time of the filters.
     pub(super) fn undergo(&mut self, prior: &Prior, config: &TrendConfig, entry: &TrendEntry) {
+        interrupt::check();
         match entry {
             TrendEntry::Record(_) => {}
             TrendEntry::StepChange { std_rad, .. } => {

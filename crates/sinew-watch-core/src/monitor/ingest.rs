@@ -51,7 +51,8 @@ impl Ingest {
         Self {
             clocks: Clocks::new(setup.config.clock, gap_s),
             health: Health::new(setup.elastic.clone(), &setup.robot.transmissions),
-            recorder: Recorder::new(&setup.robot, &FeatureConfig::default(), gap_s),
+            recorder: Recorder::new(&setup.robot, &FeatureConfig::default(), gap_s)
+                .with_limits(&setup.robot),
             frames: 0,
             frames_lost: 0,
             started: now,

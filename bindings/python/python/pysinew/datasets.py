@@ -1,0 +1,44 @@
+"""Sample data by name: simulated recordings of a robot with known truth."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ._core import Recording, Robot
+from ._core import dataset as _dataset
+from ._core import dataset_names as _dataset_names
+from ._simulate import Simulated, simulate
+
+__all__ = ["Dataset", "load", "names"]
+
+
+class Dataset(NamedTuple):
+    """A recording, its robot, and its truth."""
+
+    robot: Robot
+    recording: Recording
+    truth: Simulated
+    """What was simulated: the offsets, and the recording as ``arrays``."""
+
+
+def names() -> list[str]:
+    """Names of the sample data."""
+    return _dataset_names()
+
+
+def load(name: str = "stretched-arm") -> Dataset:
+    """Loads sample data; its recording is simulated on every call, always with the same numbers.
+
+    * ``"stretched-arm"``: an arm of four joints for 20 s; the tendons of two joints stretch by a known length.
+    * ``"work-session"``: three minutes of work; the tendons stretch after the first minute.
+
+    Raises ``SinewError`` for an unknown name.
+
+    >>> import pysinew as sn
+    >>> robot, recording, truth = sn.datasets.load("stretched-arm")
+    >>> est = sn.estimate(recording, robot)
+    """
+    scenario, robot_toml, urdf = _dataset(name)
+    robot = Robot.from_text(robot_toml, urdf)
+    truth = simulate((scenario, f"{name}.toml"), robot)
+    return Dataset(robot, truth.recording, truth)
