@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 type Of<D, T> = Box<dyn Fn(&D) -> T + Send + Sync>;
 
-/// What a warning is about; each has its own category in Python.
+/// Subject of a warning; each has its own category in Python.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Concern {
     /// The robot's description.

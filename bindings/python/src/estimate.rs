@@ -3,7 +3,8 @@
 use crate::document::{Concern, Document, Notice, Shown};
 use crate::failure::Failure;
 use crate::recording::{LogArg, one_of};
-use crate::robot::{Reduced, RobotArg, hash_of};
+use crate::robot::{RobotArg, hash_of};
+use crate::table::Reduced;
 use crate::trend::date_utc_s;
 use crate::work::{ProgressTracker, work};
 use pyo3::prelude::*;

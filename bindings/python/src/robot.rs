@@ -2,6 +2,7 @@
 
 use crate::document::{Document, Shown};
 use crate::failure::Failure;
+use crate::table::Reduced;
 use numpy::{
     AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods,
 };
@@ -55,9 +56,6 @@ impl Robot {
         Ok(self.0.tendon(joint)?)
     }
 }
-
-/// What `pickle` keeps of an object: the function that restores it, and its arguments.
-pub(crate) type Reduced<'py, T> = (Bound<'py, PyAny>, T);
 
 /// Hash of a text, equal for equal texts.
 pub(crate) fn hash_of(text: &str) -> u64 {

@@ -1,7 +1,6 @@
 //! Tables as an Arrow C stream, without a copy of the columns.
 
 use crate::failure::Failure;
-use crate::robot::Reduced;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::{
     Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator,
@@ -17,6 +16,9 @@ use sinew_log::{Cell, CellKind, Table as Rows};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Reconstruction of an object by `pickle`: the function that restores it, and its arguments.
+pub(crate) type Reduced<'py, T> = (Bound<'py, PyAny>, T);
 
 /// A table of named columns.
 #[pyclass(frozen, from_py_object, module = "pysinew._core")]

@@ -1,4 +1,4 @@
-"""What goes out comes in again: arrays, tables, JSON, pickle, copies."""
+"""Round trips: arrays, tables, JSON, pickle, copies."""
 
 from __future__ import annotations
 

@@ -193,8 +193,14 @@ fn stages(
             drop(black_box(said.expect("estimate")));
         });
         stage[5].run(|| {
-            let said =
-                session::estimate_with_replay(&request, window, with, &options, false, &mut |_| {});
+            let said = session::estimate_with_replay(
+                &request,
+                window,
+                with,
+                &options,
+                &mut |_, _| {},
+                &mut |_| {},
+            );
             drop(black_box(said.expect("estimate")));
         });
     }

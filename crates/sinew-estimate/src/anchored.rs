@@ -47,3 +47,12 @@ impl ReferenceMeasurement {
             && self.position_rad == other.position_rad
     }
 }
+
+/// Adds the measurements of an earlier part of the same recording at references that this part did not touch.
+pub(crate) fn keep(readings: &mut Vec<ReferenceMeasurement>, before: &[ReferenceMeasurement]) {
+    for r in before {
+        if !readings.iter().any(|own| own.is_of(r)) {
+            readings.push(r.clone());
+        }
+    }
+}

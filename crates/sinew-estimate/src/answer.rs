@@ -3,10 +3,12 @@
 use crate::baseline::Baseline;
 use crate::document::{EstimateDocument, Method};
 use crate::error::SessionError;
+use crate::online::TrajectoryBuilder;
 use crate::replay;
 use crate::request::{Progress, Request};
-use crate::session::{self, SessionEstimate, SessionOptions, Warning, Window};
+use crate::session::{self, Recorded, SessionEstimate, SessionOptions, Warning, Window};
 use sinew_files::date::DAY_S;
+use sinew_model::robot::Robot;
 
 /// Settings with which recordings are estimated.
 #[derive(Debug, Clone, Copy)]
@@ -36,14 +38,27 @@ pub fn estimate(
         Method::Paper => (Method::Paper, None, replay::run(request, progress)?, None),
         Method::Absolute => {
             let (baseline, options) = (plan.baseline, &plan.options);
-            let (reading, session, next) = session::estimate_with_replay(
+            let mut online: Option<Result<TrajectoryBuilder, SessionError>> = None;
+            let mut each = |robot: &Robot, recorded: &Recorded| {
+                if !plan.online {
+                    return;
+                }
+                let start = || TrajectoryBuilder::new(robot, baseline, options, &request.name());
+                if let Ok(online) = online.get_or_insert_with(start) {
+                    online.push(recorded);
+                }
+            };
+            let (reading, mut session, next) = session::estimate_with_replay(
                 request,
                 plan.window,
                 baseline,
                 options,
-                plan.online,
+                &mut each,
                 progress,
             )?;
+            if let Some(online) = online {
+                session.online = Some(online?.finish()?);
+            }
             let session = match request.date_utc_s {
                 Some(date_utc_s) => dated(session, date_utc_s),
                 None => session,

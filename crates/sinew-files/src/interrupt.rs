@@ -39,7 +39,7 @@ mod tests {
     use std::panic::catch_unwind;
 
     #[test]
-    fn check_unwinds_only_the_watched_thread_after_the_request() {
+    fn check_unwinds_only_the_registered_thread_after_request() {
         let request = Arc::new(AtomicBool::new(false));
         let of_thread = request.clone();
         let thread = std::thread::spawn(move || {

@@ -28,6 +28,7 @@ pub mod limits;
 pub mod located;
 pub mod lock;
 pub mod names;
+mod new_file;
 pub mod number;
 #[cfg(feature = "toml")]
 pub mod section;
@@ -43,6 +44,7 @@ pub use json::{JsonDocument, json_kind};
 pub use limits::Limit;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
+pub use new_file::NewFile;
 pub use section::{Section, TomlFile, Value};
 pub use temporary::Temporary;
 pub use text::{csv_cell, plain, read_bytes, read_text};

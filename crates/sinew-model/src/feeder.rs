@@ -69,7 +69,7 @@ impl Reach {
 
     /// Whether `position` is reachable from `last`, `dt_s` before; NaN: nothing is known of it.
     fn includes(&self, position: f64, last: f64, dt_s: f64) -> bool {
-        // Not reachable only if a comparison says so: NaN is checked elsewhere.
+        // Only a true comparison is beyond reach: NaN is checked elsewhere.
         !(position < self.lower
             || position > self.upper
             || (position - last).abs() > CHANGE_MIN_RAD + self.speed * dt_s)
@@ -281,7 +281,7 @@ struct Motor {
     /// The position has been missing for too long to bridge: the last position is held.
     held: bool,
     settled_at_ns: i64,
-    /// What the joint of the axis can reach.
+    /// Reach of the joint of the axis.
     reach: Reach,
     /// Last accepted positions of joint and motor as measured, rad; NaN before.
     last: [f64; 2],
@@ -483,7 +483,9 @@ impl<O: FrameObserver> Feeder<O> {
         let mut motors = self.motors.iter().zip(reading.q).enumerate();
         let is_reachable = motors.all(|(i, (motor, q))| {
             let [last_q, last_theta] = motor.last;
-            let theta = self.measured(reading, i).filter(|_| motor.elastic);
+            // A missing motor position is not beyond reach.
+            let theta = self.measured(reading, i);
+            let theta = theta.filter(|theta| motor.elastic && theta.is_finite());
             motor.reach.includes(*q, last_q, dt_s)
                 && theta.is_none_or(|theta| of_motor.includes(theta, last_theta, dt_s))
         });

@@ -92,14 +92,17 @@ pub fn retensioned_curve(
     /// ropes of 30 to 300 days differs by less than a tenth.
     const AGE_S: f64 = 100.0 * DAY_S;
     /// Share of the pretension that is lost by then.
-    const LOST: f64 = 0.5;
+    const LOST_RATIO: f64 = 0.5;
     let read = RopeLoad::at_reference(pretension_n);
     let times = node_times_s();
     let mut out = vec![0.0; times.len()];
     for portion in strand(tendon) {
         let law = law.passed_by(portion.guides as f64);
         let per_percent = 0.01 * portion.length_m / tendon.joint_pulley_radius_m;
-        for (lost, per_percent) in [(LOST, per_percent / LOST), (0.0, -per_percent / LOST)] {
+        for (lost, per_percent) in [
+            (LOST_RATIO, per_percent / LOST_RATIO),
+            (0.0, -per_percent / LOST_RATIO),
+        ] {
             let (mut state, mut from_s) = (State::default(), 0.0);
             for &t in times.iter().take_while(|t| **t <= AGE_S) {
                 let tension_n = pretension_n * (1.0 - lost * (1.0 + t).ln() / (1.0 + AGE_S).ln());
@@ -190,7 +193,7 @@ pub fn rope_curves(
     rope_curves_with_progress(rope, tendon, pretension_n, load, seed, &|_| ())
 }
 
-/// As [`rope_curves`], with the duty and the temperature in one argument.
+/// Computes [`rope_curves`] with the duty and the temperature in one argument.
 ///
 /// * `done`: called with the share of the draws that are complete.
 fn rope_curves_with_progress(
@@ -360,7 +363,7 @@ pub fn rope_prior(
     rope_prior_with_progress(tendon, catalogue, (duty, temperature_c), seed, &|_| ())
 }
 
-/// As [`rope_prior`], with the duty and the temperature in one argument.
+/// Computes [`rope_prior`] with the duty and the temperature in one argument.
 ///
 /// * `done`: called with the share of the draws that are complete.
 pub(super) fn rope_prior_with_progress(

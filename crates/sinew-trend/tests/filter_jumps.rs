@@ -170,7 +170,7 @@ fn tensioning_is_distinguished_from_step() {
     assert!(event.tensioned && event.size_rad.mean < -3e-3, "{event:?}");
 
     // A specified one of a linear viscoelastic rope, `c = 1e-3 ln(1 + t/min)`, that had lost half of its
-    // tension: by superposition half of the curve starts anew.
+    // tension: by superposition half of the curve starts again.
     let anew = |t: f64| 0.5e-3 * (1440.0 * (t - 29.5)).max(0.0).ln_1p();
     let mut stated =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");

@@ -1,7 +1,7 @@
-//! Incidents: one per tendon from the first suspicion to the repair.
+//! Incidents: one per tendon from the first suspected change to the repair.
 //!
 //! ```text
-//!   suspicion ─▶ suspected ──confirmed──▶ confirmed ──acknowledged──▶ acknowledged
+//!   suspected change ─▶ suspected ──confirmed──▶ confirmed ──acknowledged──▶ acknowledged
 //!                  │ refuted                  │                           │
 //!                  ▼        finding: no repair needed, or alarm reset     │ re-tensioned, replaced
 //!                closed ◀─────────────────────┴───────────────────────────┤
@@ -9,8 +9,8 @@
 //!                  └──────────────────────────────────────────────── repaired
 //! ```
 //!
-//! A tendon has at most one open incident; further suspicions, confirmed changes and alarms of its rope join it. An
-//! incident that was repaired without a finding ends with the next suspicion, which opens another.
+//! A tendon has at most one open incident; further suspected changes, confirmed changes and alarms of its rope join it. An
+//! incident that was repaired without a finding ends with the next suspected change, which opens another.
 
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
@@ -34,7 +34,7 @@ pub struct Incident {
     pub phase: IncidentPhase,
     /// Time at which the incident was closed, s since 1970 UTC; `None`: open.
     pub closed_utc_s: Option<f64>,
-    /// Evidence in chronological order: of the suspicion, of each later session, and of confirmed changes.
+    /// Evidence in chronological order: of the suspected change, of each later session, and of confirmed changes.
     pub evidence: Vec<Evidence>,
     /// Probabilities of the causes by all evidence, the most probable first; they sum to 1.
     pub causes: Vec<CauseProbability>,
@@ -58,7 +58,7 @@ pub enum IncidentPhase {
     Acknowledged,
     /// The tendon was re-tensioned or replaced; the finding is not recorded.
     Repaired,
-    /// The suspicion was refuted, or the finding is recorded and the tendon is in order.
+    /// The suspected change was refuted, or the finding is recorded and the tendon is in order.
     Closed,
 }
 
@@ -101,7 +101,7 @@ pub enum IncidentCause {
     SlipOrEncoder,
     /// Loss of the transmission.
     TransmissionLost,
-    /// Unrecorded re-tensioning.
+    /// Re-tensioning that was not recorded.
     Retensioned,
     /// No lasting change.
     NoChange,
@@ -220,7 +220,7 @@ impl Incidents {
     ) -> &Incident {
         let incident = self.opened(joint, utc_s);
         incident.add(evidence);
-        // A second suspicion leaves the causes of a confirmed change.
+        // A second suspected change leaves the causes of a confirmed change.
         if incident.phase == IncidentPhase::Suspected {
             incident.causes = causes;
         }

@@ -50,7 +50,7 @@ pub struct MonitorState {
 }
 
 impl MonitorState {
-    /// Version of the format that this program writes. Version 1 has no incidents, and no evidence of suspicions.
+    /// Version of the format that this program writes. Version 1 has no incidents, and no evidence of suspected changes.
     pub const VERSION: u32 = 2;
 }
 
@@ -129,7 +129,7 @@ pub struct PendingEvent {
 /// `g` expected until the measurement, and independent errors `e` of precision `w = 1/σ²`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct LevelSums {
-    /// Σ w.
+    /// Sum of the weights: Σ w.
     pub weight: f64,
     /// Σ w g.
     pub weight_creep: f64,

@@ -187,7 +187,7 @@ fn found(finding: Finding) -> CommandKind {
 }
 
 #[test]
-fn incident_lasts_from_suspicion_to_repair_with_finding() {
+fn incident_lasts_from_suspected_change_to_repair_with_finding() {
     let mut harness = Harness::new(tensioned());
     let none = harness.command(found(Finding::Nothing), "");
     assert!(matches!(none, Err(CommandError::NoIncident { .. })));
@@ -246,7 +246,7 @@ fn incident_lasts_from_suspicion_to_repair_with_finding() {
 }
 
 #[test]
-fn finding_of_nothing_closes_suspicion() {
+fn finding_of_nothing_closes_suspected_change() {
     let mut harness = Harness::new(tensioned());
     harness.session(&with_slip());
     harness.command(found(Finding::Nothing), "").unwrap();

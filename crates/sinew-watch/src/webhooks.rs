@@ -63,11 +63,10 @@ impl Post {
         let Event::Alarm { transition } = &entry.event else {
             return None;
         };
-        let is_active = |state| {
-            matches!(
-                state,
-                AlarmState::Active | AlarmState::Acknowledged | AlarmState::Latched
-            )
+        let condition = transition.key.condition;
+        let severity = match &transition.reason {
+            TransitionReason::Condition { cause } => cause.severity(condition),
+            _ => condition.severity(),
         };
         if transition.to == AlarmState::Latched && transition.from != AlarmState::Latched {
             return None;
@@ -76,11 +75,11 @@ impl Post {
             schema: "sinew-webhook/2",
             robot: robot.into(),
             joint: transition.key.joint.clone(),
-            condition: transition.key.condition,
-            severity: transition.key.condition.severity(),
+            condition,
+            severity,
             from: transition.from,
             to: transition.to,
-            active: is_active(transition.to),
+            active: transition.to.is_active(),
             time_utc_s: transition.time_utc_s,
             reason: transition.reason.clone(),
             text: format!("{robot}: {}", words::entry(&entry.event)),

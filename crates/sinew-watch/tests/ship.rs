@@ -247,6 +247,7 @@ fn snapshot(alarms: Vec<Alarm>, forecast_d: f64) -> RobotSnapshot {
         session: None,
         clock: Clock::Utc,
         temperature_c: None,
+        incidents: Vec::new(),
         external_force: None,
         tendons: vec![TendonSnapshot {
             joint: "elbow".into(),
@@ -300,7 +301,7 @@ fn rules() -> Vec<(String, String)> {
 }
 
 #[test]
-fn every_shipped_rule_fires() {
+fn shipped_rules_fire_on_their_condition() {
     let plain = || snapshot(Vec::new(), 100.0);
     let order = metrics(plain(), |_, _| {});
     let raised =

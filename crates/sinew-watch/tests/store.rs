@@ -330,7 +330,7 @@ fn readers_see_whole_transactions_during_writes() {
 }
 
 #[test]
-fn lost_database_is_not_begun_anew() {
+fn lost_database_is_not_created_again() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("watch.db");
     let place = || Place::Folder(folder.path().into());
@@ -341,13 +341,13 @@ fn lost_database_is_not_begun_anew() {
     assert_eq!(std::fs::metadata(&file).unwrap().len(), 0);
     let error = Reader::open(&place()).unwrap().check().unwrap_err();
     assert!(matches!(error, StoreError::Lost { .. }), "{error}");
-    // Missing beside its write-ahead log, which SQLite would remove.
+    // Missing although there is its write-ahead log, which SQLite would remove.
     std::fs::remove_file(&file).unwrap();
     let log = folder.path().join("watch.db-wal");
     std::fs::write(&log, b"frames").unwrap();
     let error = Store::open(place()).unwrap_err();
     assert!(error.to_string().contains("watch.db-wal"), "{error}");
-    // Removed by the operator: begun anew. The rest of an interrupted start does no harm.
+    // Removed by the operator: created again. The rest of an interrupted start does no harm.
     std::fs::remove_file(&log).unwrap();
     std::fs::write(folder.path().join("watch.db.new"), b"half").unwrap();
     drop(open(folder.path()));

@@ -8,7 +8,7 @@ use std::process::Command;
 /// Crates at most, ours included.
 const CRATES_MOST: usize = 140;
 /// Lines of Rust and C in their source folders at most.
-const LINES_MOST: usize = 1_887_000;
+const LINES_MOST: usize = 1_888_500;
 
 /// Output of cargo.
 fn cargo(arguments: &[&str]) -> String {

@@ -108,6 +108,7 @@ fn true_curves(
             .collect();
         out.push(Curve {
             values,
+            retensioned: None,
             amplitude: 1.0,
             amplitude_std: 0.1,
             log_weight: 0.0,

@@ -106,15 +106,6 @@ pub(super) fn readings(
     out
 }
 
-/// Adds the measurements of an earlier part of the same recording at references that this part did not touch.
-pub(super) fn keep(readings: &mut Vec<ReferenceMeasurement>, before: &[ReferenceMeasurement]) {
-    for r in before {
-        if !readings.iter().any(|own| own.is_of(r)) {
-            readings.push(r.clone());
-        }
-    }
-}
-
 /// Joint that may have been pushed against its stop.
 struct Pushed<'a> {
     joint: usize,

@@ -3,14 +3,12 @@
 use super::context::Context;
 use super::inflation::Inflation;
 use super::late_step::LASTING_S;
+use super::poses::MIN_POSES;
 use super::recorder::Recorded;
 use super::rest_phase::RestPhase;
 use super::result::{SessionEstimate, TendonEstimate, Verdict};
 use super::warning::Warning;
 use sinew_model::tendons::{Routing, TendonKind};
-
-/// Minimum number of distinct poses that separate payload, mass error and offset.
-pub(super) const MIN_POSES: usize = 3;
 
 /// Minimum range of the spring deflection, rad: below it, stiffness and offset are not separable.
 const MIN_DEFLECTION_RANGE_RAD: f64 = 10e-3;

@@ -4,13 +4,12 @@
 //! What refers to the time of a part alone is joined here.
 
 use super::late_step::LASTING_S;
-use super::poses::Poses;
+use super::poses::{MIN_BASELINE_POSES, MIN_POSES, Poses};
 use super::recorder::Recorded;
 use super::result::{
     BlockEstimate, SessionEstimate, TendonChange, TendonChangeKind, TendonCreep, TendonEstimate,
 };
 use super::warning::Warning;
-use super::{checks, run};
 use crate::decimated::Decimated;
 use sinew_model::{Gaussian, Interval95};
 
@@ -157,7 +156,7 @@ fn join_warnings(before: Vec<Warning>, part: &mut Vec<Warning>, poses: usize) {
         End,
         /// Whole recording: every part has the warning.
         Whole,
-        /// Any part.
+        /// Any part of the recording.
         Any,
     }
     let extent = |warning: &Warning| match warning {
@@ -183,19 +182,19 @@ fn join_warnings(before: Vec<Warning>, part: &mut Vec<Warning>, poses: usize) {
         Extent::End | Extent::Any => true,
     });
     for earlier in before {
-        let is_known = part.iter().any(|own| is_same(own, &earlier));
-        if matches!(extent(&earlier), Extent::Any) && !is_known {
+        let is_present = part.iter().any(|own| is_same(own, &earlier));
+        if matches!(extent(&earlier), Extent::Any) && !is_present {
             part.push(earlier);
         }
     }
     part.retain_mut(|warning| match warning {
         Warning::FewPoses { poses: own } => {
             *own = poses;
-            poses < checks::MIN_POSES
+            poses < MIN_POSES
         }
         Warning::FewPosesOfBaseline { poses: own } => {
             *own = poses;
-            poses < run::MIN_BASELINE_POSES
+            poses < MIN_BASELINE_POSES
         }
         _ => true,
     });

@@ -4,6 +4,10 @@ use sinew_model::offset::Block;
 
 /// Minimum difference of two distinct poses in at least one joint, rad.
 const MIN_DIFFERENCE_RAD: f64 = 0.2;
+/// Minimum number of distinct poses that separate payload, mass error and offset.
+pub(super) const MIN_POSES: usize = 3;
+/// Minimum number of distinct poses of a baseline; fewer degrade every estimate relative to it.
+pub(super) const MIN_BASELINE_POSES: usize = 6;
 /// Maximum number of counted poses.
 const MAX_POSES: usize = 100;
 

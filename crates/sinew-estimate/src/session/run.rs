@@ -5,6 +5,7 @@ use super::cables;
 use super::context::Context;
 use super::frozen_encoder;
 use super::parts::Parts;
+use super::poses::MIN_BASELINE_POSES;
 use super::predictive::PredictiveCheck;
 use super::recent::RecentCheck;
 use super::recorder::{EncoderCorrection, Recorded, Window, read_parts};
@@ -15,11 +16,11 @@ use super::summary::{summarise, utc_s};
 use super::transmission_loss::{self, TransmissionLoss};
 use super::warning::Warning;
 use super::{independent_torque, sides, temperature, zero};
+use crate::anchored;
 use crate::baseline::Baseline;
 use crate::cause::Cause;
 use crate::error::{EstimateError, SessionError};
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
-use crate::online::TrajectoryBuilder;
 use crate::recording::Opened;
 use crate::replay;
 use crate::replay::{Estimate, Pass};
@@ -38,8 +39,6 @@ use std::ops::ControlFlow;
 
 /// Maximum pause between the end of a recording and the start of one that continues it, s.
 const MAX_PAUSE_S: f64 = 60.0;
-/// Minimum number of distinct poses of a baseline; fewer degrade every estimate relative to it.
-pub(super) const MIN_BASELINE_POSES: usize = 6;
 
 /// Options of the estimation of a baseline.
 #[derive(Debug, Clone, Copy)]
@@ -333,7 +332,7 @@ fn learn_part(
     let mut estimate = session.summarise(&segments, name, None, &[], &[], (0.0, None));
     baseline.anchors.clone_from(&chained.touched);
     if let Some((previous, _)) = earlier.filter(|_| learning.continues) {
-        anchor::keep(&mut baseline.anchors, &previous.anchors);
+        anchored::keep(&mut baseline.anchors, &previous.anchors);
     }
     estimate.warnings.extend(zero_warnings);
     if estimate.poses < MIN_BASELINE_POSES {
@@ -412,7 +411,7 @@ impl Run<'_> {
                 each(recorded);
                 let before = last.take().map(|solved| solved.chain);
                 let mut solved = match before {
-                    // Model errors bias the offsets of every part alike, so that further parts are no further information.
+                    // Model errors bias the offsets of every part equally: further parts add no information.
                     Some(chain) if baseline.is_some() => {
                         solve_next(robot, recorded, &name, baseline, chain)?
                     }
@@ -479,7 +478,7 @@ fn encoder_corrections(robot: &Robot, found: &SessionEstimate) -> Vec<EncoderCor
 }
 
 /// Estimates the offsets of a recording as [`estimate`], and by the method of the paper ([`replay::run`]) in the same
-/// pass; `is_online`: also by the [online](crate::online) estimator.
+/// pass. `each` processes every part, for further results.
 ///
 /// A requested CSV file is written last.
 ///
@@ -490,7 +489,7 @@ pub fn estimate_with_replay(
     window: Window,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
-    is_online: bool,
+    each: &mut dyn FnMut(&Robot, &Recorded),
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Estimate, SessionEstimate, Baseline), SessionError> {
     let reference = replay::reference(request, progress)?;
@@ -503,20 +502,13 @@ pub fn estimate_with_replay(
         options,
     };
     let robot = &opened.loaded.robot.clone();
-    let start = || TrajectoryBuilder::new(robot, baseline, options, &request.name());
-    let mut online = is_online.then(start).transpose()?;
     let mut also = |frame: &Frame| {
         pass.frame(frame)?;
         Ok(ControlFlow::Continue(()))
     };
-    let mut each = |recorded: &Recorded| {
-        if let Some(online) = &mut online {
-            online.push(recorded);
-        }
-    };
+    let mut each = |recorded: &Recorded| each(robot, recorded);
     let found = run.estimate(&mut opened, &[], progress, &mut also, &mut each)?;
-    let (mut session, next) = run.corrected(robot, found, progress)?;
-    session.online = online.map(TrajectoryBuilder::finish).transpose()?;
+    let (session, next) = run.corrected(robot, found, progress)?;
     let mut paper = pass.finish(opened)?;
     if let Some(reference) = reference {
         replay::compare(&mut paper, &reference);

@@ -1,10 +1,9 @@
 //! Estimation of a recording in segments; the posterior of each segment is the prior of the next.
 
-use super::anchor;
 use super::encoder_slips::encoder_slips;
 use super::late_step::LateStep;
 use super::recorder::Recorded;
-use crate::anchored::ReferenceMeasurement;
+use crate::anchored::{self, ReferenceMeasurement};
 use crate::error::SessionError;
 use sinew_model::offset::excess_residual::tempered;
 use sinew_model::offset::{
@@ -207,7 +206,7 @@ impl Segments {
             pairs.for_each(|(most, own)| *most = most.max(*own));
         }
         if let Some(before) = before {
-            anchor::keep(&mut touched, &before.touched);
+            anchored::keep(&mut touched, &before.touched);
         }
         Chained {
             origin: self.before.clone(),

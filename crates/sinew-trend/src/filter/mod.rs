@@ -25,7 +25,7 @@
 //! interval of a forecast therefore includes the uncertainty of the law and of the errors. Creep
 //! does not run backwards: the share of each filter's posterior with `a > 0` accounts for it.
 //!
-//! **Re-tensioning.** The rope keeps its memory: `c` continues. The restored tension creeps anew, by
+//! **Re-tensioning.** The rope keeps its memory: `c` continues. The restored tension creeps again, by
 //! Boltzmann's superposition principle with `g = c` for a linear viscoelastic rope; a rope creep law
 //! states its own `g`, because its bedding-in is not linear ([`Curve::retensioned`]).
 //!

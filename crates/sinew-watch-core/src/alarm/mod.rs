@@ -40,6 +40,16 @@ pub enum AlarmState {
     Normal,
 }
 
+impl AlarmState {
+    /// Whether an alarm in this state is active: its condition is present, or it is latched until it is reset.
+    pub fn is_active(self) -> bool {
+        match self {
+            Self::Active | Self::Acknowledged | Self::Latched => true,
+            Self::Cleared | Self::Normal => false,
+        }
+    }
+}
+
 /// Alarm that is not in the normal state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -64,10 +74,7 @@ impl Alarm {
     /// Whether the alarm is active: its condition is present, or the alarm is latched until it is reset by a repair or
     /// an operator. Shelving and acknowledgement do not end it.
     pub fn is_active(&self) -> bool {
-        match self.state {
-            AlarmState::Active | AlarmState::Acknowledged | AlarmState::Latched => true,
-            AlarmState::Cleared | AlarmState::Normal => false,
-        }
+        self.state.is_active()
     }
 
     /// Whether an operator has yet to acknowledge the alarm.
@@ -75,16 +82,9 @@ impl Alarm {
         !self.acknowledged && self.state != AlarmState::Normal
     }
 
-    /// Returns the severity, 1 to 1000: that of the condition, except for a suspected step change, which precedes a
-    /// limit that is near, and as a suspected strand failure a re-tensioning limit.
+    /// Returns the severity, 1 to 1000, by condition and cause.
     pub fn severity(&self) -> u16 {
-        match (&self.cause, self.key.condition) {
-            (AlarmCause::StepChange { what, .. }, Condition::SuspectedStep) => match what {
-                StepKind::StrandFailure | StepKind::SlipOrStrandFailure => 610,
-                _ => 450,
-            },
-            (_, condition) => condition.severity(),
-        }
+        self.cause.severity(self.key.condition)
     }
 
     /// Returns the displayed level; shelving hides everything except errors.
@@ -213,6 +213,20 @@ impl DataFault {
                 | Self::FarApart { .. }
                 | Self::NonMonotonicTime { .. }
         )
+    }
+}
+
+impl AlarmCause {
+    /// Returns the severity of an alarm with this cause, 1 to 1000: that of the condition, except for a suspected step
+    /// change, which precedes a limit that is near, and as a suspected strand failure a re-tensioning limit.
+    pub fn severity(&self, condition: Condition) -> u16 {
+        match (self, condition) {
+            (Self::StepChange { what, .. }, Condition::SuspectedStep) => match what {
+                StepKind::StrandFailure | StepKind::SlipOrStrandFailure => 610,
+                _ => 450,
+            },
+            (_, condition) => condition.severity(),
+        }
     }
 }
 

@@ -84,18 +84,18 @@ pub(super) struct ChangePosterior {
 
 /// Result of the evidence for a suspected change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SuspicionState {
+pub(super) enum SuspectedChangeState {
     Open,
     Confirmed,
     Refuted,
 }
 
 impl ChangePosterior {
-    pub(super) fn state(self) -> SuspicionState {
+    pub(super) fn state(self) -> SuspectedChangeState {
         match self.probability {
-            p if p >= CONFIRM_PROBABILITY => SuspicionState::Confirmed,
-            p if p <= 1.0 - CONFIRM_PROBABILITY => SuspicionState::Refuted,
-            _ => SuspicionState::Open,
+            p if p >= CONFIRM_PROBABILITY => SuspectedChangeState::Confirmed,
+            p if p <= 1.0 - CONFIRM_PROBABILITY => SuspectedChangeState::Refuted,
+            _ => SuspectedChangeState::Open,
         }
     }
 }
@@ -332,7 +332,7 @@ mod tests {
             Gaussian::new(-0.127, 0.016),
         );
         let posterior = event.posterior();
-        assert_eq!(posterior.state(), SuspicionState::Confirmed);
+        assert_eq!(posterior.state(), SuspectedChangeState::Confirmed);
         let updated = event.updated(posterior);
         assert_eq!(updated.what, StepKind::StrandFailure);
         assert!((updated.size_rad.mean - 3.9e-3).abs() < 1e-3, "{updated:?}");
@@ -354,13 +354,13 @@ mod tests {
             let wide = Gaussian::new(10e-3, 6e-3);
             event.add_session(Some(wide), 5e-3, Gaussian::new(0.0, 1.0));
         }
-        assert_eq!(event.posterior().state(), SuspicionState::Open);
+        assert_eq!(event.posterior().state(), SuspectedChangeState::Open);
         event.add_session(
             Some(Gaussian::new(8.0e-3, 0.3e-3)),
             0.1e-3,
             Gaussian::new(-0.01, 0.015),
         );
-        assert_eq!(event.posterior().state(), SuspicionState::Refuted);
+        assert_eq!(event.posterior().state(), SuspectedChangeState::Refuted);
         let of_stiffness = PendingEvent {
             size_rad: Gaussian::new(0.0, 0.0),
             what: StepKind::StrandFailure,
@@ -369,8 +369,8 @@ mod tests {
             ..slip()
         };
         for (ratio, state) in [
-            (-0.01, SuspicionState::Refuted),
-            (-0.13, SuspicionState::Confirmed),
+            (-0.01, SuspectedChangeState::Refuted),
+            (-0.13, SuspectedChangeState::Confirmed),
         ] {
             let mut event = of_stiffness;
             for _ in 0..3 {

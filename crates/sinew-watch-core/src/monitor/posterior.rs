@@ -2,12 +2,14 @@
 
 use super::baseline::BaselineProgress;
 use super::config::MonitorError;
-use super::evidence::SuspicionState;
+use super::evidence::SuspectedChangeState;
 use super::job::{BaselineTask, Estimated, JobKind, QueuedJob, SegmentJob};
 use super::online::Successor;
 use super::session::{Segment, Sessions};
 use super::setup::Setup;
-use super::tendon::{DatedChange, PendingTensioning, SessionResult, Suspicion, transmission_loss};
+use super::tendon::{
+    DatedChange, PendingTensioning, SessionResult, SuspectedChange, transmission_loss,
+};
 use crate::command::{Command, CommandKind};
 use crate::incident::{CauseProbability, Evidence, Incident, IncidentCause, Incidents};
 use crate::instant::Instant;
@@ -338,14 +340,14 @@ impl PosteriorChain {
                 stiffness_ratio: stiffness.unwrap_or(DEFAULT_STIFFNESS),
             };
             let dated = current.changes.get(i).map_or(&[][..], Vec::as_slice);
-            let suspicion = tendon.update(&result, dated, setup.geometry(i));
+            let suspected = tendon.update(&result, dated, setup.geometry(i));
             // A tendon that was repaired since has no incident of a session before.
             let is_repaired = self.pending.iter().any(|pending| pending.is_tensioned(i));
-            if let Some(suspicion) = suspicion.filter(|_| !is_repaired) {
-                let incident = follow(&mut state.incidents, &tendon.joint, &suspicion);
+            if let Some(suspected) = suspected.filter(|_| !is_repaired) {
+                let incident = follow(&mut state.incidents, &tendon.joint, &suspected);
                 changes.events.extend(incident);
-                if suspicion.state == SuspicionState::Confirmed {
-                    changes.steps.push((i, suspicion.event));
+                if suspected.state == SuspectedChangeState::Confirmed {
+                    changes.steps.push((i, suspected.event));
                 }
             }
             let record = record(segment, setup, (i, tendon), offset, stiffness);
@@ -562,22 +564,26 @@ fn entry(incident: &Incident) -> Event {
     }
 }
 
-/// Adds a suspicion to the incident of its tendon; returns the journal entry of a new or changed phase.
-fn follow(incidents: &mut Incidents, joint: &str, suspicion: &Suspicion) -> Option<Event> {
-    let Suspicion {
+/// Adds a suspected change to the incident of its tendon; returns the journal entry of a new or changed phase.
+fn follow(incidents: &mut Incidents, joint: &str, suspected: &SuspectedChange) -> Option<Event> {
+    let SuspectedChange {
         event,
         posterior,
         evidence,
         state,
-    } = *suspicion;
+    } = *suspected;
     let (causes, utc_s) = (event.causes(posterior), evidence.time_utc_s);
     let was_open = incidents.open(joint).map(|incident| incident.number);
     match state {
-        SuspicionState::Open => {
+        SuspectedChangeState::Open => {
             let incident = incidents.suspect(joint, evidence, causes, utc_s);
             (was_open != Some(incident.number)).then(|| entry(incident))
         }
-        SuspicionState::Confirmed => Some(entry(incidents.confirm(joint, evidence, causes, utc_s))),
-        SuspicionState::Refuted => incidents.refute(joint, evidence, causes, utc_s).map(entry),
+        SuspectedChangeState::Confirmed => {
+            Some(entry(incidents.confirm(joint, evidence, causes, utc_s)))
+        }
+        SuspectedChangeState::Refuted => {
+            incidents.refute(joint, evidence, causes, utc_s).map(entry)
+        }
     }
 }

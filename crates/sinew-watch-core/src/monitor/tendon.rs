@@ -1,6 +1,6 @@
 //! State of a tendon between sessions: reference of its offset, and step changes.
 
-use super::evidence::{ChangePosterior, SuspicionState};
+use super::evidence::{ChangePosterior, SuspectedChangeState};
 use super::setup::Setup;
 use crate::alarm::StepKind;
 use crate::incident::Evidence;
@@ -114,7 +114,7 @@ impl TendonState {
         self.discard_last();
     }
 
-    /// Discards the last offset and the suspicion, because the reference of the offset changed.
+    /// Discards the last offset and the suspected change, because the reference of the offset changed.
     pub(super) fn discard_last(&mut self) {
         (self.last_rad, self.last_utc_s, self.suspected) = (None, None, None);
         (self.last_from_utc_s, self.last_stiffness_ratio) = (None, None);
@@ -125,13 +125,13 @@ impl TendonState {
         self.tensioned_utc_s.last().copied()
     }
 
-    /// Updates the state with the result of a session. Returns the new or changed suspicion, if any.
+    /// Updates the state with the result of a session. Returns the new or changed suspected change, if any.
     pub(super) fn update(
         &mut self,
         result: &SessionResult,
         changes: &[DatedChange],
         tendon: Option<&Tendon>,
-    ) -> Option<Suspicion> {
+    ) -> Option<SuspectedChange> {
         let was = self.suspected;
         let decided = match was {
             Some(suspected) if suspected.session != result.session => {
@@ -148,7 +148,9 @@ impl TendonState {
             // A refuted change is not a change in the opposite direction.
             let between = was.is_none().then(|| self.between(result, tendon));
             self.suspected = within.or(between.flatten());
-            new = self.suspected.map(|event| Suspicion::new(event, result));
+            new = self
+                .suspected
+                .map(|event| SuspectedChange::new(event, result));
         }
         if let Some(offset) = result.offset_rad {
             self.last_rad = Some(offset);
@@ -159,13 +161,13 @@ impl TendonState {
         decided.or(new)
     }
 
-    /// Adds the evidence of a session to a suspicion, and ends it if it is confirmed or refuted.
+    /// Adds the evidence of a session to a suspected change, and ends it if it is confirmed or refuted.
     fn decide(
         &mut self,
         mut suspected: PendingEvent,
         result: &SessionResult,
         tendon: Option<&Tendon>,
-    ) -> Option<Suspicion> {
+    ) -> Option<SuspectedChange> {
         let creep = self.creep(
             suspected.time_utc_s,
             result.end_utc_s,
@@ -174,8 +176,8 @@ impl TendonState {
         );
         let (offset_rad, stiffness) = (result.offset_rad, result.stiffness_ratio);
         suspected.add_session(offset_rad, creep.std_rad.max(creep.linear_rad), stiffness);
-        let decided = Suspicion::new(suspected, result);
-        let is_open = decided.state == SuspicionState::Open;
+        let decided = SuspectedChange::new(suspected, result);
+        let is_open = decided.state == SuspectedChangeState::Open;
         self.suspected = is_open.then_some(suspected);
         Some(decided)
     }
@@ -316,17 +318,17 @@ struct Creep {
     linear_rad: f64,
 }
 
-/// Suspicion of a change after a session.
+/// Suspected change after a session.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Suspicion {
+pub(super) struct SuspectedChange {
     /// Change with kind and size by all evidence.
     pub(super) event: PendingEvent,
     pub(super) posterior: ChangePosterior,
-    pub(super) state: SuspicionState,
+    pub(super) state: SuspectedChangeState,
     pub(super) evidence: Evidence,
 }
 
-impl Suspicion {
+impl SuspectedChange {
     fn new(event: PendingEvent, result: &SessionResult) -> Self {
         let posterior = event.posterior();
         let stiffness = result.stiffness_ratio;
@@ -444,14 +446,14 @@ mod tests {
             let (mut state, tendon) = wrist();
             state.last_rad = Some(Gaussian::new(1e-3 * (19.4 - size_mrad), 0.15e-3));
             let changes = [slip(size_mrad)];
-            let suspicion = state.update(&result(19.4 + 1.0), &changes, Some(&tendon));
-            assert_eq!(suspicion.is_some(), is_suspected, "{suspicion:?}");
+            let suspected = state.update(&result(19.4 + 1.0), &changes, Some(&tendon));
+            assert_eq!(suspected.is_some(), is_suspected, "{suspected:?}");
         }
     }
 
-    /// Undecided sessions never end a suspicion.
+    /// Undecided sessions never end a suspected change.
     #[test]
-    fn suspicion_stays_open_without_evidence() {
+    fn suspected_change_remains_without_evidence() {
         let (mut state, tendon) = wrist();
         state.update(&result(28.0), &[], Some(&tendon));
         for k in 0..10 {
@@ -462,8 +464,8 @@ mod tests {
                 start_utc_s: (66.0 + k as f64) * DAY_S,
                 end_utc_s: (66.5 + k as f64) * DAY_S,
             };
-            let suspicion = state.update(&wide, &[], Some(&tendon)).unwrap();
-            assert_eq!(suspicion.state, SuspicionState::Open, "{suspicion:?}");
+            let suspected = state.update(&wide, &[], Some(&tendon)).unwrap();
+            assert_eq!(suspected.state, SuspectedChangeState::Open, "{suspected:?}");
         }
         assert!(state.suspected.is_some());
     }

@@ -6,6 +6,16 @@ const WHO = "sinew-who";
 
 const SHELVES = [["1 hour", 3600], ["8 hours", 8 * 3600], ["1 day", 86400], ["7 days", 7 * 86400]];
 
+// Findings of an inspection.
+export const FINDINGS = {
+  "strand-failure": "Strand or rope failed",
+  slip: "Rope slipped",
+  "clamp-slip": "Clamp slipped",
+  "encoder-moved": "Encoder moved or homed again",
+  nothing: "Nothing found",
+  other: "Other (describe in the note)",
+};
+
 const KINDS = {
   tensioned: {
     past: "re-tensioned", button: "Record re-tensioning", title: "Record re-tensioning", does: "Save",
@@ -14,6 +24,10 @@ const KINDS = {
   replaced: {
     past: "replaced", button: "Record replacement", title: "Record replacement", does: "Save",
     explains: "The age of the rope restarts at zero. Move the arm with an empty gripper until the new baseline is acquired.",
+  },
+  finding: {
+    button: "Record finding", title: "Record finding", does: "Save",
+    explains: "States what the inspection of the tendon found. A finding that needs no repair closes the incident.",
   },
   note: { button: "Add note", title: "Add note", does: "Save", note: true },
   acknowledge: {
@@ -46,13 +60,15 @@ export function Action({ kind, robot, joints, joint, alarm }) {
 }
 
 function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
-  const { title, does, explains, note: noteNeeded } = KINDS[kind];
+  const { title, does, explains, note: always } = KINDS[kind];
   const dialog = useRef(null);
   const [who, setWho] = useState(() => localStorage.getItem(WHO) ?? "");
   const [note, setNote] = useState("");
   // Nothing is preselected where there is a choice: which tendon was worked on is known only to the person who did it.
   const [meant, setMeant] = useState(() => new Set(joints.length === 1 ? joints : []));
   const [shelf, setShelf] = useState(SHELVES[1][1]);
+  const [finding, setFinding] = useState("");
+  const noteNeeded = always || finding === "other";
   const [error, setError] = useState("");
   const [busy, setBusy] = useState(false);
   useEffect(() => { dialog.current.showModal(); }, []);
@@ -67,6 +83,7 @@ function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
   const what = () => {
     if (isWork) return { kind, joints: joints.filter(name => meant.has(name)) };
     if (kind === "note") return { kind };
+    if (kind === "finding") return { kind, joint, finding };
     return kind === "shelve" ? { kind, alarm, for_s: shelf } : { kind, alarm };
   };
   const submit = async event => {
@@ -103,6 +120,12 @@ function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
         {kind === "shelve" && (
           <label>Duration <select value={shelf} onChange={event => setShelf(Number(event.target.value))}>
             {SHELVES.map(([name, s]) => <option key={s} value={s}>{name}</option>)}
+          </select></label>
+        )}
+        {kind === "finding" && (
+          <label>Finding <select value={finding} required onChange={event => setFinding(event.target.value)}>
+            <option value="">Select …</option>
+            {Object.entries(FINDINGS).map(([name, text]) => <option key={name} value={name}>{text}</option>)}
           </select></label>
         )}
         <label>Name <input value={who} required maxlength="100" autocomplete="name" onInput={event => setWho(event.target.value)} /></label>

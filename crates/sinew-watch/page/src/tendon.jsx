@@ -7,6 +7,7 @@ import { get } from "./api.js";
 import { Chart } from "./chart.jsx";
 import { chance, count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
 import { whyNoOffset, whyNot } from "./robot.jsx";
+import { Incidents } from "./incident.jsx";
 import { CLASSES, Sign } from "./signs.jsx";
 
 const MAX_ROWS = 200;
@@ -157,6 +158,7 @@ export function Tendon({ robot, joint, live }) {
       <Outdated answer={answer} />
       <ul class="headlines"><li class={CLASSES[tendon.level]}><Sign level={tendon.level} />{text}</li></ul>
       {alarms.length > 0 && <section aria-label="alarms"><AlarmList alarms={alarms} named={false} /></section>}
+      <Incidents robot={robot} joint={joint} incidents={of?.robot.incidents ?? []} />
       <section>
         <h2>Trend</h2>
         <Trend robot={robot} joint={joint} trend={trend} mark={mark} />

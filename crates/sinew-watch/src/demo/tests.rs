@@ -91,9 +91,9 @@ fn played(arm: &Arm, seed: u64, turns: u32, delay_s: f64) -> (RobotSnapshot, Vec
     (monitor.snapshot(at(end_s)), alarms)
 }
 
-/// What the banner says happens, whenever the motion begins.
+/// The events of the banner happen, whenever the motion begins.
 #[test]
-fn demo_strand_failure_suspected_after_3_min_and_confirmed_on_next_day() {
+fn demo_strand_failure_suspected_then_confirmed_next_day() {
     let all = arms(&robot().unwrap(), &Catalogue::shipped().unwrap());
     assert_eq!(all.len(), 3, "three simulated arms");
     for delay_s in [0.0, 2.0] {

@@ -55,7 +55,7 @@ impl Place {
     }
 }
 
-/// Checks that a database which was created is not empty or missing beside its write-ahead log: SQLite would begin a new
+/// Checks that a database which was created is not empty or missing while its write-ahead log exists: SQLite would begin a new
 /// one in its place. A new database is never empty, as it is written under another name first.
 fn check_content(file: &Path) -> Result<(), StoreError> {
     let length = |path: &Path| std::fs::metadata(path).ok().map(|of| of.len());

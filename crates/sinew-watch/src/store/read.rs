@@ -5,6 +5,7 @@ use super::{MAX_BUSY_TIME, Place, StoreError};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Row, ToSql, params};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use sinew_files::NewFile;
 use sinew_watch_core::alarm::{Alarm, AlarmsStored};
 use sinew_watch_core::journal::Entry;
 use sinew_watch_core::{History, MonitorState, Record, Stored};
@@ -377,8 +378,8 @@ impl Reader {
             folder: folder.into(),
             source,
         };
-        let new = super::write::NewFile::create(target).map_err(error)?;
-        let path = new.path.display().to_string();
+        let new = NewFile::begin(target).map_err(error)?;
+        let path = new.path().display().to_string();
         // SQLite counts this as writing, although it writes only the copy.
         self.connection.pragma_update(None, "query_only", false)?;
         let copied = self.connection.execute("VACUUM INTO ?1", [path]);

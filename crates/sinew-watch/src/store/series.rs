@@ -48,7 +48,7 @@ pub struct SeriesPoint {
     pub offset_rad: Option<f64>,
     /// Standard deviation of the offset, rad.
     pub offset_std_rad: Option<f64>,
-    /// Elongation, m.
+    /// Elongation since the tensioning, m.
     pub elongation_m: Option<f64>,
     /// Standard deviation of the elongation, m.
     pub elongation_std_m: Option<f64>,

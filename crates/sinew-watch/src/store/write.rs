@@ -4,10 +4,10 @@ use super::row::{COLUMNS, values, word};
 use super::schema::migrate;
 use super::{MAX_BUSY_TIME, Pending, Place, Reader, StoreError};
 use rusqlite::{Connection, OpenFlags, TransactionBehavior, params, params_from_iter};
+use sinew_files::NewFile;
 use sinew_watch_core::{MonitorState, Transaction};
 use std::fs::File;
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Compression level of stored states (zstd).
 const COMPRESSION_LEVEL: i32 = 1;
@@ -164,7 +164,7 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
     Ok(file)
 }
 
-/// Creates the database, if missing, readable by its owner only; the files beside it inherit this. It is complete before
+/// Creates the database, if missing, readable by its owner only; the files in its folder inherit this. It is complete before
 /// it gets its name, so that an interrupted start leaves no empty database.
 fn create(file: &Path) -> Result<(), StoreError> {
     if file.exists() {
@@ -175,54 +175,11 @@ fn create(file: &Path) -> Result<(), StoreError> {
         folder: folder.into(),
         source,
     };
-    let new = NewFile::create(file).map_err(error)?;
-    let mut connection = Connection::open(&new.path)?;
+    let new = NewFile::begin(file).map_err(error)?;
+    let mut connection = Connection::open(new.path())?;
     migrate(&mut connection, &file.display().to_string())?;
     connection.close().map_err(|(_, reason)| reason)?;
     new.finish(file).map(drop).map_err(error)
-}
-
-/// File that gets its name once it is complete, readable by its owner only; removed if it is not completed.
-pub(super) struct NewFile {
-    pub(super) path: PathBuf,
-    file: File,
-}
-
-impl NewFile {
-    /// Creates the empty file beside `target`; replaces that of an interrupted run.
-    pub(super) fn create(target: &Path) -> std::io::Result<Self> {
-        let path = PathBuf::from(format!("{}.new", target.display()));
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-        let mut options = File::options();
-        #[cfg(unix)]
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-        let file = options
-            .read(true)
-            .write(true)
-            .create_new(true)
-            .open(&path)?;
-        Ok(Self { path, file })
-    }
-
-    /// Renames the file to its name when its content is on the disk; returns its length, bytes.
-    pub(super) fn finish(self, target: &Path) -> std::io::Result<u64> {
-        self.file.sync_all()?;
-        let length = self.file.metadata()?.len();
-        std::fs::rename(&self.path, target)?;
-        #[cfg(unix)]
-        File::open(sinew_files::folder_of(target))?.sync_all()?;
-        Ok(length)
-    }
-}
-
-impl Drop for NewFile {
-    fn drop(&mut self) {
-        // Renamed, or not needed any more.
-        let _gone = std::fs::remove_file(&self.path);
-    }
 }
 
 /// Checks the integrity of the database, as far as this is quick.

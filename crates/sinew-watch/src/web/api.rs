@@ -338,7 +338,7 @@ impl AlarmView {
         Self {
             robot: robot.into(),
             level: alarm.level(),
-            severity: alarm.key.condition.severity(),
+            severity: alarm.severity(),
             title: words::title(alarm),
             text: words::observation(alarm),
             advice: words::advice(alarm).unwrap_or(""),

@@ -52,7 +52,7 @@ pub(super) enum TokenCheck {
 }
 
 impl Guard {
-    /// Creates the access control from the settings; `token` where one is required. Logins are stored beside the database.
+    /// Creates the access control from the settings; `token` where one is required. Logins are stored in the folder of the database.
     pub fn new(
         settings: &WebSettings,
         token: Option<String>,

@@ -24,7 +24,7 @@ const MAX_WRONG_TOKENS: usize = 10;
 /// Time after which a wrong token counts no more.
 const EXCLUSION: Duration = Duration::from_secs(60);
 
-/// Logins, kept beside the token so that they survive a restart.
+/// Logins, kept in the folder of the token so that they survive a restart.
 pub(super) struct Logins {
     /// File of the logins; `None`: in memory.
     file: Option<PathBuf>,

@@ -223,7 +223,7 @@ fn of_robot(out: &mut Samples, robot: &RobotSnapshot) {
             ("joint", joint),
             ("condition", condition.as_str()),
         ];
-        let severity = f64::from(alarm.key.condition.severity());
+        let severity = f64::from(alarm.severity());
         out.put("sinew_alarm_active", &labels, f64::from(alarm.is_active()));
         out.put("sinew_alarm_severity", &labels, severity);
     }

@@ -65,10 +65,12 @@ pub(super) async fn json(
 ) -> Result<Response, ErrorResponse> {
     let [usual, most] = RECORDS;
     query.most = Some(query.most.unwrap_or(usual).min(most));
-    let asked = query.clone();
+    let requested = query.clone();
     let found = app.read(move |reader| {
-        let exists = asked.before.map_or(Ok(true), |id| reader.has_record(id))?;
-        Ok((exists, reader.span(&asked)?))
+        let exists = requested
+            .before
+            .map_or(Ok(true), |id| reader.has_record(id))?;
+        Ok((exists, reader.span(&requested)?))
     });
     let (exists, span) = found.await?;
     if !exists {

@@ -1,7 +1,6 @@
 //! Alarm texts: titles, observations and recommended actions.
 
-use super::robots::exceedance;
-use super::{plus_minus, rounded, span, when};
+use super::{exceedance, plus_minus, rounded, span, when};
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::Gaussian;
 use sinew_trend::Limit;

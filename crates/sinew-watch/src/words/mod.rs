@@ -18,6 +18,7 @@ pub use alarms::{
 pub use journal::entry;
 pub use robots::{disconnected, is_being_stored, robot, tendon, waits_for_urdf};
 
+use sinew_files::date::day_of;
 use sinew_files::number::rounded;
 use sinew_model::Gaussian;
 
@@ -48,4 +49,15 @@ fn span(seconds: f64) -> String {
 
 fn percent(share: f64) -> String {
     sinew_files::number::share(share)
+}
+
+/// Formats the dates of a limit exceedance, s since 1970 UTC: median and 95 % interval as
+/// `about 2026-12-24 (95 %: 2026-12-01 to 2027-03-02)`, without a median as `not before 2026-12-01 (95 %)`.
+fn exceedance([at, low, high]: [Option<f64>; 3]) -> String {
+    let low = low.map_or("–".into(), day_of);
+    let Some(at) = at else {
+        return format!("not before {low} (95 %)");
+    };
+    let high = high.map_or("beyond the forecast horizon".into(), day_of);
+    format!("about {} (95 %: {low} to {high})", day_of(at))
 }

@@ -1,9 +1,8 @@
 //! Summary texts of robots and tendons.
 
 use super::alarms::{has_ended, headline, title};
-use super::{percent, plus_minus, span, when};
+use super::{exceedance, percent, plus_minus, span, when};
 use sinew_estimate::online::Provisional;
-use sinew_files::date::day_of;
 use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState};
 use sinew_watch_core::alarm::{Alarm, Condition, Level};
 use sinew_watch_core::record::NoOffset;
@@ -162,15 +161,4 @@ pub fn disconnected(transport: &str, reason: &str) -> String {
 /// Returns the reason why a robot whose last session is not stored yet is not monitored.
 pub fn is_being_stored() -> String {
     "the previous session is still being stored; reload the configuration in a few seconds".into()
-}
-
-/// Formats the dates of a limit exceedance, s since 1970 UTC: median and 95 % interval as
-/// `about 2026-12-24 (95 %: 2026-12-01 to 2027-03-02)`, without a median as `not before 2026-12-01 (95 %)`.
-pub(super) fn exceedance([at, low, high]: [Option<f64>; 3]) -> String {
-    let low = low.map_or("–".into(), day_of);
-    let Some(at) = at else {
-        return format!("not before {low} (95 %)");
-    };
-    let high = high.map_or("beyond the forecast horizon".into(), day_of);
-    format!("about {} (95 %: {low} to {high})", day_of(at))
 }
