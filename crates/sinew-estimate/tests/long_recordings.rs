@@ -223,15 +223,23 @@ fn estimate_in_parts_agrees_with_all_blocks_at_once() {
     assert_eq!(next.end_time_ns, next_at_once.end_time_ns);
 }
 
-// Without a baseline further parts are no further information: the interval is that of the last part.
+// The model errors of a motion that repeats are the same in all parts: the interval is that of the last part.
 #[test]
-fn parts_without_baseline_do_not_narrow_the_interval() {
+fn repeated_motion_in_further_parts_does_not_narrow_the_interval() {
+    let [after_tensioning, _] = minutes(1);
+    let (baseline, _) = baseline_at_once(&after_tensioning);
+    for since in [None, Some((&baseline, "baseline"))] {
+        check_width_after_parts(since);
+    }
+}
+
+fn check_width_after_parts(since: Option<(&Baseline, &str)>) {
     let [_, work] = minutes(42);
     let options = SessionOptions::default();
     let estimate = |work: &Repeated| {
         let request = work.request(&[]);
         let whole = Window::default();
-        session::estimate(&request, whole, None, &options, &mut |_| {})
+        session::estimate(&request, whole, since, &options, &mut |_| {})
             .unwrap()
             .0
     };

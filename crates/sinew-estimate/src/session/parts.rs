@@ -1,9 +1,8 @@
 //! Result of a long recording from those of its parts.
 //!
-//! A part starts from the posterior of the one before, so that its result refers to the whole recording up to its end.
-//! What refers to the time of a part alone is joined here.
+//! Every part of a session starts at its baseline, and its offsets refer to it. The parts of a baseline start from the
+//! posterior of the part before. What refers to the time of a part alone is joined here.
 
-use super::late_step::LASTING_S;
 use super::poses::{MIN_BASELINE_POSES, MIN_POSES, Poses};
 use super::recorder::Recorded;
 use super::result::{
@@ -11,7 +10,7 @@ use super::result::{
 };
 use super::warning::Warning;
 use crate::decimated::Decimated;
-use sinew_model::{Gaussian, Interval95};
+use sinew_model::Gaussian;
 
 /// Maximum number of rejected intervals in a result.
 const MAX_REJECTED: usize = 20;
@@ -46,11 +45,10 @@ impl Parts {
         let all = self.count + count;
         let mut part = part.clone();
         if let Some(before) = self.whole.take() {
-            let start_s = recorded.blocks.first().map_or(0.0, |block| block.time_s);
             let temperature_c = self.temperature_sum_c / all.max(1) as f64;
             part.temperature_c = temperature_c.is_finite().then_some(temperature_c);
             let weights = [self.count, count].map(|n| n as f64 / all.max(1) as f64);
-            join(before, &mut part, start_s, weights, poses.count());
+            join(before, &mut part, weights, poses.count());
         }
         self.count = all;
         self.whole = Some(part);
@@ -63,21 +61,14 @@ impl Parts {
     }
 }
 
-/// Joins the result of the recording up to the end of `part` with those `before` its start at `start_s`. `weights`:
-/// shares of both in the number of blocks.
-fn join(
-    before: SessionEstimate,
-    part: &mut SessionEstimate,
-    start_s: f64,
-    weights: [f64; 2],
-    poses: usize,
-) {
+/// Joins the result of `part` with that of the recording `before` it. `weights`: shares of both in the number of blocks.
+fn join(before: SessionEstimate, part: &mut SessionEstimate, weights: [f64; 2], poses: usize) {
     part.start_time_utc_s = before.start_time_utc_s;
     part.duration_s += before.duration_s;
     let duration_s = part.duration_s;
     for joint in &mut part.joints {
         if let Some(earlier) = before.joints.iter().find(|own| own.name == joint.name) {
-            join_tendon(earlier, joint, start_s, duration_s, weights);
+            join_tendon(earlier, joint, duration_s, weights);
         }
     }
     part.segments.splice(..0, before.segments);
@@ -101,30 +92,26 @@ fn join(
 fn join_tendon(
     before: &TendonEstimate,
     part: &mut TendonEstimate,
-    start_s: f64,
     duration_s: f64,
     weights: [f64; 2],
 ) {
     let lost = |change: &TendonChange| change.kind == TendonChangeKind::TransmissionLost;
     let was_lost = before.changes.iter().any(lost);
     part.changes.retain(|change| !(was_lost && lost(change)));
-    for change in &mut part.changes {
-        // A difference of the stiffness from the posterior of the part before arose in its last seconds, in which a
-        // change is not distinguished from a contact.
-        change.kind = match change.kind {
-            TendonChangeKind::StiffnessLoss => TendonChangeKind::StrandFailure,
-            TendonChangeKind::StiffnessIncrease => TendonChangeKind::Stiffer,
-            _ => continue,
-        };
-        change.time_s = start_s;
-        change.interval_s = Some(Interval95 {
-            low: start_s - LASTING_S,
-            high: start_s,
-        });
-        change.probability = part.stiffness_change.map(|change| change.probability);
-    }
+    // A difference of the stiffness from that of the baseline is the one that an earlier part has already reported.
+    let is_of_stiffness = |change: &TendonChange| {
+        matches!(
+            change.kind,
+            TendonChangeKind::StiffnessLoss | TendonChangeKind::StiffnessIncrease
+        )
+    };
+    let was_changed = before
+        .changes
+        .iter()
+        .any(|change| is_of_stiffness(change) || change.stiffness_change_ratio.is_some());
+    part.changes
+        .retain(|change| !(was_changed && is_of_stiffness(change)));
     part.changes.splice(..0, before.changes.iter().cloned());
-    part.stiffness_change = before.stiffness_change.or(part.stiffness_change);
     part.creep = match (before.creep, part.creep) {
         (None, None) => None,
         (a, b) => {
@@ -167,6 +154,7 @@ fn join_warnings(before: Vec<Warning>, part: &mut Vec<Warning>, poses: usize) {
         | Warning::TemperatureUnknown { .. }
         | Warning::ThermalEffect { .. }
         | Warning::FarFromPrior { .. }
+        | Warning::StiffnessChanged { .. }
         | Warning::NegativePayload { .. }
         | Warning::EncoderDelay { .. } => Extent::End,
         Warning::FewPoses { .. }

@@ -432,6 +432,8 @@ struct Blocks<'a> {
     recorder: Recorder,
     /// Last complete part: the next one is appended to it if the recording ends soon.
     complete: Option<Recorded>,
+    /// Whether the recording is not divided.
+    is_one_part: bool,
     without_encoder: Vec<usize>,
     start_ns: Option<i64>,
     frames: u64,
@@ -477,6 +479,13 @@ impl<'a> Blocks<'a> {
                 .with_touches(robot, &request.touches)
                 .with_corrections(corrections),
             complete: None,
+            is_one_part: !(robot.cables.is_empty()
+                && request.touches.is_empty()
+                && robot
+                    .transmissions
+                    .iter()
+                    .flatten()
+                    .all(|t| t.anchors.is_empty())),
             without_encoder: opened.without_encoder.clone(),
             start_ns: None,
             frames: 0,
@@ -544,12 +553,13 @@ impl<'a> Blocks<'a> {
     }
 
     /// Returns the next part of a long recording. A part is passed on after the one that follows it is complete, so that
-    /// the last one is never short. A recording with tendons that have friction along their path has one part.
+    /// the last one is never short. A recording has one part if tendons have friction along their path, or if references
+    /// may be touched, which correct the whole recording.
     ///
     /// # Errors
     /// Returns [`EstimateError::Touch`] for a touch in the part without a mark in robot.toml.
     fn part(&mut self) -> Result<Option<Recorded>, EstimateError> {
-        if self.recorder.recorded().blocks.len() < PART_BLOCKS || !self.cables.is_empty() {
+        if self.recorder.recorded().blocks.len() < PART_BLOCKS || self.is_one_part {
             return Ok(None);
         }
         let part = self.recorder.exchange(Recorded::empty(&self.robot));

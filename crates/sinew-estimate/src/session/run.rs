@@ -28,7 +28,7 @@ use crate::request::{Progress, Request};
 use crate::warning::RecordingWarning;
 use sinew_log::Frame;
 use sinew_model::offset::{
-    JointParameter, MapError, MapEstimator, ModelError, Payload, Prior, SearchScope, SharedError,
+    JointParameter, MapError, MapEstimator, Payload, Prior, SearchScope, SharedError,
     StateEstimate, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, state_estimates, stated_payload,
 };
 use sinew_model::robot::Robot;
@@ -409,17 +409,11 @@ impl Run<'_> {
             also,
             &mut |robot, recorded| {
                 each(recorded);
-                let before = last.take().map(|solved| solved.chain);
-                let mut solved = match before {
-                    // Model errors bias the offsets of every part equally: further parts add no information.
-                    Some(chain) if baseline.is_some() => {
-                        solve_next(robot, recorded, &name, baseline, chain)?
-                    }
-                    _ => {
-                        let since = since(baseline.map(|(baseline, _)| baseline), recorded);
-                        solve_stretch(robot, recorded, &name, (baseline, since), options)?
-                    }
-                };
+                // Every part starts at the baseline: the model errors of a motion that repeats are the same in all parts, so
+                // that a posterior of several parts would be too narrow.
+                let since = since(baseline.map(|(baseline, _)| baseline), recorded);
+                let start = (baseline, since);
+                let mut solved = solve_stretch(robot, recorded, &name, start, options)?;
                 cables::add(robot, (recorded, &name), baseline, &mut solved.estimate)?;
                 whole.add(recorded, &mut solved.estimate);
                 last = Some(solved);
@@ -595,45 +589,6 @@ pub(crate) struct Solved {
     pub(crate) unknown_temperature_rad: Vec<f64>,
     /// Logarithm of the Bayes factor for the stated payload against an unknown one; 0 if none was compared.
     ln_stated_payload: f64,
-    chain: Chain,
-}
-
-/// State of the estimate of a recording after one of its parts, with what holds for all of them.
-#[derive(Debug, Clone)]
-pub(crate) struct Chain {
-    chained: Chained,
-    /// Standard deviation of the temperature change since the baseline, K.
-    change_k: f64,
-    /// Standard deviation of each joint's offset from errors that are constant over all blocks, rad.
-    added_rad: Vec<f64>,
-    model_error: Option<ModelError>,
-    /// Prior standard deviation of the time offset between the encoders, s.
-    lag_s: f64,
-    /// Options after the tests of the stated values.
-    options: SessionOptions,
-    /// Time relation of the recording to the session before.
-    since: Since,
-}
-
-/// Estimates the part of a recording that follows the one of `chain`.
-fn solve_next(
-    robot: &Robot,
-    recorded: &Recorded,
-    name: &str,
-    baseline: Option<(&Baseline, &str)>,
-    chain: Chain,
-) -> Result<Solved, SessionError> {
-    let (options, lag_s) = (chain.options, chain.lag_s);
-    let since = (baseline, chain.since);
-    estimate_with_lag(
-        robot,
-        recorded,
-        name,
-        since,
-        &options,
-        (lag_s, None),
-        Some(chain),
-    )
 }
 
 /// Estimates as [`estimate_segment`], and returns the posterior and the estimator too.
@@ -645,17 +600,8 @@ pub(crate) fn solve_stretch(
     options: &SessionOptions,
 ) -> Result<Solved, SessionError> {
     let estimate_as_specified = |options: &SessionOptions, stated: Option<Payload>| {
-        let solve = |lag_s| {
-            estimate_with_lag(
-                robot,
-                recorded,
-                name,
-                baseline,
-                options,
-                (lag_s, stated),
-                None,
-            )
-        };
+        let solve =
+            |lag_s| estimate_with_lag(robot, recorded, name, baseline, options, (lag_s, stated));
         let simultaneous = solve(0.0)?;
         let delay = simultaneous
             .estimate
@@ -763,7 +709,6 @@ fn estimate_with_lag(
     (baseline, since): (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
     (lag_s, stated): (f64, Option<Payload>),
-    chain: Option<Chain>,
 ) -> Result<Solved, SessionError> {
     sides::check_scales(robot, recorded, name)?;
     let mut session = Session::new(robot, recorded, options);
@@ -820,15 +765,9 @@ fn estimate_with_lag(
         }
     };
     prior.open_lag(&mut start, lag_s);
-    let mut model_error = baseline.and_then(|(baseline, _)| {
+    let model_error = baseline.and_then(|(baseline, _)| {
         let then = baseline.model_error.as_ref()?;
         Some(session.estimator.aged_model_error(then, &common, &start))
-    });
-    let before = chain.map(|chain| {
-        (change_k, added_rad, model_error) =
-            (chain.change_k, chain.added_rad, chain.model_error.clone());
-        start.clone_from(&chain.chained.state_estimate);
-        chain.chained
     });
     session.estimator = session.estimator.with_model_error(model_error.clone());
     let estimator = &session.estimator;
@@ -837,7 +776,7 @@ fn estimate_with_lag(
         offsets: true,
         payload: true,
         creep: options.creep,
-        continues: before.is_some() || continues,
+        continues,
         onset: None,
     };
     let payload = options.payload;
@@ -868,11 +807,8 @@ fn estimate_with_lag(
         file: name.into(),
         error,
     })?;
-    if let Some(before) = &before {
-        segments.follow(before);
-    }
     let touched = anchor::readings(robot, recorded, estimator, &segments);
-    let chained = segments.chained(before.as_ref(), touched);
+    let chained = segments.chained(None, touched);
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());
@@ -888,7 +824,7 @@ fn estimate_with_lag(
         next.zero_time_ns = baseline.zero_time();
         next.temperature_std_k = baseline.temperature_std_k;
         next.change_std_k = change_k;
-        next.model_error.clone_from(&model_error);
+        next.model_error = model_error;
         next.anchors.clone_from(&baseline.anchors);
         next.cables.clone_from(&baseline.cables);
     }
@@ -947,17 +883,8 @@ fn estimate_with_lag(
         ln_stated_payload,
         estimator: session.estimator,
         unknown_temperature_rad: match unknown {
-            true => added_rad.clone(),
+            true => added_rad,
             false => Vec::new(),
-        },
-        chain: Chain {
-            chained,
-            change_k,
-            added_rad,
-            model_error,
-            lag_s,
-            options: *options,
-            since,
         },
     })
 }
