@@ -225,7 +225,7 @@ fn estimate_in_parts_agrees_with_all_blocks_at_once() {
 
 // The model errors of a motion that repeats are the same in all parts: the interval is that of the last part.
 #[test]
-fn repeated_motion_in_further_parts_does_not_narrow_the_interval() {
+fn repeated_motion_in_parts_does_not_narrow_interval() {
     let [after_tensioning, _] = minutes(1);
     let (baseline, _) = baseline_at_once(&after_tensioning);
     for since in [None, Some((&baseline, "baseline"))] {
