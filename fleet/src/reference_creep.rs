@@ -4,7 +4,7 @@ use crate::FleetError;
 use crate::creep::Ages;
 use sinew_files::csv::Table;
 use sinew_files::date::DAY_S;
-use sinew_files::{Bound, Fault, Fields as _, limits};
+use sinew_files::{Bound, Budget, Fault, Fields as _};
 use sinew_log::{Cell, CellKind, Column, TableWriter};
 use sinew_trend::filter::{Curve, Prior};
 use std::collections::BTreeMap;
@@ -119,7 +119,7 @@ pub fn write(reference: &ReferenceCreeps, path: &Path) -> Result<(), FleetError>
 /// # Errors
 /// Returns the location of the invalid value.
 pub fn read(path: &Path) -> Result<ReferenceCreeps, FleetError> {
-    let table = Table::read(path, &limits::SESSIONS)?;
+    let table = Table::read(path, &Budget::TABLE)?;
     table.need(&[&TEXTS[..], &NUMBERS[..]].concat())?;
     let mut out = ReferenceCreeps::new();
     for row in table.rows() {

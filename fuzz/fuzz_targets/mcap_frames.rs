@@ -7,7 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use sinew_log::{OpenOptions, Quantity, Recording};
 
 /// Most memory a chunk may take here: fuzzers stop at 2 GB.
-const CHUNK_LIMIT_BYTES: usize = 16 << 20;
+const MEMORY_BYTES: u64 = 16 << 20;
 
 fuzz_target!(|bytes: &[u8]| {
     // The magic is not worth searching for.
@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
     file.extend_from_slice(bytes);
     let options = OpenOptions {
-        chunk_limit_bytes: CHUNK_LIMIT_BYTES,
+        budget: sinew_log::Budget::RECORDING.with_memory(MEMORY_BYTES),
         ..OpenOptions::default()
     };
     let length = file.len() as u64;

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir::{self, LoadedRobot};
-use sinew_files::{limits, read_text};
+use sinew_files::{Budget, read_text};
 use sinew_log::Mapping;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::RobotFile;
@@ -238,7 +238,7 @@ impl Robot {
         let mut check = check.map_err(Failure::from)?;
         if let Some(file) = mapping {
             Mapping::read(&file).map_err(Failure::from)?;
-            let text = read_text(&file, &limits::SETTINGS).map_err(Failure::from)?;
+            let text = read_text(&file, &Budget::SETTINGS).map_err(Failure::from)?;
             let name = file.display().to_string();
             check.add_mapping(&text, &name).map_err(Failure::from)?;
         }

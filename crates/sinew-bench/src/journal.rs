@@ -2,7 +2,7 @@
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sinew_files::limits;
+use sinew_files::Budget;
 use sinew_files::lock::lock;
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -121,7 +121,7 @@ impl Journal {
             ))
         })?;
         let length = file.metadata().map_err(io)?.len();
-        limits::STUDY.check(length).map_err(wrong)?;
+        Budget::TABLE.memory.check(length).map_err(wrong)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(|e| match e.kind() {
             ErrorKind::InvalidData => wrong("is not text; specify another file".into()),

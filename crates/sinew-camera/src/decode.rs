@@ -7,7 +7,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// Maximum memory of a decoder for one frame, bytes.
-const MEMORY_LIMIT_BYTES: usize = sinew_files::limits::PICTURE_MEMORY.length();
+const MEMORY_LIMIT_BYTES: usize = sinew_files::Budget::PICTURE.unpacked.most as usize;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_SIGNATURE: &[u8] = &[0xff, 0xd8, 0xff];
 

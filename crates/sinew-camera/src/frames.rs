@@ -3,7 +3,7 @@
 use super::error::CameraError;
 use super::times::{PATTERNS, natural};
 use sinew_files::csv::Table;
-use sinew_files::{Bound, Fault, Fields as _, Located, limits};
+use sinew_files::{Bound, Budget, Fault, Fields as _, Located};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -125,7 +125,7 @@ fn by_table(
     path: &Path,
     list: &mut FrameList,
 ) -> Result<(), CameraError> {
-    let table = Table::read(path, &limits::DESCRIPTION)?;
+    let table = Table::read(path, &Budget::DESCRIPTION)?;
     table.need(&["file", "time_s"])?;
     let mut named = HashSet::new();
     let mut falls: Option<u64> = None;

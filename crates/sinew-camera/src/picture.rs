@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// Maximum width and height of a picture, px. A 100-megapixel camera has 11,648 × 8,736.
-pub const SIDE_LIMIT_PX: u32 = sinew_files::limits::PICTURE_SIDE.most as u32;
+pub const SIDE_LIMIT_PX: u32 = sinew_files::Budget::PICTURE.columns.most as u32;
 
 /// Grey levels, row-major from the top left.
 #[derive(Debug, Clone, PartialEq)]

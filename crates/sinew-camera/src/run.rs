@@ -10,7 +10,7 @@ use super::reader::ScaleReader;
 use super::rejection::Rejection;
 use super::request::{Request, check, check_region};
 use super::video::Video;
-use sinew_files::{limits, read_bytes, write_file};
+use sinew_files::{Budget, read_bytes, write_file};
 use std::sync::mpsc::{Receiver, sync_channel};
 
 /// Number of decoded frames waiting to be read; more would only use memory.
@@ -80,7 +80,7 @@ pub fn run(
 }
 
 fn decoded(file: FrameFile) -> Arrival {
-    let picture = read_bytes(&file.path, &limits::PICTURE_FILE)
+    let picture = read_bytes(&file.path, &Budget::PICTURE)
         .map_err(|e| e.to_string())
         .and_then(|bytes| decode(&bytes));
     Ok((file.name, file.time_s, picture))

@@ -1,6 +1,6 @@
 //! Folder of a robot: `robot.toml` and its URDF.
 
-use sinew_files::{Located, limits, names, read_text};
+use sinew_files::{Budget, Located, names, read_text};
 use sinew_model::arm::JointKind;
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_model::transmission::{Tendon, Transmission};
@@ -148,7 +148,7 @@ pub fn draft(
     } else {
         place.to_path_buf()
     };
-    let file_text = read_text(&file, &limits::DESCRIPTION)?;
+    let file_text = read_text(&file, &Budget::DESCRIPTION)?;
     if file_text.trim_start().starts_with('<') {
         return Err(urdf_as_robot(file));
     }
@@ -157,14 +157,14 @@ pub fn draft(
     let tables: Vec<String> = parsed.tables().into_iter().map(str::to_owned).collect();
     for name in tables {
         let path = in_folder(&name);
-        let text = read_text(&path, &limits::DESCRIPTION)?;
+        let text = read_text(&path, &Budget::DESCRIPTION)?;
         parsed = parsed.with_table(&name, &path.display().to_string(), &text)?;
     }
     let (urdf_text, urdf) = match (parsed.urdf(), description) {
         (Some(name), _) => {
             let path = in_folder(name);
             (
-                read_text(&path, &limits::DESCRIPTION)?,
+                read_text(&path, &Budget::DESCRIPTION)?,
                 path.display().to_string(),
             )
         }

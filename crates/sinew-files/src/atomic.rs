@@ -16,6 +16,29 @@ const LINKS_MOST: usize = 40;
 /// Files that outputs of this process have replaced.
 static REPLACED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+/// Files that this process has read; `None`: they are not recorded.
+static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
+
+/// Starts or ends the record of the files that this process reads, so that no [`AtomicFile`] replaces one of them. A program
+/// calls it around a command; a library does not.
+pub fn protect_inputs(protects: bool) {
+    let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    *inputs = protects.then(BTreeSet::new);
+}
+
+/// Records a file that is read, see [`protect_inputs`].
+pub fn note_input(path: &Path) {
+    let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(inputs) = &mut *inputs {
+        inputs.extend(path.canonicalize());
+    }
+}
+
+fn is_input(path: &Path) -> bool {
+    let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    inputs.as_ref().is_some_and(|inputs| inputs.contains(path))
+}
+
 /// A file that appears under its name only when it is finished.
 ///
 /// Written as a [`Temporary`] file in the folder of its target. If it is dropped before it is finished,
@@ -112,6 +135,10 @@ impl AtomicFile {
             Ok(match Destination::of(path)? {
                 Destination::Stdout => (stdout_file()?, None),
                 Destination::Through => (OpenOptions::new().append(true).open(path)?, None),
+                Destination::Whole(target) if is_input(&target) => {
+                    let problem = "it is an input of this command; specify another file";
+                    return Err(std::io::Error::new(ErrorKind::AlreadyExists, problem));
+                }
                 Destination::Whole(target) => {
                     let name = target.file_name().unwrap_or_default().to_string_lossy();
                     let (file, temporary) = Temporary::create(folder_of(&target), &name)?;
@@ -253,6 +280,30 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn protected_input_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let [input, link, other] =
+            ["in.txt", "link.txt", "other.txt"].map(|n| folder.path().join(n));
+        for path in [&input, &other] {
+            std::fs::write(path, b"mine").unwrap();
+        }
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&input, &link).unwrap();
+        protect_inputs(true);
+        crate::read_text(&input, &crate::Budget::SETTINGS).unwrap();
+        for path in [&input, &link] {
+            if path.exists() {
+                let error = write_file(path, b"new").unwrap_err().to_string();
+                assert!(error.contains("is an input of this command"), "{error}");
+            }
+        }
+        assert_eq!(std::fs::read(&input).unwrap(), b"mine");
+        write_file(&other, b"new").unwrap();
+        protect_inputs(false);
+        write_file(&input, b"new").unwrap();
+    }
 
     #[test]
     fn file_is_complete_or_absent() {

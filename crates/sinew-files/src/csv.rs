@@ -194,12 +194,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file within its limit.
+    /// Reads a file within its budget.
     ///
     /// # Errors
     /// Returns the errors of [`read_text`](crate::read_text) and [`Table::parse`].
-    pub fn read(path: &Path, limit: &crate::Limit) -> Result<Self, Located> {
-        let text = crate::read_text(path, limit)?;
+    pub fn read(path: &Path, budget: &crate::Budget) -> Result<Self, Located> {
+        let text = crate::read_text(path, budget)?;
         Self::parse(&text, &path.display().to_string())
     }
 

@@ -6,8 +6,9 @@
 //! * [`section`]: a TOML table read key by key (feature `toml`);
 //! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
 //! * [`bound`]: permitted ranges of numbers, and the units that end their keys;
-//! * [`limits`]: maximum sizes of inputs and simulations;
+//! * [`budget`]: the resources that the reading of an input may take;
 //! * [`mod@unit`]: units that a file may name, as factors to SI;
+//! * [`parquet`]: Parquet files within a budget (feature `parquet`);
 //! * [`names`]: suggestions for misspelt names;
 //! * [`number`]: formatting of numbers;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
@@ -18,18 +19,20 @@
 
 pub mod atomic;
 pub mod bound;
+pub mod budget;
 #[cfg(feature = "csv")]
 pub mod csv;
 pub mod date;
 pub mod interrupt;
 #[cfg(feature = "json")]
 mod json;
-pub mod limits;
 pub mod located;
 pub mod lock;
 pub mod names;
 mod new_file;
 pub mod number;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 #[cfg(feature = "toml")]
 pub mod section;
 pub mod temporary;
@@ -37,11 +40,14 @@ pub mod text;
 pub mod unit;
 mod utf16;
 
-pub use atomic::{AtomicFile, OutputError, folder_of, is_stdout, take_replaced, write_file};
+pub use atomic::{
+    AtomicFile, OutputError, folder_of, is_stdout, note_input, protect_inputs, take_replaced,
+    write_file,
+};
 pub use bound::{Bound, WORKS_AT_C};
+pub use budget::{Budget, Limit, ProcessorTime, multiply_budgets};
 #[cfg(feature = "json")]
 pub use json::{JsonDocument, json_kind};
-pub use limits::Limit;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
 pub use new_file::NewFile;

@@ -19,10 +19,15 @@ fn decimals(size: f64, digits: i32) -> usize {
 }
 
 fn fixed(value: f64, decimals: usize) -> String {
+    /// Above it a double has no decimals, and its digits are not those of the value.
+    const MAX_FIXED: f64 = 1e15;
     if !value.is_finite() {
         return NONE.into();
     }
-    let text = format!("{value:.decimals$}");
+    let text = match value.abs() < MAX_FIXED {
+        true => format!("{value:.decimals$}"),
+        false => format!("{value:.2e}"),
+    };
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) {
         text.trim_start_matches('-').to_string()
     } else {
@@ -88,6 +93,7 @@ pub fn count(value: u64) -> String {
 pub fn given(value: f64) -> String {
     let text = fixed(value, 6);
     match text.split_once('.') {
+        Some(_) if text.contains('e') => text,
         Some((whole, rest)) if rest.trim_end_matches('0').is_empty() => whole.to_string(),
         Some(_) => text.trim_end_matches('0').to_string(),
         None => text,
@@ -163,6 +169,8 @@ mod tests {
         assert_eq!(interval_cells(10.0234, 0.0), ["10.0", "–"]);
         assert_eq!(rounded(0.256_78, 2), "0.26");
         assert_eq!(rounded(1.2e-9, 2), "0.0000");
+        assert_eq!(rounded(-1.234e300, 3), "−1.23e300");
+        assert_eq!(given(1.5e20), "1.50e20");
     }
 
     #[test]

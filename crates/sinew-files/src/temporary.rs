@@ -69,6 +69,17 @@ impl Temporary {
         }
     }
 
+    /// Gives the open `file` a temporary name if it has none, for a library that needs its path.
+    ///
+    /// # Errors
+    /// Returns the error of the operating system.
+    pub fn expose(&mut self, file: &File) -> IoResult<()> {
+        if let Place::Unnamed(folder, start) = &self.0 {
+            self.0 = Place::Named(name(file, folder, start)?);
+        }
+        Ok(())
+    }
+
     /// Path of the file, if it has a name.
     pub fn path(&self) -> Option<&Path> {
         match &self.0 {
@@ -83,11 +94,9 @@ impl Temporary {
     /// # Errors
     /// Returns the error of the operating system.
     pub fn rename(mut self, file: &File, to: &Path) -> IoResult<bool> {
-        if let Place::Unnamed(folder, start) = &self.0 {
+        if matches!(self.0, Place::Unnamed(..)) {
             match link(file, to) {
-                Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                    self.0 = Place::Named(name(file, folder, start)?);
-                }
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => self.expose(file)?,
                 done => return done.map(|()| false),
             }
         }

@@ -1,6 +1,6 @@
 //! Bytes as text, in the encodings instruments and spreadsheets write.
 
-use crate::limits::Limit;
+use crate::budget::Budget;
 use crate::located::{Fault, Located};
 use std::borrow::Cow;
 use std::io::Read as _;
@@ -71,24 +71,26 @@ pub fn decode<'b>(bytes: &'b [u8], file: &str) -> Result<(Cow<'b, str>, Encoding
     Ok((encoding.decode(&bytes[mark..]), encoding))
 }
 
-/// Reads the text of a file within its limit, in any of the encodings.
+/// Reads the text of a file within its budget, in any of the encodings.
 ///
 /// # Errors
 /// Returns the errors of [`read_bytes`]; [`Fault::Syntax`] when it is no text.
-pub fn read_text(path: &Path, limit: &Limit) -> Result<String, Located> {
-    let bytes = read_bytes(path, limit)?;
+pub fn read_text(path: &Path, budget: &Budget) -> Result<String, Located> {
+    let bytes = read_bytes(path, budget)?;
     let (text, _) = decode(&bytes, &path.display().to_string())?;
     Ok(text.into_owned())
 }
 
-/// Reads a complete file or pipe within its limit.
+/// Reads a complete file or pipe within its budget.
 ///
 /// # Errors
 /// Returns [`Fault::Unreadable`], also for a device, which may never end; [`Fault::TooLarge`].
-pub fn read_bytes(path: &Path, limit: &Limit) -> Result<Vec<u8>, Located> {
+pub fn read_bytes(path: &Path, budget: &Budget) -> Result<Vec<u8>, Located> {
+    let limit = budget.memory;
     let file = path.display().to_string();
     let wrong = |fault, problem: String| Located::new(&file, fault, problem);
     let unreadable = |error| wrong(Fault::Unreadable, format!("cannot read: {error}"));
+    crate::atomic::note_input(path);
     let handle = std::fs::File::open(path).map_err(unreadable)?;
     let about = handle.metadata().map_err(unreadable)?;
     if about.is_dir() {
@@ -101,9 +103,9 @@ pub fn read_bytes(path: &Path, limit: &Limit) -> Result<Vec<u8>, Located> {
     limit.check(about.len()).map_err(too_large)?;
     let mut bytes = Vec::with_capacity(about.len() as usize);
     // A pipe has no length, and a file may grow.
-    let mut bounded = handle.take(limit.most + 1);
+    let mut bounded = handle.take(limit.value().saturating_add(1));
     bounded.read_to_end(&mut bytes).map_err(unreadable)?;
-    match bytes.len() as u64 > limit.most {
+    match bytes.len() as u64 > limit.value() {
         true => Err(too_large(format!("file exceeds the limit; {limit}"))),
         false => Ok(bytes),
     }
@@ -144,11 +146,19 @@ pub fn csv_cell(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Text from a file without the characters a terminal would obey.
+/// Text from a file without the characters a terminal would obey; of a number with more than 40 digits the first 40.
 pub fn plain(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
-        .collect()
+    const MAX_DIGITS: usize = 40;
+    let mut digits = 0;
+    let shown = text.chars().filter_map(|c| {
+        digits = if c.is_ascii_digit() { digits + 1 } else { 0 };
+        match digits {
+            0 if c.is_control() => Some('\u{fffd}'),
+            0..=MAX_DIGITS => Some(c),
+            _ => (digits == MAX_DIGITS + 1).then_some('…'),
+        }
+    });
+    shown.collect()
 }
 
 #[cfg(test)]
@@ -164,11 +174,16 @@ mod tests {
     }
 
     #[test]
+    fn plain_text_has_no_control_characters_and_no_long_numbers() {
+        assert_eq!(plain("a\u{1b}[31m\u{9b}b"), "a\u{fffd}[31m\u{fffd}b");
+        let number = "1234567890".repeat(4);
+        assert_eq!(plain(&number), number);
+        assert_eq!(plain(&format!("{number}1.5 N")), format!("{number}….5 N"));
+    }
+
+    #[test]
     fn endless_input_is_not_read() {
-        const MAX_4_BYTES: Limit = Limit {
-            most: 4,
-            ..crate::limits::SETTINGS
-        };
+        const MAX_4_BYTES: Budget = Budget::SETTINGS.with_memory(4);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         for (text, fault) in [("four", None), ("five!", Some(Fault::TooLarge)), ("", None)] {

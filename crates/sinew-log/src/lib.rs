@@ -62,7 +62,7 @@
 //! | chunk whose checksum, size or compression is wrong, framing intact | that chunk is skipped as a whole, the next is read, a new segment starts, damage |
 //! | framing broken (no record, length beyond the file) | reading stops there; the rest is damage |
 //! | first chunk lost | channels are known from the summary; without one: rejected |
-//! | wrong length field (record, chunk, string, sequence) | never allocated for: compared with the bytes that are there, [`OpenOptions::chunk_limit_bytes`], and what the compression can expand to |
+//! | wrong length field (record, chunk, string, sequence) | never allocated for: compared with the bytes that are there, [`OpenOptions::budget`], and what the compression can expand to |
 //! | message that cannot be decoded, XCDR2 | skipped and counted; the first 16 are described |
 //! | big-endian CDR | read |
 //! | fewer values than names | the missing ones are NaN; counted |
@@ -141,4 +141,5 @@ pub use live::JointInfo;
 pub use mapping::{JointEffort, Mapping};
 pub use motor_ratio::{MotorRatio, RatioSums, describe_ratios};
 pub use options::OpenOptions;
+pub use sinew_files::Budget;
 pub use sources::{SignalSource, TopicInfo, TopicUse};

@@ -2,6 +2,7 @@
 
 use crate::error::LogError;
 use crate::mapping::{JointEffort, Mapping};
+use sinew_files::Budget;
 
 /// Options for reading a recording; every field has a documented default.
 ///
@@ -34,8 +35,8 @@ pub struct OpenOptions {
     pub reorder_s: f64,
     /// Motor samples farther than this from the joint stamp are not used for interpolation, s.
     pub interpolate_s: f64,
-    /// Maximum memory of one chunk or record, bytes.
-    pub chunk_limit_bytes: usize,
+    /// Resources that the reading may take.
+    pub budget: Budget,
 }
 
 impl Default for OpenOptions {
@@ -52,7 +53,7 @@ impl Default for OpenOptions {
             gap_s: 0.5,
             reorder_s: 0.25,
             interpolate_s: 0.05,
-            chunk_limit_bytes: sinew_files::limits::CHUNK.length(),
+            budget: Budget::RECORDING,
         }
     }
 }

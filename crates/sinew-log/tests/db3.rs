@@ -149,7 +149,7 @@ fn message_beyond_limit_costs_only_itself() {
                   timestamp INTEGER, data BLOB); INSERT INTO messages SELECT * FROM kept; \
                   UPDATE messages SET data = zeroblob(1000000) WHERE id = 8;";
     let options = OpenOptions {
-        chunk_limit_bytes: 100_000,
+        budget: sinew_log::Budget::RECORDING.with_memory(100_000),
         ..OpenOptions::default()
     };
     let (frames, health) = read_all(reopened(change, &options).unwrap());

@@ -3,7 +3,7 @@
 use super::duty::{Duty, Stretch};
 use crate::law::RopeLoad;
 use sinew_files::csv::Table;
-use sinew_files::{Bound, Fault, Fields, Located, Section, TomlFile, limits, read_text};
+use sinew_files::{Bound, Budget, Fault, Fields, Located, Section, TomlFile, read_text};
 use std::path::Path;
 
 impl Duty {
@@ -21,7 +21,7 @@ impl Duty {
                 return Err(Located::new(&file, Fault::Syntax, problem));
             }
         };
-        read(&read_text(path, &limits::DESCRIPTION)?, &file)
+        read(&read_text(path, &Budget::DESCRIPTION)?, &file)
     }
 
     /// Reads a block table in TOML:

@@ -2,7 +2,7 @@
 
 use crate::law::entry::CatalogueEntry;
 use crate::law::tested_range::TestedRange;
-use sinew_files::{Fault, Located, limits, read_text};
+use sinew_files::{Budget, Fault, Located, read_text};
 use std::path::{Path, PathBuf};
 
 /// Shipped ropes: file and text of each.
@@ -239,7 +239,7 @@ impl Catalogue {
         files.sort();
         let mut fresh: Vec<CatalogueRope> = Vec::new();
         for path in files {
-            let text = read_text(&path, &limits::ROPE_ENTRY);
+            let text = read_text(&path, &Budget::SETTINGS);
             let parse = |text: String| CatalogueEntry::parse(&text, &path.display().to_string());
             let entry = match text.and_then(parse) {
                 Ok(entry) => entry,

@@ -1,5 +1,6 @@
 //! Open transport: its threads and its status.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -55,6 +56,8 @@ pub struct TransportStatus {
     pub messages: u64,
     /// Whether the transport has ended: the recording was replayed to its end.
     pub ended: bool,
+    /// Whether the reader ended with an internal error; the transport must be created again.
+    pub failed: bool,
     /// Reason why the last message was not published; `None`: it was published, or there was none.
     pub not_published: Option<String>,
 }
@@ -65,6 +68,7 @@ pub(crate) struct Shared {
     name: String,
     stop: AtomicBool,
     ended: AtomicBool,
+    failed: AtomicBool,
     messages: AtomicU64,
     disconnected: Mutex<Option<String>>,
     not_published: Mutex<Option<String>>,
@@ -76,6 +80,7 @@ impl Shared {
             name,
             stop: AtomicBool::new(false),
             ended: AtomicBool::new(false),
+            failed: AtomicBool::new(false),
             messages: AtomicU64::new(0),
             disconnected: Mutex::new(None),
             not_published: Mutex::new(None),
@@ -130,7 +135,13 @@ impl Transport {
         let inside = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name(shared.name.clone())
-            .spawn(move || work(&inside))
+            .spawn(move || {
+                // Foreign bytes are decoded here: a panic costs this transport only, until it is created again.
+                if catch_unwind(AssertUnwindSafe(|| work(&inside))).is_err() {
+                    inside.set_disconnected(Some("internal error of the reader".to_owned()));
+                    inside.failed.store(true, Ordering::Release);
+                }
+            })
             .map_err(|source| TransportError::Io {
                 transport: shared.name.clone(),
                 source,
@@ -155,6 +166,7 @@ impl Transport {
             not_published: lock(&self.shared.not_published).clone(),
             messages: self.shared.messages.load(Ordering::Relaxed),
             ended: self.shared.ended.load(Ordering::Acquire),
+            failed: self.shared.failed.load(Ordering::Acquire),
         }
     }
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 /// Maximum length of a record, and of a chunk, compressed or not, bytes.
-const MAX_RECORD_BYTES: usize = sinew_files::limits::CHUNK.length();
+const MAX_RECORD_BYTES: usize = sinew_files::Budget::RECORDING.memory.most as usize;
 /// Length of operation code and length field of a record, bytes.
 const RECORD_HEAD: usize = 1 + 8;
 /// Minimum length of a chunk: its fixed fields, bytes.

@@ -106,6 +106,30 @@ impl Alter for Twice {
     }
 }
 
+struct Panics;
+
+impl Alter for Panics {
+    fn alter(&mut self, _topic: &str, _schema: &str, _since_start_s: f64, _cdr: &mut [u8]) {
+        panic!("this panic belongs to the test");
+    }
+}
+
+#[test]
+fn panic_of_reader_is_failure_of_its_transport() {
+    let inbox = Inbox::new();
+    let (_robot, sender) = inbox.robot(QueueLimits::default());
+    let routes = Routes::new(vec![Route::new(sender, &live())]);
+    let made = options(recording(0..4));
+    let transport = open(&made, &routes, Clock::start(), Some(Box::new(Panics))).unwrap();
+    let begun = Instant::now();
+    while !transport.status().failed {
+        assert!(begun.elapsed().as_secs() < 60, "never");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let reason = transport.status().disconnected.unwrap();
+    assert!(reason.contains("internal error"), "{reason}");
+}
+
 #[test]
 fn replay_looped_restamped_repetitions_are_segments() {
     let inbox = Inbox::new();

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
-use sinew_files::{Bound, Fault, Fields as _, WORKS_AT_C, limits, read_text};
+use sinew_files::{Bound, Budget, Fault, Fields as _, WORKS_AT_C, read_text};
 use sinew_model::offset::SharedError;
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -86,7 +86,7 @@ pub fn sort_of(records: Vec<SessionRecord>, robot: Option<&Robot>) -> Result<Sor
 /// Returns a [`RecordError`] with file, line or entry, and remedy.
 pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
     let file = path.display().to_string();
-    let text = read_text(path, &limits::SESSIONS)?;
+    let text = read_text(path, &Budget::TABLE)?;
     let csv = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("csv"));

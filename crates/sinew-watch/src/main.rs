@@ -5,7 +5,8 @@ use sinew_watch::args::Args;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match sinew_watch::run(&Args::parse()) {
+    let arguments = Args::parse();
+    match sinew_files::multiply_budgets().and_then(|()| sinew_watch::run(&arguments)) {
         Ok(code) => code,
         Err(message) => {
             eprintln!("error: {message}");

@@ -111,7 +111,7 @@ pub fn write(
 
 /// Returns the name of the host, reduced to characters allowed in file names.
 fn host() -> String {
-    let limit = sinew_files::limits::ROPE_ENTRY;
+    let limit = sinew_files::Budget::SETTINGS;
     let name = sinew_files::read_text(Path::new("/etc/hostname"), &limit);
     let name = escaped(name.as_deref().unwrap_or("").trim());
     if name.is_empty() { "host".into() } else { name }

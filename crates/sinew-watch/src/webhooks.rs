@@ -293,7 +293,7 @@ async fn post(hook: &Webhook, posted: Message) -> Result<(), String> {
 /// # Errors
 /// Returns the reason as text if the file cannot be read or the token is invalid.
 pub fn token(path: &Path) -> Result<String, String> {
-    let read = sinew_files::read_text(path, &sinew_files::limits::SETTINGS);
+    let read = sinew_files::read_text(path, &sinew_files::Budget::SETTINGS);
     let text = read.map_err(|e| e.to_string())?;
     match text.trim() {
         "" => Err("the file is empty; write the token of the receiver into it".into()),

@@ -382,6 +382,103 @@ fn transport_open_failure_reports_disconnected() {
     runtime.end();
 }
 
+/// Two robots, `arm` and `other`, each with a recording of its own.
+fn two(folder: &Path) -> Config {
+    let robot = repository().join("robots/biorob-like");
+    let other = format!(
+        "[[robot]]\nname = \"other\"\ndir = {robot:?}\n\
+         mcap = {{ path = \"other.mcap\", from = \"start\", look_every_s = 0.01 }}\n"
+    );
+    config(folder, &other)
+}
+
+fn frames_of(runtime: &Runtime, robot: &str) -> u64 {
+    match runtime.registry().get(robot).map(|slot| slot.state()) {
+        Some(RobotState::Monitored(snapshot)) => snapshot.frames,
+        _ => 0,
+    }
+}
+
+#[test]
+fn hostile_recording_is_alarm_of_its_robot_only() {
+    let good = recording();
+    let chunk =
+        |bytes: u64, rest: &[u8]| [mcap::MAGIC, &[0x06], &bytes.to_le_bytes(), rest].concat();
+    let mut cut = good.clone();
+    cut[good.len() / 2..].fill(0xff);
+    for (name, hostile) in [
+        (
+            "a length beyond the file",
+            chunk(u64::MAX - 1, &[0xff; 4096]),
+        ),
+        ("a chunk of 4 GiB", chunk(40, &[0xff; 40])),
+        ("no recording", vec![0x5a; 4096]),
+        ("overwritten", cut),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("run.mcap"), hostile).unwrap();
+        std::fs::write(folder.path().join("other.mcap"), &good).unwrap();
+        let mut runtime = start(folder.path());
+        runtime.configure(&two(folder.path()));
+        until("frames of the other robot", || {
+            runtime.look();
+            frames_of(&runtime, "other") > 1000
+        });
+        until(name, || {
+            runtime.look();
+            disconnection(&runtime).is_some()
+        });
+        let transports = runtime.health().transports();
+        let other = transports
+            .iter()
+            .find(|t| t.transport.ends_with("other.mcap"));
+        assert_eq!(other.unwrap().disconnected, None, "{name}");
+        runtime.end();
+    }
+}
+
+#[test]
+fn failed_robot_restarts_with_alarm_and_others_continue() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["run.mcap", "other.mcap"] {
+        std::fs::write(folder.path().join(name), recording()).unwrap();
+    }
+    let mut runtime = start(folder.path());
+    runtime.configure(&two(folder.path()));
+    let both = |runtime: &Runtime| ["arm", "other"].map(|robot| frames_of(runtime, robot));
+    until("frames", || {
+        both(&runtime).iter().all(|frames| *frames > 1000)
+    });
+    let [_, before] = both(&runtime);
+    // The reply to a rejected command is called among the robot's other work.
+    let (core, robot) = runtime.registry().address("arm").unwrap();
+    core.send(Control::Command {
+        robot,
+        command: Command {
+            who: "a test".into(),
+            note: String::new(),
+            what: CommandKind::Tensioned { joints: Vec::new() },
+        },
+        reply: Box::new(|_| panic!("this panic belongs to the test")),
+    });
+    let slot = runtime.registry().get("arm").unwrap();
+    until("the end of its monitoring", || {
+        matches!(slot.state(), RobotState::NotMonitored(_))
+    });
+    until("the alarm of the robot", || {
+        runtime.look();
+        disconnection(&runtime).is_some_and(|(source, reason)| {
+            source == "sinew-watch" && reason.contains("internal error")
+        })
+    });
+    until("the end of the alarm, and new data", || {
+        runtime.look();
+        disconnection(&runtime).is_none() && frames(&runtime) > 100
+    });
+    assert!(frames_of(&runtime, "other") >= before);
+    runtime.end();
+}
+
 #[test]
 fn misspelt_topic_alarm_lists_candidates() {
     for (named, key, there) in [

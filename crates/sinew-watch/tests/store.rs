@@ -230,6 +230,26 @@ fn second_monitor_error_names_process() {
 }
 
 #[test]
+fn changed_byte_of_stored_state_is_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("watch.db");
+    let mut store = open(folder.path());
+    store.commit(&[transaction("a", 1)]).unwrap();
+    drop(store);
+    let database = rusqlite::Connection::open(&file).unwrap();
+    let text = "SELECT document FROM belief";
+    let packed: Vec<u8> = database.query_row(text, [], |row| row.get(0)).unwrap();
+    for at in (4..packed.len()).step_by(7) {
+        let mut changed = packed.clone();
+        changed[at] ^= 0x10;
+        let update = "UPDATE belief SET document = ?1";
+        database.execute(update, [changed]).unwrap();
+        let reader = Reader::open(&Place::Folder(folder.path().into())).unwrap();
+        assert!(reader.stored("a").is_err(), "byte {at}");
+    }
+}
+
+#[test]
 fn damaged_foreign_or_newer_store_is_left_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("watch.db");

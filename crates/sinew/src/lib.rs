@@ -109,10 +109,13 @@ impl Command {
 ///
 /// * `arguments`: arguments, starting with the name of the program.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    run_program(arguments, |cli: Cli| {
+    sinew_files::protect_inputs(true);
+    let code = run_program(arguments, |cli: Cli| {
         cli.style.apply();
         cli.command.run()
-    })
+    });
+    sinew_files::protect_inputs(false);
+    code
 }
 
 /// Parses the command line of a program, runs it, and returns the exit code. Call it once per process.
@@ -125,6 +128,10 @@ pub fn run_program<P: Parser>(
 ) -> u8 {
     let arguments = Vec::from_iter(arguments);
     terminal::set_arguments(arguments.clone());
+    if let Err(message) = sinew_files::multiply_budgets() {
+        terminal::complain(terminal::Word::Error, &message);
+        return 2;
+    }
     let result = match P::try_parse_from(arguments) {
         Ok(program) => run(program),
         // Invalid usage. A closed stderr is ignored.

@@ -566,6 +566,14 @@ fn outputs_are_checked_first_never_replace_inputs() {
         }
     }
     assert_eq!(std::fs::read(own.join("robot.toml")).unwrap(), toml);
+    // The URDF that robot.toml names.
+    let urdf = std::fs::read(own.join("biorob-like.urdf")).unwrap();
+    for robot in ["rr", "rr/robot.toml"] {
+        let report = "rr/biorob-like.urdf";
+        let args = ["estimate", "s.mcap", "--robot", robot, "--report", report];
+        refused(&args, dir.path(), 1, &["is an input of this command"]);
+    }
+    assert_eq!(std::fs::read(own.join("biorob-like.urdf")).unwrap(), urdf);
     std::fs::write(dir.path().join("d.toml"), "").unwrap();
     let args = ["rope", "select", "--duty", "d.toml", "--report", "d.toml"];
     refused(&args, dir.path(), 1, &["is an input of this command"]);

@@ -4,7 +4,7 @@ use super::side;
 use crate::FleetError;
 use sinew_files::csv::Table;
 use sinew_files::date::parse_utc_s;
-use sinew_files::{Fault, limits};
+use sinew_files::{Budget, Fault};
 use sinew_trend::Stated;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub fn fitted(folder: &Path) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
     let Some(path) = side(folder, "tendons") else {
         return Ok(out);
     };
-    let table = Table::read(&path, &limits::SESSIONS)?;
+    let table = Table::read(&path, &Budget::TABLE)?;
     table.need(&["robot", "joint"])?;
     for row in table.rows() {
         let key = (
@@ -61,7 +61,7 @@ pub fn sites(folder: &Path) -> Result<BTreeMap<String, String>, FleetError> {
     let Some(path) = side(folder, "robots") else {
         return Ok(BTreeMap::new());
     };
-    let table = Table::read(&path, &limits::SESSIONS)?;
+    let table = Table::read(&path, &Budget::TABLE)?;
     table.need(&["robot"])?;
     let mut out = BTreeMap::new();
     for row in table.rows() {
@@ -81,7 +81,7 @@ pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError
     let Some(path) = side(folder, "events") else {
         return Ok(out);
     };
-    let table = Table::read(&path, &limits::SESSIONS)?;
+    let table = Table::read(&path, &Budget::TABLE)?;
     table.need(&["robot", "joint", "time_utc_s", "event"])?;
     for row in table.rows() {
         let key = (

@@ -7,7 +7,7 @@ use sinew::terminal::{Failure, Finish};
 use sinew_bench::validation::{self, Measurement, STUDIES, Source, Study};
 use sinew_bench::year::{RopePrior, extrapolate};
 use sinew_estimate::robot_dir;
-use sinew_files::{limits, read_text, write_file};
+use sinew_files::{Budget, read_text, write_file};
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -44,7 +44,7 @@ pub(crate) struct Validation {
 impl Validation {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        let text = read_text(Path::new(DATA), &limits::STUDY)?;
+        let text = read_text(Path::new(DATA), &Budget::TABLE)?;
         let mut data: validation::Validation = serde_json::from_str(&text)?;
         let chosen = |study: &&Study| {
             !self.render_only && (self.only.is_empty() || self.only.iter().any(|o| o == study.name))
@@ -60,7 +60,7 @@ impl Validation {
             data.0.insert(study.name.into(), measured);
             write_file(Path::new(DATA), data.to_json()?.as_bytes())?;
         }
-        let page = read_text(Path::new(PAGE), &limits::STUDY)?;
+        let page = read_text(Path::new(PAGE), &Budget::TABLE)?;
         let page = validation::render(&page, &data)?;
         write_file(Path::new(PAGE), page.as_bytes())?;
         Ok(Finish::Complete)

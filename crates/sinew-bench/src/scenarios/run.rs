@@ -161,7 +161,7 @@ pub(super) fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
 /// Reads a scenario from a file, with the specified robot or the one that it names.
 fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, ScenarioError> {
     let file = path.display().to_string();
-    let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)
+    let text = sinew_files::read_text(path, &sinew_files::Budget::SETTINGS)
         .map_err(SimulateError::from)?;
     let scenario = Scenario::open(path)?;
     let base_folder = path.parent().unwrap_or(Path::new(""));

@@ -1,8 +1,8 @@
 //! Table of cells before the interpretation of its columns.
 
 use crate::error::TestFileError;
+use sinew_files::Budget;
 use sinew_files::csv::Dialect;
-use sinew_files::limits;
 use sinew_files::text::{Encoding, decode};
 
 /// Cell of a table as read.
@@ -78,12 +78,11 @@ impl<'f> Room<'f> {
     /// Counts cells against the limit.
     pub(super) fn take(&mut self, cells: usize) -> Result<(), TestFileError> {
         self.taken = self.taken.saturating_add(cells as u64);
-        if self.taken <= limits::TEST_CELLS.most {
-            return Ok(());
-        }
-        let limit = limits::TEST_CELLS;
-        let reason = format!("it has more cells; {limit}: remove columns or rows");
-        Err(TestFileError::invalid(self.file, reason))
+        let limit = Budget::TABLE.cells;
+        limit.check(self.taken).map_err(|_| {
+            let reason = format!("it has more cells; {limit}: remove columns or rows");
+            TestFileError::invalid(self.file, reason)
+        })
     }
 }
 
@@ -138,7 +137,7 @@ mod tests {
     fn repeated_long_texts_exceed_limit() {
         let text = "x".repeat(1 << 20);
         let mut room = Room::new("a.parquet");
-        let most = limits::TEST_CELLS.length() * size_of::<Cell>() / text.len();
+        let most = Budget::TABLE.cells.length() * size_of::<Cell>() / text.len();
         for _ in 0..most {
             room.take_text(&text).expect("within the limit");
         }

@@ -188,7 +188,7 @@ pub fn specimens_of(
 /// strain or modulus, a unit that is missing, unknown or of another dimension, a non-numeric cell.
 pub fn read_test(path: &Path, options: &TestOptions) -> Result<TestFile, TestFileError> {
     let name = path.display().to_string();
-    let bytes = sinew_files::read_bytes(path, &sinew_files::limits::TEST_FILE)?;
+    let bytes = sinew_files::read_bytes(path, &sinew_files::Budget::TABLE)?;
     read_test_bytes(bytes, &name, options)
 }
 

@@ -5,7 +5,9 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 use bytes::Bytes;
 
+use sinew_files::Budget;
 use sinew_files::csv::Dialect;
+use sinew_files::parquet::BoundedParquet;
 
 use super::cells::{Cell, Room, Table};
 use crate::error::TestFileError;
@@ -20,7 +22,8 @@ fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
     let invalid = |error: ParquetError| {
         TestFileError::invalid(file, format!("not readable as Parquet: {error}"))
     };
-    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(invalid)?;
+    let bounded = BoundedParquet::new(Bytes::from(bytes), &Budget::TABLE);
+    let reader = SerializedFileReader::new(bounded).map_err(invalid)?;
     let mut room = Room::new(file);
     let names: Vec<Cell> = reader
         .metadata()

@@ -10,8 +10,8 @@ use sinew_files::csv::Dialect;
 
 use super::cells::{Cell, Room, Table};
 use crate::error::TestFileError;
-use sinew_files::limits;
 use sinew_files::names::list;
+use sinew_files::{Budget, ProcessorTime};
 
 /// Number of seconds of a day: workbooks store times as days.
 const DAY_S: f64 = 86_400.0;
@@ -95,15 +95,19 @@ fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
     let damaged = |error: &dyn std::fmt::Display| invalid(format!("not a workbook: {error}"));
     let mut parts = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(&e))?;
     let [mut sheets, mut others] = [0_u64; 2];
+    let mut elements = Room::new(file);
+    let mut time = ProcessorTime::new(&Budget::TABLE, bytes.len() as u64);
     for index in 0..parts.len() {
         let part = parts.by_index(index).map_err(|e| damaged(&e))?;
         let name = part.name().map_err(|e| damaged(&e))?.to_ascii_lowercase();
-        let (unpacked, limit) = match name.starts_with("xl/worksheets/") {
-            true => (&mut sheets, limits::WORKBOOK_SHEETS),
-            false => (&mut others, limits::WORKBOOK_PARTS),
+        // Sheets are read in parts later; texts and styles are kept, each element at least as large as a cell.
+        let is_kept = !name.starts_with("xl/worksheets/");
+        let (unpacked, limit) = match is_kept {
+            true => (&mut others, Budget::TABLE.memory),
+            false => (&mut sheets, Budget::TABLE.unpacked),
         };
         let is_xml = name.ends_with(".xml");
-        let mut part = BufReader::with_capacity(PIECE_BYTES, part);
+        let mut part = BufReader::with_capacity(PIECE_BYTES, time.reader(part));
         // Number of bytes since the last bracket: a text or an element, which the reader stores as
         // a whole.
         let mut text = 0_u64;
@@ -114,11 +118,12 @@ fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
             }
             for span in piece.split_inclusive(|byte| *byte == b'<') {
                 text += span.len() as u64;
-                if is_xml && text > limits::WORKBOOK_TEXT.most {
-                    return Err(invalid(limits::WORKBOOK_TEXT.to_string()));
+                if is_xml {
+                    Budget::TABLE.text.check(text).map_err(invalid)?;
                 }
                 if span.ends_with(b"<") {
                     text = 0;
+                    elements.take(usize::from(is_kept))?;
                 }
             }
             let length = piece.len();

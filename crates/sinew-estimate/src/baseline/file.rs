@@ -4,7 +4,7 @@ use crate::anchored::ReferenceMeasurement;
 use crate::cable::CableBaseline;
 use crate::error::SessionError;
 use serde::{Deserialize, Serialize};
-use sinew_files::{OutputError, limits, read_text, write_file};
+use sinew_files::{Budget, OutputError, read_text, write_file};
 use sinew_model::arm::PARAMETERS_PER_BODY;
 use sinew_model::offset::{ModelError, Prior, StateEstimate};
 use sinew_model::robot::Robot;
@@ -154,7 +154,7 @@ impl Baseline {
     /// invalid numbers.
     pub fn read(path: &Path) -> Result<Self, SessionError> {
         let file = path.display().to_string();
-        let text = read_text(path, &limits::BASELINE).map_err(|e| SessionError::Baseline {
+        let text = read_text(path, &Budget::TABLE).map_err(|e| SessionError::Baseline {
             file: file.clone(),
             reason: e.problem.clone(),
         })?;

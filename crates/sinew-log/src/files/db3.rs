@@ -1,7 +1,7 @@
 //! ROS 2 bags that are SQLite files: a table of topics, a table of messages.
 
 use std::collections::BTreeMap;
-use std::io::{Error, Result};
+use std::io::{Error, Read as _, Result};
 use std::path::Path;
 
 use rusqlite::config::DbConfig;
@@ -16,6 +16,7 @@ use crate::error::LogError;
 use crate::health::Health;
 use crate::live::survey::Topic;
 use crate::options::OpenOptions;
+use sinew_files::{Budget, ProcessorTime};
 
 /// Messages fetched at a time.
 const BATCH: i64 = 256;
@@ -27,6 +28,7 @@ pub(super) struct Db3 {
     _kept: Box<dyn ReadSeek>,
     bytes: u64,
     limit: usize,
+    time: ProcessorTime,
     topics: BTreeMap<u16, Topic>,
     first_ns: i64,
     last_ns: i64,
@@ -66,7 +68,7 @@ pub(super) fn open(
             ),
         ));
     }
-    let bag = Db3::of(bag, kept, path, options.chunk_limit_bytes).map_err(to_error)?;
+    let bag = Db3::of(bag, kept, path, &options.budget).map_err(to_error)?;
     BagReader::of(bag, file, options)
 }
 
@@ -91,8 +93,9 @@ impl Db3 {
         bag: Connection,
         kept: Box<dyn ReadSeek>,
         path: &Path,
-        limit: usize,
+        budget: &Budget,
     ) -> rusqlite::Result<Self> {
+        let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
         let mut topics = BTreeMap::new();
         let text = "SELECT id, name, type, serialization_format FROM topics ORDER BY id";
         let mut statement = bag.prepare(text)?;
@@ -117,8 +120,9 @@ impl Db3 {
         Ok(Db3 {
             bag,
             _kept: kept,
-            bytes: std::fs::metadata(path).map_or(0, |file| file.len()),
-            limit,
+            bytes,
+            limit: budget.memory.length(),
+            time: ProcessorTime::new(budget, bytes),
             topics,
             first_ns,
             last_ns,
@@ -161,11 +165,13 @@ impl Db3 {
         let limit = self.limit;
         let data = &mut self.batch[self.at].data;
         if data.starts_with(ZSTD_MAGIC) {
-            let mut decoder = zstd::Decoder::new(&data[..])?;
-            let mut whole = Vec::new();
-            let most = std::io::Read::take(&mut decoder, limit as u64);
-            std::io::copy(&mut { most }, &mut whole)?;
-            *data = whole;
+            let unpacked = self.time.spend(|| {
+                let decoder = zstd::Decoder::new(&data[..])?;
+                let mut whole = Vec::new();
+                decoder.take(limit as u64).read_to_end(&mut whole)?;
+                Result::Ok(whole)
+            });
+            *data = unpacked.map_err(Error::other)??;
         }
         Ok(())
     }
@@ -175,6 +181,10 @@ impl Messages for Db3 {
     const FORMAT: Format = Format::Db3;
 
     fn next(&mut self, health: &mut Health) -> Result<Item> {
+        // A decompressed message may be long: one at a time is kept.
+        if let Some(last) = self.batch.get_mut(self.at) {
+            last.data = Vec::new();
+        }
         // Before the first batch nothing has been met.
         self.at += usize::from(!self.batch.is_empty());
         if self.at >= self.batch.len() && !self.ended {

@@ -19,8 +19,8 @@ pub(super) fn list_names(table: &Path) -> ListNames {
     let info = folders
         .map(|folder| folder.join(INFO))
         .find(|info| info.is_file());
-    let text = info
-        .and_then(|info| sinew_files::read_text(&info, &sinew_files::limits::DATA_SET_INFO).ok());
+    let text =
+        info.and_then(|info| sinew_files::read_text(&info, &sinew_files::Budget::DESCRIPTION).ok());
     let info: Value = text.map_or(Value::Null, |t| {
         serde_json::from_str(&t).unwrap_or_default()
     });

@@ -8,7 +8,7 @@ use super::lerobot::{ListNames, list_names};
 use super::mcap::McapReader;
 use super::read_seek::ReadSeek;
 use super::reader::Reader;
-use super::spool::{Spool, ZSTD_MAGIC};
+use super::spool::{SQLITE_MAGIC, Spool, ZSTD_MAGIC};
 use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
@@ -16,21 +16,19 @@ use super::table::ParquetReader;
 use super::table::{NPY_MAGIC, NPZ_MAGIC, NumpyReader, is_archive_of_arrays};
 use crate::error::LogError;
 use crate::options::OpenOptions;
+use sinew_files::{Budget, ProcessorTime};
 
 /// Bytes of the start of a file that determine its format.
 const MAGIC_BYTES: u64 = 20;
-/// First bytes of an SQLite file.
-const SQLITE_MAGIC: &[u8] = b"SQLite f";
-/// Maximum size of an unpacked file, or of standard input, bytes.
-pub(super) const UNPACKED_LIMIT_BYTES: u64 = sinew_files::limits::UNPACKED.most;
 
 /// Opens one file of any supported format.
 pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
     let name = path.display().to_string();
+    sinew_files::note_input(path);
     let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
     let names = list_names(path);
     if is_pipe(&file) {
-        let spool = Spool::of(file, UNPACKED_LIMIT_BYTES);
+        let spool = Spool::of(file, options.budget.unpacked.value());
         let spool = spool.map_err(|source| LogError::io(&name, "read", source))?;
         return open_spool(spool, &name, options, &names);
     }
@@ -72,7 +70,12 @@ pub(super) fn open_reader(
     let magic = &start[..start.len().min(mcap::MAGIC.len())];
     if magic.starts_with(ZSTD_MAGIC) {
         let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
-        let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
+        let budget = &options.budget;
+        let packed_bytes = reader.seek(SeekFrom::End(0)).map_err(io)?;
+        reader.seek(SeekFrom::Start(0)).map_err(io)?;
+        let mut time = ProcessorTime::new(budget, packed_bytes);
+        let spool = zstd::Decoder::new(reader)
+            .and_then(|decoder| Spool::of(time.reader(decoder), budget.unpacked.value()));
         let spool = spool.map_err(|e| to_error(format!("zstd: decompression failed: {e}")))?;
         return open_spool(spool, inner.unwrap_or(name), options, names);
     }
@@ -109,11 +112,11 @@ pub(super) fn open_reader(
         match path {
             Some(path) => Box::new(super::db3::open(reader, path, name, options)?),
             None => {
-                let spool = Spool::of(reader, UNPACKED_LIMIT_BYTES).map_err(io)?;
+                let spool = Spool::of(reader, options.budget.unpacked.value()).map_err(io)?;
                 return open_spool(spool, name, options, names);
             }
         }
-    } else if is_numpy(magic, reader.as_mut()) {
+    } else if is_numpy(magic, reader.as_mut(), &options.budget) {
         #[cfg(not(feature = "numpy"))]
         return Err(to_error(format!(
             "it has arrays of NumPy, which this build does not support (cargo feature numpy); python3 -c \"import numpy as np; np.savetxt('{name}.txt', np.load('{name}'))\" writes an .npy array as text"
@@ -141,13 +144,14 @@ fn open_spool(
 
 /// Whether a file has an array of NumPy, or is an archive with one.
 #[cfg(feature = "numpy")]
-fn is_numpy(magic: &[u8], reader: &mut dyn ReadSeek) -> bool {
-    magic.starts_with(NPY_MAGIC) || magic.starts_with(NPZ_MAGIC) && is_archive_of_arrays(reader)
+fn is_numpy(magic: &[u8], reader: &mut dyn ReadSeek, budget: &Budget) -> bool {
+    magic.starts_with(NPY_MAGIC)
+        || magic.starts_with(NPZ_MAGIC) && is_archive_of_arrays(reader, budget)
 }
 
 /// Whether a file has an array of NumPy.
 #[cfg(not(feature = "numpy"))]
-fn is_numpy(magic: &[u8], _reader: &mut dyn ReadSeek) -> bool {
+fn is_numpy(magic: &[u8], _reader: &mut dyn ReadSeek, _budget: &Budget) -> bool {
     magic.starts_with(b"\x93NUMPY")
 }
 

@@ -3,7 +3,7 @@
 use super::lerobot::INFO;
 use crate::error::LogError;
 use sinew_files::names::natural_key;
-use sinew_files::{Fault, Located, limits, read_text};
+use sinew_files::{Budget, Fault, Located, read_text};
 use std::path::{Path, PathBuf};
 
 /// File name extensions of recordings in a folder.
@@ -78,7 +78,7 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     if path.join(INFO).is_file() {
         return data_set(path);
     }
-    if let Ok(metadata) = read_text(&path.join("metadata.yaml"), &limits::SETTINGS) {
+    if let Ok(metadata) = read_text(&path.join("metadata.yaml"), &Budget::SETTINGS) {
         let listed = bag_files(&metadata);
         if !listed.is_empty() {
             return listed.iter().map(|file| bag_file(path, file)).collect();

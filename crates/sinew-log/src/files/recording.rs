@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::chain::Chain;
 use super::lerobot::ListNames;
 use super::mcap::{GivenMessages, GivenReader};
-use super::opener::{UNPACKED_LIMIT_BYTES, open_file, open_reader};
+use super::opener::{open_file, open_reader};
 use super::parts::files;
 use super::read_seek::ReadSeek;
 use super::reader::{Format, Progress, Reader};
@@ -64,7 +64,8 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
     let name = path.display().to_string();
     check_options(options, &name)?;
     if name == "-" {
-        let spool = Spool::of(std::io::stdin().lock(), UNPACKED_LIMIT_BYTES);
+        let most = options.budget.unpacked.value();
+        let spool = Spool::of(std::io::stdin().lock(), most);
         let spool = spool.map_err(|source| LogError::io("standard input", "read", source))?;
         return Recording::from_reader(Box::new(spool), "standard input", options);
     }

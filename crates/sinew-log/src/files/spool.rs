@@ -8,6 +8,9 @@ use std::path::Path;
 /// First bytes of a file compressed with zstd.
 pub(super) const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
 
+/// First bytes of an SQLite file.
+pub(super) const SQLITE_MAGIC: &[u8] = b"SQLite f";
+
 /// Temporary file that is deleted with its process.
 pub(super) struct Spool {
     file: File,
@@ -17,9 +20,9 @@ pub(super) struct Spool {
 impl Spool {
     /// Stores the content of `from`, at most `limit` bytes.
     pub(super) fn of(from: impl Read, limit: u64) -> std::io::Result<Self> {
-        let (file, temporary) = Temporary::create_named(&std::env::temp_dir(), "recording")?;
+        let (file, temporary) = Temporary::create(&std::env::temp_dir(), "recording")?;
         let mut spool = Spool { file, temporary };
-        let kept = std::io::copy(&mut from.take(limit + 1), &mut spool.file)?;
+        let kept = std::io::copy(&mut from.take(limit.saturating_add(1)), &mut spool.file)?;
         if kept > limit {
             let problem = format!("more than {limit} bytes");
             return Err(std::io::Error::new(
@@ -27,13 +30,19 @@ impl Spool {
                 problem,
             ));
         }
+        // SQLite opens a file by its path.
+        let mut start = [0; SQLITE_MAGIC.len()];
+        spool.file.rewind()?;
+        if spool.file.read_exact(&mut start).is_ok() && start == SQLITE_MAGIC {
+            spool.temporary.expose(&spool.file)?;
+        }
         spool.file.rewind()?;
         Ok(spool)
     }
 }
 
 impl Spool {
-    /// Path of the file.
+    /// Path of the file, if it is an SQLite file or the file system has no files without a name.
     pub(super) fn path(&self) -> Option<&Path> {
         self.temporary.path()
     }

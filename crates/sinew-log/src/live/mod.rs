@@ -107,7 +107,7 @@ pub struct LiveOptions {
     /// Namespace of the robot's topics, such as `/arm7`; empty: any.
     pub namespace: String,
     /// Topics, interfaces, mapping and times, as for a recording. A name without a leading `/` is in the
-    /// namespace; `chunk_limit_bytes` is not used.
+    /// namespace; `budget` is not used.
     pub open: OpenOptions,
 }
 

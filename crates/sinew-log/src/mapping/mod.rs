@@ -75,7 +75,7 @@ impl Mapping {
     /// # Errors
     /// As [`Mapping::from_toml`]; also returns an error for an unreadable file.
     pub fn read(path: &Path) -> Result<Mapping, Located> {
-        let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)?;
+        let text = sinew_files::read_text(path, &sinew_files::Budget::SETTINGS)?;
         Self::from_toml(&text, &path.display().to_string())
     }
 

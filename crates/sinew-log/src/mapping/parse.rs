@@ -1,6 +1,6 @@
 //! Parser of TOML text to a checked [`Mapping`].
 
-use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile, Value};
+use sinew_files::{Bound, Budget, Fault, Fields as _, Located, Section, TomlFile, Value};
 
 use super::unit::{self, time_unit_exponent};
 use super::{
@@ -8,9 +8,6 @@ use super::{
 };
 use crate::frame::Quantity;
 use sinew_files::unit::{Dimension, Unit};
-
-/// Most bytes a mapping file may have: a mapping is written by hand.
-pub(super) const TEXT_LIMIT_BYTES: u64 = sinew_files::limits::SETTINGS.most;
 
 /// Keys of a term other than `column`.
 const TERM_KEYS: [&str; 8] = [
@@ -25,11 +22,7 @@ const TERM_KEYS: [&str; 8] = [
 ];
 
 pub(super) fn from_toml(text: &str, file: &str) -> Result<Mapping, Located> {
-    if text.len() as u64 > TEXT_LIMIT_BYTES {
-        let problem = format!(
-            "{} bytes; a mapping has at most {TEXT_LIMIT_BYTES}",
-            text.len()
-        );
+    if let Err(problem) = Budget::SETTINGS.memory.check(text.len() as u64) {
         return Err(Located::new(file, Fault::TooLarge, problem));
     }
     TomlFile::parse(text, file)?.root().whole(|s| {

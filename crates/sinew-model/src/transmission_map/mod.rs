@@ -18,7 +18,7 @@ mod table;
 use crate::arm::urdf::EXPAND;
 use crate::arm::urdf::xml::{declared, line, parsed, xacro_element};
 use roxmltree::Node;
-use sinew_files::{Fault, Located, limits, names};
+use sinew_files::{Budget, Fault, Located, names};
 use std::collections::BTreeSet;
 
 /// Tendons that a file of other software describes.
@@ -92,7 +92,7 @@ impl TransmissionMap {
     ///
     /// # Errors
     /// Returns a [`Located`] with the line: text of another format, a transmission type or a tendon that is not supported, a
-    /// missing or duplicate name, a number that is not finite, a ratio of 0, more tendons than [`limits::URDF_JOINTS`].
+    /// missing or duplicate name, a number that is not finite, a ratio of 0, more tendons than [`Budget::DESCRIPTION`] permits.
     pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
         let text = text.trim_start_matches('\u{feff}');
         let tendons = match text.trim_start().starts_with('<') {
@@ -131,7 +131,7 @@ fn read_xml(text: &str, file: &str) -> Result<Vec<MappedTendon>, Located> {
 fn check(tendons: &[MappedTendon], file: &str) -> Result<(), Located> {
     let mut tendon_names = BTreeSet::new();
     let mut motor_names = BTreeSet::new();
-    if let Err(problem) = limits::URDF_JOINTS.check(tendons.len() as u64) {
+    if let Err(problem) = Budget::DESCRIPTION.columns.check(tendons.len() as u64) {
         return Err(Located::new(file, Fault::TooLarge, problem));
     }
     for tendon in tendons {
@@ -181,7 +181,7 @@ fn check(tendons: &[MappedTendon], file: &str) -> Result<(), Located> {
 }
 
 /// Tendons after which a source is read no further, so that [`check`] rejects it: a line number takes a pass over the text.
-const MAX_READ: usize = limits::URDF_JOINTS.length() + 1;
+const MAX_READ: usize = Budget::DESCRIPTION.columns.most as usize + 1;
 
 /// Name of the file that contains the elements, for messages.
 struct Source<'a> {

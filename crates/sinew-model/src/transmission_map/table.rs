@@ -2,7 +2,7 @@
 
 use super::{MappedTendon, Relation};
 use sinew_files::csv::Table;
-use sinew_files::{Fault, Located, limits};
+use sinew_files::{Budget, Fault, Located};
 
 pub(super) fn read(text: &str, file: &str) -> Result<Vec<MappedTendon>, Located> {
     let table = Table::parse(text, file)?;
@@ -16,7 +16,7 @@ pub(super) fn read(text: &str, file: &str) -> Result<Vec<MappedTendon>, Located>
         let problem = "the header must name at least one joint, and every column".to_owned();
         return Err(fault(Fault::Syntax, problem));
     }
-    if let Err(problem) = limits::URDF_JOINTS.check(joints.len() as u64) {
+    if let Err(problem) = Budget::DESCRIPTION.columns.check(joints.len() as u64) {
         return Err(fault(Fault::TooLarge, problem));
     }
     let mut tendons = Vec::new();

@@ -3,7 +3,7 @@
 use super::draw::{Draw, PerJoint, per};
 use crate::SimulateError;
 use serde_json::Value;
-use sinew_files::{Bound, Fields as _, Located, Section, limits, read_text};
+use sinew_files::{Bound, Budget, Fields as _, Located, Section, read_text};
 use std::path::Path;
 
 /// Kind of the offset used for correction.
@@ -132,7 +132,7 @@ impl Correction {
         };
         let path = folder.join(named);
         let file = path.display().to_string();
-        let text = read_text(&path, &limits::SESSIONS).map_err(|e| SimulateError::Estimate {
+        let text = read_text(&path, &Budget::TABLE).map_err(|e| SimulateError::Estimate {
             file: file.clone(),
             reason: e.problem.clone(),
         })?;

@@ -7,7 +7,7 @@ use super::events::{
 };
 use super::*;
 use crate::error::SimulateError;
-use sinew_files::{Bound, Fields as _, Located, Section, TomlFile, limits, read_text};
+use sinew_files::{Bound, Budget, Fields as _, Located, Section, TomlFile, read_text};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -34,7 +34,7 @@ impl Scenario {
     /// # Errors
     /// Returns a [`SimulateError`] if a file cannot be read or is invalid.
     pub fn open(path: &Path) -> Result<Self, SimulateError> {
-        let text = read_text(path, &limits::SETTINGS)?;
+        let text = read_text(path, &Budget::SETTINGS)?;
         let mut scenario = Self::from_toml(&text, &path.display().to_string())?;
         let folder = path.parent().unwrap_or(Path::new(""));
         scenario.correction.read_estimate(folder)?;

@@ -7,7 +7,7 @@ use crate::sampled::{
 };
 use crate::scenario::{Stream, rng};
 use rand::RngExt;
-use sinew_files::{Fault, Located, limits};
+use sinew_files::{Budget, Fault, Located};
 use sinew_model::robot::Robot;
 
 impl Simulation {
@@ -133,8 +133,11 @@ impl Simulation {
             })?;
         let steps = (duration_s + scenario.settle_s) / scenario.integration_step_s;
         // A length with a non-finite number of steps exceeds any bound.
-        if limits::SIMULATED_STEPS.check(steps as u64).is_err() {
-            let problem = format!("{steps:.3e} integration steps; {}", limits::SIMULATED_STEPS);
+        if Budget::SIMULATION.records.check(steps as u64).is_err() {
+            let problem = format!(
+                "{steps:.3e} integration steps; {}",
+                Budget::SIMULATION.records
+            );
             let located = Located::new(&scenario.file, Fault::TooLarge, problem);
             let key = match scenario.duration_s {
                 Some(_) => "duration_s",

@@ -6,7 +6,7 @@ use super::result::AgeUnit;
 use crate::RecordError;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::DAY_S;
-use sinew_files::{Bound, Fault, Fields as _, limits};
+use sinew_files::{Bound, Budget, Fault, Fields as _};
 use std::path::Path;
 
 /// Reads the lifetimes of a CSV file: one row per rope with its age (`age_days`, `age_hours` or
@@ -15,7 +15,7 @@ use std::path::Path;
 /// # Errors
 /// Returns a [`RecordError`] with file, line and remedy.
 pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lifetimes, RecordError> {
-    let table = Table::read(path, &limits::SESSIONS)?;
+    let table = Table::read(path, &Budget::TABLE)?;
     let ages = [
         ("age_days", AgeUnit::Seconds, DAY_S),
         ("age_hours", AgeUnit::Seconds, 3600.0),

@@ -12,7 +12,7 @@ pub use robot::RobotSettings;
 pub use transport::{Address, TransportSettings};
 pub use web::{PostFormat, WebSettings, Webhook};
 
-use sinew_files::{Fault, Fields as _, Located, Section, TomlFile, limits, read_text};
+use sinew_files::{Budget, Fault, Fields as _, Located, Section, TomlFile, read_text};
 use sinew_transport::Publishing;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ impl Config {
     /// # Errors
     /// Returns a [`Located`] fault with place, reason and remedy if the file cannot be read or has an invalid value.
     pub fn read(path: &Path) -> Result<Self, Located> {
-        let text = read_text(path, &limits::SETTINGS)?;
+        let text = read_text(path, &Budget::SETTINGS)?;
         Self::parse(
             &text,
             &path.display().to_string(),

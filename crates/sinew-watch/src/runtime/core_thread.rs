@@ -17,6 +17,7 @@ use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::snapshot::Freshness;
 use sinew_watch_core::{Monitor, Transaction};
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, SyncSender};
 use std::time::{Duration, Instant};
@@ -103,7 +104,7 @@ impl CoreThread {
                 if batches == 0 || !self.robots.contains_key(&id.index()) {
                     self.handle_requests();
                 }
-                self.ingest(&inbox, id);
+                self.guarded(id.index(), |core| core.ingest(&inbox, id));
                 batches += 1;
                 ready = match batches < MAX_BATCHES {
                     true => inbox.wait(Duration::ZERO),
@@ -163,7 +164,8 @@ impl CoreThread {
     /// Handles the requests to the thread.
     fn handle_requests(&mut self) {
         while let Ok(control) = self.controls.try_recv() {
-            self.control(control);
+            let robot = control.robot();
+            self.guarded(robot, |core| core.control(control));
         }
     }
 
@@ -216,7 +218,7 @@ impl CoreThread {
                 self.ends = Some(by);
                 let all: Vec<usize> = self.robots.keys().copied().collect();
                 for at in all {
-                    self.leave(at);
+                    self.guarded(at, |core| core.leave(at));
                 }
             }
         }
@@ -388,19 +390,40 @@ impl CoreThread {
             .map(|(at, _)| *at)
             .collect();
         for at in due {
-            if let Some(robot) = self.robots.get_mut(&at) {
-                robot.next_tick = (robot.next_tick + TICK).max(begun);
-                let MonitoredRobot {
-                    intake, monitor, ..
-                } = &mut robot.monitored;
-                if let Some(changed) = robot.faults.changed(intake.live()) {
-                    monitor.transport_faults(changed, now);
-                }
-                monitor.tick(now);
-            }
-            self.publish_snapshot(at);
-            self.pump(at);
+            self.guarded(at, |core| core.tick_robot(at, begun, now));
         }
+    }
+
+    fn tick_robot(&mut self, at: usize, begun: Instant, now: sinew_watch_core::Instant) {
+        if let Some(robot) = self.robots.get_mut(&at) {
+            robot.next_tick = (robot.next_tick + TICK).max(begun);
+            let MonitoredRobot {
+                intake, monitor, ..
+            } = &mut robot.monitored;
+            if let Some(changed) = robot.faults.changed(intake.live()) {
+                monitor.transport_faults(changed, now);
+            }
+            monitor.tick(now);
+        }
+        self.publish_snapshot(at);
+        self.pump(at);
+    }
+
+    /// Does work for one robot. A panic in it ends the monitoring of that robot only, until the runtime restarts it from
+    /// its stored state.
+    fn guarded(&mut self, at: usize, work: impl FnOnce(&mut Self)) {
+        if catch_unwind(AssertUnwindSafe(|| work(self))).is_ok() {
+            return;
+        }
+        let Some(robot) = self.robots.remove(&at) else {
+            return;
+        };
+        let slot = &robot.monitored.slot;
+        if let RobotState::Monitored(last) = slot.state() {
+            let line = words::log::robot_fault(&last.robot, &words::has_failed());
+            self.health.log_once(&line);
+        }
+        slot.put(RobotState::NotMonitored(words::has_failed()));
     }
 
     fn publish_snapshot(&mut self, at: usize) {

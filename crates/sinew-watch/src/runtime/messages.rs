@@ -75,6 +75,23 @@ pub enum Control {
     },
 }
 
+impl Control {
+    /// Index of the robot that the request concerns; that of no robot for all.
+    pub(super) fn robot(&self) -> usize {
+        match self {
+            Self::Add(monitored) => monitored.id.index(),
+            Self::Reload { robot, .. }
+            | Self::Remove { robot, .. }
+            | Self::Command { robot, .. }
+            | Self::Transport { robot, .. } => robot.index(),
+            Self::Stored { robot, .. }
+            | Self::JobResult { robot, .. }
+            | Self::Skipped { robot } => *robot,
+            Self::End { .. } => usize::MAX,
+        }
+    }
+}
+
 /// Reason why a transaction was not stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotStored {

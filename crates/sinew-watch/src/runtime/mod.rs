@@ -52,6 +52,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc::{Receiver, channel};
 
+/// Name in the place of a transport, of a robot that is paused after a failure.
+const MONITOR: &str = "sinew-watch";
 /// Capacity of the channel of alarm transitions to the notifiers.
 const MAX_WAITING_TRANSITIONS: usize = 1000;
 /// Time limit for storing the remaining data when the monitor stops.
@@ -107,6 +109,44 @@ struct ConfiguredRobot {
     state: State,
     /// Last connection state reported to its monitor; `None`: none yet.
     transport: Option<Option<Disconnected>>,
+    failures: Failures,
+}
+
+/// Failures of the program in the processing of a robot's data.
+#[derive(Debug, Clone, Copy, Default)]
+struct Failures {
+    count: u32,
+    /// The robot receives no data until then.
+    paused_until: Option<Instant>,
+}
+
+impl Failures {
+    /// Pause after the first failure, doubled with each further one within [`Self::FORGOTTEN_AFTER`]: longer than the 5 s
+    /// after which it is an alarm.
+    const PAUSE: Duration = Duration::from_secs(10);
+    const MAX_DOUBLINGS: u32 = 5;
+    const FORGOTTEN_AFTER: Duration = Duration::from_secs(3600);
+
+    /// Adds a failure; returns the pause.
+    fn add(self, now: Instant) -> (Self, Duration) {
+        let is_old = |last: Instant| now.saturating_duration_since(last) > Self::FORGOTTEN_AFTER;
+        let count = match self.paused_until.is_some_and(is_old) {
+            true => 0,
+            false => self.count,
+        };
+        let pause = Self::PAUSE * (1 << count.min(Self::MAX_DOUBLINGS));
+        let added = Self {
+            count: count + 1,
+            paused_until: Some(now + pause),
+        };
+        (added, pause)
+    }
+
+    /// Returns the remaining pause; `None`: the robot receives data.
+    fn pause(self) -> Option<Duration> {
+        let until = self.paused_until?;
+        Some(until.saturating_duration_since(Instant::now())).filter(|pause| !pause.is_zero())
+    }
 }
 
 enum State {
@@ -135,6 +175,11 @@ impl ConfiguredRobot {
             State::Fault => None,
         }
     }
+}
+
+/// Whether a connection state is that of a robot that is paused after a failure.
+fn is_of_pause(state: &Disconnected) -> bool {
+    state.transport == MONITOR
 }
 
 /// Running monitor with its threads.
@@ -352,6 +397,7 @@ impl Runtime {
         let handle = self.cores[core].0.clone();
         let (id, sender) = handle.inbox().robot(QueueLimits::default());
         let slot = self.registry.slot(name);
+        slot.put(RobotState::Starting);
         let address = Some((handle.clone(), id));
         self.registry.set_address(name, address);
         handle.send(Control::Add(Box::new(MonitoredRobot {
@@ -370,6 +416,7 @@ impl Runtime {
             settings,
             state,
             transport: None,
+            failures: Failures::default(),
         };
         self.robots
             .insert(robot_entry.settings.name.clone(), robot_entry);
@@ -402,8 +449,42 @@ impl Runtime {
         self.put(settings, State::WaitsForUrdf { queue, intake });
     }
 
-    /// Checks the transports, and the robots that wait for their URDF.
+    /// Restarts the robots whose data caused an error of the program. Their data are received again after a pause.
+    fn restart_failed(&mut self) {
+        let mut changes = false;
+        let mut failed = Vec::new();
+        for (name, robot_entry) in &mut self.robots {
+            let state = self.registry.get(name).map(|slot| slot.state());
+            let is_monitored = matches!(robot_entry.state, State::Monitored { .. });
+            if is_monitored && matches!(state, Some(RobotState::NotMonitored(_))) {
+                failed.push((robot_entry.settings.clone(), robot_entry.failures));
+            } else if robot_entry.transport.iter().flatten().any(is_of_pause)
+                && robot_entry.failures.pause().is_none()
+            {
+                robot_entry.transport = None;
+                changes = true;
+            }
+        }
+        for (settings, failures) in failed {
+            let name = &settings.name;
+            let (failures, pause) = failures.add(Instant::now());
+            self.forget(name);
+            self.configure_robot(&settings);
+            if let Some(robot_entry) = self.robots.get_mut(name) {
+                robot_entry.failures = failures;
+            }
+            let line = words::log::robot_fault(name, &words::resumes(pause));
+            self.health.log(&line);
+            changes = true;
+        }
+        if changes {
+            self.open_transports();
+        }
+    }
+
+    /// Checks the transports, the robots whose data caused an error, and those that wait for their URDF.
     pub fn look(&mut self) {
+        self.restart_failed();
         self.look_at_transports();
         let mut came = Vec::new();
         let mut batch = Batch::default();
@@ -458,6 +539,9 @@ impl Runtime {
             let Some(queue) = robot_entry.queue() else {
                 continue;
             };
+            if robot_entry.failures.pause().is_some() {
+                continue;
+            }
             let key = robot_entry.settings.transport.address.clone();
             wanted
                 .entry(key.clone())
@@ -487,6 +571,14 @@ impl Runtime {
                     (transport.transport.clone(), transport.disconnected.clone()?);
                 Some(Disconnected { transport, reason })
             });
+            let disconnected = match robot_entry.failures.pause() {
+                Some(_) if robot_entry.transport.iter().flatten().any(is_of_pause) => continue,
+                Some(pause) => Some(Disconnected {
+                    transport: MONITOR.into(),
+                    reason: words::resumes(pause),
+                }),
+                None => disconnected,
+            };
             if robot_entry.transport.as_ref() == Some(&disconnected) {
                 continue;
             }

@@ -117,7 +117,7 @@ fn joints_of_file(settings: &RobotSettings) -> Result<Vec<String>, NotYet> {
         true => settings.dir.join("robot.toml"),
         false => settings.dir.clone(),
     };
-    let text = sinew_files::read_text(&file, &sinew_files::limits::DESCRIPTION).map_err(fault)?;
+    let text = sinew_files::read_text(&file, &sinew_files::Budget::DESCRIPTION).map_err(fault)?;
     let parsed = RobotFile::parse(&text, &file.display().to_string()).map_err(fault)?;
     Ok(parsed.moving_joints())
 }

@@ -106,6 +106,14 @@ impl Transports {
     /// Opens failed transports again, and logs changed connection states.
     pub fn look(&mut self, with: (Clock, &PublishHandle), health: &Health) {
         for (address, entry) in &mut self.all {
+            let failed = entry.transport.as_ref().ok().map(Transport::status);
+            if let Some(status) = failed.filter(|status| status.failed) {
+                let error = TransportError::Content {
+                    transport: status.name,
+                    reason: status.disconnected.unwrap_or_default(),
+                };
+                entry.transport = Err((error, Instant::now() + RETRY_INTERVAL));
+            }
             if matches!(&entry.transport, Err((_, next_try)) if *next_try <= Instant::now()) {
                 *entry =
                     ManagedTransport::open(address, entry.routes.clone(), entry.publishing, with);

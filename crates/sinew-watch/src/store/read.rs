@@ -12,7 +12,7 @@ use sinew_watch_core::{History, MonitorState, Record, Stored};
 use std::path::Path;
 
 /// Maximum length of an unpacked state, that of a baseline, bytes.
-const MAX_STATE_BYTES: usize = sinew_files::limits::BASELINE.length();
+const MAX_STATE_BYTES: usize = sinew_files::Budget::TABLE.memory.most as usize;
 
 /// Connection that reads the store.
 #[derive(Debug)]

@@ -267,11 +267,14 @@ fn json<T: serde::Serialize>(
 /// Serialises and compresses a state.
 fn packed(robot: &str, state_estimate: &MonitorState) -> Result<Vec<u8>, StoreError> {
     let text = json("a state", robot, state_estimate)?;
-    zstd::bulk::compress(text.as_bytes(), COMPRESSION_LEVEL).map_err(|reason| {
-        StoreError::Document {
-            what: "a state",
-            robot: robot.into(),
-            reason: reason.to_string(),
-        }
+    let packed = zstd::bulk::Compressor::new(COMPRESSION_LEVEL).and_then(|mut compressor| {
+        // SQLite has no checksums: a changed byte would be another state.
+        compressor.include_checksum(true)?;
+        compressor.compress(text.as_bytes())
+    });
+    packed.map_err(|reason| StoreError::Document {
+        what: "a state",
+        robot: robot.into(),
+        reason: reason.to_string(),
     })
 }

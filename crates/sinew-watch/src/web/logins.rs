@@ -137,7 +137,7 @@ fn now_s() -> u64 {
 
 /// Reads the logins of a file; invalid lines end only their login.
 fn read(file: &Path) -> BTreeMap<String, u64> {
-    let text = sinew_files::read_text(file, &sinew_files::limits::SETTINGS);
+    let text = sinew_files::read_text(file, &sinew_files::Budget::SETTINGS);
     let text = text.unwrap_or_default();
     let line = |line: &str| {
         let (hash, end) = line.split_once(' ')?;

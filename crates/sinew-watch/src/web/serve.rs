@@ -1,8 +1,8 @@
 //! HTTP connections with limits on number and duration.
 //!
 //! A client that sends nothing, or its body byte by byte, holds a connection only while there is room: where connections
-//! run out, the oldest one without a complete request is closed. So a complete request, such as that of a health check, is
-//! always answered.
+//! run out, the oldest one without a complete request is closed. Where all have one, such as pages that receive events, a
+//! reserve of connections answers the health check only.
 
 use super::ErrorResponse;
 use super::guard::Client;
@@ -30,12 +30,14 @@ use tokio::sync::{Notify, watch};
 struct Most {
     connections: usize,
     of_address: usize,
+    reserve: usize,
 }
 
 /// A process has 1,024 file descriptors by default; a quarter is left to robots and store. One address holds half.
 const MAX_CONNECTIONS: Most = Most {
     connections: 768,
     of_address: 384,
+    reserve: 16,
 };
 /// Maximum time until a request header is complete; then the connection is closed.
 const HEADERS_WITHIN: Duration = Duration::from_secs(10);
@@ -51,6 +53,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 /// Connection of a client.
 struct Connection {
     address: IpAddr,
+    /// Whether it answers the health check only, once.
+    is_reserve: bool,
     /// Whether a complete request has arrived.
     is_served: AtomicBool,
     /// Closes the connection.
@@ -64,24 +68,34 @@ struct Connections {
 }
 
 impl Connections {
-    /// Adds a connection; closes the oldest one without a complete request if there are too many. `None` if there is none
-    /// such.
+    /// Adds a connection; closes the oldest one without a complete request if there are too many. If there is none such, the
+    /// connection is of the reserve; `None` if that is used up.
     fn add(&mut self, address: IpAddr) -> Option<Arc<Connection>> {
         self.open.retain(|c| c.strong_count() > 0);
         let is_own = |c: &Connection| c.address == address;
         let open: Vec<Arc<Connection>> = self.open.iter().filter_map(Weak::upgrade).collect();
         let is_of_address_full = open.iter().filter(|c| is_own(c)).count() >= self.most.of_address;
+        let mut is_reserve = false;
         if is_of_address_full || open.len() >= self.most.connections {
             let is_silent = |c: &&Arc<Connection>| {
                 !c.is_served.load(Ordering::Relaxed) && (!is_of_address_full || is_own(c))
             };
-            let oldest = open.iter().find(is_silent)?;
-            oldest.close.notify_one();
-            self.open
-                .retain(|c| !std::ptr::eq(c.as_ptr(), Arc::as_ptr(oldest)));
+            if let Some(oldest) = open.iter().find(is_silent) {
+                is_reserve = oldest.is_reserve;
+                oldest.close.notify_one();
+                self.open
+                    .retain(|c| !std::ptr::eq(c.as_ptr(), Arc::as_ptr(oldest)));
+            } else {
+                is_reserve = true;
+                let used = open.iter().filter(|c| c.is_reserve).count();
+                if used >= self.most.reserve {
+                    return None;
+                }
+            }
         }
         let connection = Arc::new(Connection {
             address,
+            is_reserve,
             is_served: AtomicBool::new(false),
             close: Notify::new(),
         });
@@ -125,9 +139,19 @@ async fn serve_at_most(
         let service = service_fn(move |mut request: hyper::Request<Incoming>| {
             request.extensions_mut().insert(Arc::clone(&own));
             request.extensions_mut().insert(Client(own.address));
-            router.call(request)
+            let is_answered = !own.is_reserve || request.uri().path() == "/healthz";
+            let answer = router.call(request);
+            async move {
+                match is_answered {
+                    true => answer.await,
+                    false => {
+                        Ok(ErrorResponse::unavailable(response::TOO_MANY_PAGES).into_response())
+                    }
+                }
+            }
         });
         let served = http1::Builder::new()
+            .keep_alive(!connection.is_reserve)
             .timer(TokioTimer::new())
             .header_read_timeout(HEADERS_WITHIN)
             .max_buf_size(BUFFER)
@@ -172,6 +196,7 @@ mod tests {
     const TEST_CONNECTIONS: Most = Most {
         connections: 8,
         of_address: 6,
+        reserve: 2,
     };
 
     /// Serves `/healthz` and `/login` with few connections, until the sender is dropped.
@@ -227,6 +252,36 @@ mod tests {
         drop(clients);
     }
 
+    /// Answer to a request on a connection that stays open.
+    fn kept(at: SocketAddr, path: &str) -> (TcpStream, String) {
+        let mut stream = TcpStream::connect(at).expect("a connection");
+        let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        stream.write_all(request.as_bytes()).expect("sent");
+        let mut answer = [0; 400];
+        let read = stream.read(&mut answer).expect("an answer");
+        let answer = String::from_utf8_lossy(&answer[..read]).into_owned();
+        (stream, answer)
+    }
+
+    #[test]
+    fn health_is_answered_while_served_clients_hold_all() {
+        let (at, _ending) = server();
+        let holders: Vec<_> = (0..6).map(|_| kept(at, "/healthz")).collect();
+        assert!(holders.iter().all(|(_, answer)| answer.contains("200 OK")));
+        for _ in 0..20 {
+            let begun = std::time::Instant::now();
+            let answer = health(at);
+            assert!(answer.ends_with("works"), "{answer}");
+            assert!(begun.elapsed() < Duration::from_secs(5));
+        }
+        let (_closed, other) = kept(at, "/other");
+        assert!(other.contains("503"), "{other}");
+        // Silent clients do not use up the reserve.
+        let silent: Vec<_> = (0..10).map(|_| TcpStream::connect(at)).collect();
+        assert!(health(at).ends_with("works"));
+        drop((holders, silent));
+    }
+
     #[test]
     fn served_connections_are_not_closed_for_new_ones() {
         let mut connections = Connections {
@@ -238,11 +293,21 @@ mod tests {
         for connection in &held {
             connection.is_served.store(true, Ordering::Relaxed);
         }
-        assert!(connections.add(one).is_none(), "the address is full");
+        let is_reserve = |added: Option<Arc<Connection>>| added.map(|added| added.is_reserve);
+        assert_eq!(
+            is_reserve(connections.add(one)),
+            Some(true),
+            "the address is full"
+        );
         let others: Vec<_> = (0..2).filter_map(|_| connections.add(other)).collect();
         assert_eq!(others.len(), 2);
-        assert!(connections.add(other).is_some(), "a silent one is closed");
+        let silent = connections.add(other);
+        assert_eq!(is_reserve(silent), Some(false), "a silent one is closed");
         drop(held);
-        assert!(connections.add(one).is_some(), "closed ones make room");
+        assert_eq!(
+            is_reserve(connections.add(one)),
+            Some(false),
+            "closed ones make room"
+        );
     }
 }

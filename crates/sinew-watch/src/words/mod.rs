@@ -16,7 +16,9 @@ pub use alarms::{
     unsupported_type,
 };
 pub use journal::entry;
-pub use robots::{disconnected, is_being_stored, robot, tendon, waits_for_urdf};
+pub use robots::{
+    disconnected, has_failed, is_being_stored, resumes, robot, tendon, waits_for_urdf,
+};
 
 use sinew_files::date::day_of;
 use sinew_files::number::rounded;

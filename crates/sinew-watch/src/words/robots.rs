@@ -158,6 +158,20 @@ pub fn disconnected(transport: &str, reason: &str) -> String {
     format!("{transport} disconnected: {reason}")
 }
 
+/// Returns the reason why a robot is not monitored after an error of the program.
+pub fn has_failed() -> String {
+    "its data caused an internal error; restarted from the stored state".into()
+}
+
+/// Returns the reason why a restarted robot receives no data yet.
+pub fn resumes(within: std::time::Duration) -> String {
+    format!(
+        "{}; data are received again within {}",
+        has_failed(),
+        span(within.as_secs_f64())
+    )
+}
+
 /// Returns the reason why a robot whose last session is not stored yet is not monitored.
 pub fn is_being_stored() -> String {
     "the previous session is still being stored; reload the configuration in a few seconds".into()

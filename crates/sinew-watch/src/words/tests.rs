@@ -629,6 +629,8 @@ fn of_robots(list: &mut List) {
     list.line(super::waits_for_urdf());
     list.line(super::disconnected("dds:0", "no network"));
     list.line(super::is_being_stored());
+    list.line(super::has_failed());
+    list.line(super::resumes(std::time::Duration::from_secs(8)));
 }
 
 fn of_tendons(list: &mut List) {

@@ -6,7 +6,7 @@ use super::rope::{Ropes, find};
 use crate::files::{check_outputs, write_table};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
-use sinew_files::{limits, read_text};
+use sinew_files::{Budget, read_text};
 use sinew_report::rope::{bench_csv, bench_figure, bench_table};
 use sinew_rope::bench::{Bench, routings};
 use std::path::PathBuf;
@@ -118,7 +118,7 @@ impl Simulate {
         let bench = match routings::paper(&self.bench) {
             Some(bench) => bench,
             None => {
-                let text = read_text(self.bench.as_ref(), &limits::SETTINGS).map_err(|e| {
+                let text = read_text(self.bench.as_ref(), &Budget::SETTINGS).map_err(|e| {
                     Failure::Error(format!(
                         "'{}' is neither one of {} nor a readable file: {}",
                         self.bench,

@@ -105,7 +105,7 @@ impl InitCommand {
                 let name = file.file_name().map(|n| n.to_string_lossy().into_owned());
                 (
                     name,
-                    Some(read_text(file, &sinew_files::limits::DESCRIPTION)?),
+                    Some(read_text(file, &sinew_files::Budget::DESCRIPTION)?),
                 )
             }
             (None, Some(text)) => (Some("robot.urdf".to_owned()), Some(text.to_owned())),
@@ -115,7 +115,7 @@ impl InitCommand {
         let mut init = Init::of(source, urdf, recording.as_mut())?;
         if let Some(path) = &self.transmissions {
             let file = path.display().to_string();
-            let text = read_text(path, &sinew_files::limits::DESCRIPTION)?;
+            let text = read_text(path, &sinew_files::Budget::DESCRIPTION)?;
             init.couple(TransmissionMap::parse(&text, &file)?, &file)?;
         }
         let mut planned = vec![(folder.join("robot.toml"), robot_toml(&init))];

@@ -1,7 +1,7 @@
 //! `sinew log`: content of a recording.
 
 use crate::args::Opening;
-use crate::terminal::{Bar, Failure, Finish, answer_as};
+use crate::terminal::{Bar, Failure, Finish, answer_as, note};
 use clap::{Args, Subcommand};
 use sinew_log::{Progress, RecordingInfo};
 use std::path::PathBuf;
@@ -44,6 +44,10 @@ impl Info {
         let bar = Bar::new("reading");
         let mut progress = |at: Progress| bar.set(at.bytes_done as f64, at.bytes_total as f64);
         let options = self.opening.options()?;
+        note(|| {
+            let limits = options.budget.limits().map(|limit| limit.to_string());
+            format!("budget: {}", limits.collect::<Vec<_>>().join("; "))
+        });
         let info = RecordingInfo::of_files(&self.files, &options, &mut progress);
         drop(bar);
         let info = info?;

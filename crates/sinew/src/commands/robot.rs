@@ -7,7 +7,7 @@ use crate::terminal::{Failure, Finish, answer, answer_as};
 use clap::{Args, Subcommand, ValueEnum};
 use sinew_estimate::robot_check::{RobotCheck, Severity};
 use sinew_estimate::robot_dir;
-use sinew_files::{limits, read_text, write_file};
+use sinew_files::{Budget, read_text, write_file};
 use sinew_generate::{Language, Precision, generate};
 use sinew_log::Mapping;
 use sinew_model::offset::{OffsetConfig, VelocityFilter};
@@ -56,7 +56,7 @@ impl Check {
         let mut check = RobotCheck::of(&loaded, &gaps, &self.ropes.catalogue()?)?;
         if let Some(file) = &self.mapping {
             Mapping::read(file)?;
-            let text = read_text(file, &limits::SETTINGS)?;
+            let text = read_text(file, &Budget::SETTINGS)?;
             check.add_mapping(&text, &file.display().to_string())?;
         }
         answer_as(self.json, &check, sinew_report::robot::render)?;

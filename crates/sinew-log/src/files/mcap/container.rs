@@ -13,6 +13,7 @@ use super::messages::Item;
 use super::ros1::Ros1Channels;
 use super::source::Source;
 use crate::health::Health;
+use sinew_files::{Budget, ProcessorTime};
 
 /// Operation code and length of a record, bytes.
 const RECORD_HEADER: usize = 1 + 8;
@@ -33,6 +34,7 @@ enum Place {
 pub(in crate::files) struct Container {
     source: Source,
     unpacker: Unpacker,
+    time: ProcessorTime,
     limit: usize,
     /// The unpacked chunk.
     chunk: Vec<u8>,
@@ -55,10 +57,12 @@ pub(in crate::files) struct Container {
 }
 
 impl Container {
-    pub(super) fn new(source: Source, limit: usize) -> Self {
+    pub(super) fn new(source: Source, budget: &Budget) -> Self {
+        let limit = budget.memory.length();
         Container {
-            source,
+            time: ProcessorTime::new(budget, source.length()),
             unpacker: Unpacker::new(limit),
+            source,
             limit,
             chunk: Vec::new(),
             chunk_place: Place::Chunk,
@@ -95,6 +99,11 @@ impl Container {
 
     pub(super) fn bytes_total(&self) -> u64 {
         self.source.length()
+    }
+
+    /// Maximum memory of a chunk or record, bytes.
+    pub(super) fn limit(&self) -> usize {
+        self.limit
     }
 
     pub(super) fn source_mut(&mut self) -> &mut Source {
@@ -317,7 +326,13 @@ impl Container {
                 self.chunk_end = from + packed.len();
                 self.unpacker.check_plain(&header, packed)
             } else {
-                let verdict = self.unpacker.unpack(&header, packed, &mut self.chunk);
+                let unpacker = &mut self.unpacker;
+                let chunk = &mut self.chunk;
+                let spent = (self.time).spend(|| unpacker.unpack(&header, packed, chunk));
+                let verdict = match spent {
+                    Ok(verdict) => verdict,
+                    Err(reason) => return Ok(Some(self.cut(offset, reason, health))),
+                };
                 self.chunk_place = Place::Chunk;
                 self.chunk_at = 0;
                 self.chunk_end = self.chunk.len();

@@ -61,7 +61,7 @@ impl McapReader {
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
         let source = Source::new(reader).map_err(|e| LogError::io(file, "read", e))?;
-        let container = Container::new(source, options.chunk_limit_bytes);
+        let container = Container::new(source, &options.budget);
         BagReader::of(container, file, options)
     }
 }

@@ -16,8 +16,6 @@ use crate::live::survey::{RECORDED_MESSAGES, Survey, Topic, description, is_desc
 const SCAN_BYTES: u64 = 16 << 20;
 /// Bytes scanned in a file without a summary.
 const BLIND_SCAN_BYTES: u64 = 2 << 20;
-/// Maximum size of a summary section, bytes.
-const SUMMARY_LIMIT: u64 = sinew_files::limits::SUMMARY.most;
 /// Length of the magic bytes at both ends of the file.
 const MAGIC_BYTES: u64 = 8;
 /// Footer record and closing magic, bytes.
@@ -192,6 +190,8 @@ impl Messages for Container {
 
 /// Reads the summary section, if the file has a valid one; never an error.
 fn read_summary(container: &mut Container) -> std::io::Result<Option<Summary>> {
+    // The records of a summary take some four times its size.
+    let most = container.limit() as u64 / 4;
     let length = container.bytes_total();
     if length < TAIL_BYTES + MAGIC_BYTES {
         return Ok(None);
@@ -211,7 +211,7 @@ fn read_summary(container: &mut Container) -> std::io::Result<Option<Summary>> {
         Some(bytes) => u64::from_le_bytes(*bytes),
         None => 0,
     };
-    if start == 0 || start >= tail_at || tail_at - start > SUMMARY_LIMIT {
+    if start == 0 || start >= tail_at || tail_at - start > most {
         return Ok(None);
     }
     let size = (tail_at - start) as usize;

@@ -10,9 +10,6 @@ use crate::sources::SignalSource;
 use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 
-/// Most columns a table may have.
-pub(crate) const COLUMN_LIMIT: usize = sinew_files::limits::COLUMNS.length();
-
 /// Addend of a value: `scale · cell + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Addend {
@@ -95,12 +92,8 @@ impl Columns {
     ) -> Result<Self, LogError> {
         let names = &headers.names;
         let header = |reason: String| LogError::from(Located::new(file, Fault::NotAllowed, reason));
-        if names.len() > COLUMN_LIMIT {
-            return Err(header(format!(
-                "{} columns; at most {COLUMN_LIMIT} are supported",
-                names.len()
-            )));
-        }
+        let columns = options.budget.columns.check(names.len() as u64);
+        columns.map_err(header)?;
         let mut seen = std::collections::HashSet::new();
         for name in names.iter().filter(|name| !name.is_empty()) {
             if !seen.insert(name.as_str()) {

@@ -8,7 +8,7 @@ use csv::ByteRecord;
 use sinew_files::csv::{Dialect, is_comment};
 use sinew_files::date::ClockColumn;
 use sinew_files::text::Encoding;
-use sinew_files::{Fault, Located, Utf16Reader};
+use sinew_files::{Budget, Fault, Located, Utf16Reader};
 
 use super::blanks::{self, Blanks};
 use super::columns::{Columns, Headers};
@@ -23,10 +23,6 @@ use crate::health::Health;
 use crate::options::OpenOptions;
 use sinew_files::names::shorten;
 
-/// Maximum length of a line (header or row), bytes.
-const ROW_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
-/// Bytes of the start in which the header line must end.
-const HEADER_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
 /// Size of one read of the operating system, bytes.
 const BUFFER_BYTES: usize = 256 << 10;
 
@@ -36,6 +32,8 @@ struct Meter {
     reader: Box<dyn Read + Send>,
     /// Number of bytes returned.
     given: u64,
+    /// Maximum length of a row, bytes.
+    row_bytes: u64,
     /// Bytes up to which rows were complete, set by the row loop.
     done: Arc<AtomicU64>,
 }
@@ -43,11 +41,12 @@ struct Meter {
 impl Read for Meter {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let open = self.given.saturating_sub(self.done.load(Ordering::Relaxed));
-        if open > ROW_LIMIT_BYTES + BUFFER_BYTES as u64 {
+        let most = self.row_bytes;
+        if open > most.saturating_add(BUFFER_BYTES as u64) {
             return Err(std::io::Error::new(
                 std::io::ErrorKind::InvalidData,
                 format!(
-                    "a row of more than {ROW_LIMIT_BYTES} bytes: a quote that is not closed, or no line ends"
+                    "a row of more than {most} bytes: a quote that is not closed, or no line ends"
                 ),
             ));
         }
@@ -87,7 +86,7 @@ impl CsvReader {
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
-        let (rows, headers, has_names) = CsvRows::open(reader, file)?;
+        let (rows, headers, has_names) = CsvRows::open(reader, file, &options.budget)?;
         let is_mapped =
             (options.mapping.as_ref()).is_some_and(|m| m.joint_names().next().is_some());
         if !has_names && !is_mapped {
@@ -107,11 +106,13 @@ impl CsvRows {
     pub(super) fn open(
         mut reader: Box<dyn ReadSeek>,
         file: &str,
+        budget: &Budget,
     ) -> Result<(Self, Headers, bool), LogError> {
+        let row_bytes = budget.text.value();
         let io = |source| LogError::io(file, "read", source);
         let to_error = |reason: String| LogError::not_a_recording(file, reason);
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
-        let head = read_head(&mut reader).map_err(io)?;
+        let head = read_head(&mut reader, row_bytes).map_err(io)?;
         let (encoding, mark) = Encoding::of(&head);
         let wide = matches!(encoding, Encoding::Utf16Le | Encoding::Utf16Be);
         if head.contains(&0) && !wide {
@@ -126,8 +127,11 @@ impl CsvRows {
         let mut last = b'\n';
         reader.seek(SeekFrom::Start(start)).map_err(io)?;
         let head = match wide {
-            true => head::find(Utf16Reader::new(&mut reader, encoding == Encoding::Utf16Be)),
-            false => head::find(&mut reader),
+            true => head::find(
+                Utf16Reader::new(&mut reader, encoding == Encoding::Utf16Be),
+                budget,
+            ),
+            false => head::find(&mut reader, budget),
         }
         .map_err(io)?;
         let dialect = head.dialect;
@@ -160,6 +164,7 @@ impl CsvRows {
         let meter = Meter {
             reader,
             given: start,
+            row_bytes,
             done: Arc::clone(&done),
         };
         let mut reader = csv::ReaderBuilder::new()
@@ -396,9 +401,9 @@ fn end_of(mut text: impl Read) -> std::io::Result<(u64, u8)> {
 }
 
 /// First line that is not empty, up to the limit.
-fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
+fn read_head(reader: &mut Box<dyn ReadSeek>, most: u64) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
-    for byte in BufReader::new(reader.take(HEADER_LIMIT_BYTES)).bytes() {
+    for byte in BufReader::new(reader.take(most)).bytes() {
         match byte? {
             b'\n' | b'\r' if head.is_empty() => {}
             b'\n' | b'\r' => break,

@@ -2,14 +2,13 @@
 
 use super::blanks::{self, Blanks};
 use super::columns::{Headers, has_usual_name};
+use sinew_files::Budget;
 use sinew_files::csv::{Dialect, is_comment};
 use sinew_files::date::is_stamp;
 use sinew_files::text::Encoding;
 use sinew_files::unit::{Dimension, Unit, bare};
 use std::io::Read;
 
-/// Bytes of the start in which the header line must end.
-const LIMIT_BYTES: usize = sinew_files::limits::CSV_LINE.length();
 /// Lines in which the header is searched.
 const LINES: usize = 200;
 /// Bytes read at a time.
@@ -68,8 +67,8 @@ struct Line {
 }
 
 /// Finds the head of a text that begins with it.
-pub(super) fn find(text: impl Read) -> std::io::Result<Head> {
-    let text = start_of(text)?;
+pub(super) fn find(text: impl Read, budget: &Budget) -> std::io::Result<Head> {
+    let text = start_of(text, budget.text.length())?;
     let lines = lines_of(&text);
     let is_remark = |line: &Line| is_comment(line.text.as_bytes());
     let joined = |lines: &[&Line]| -> String {
@@ -198,7 +197,7 @@ pub(super) fn find(text: impl Read) -> std::io::Result<Head> {
 }
 
 /// Reads the first lines, up to the limit; the last one is complete unless the text ends within it.
-fn start_of(mut text: impl Read) -> std::io::Result<Vec<u8>> {
+fn start_of(mut text: impl Read, most: usize) -> std::io::Result<Vec<u8>> {
     let mut start = Vec::new();
     let is_end = |byte: &&u8| matches!(byte, b'\n' | b'\r');
     loop {
@@ -207,7 +206,7 @@ fn start_of(mut text: impl Read) -> std::io::Result<Vec<u8>> {
         if read == 0 {
             return Ok(start);
         }
-        if ends > LINES || start.len() >= LIMIT_BYTES {
+        if ends > LINES || start.len() >= most {
             let last = start.iter().rposition(|byte| is_end(&byte));
             start.truncate(last.map_or(start.len(), |last| last + 1));
             return Ok(start);
@@ -390,7 +389,7 @@ mod tests {
     use super::*;
 
     fn head(text: &str) -> Head {
-        find(text.as_bytes()).expect("read")
+        find(text.as_bytes(), &Budget::RECORDING).expect("read")
     }
 
     #[test]

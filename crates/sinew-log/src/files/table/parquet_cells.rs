@@ -6,6 +6,7 @@ use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 
 use crate::frame::ABSENT;
+use sinew_files::ProcessorTime;
 
 /// Rows decoded at a time.
 const BATCH_ROWS: usize = 1024;
@@ -186,8 +187,12 @@ pub(super) fn first_length(
 }
 
 /// Runs the Parquet library with a net: its decoders may panic on damaged pages.
-pub(super) fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, String> {
-    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
+pub(super) fn guarded<T>(
+    time: &mut ProcessorTime,
+    work: impl FnOnce() -> ParquetResult<T>,
+) -> Result<T, String> {
+    let work = std::panic::AssertUnwindSafe(work);
+    match time.spend(|| std::panic::catch_unwind(work))? {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(error)) => Err(error.to_string()),
         Err(_) => Err("its pages are damaged".to_owned()),

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bytes::Bytes;
 use parquet::basic::{LogicalType, TimeUnit, Type as Physical};
-use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::errors::Result as ParquetResult;
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 
 use super::columns::{Columns, Headers};
@@ -19,9 +19,8 @@ use crate::files::reader::{Format, Progress};
 use crate::frame::is_absent;
 use crate::health::Health;
 use crate::options::OpenOptions;
-
-/// Largest piece (page, footer) taken into memory, bytes.
-const PIECE_LIMIT_BYTES: usize = sinew_files::limits::PARQUET_PIECE.length();
+use sinew_files::ProcessorTime;
+use sinew_files::parquet::BoundedParquet;
 
 /// File that the column readers share, each with its own position.
 #[derive(Clone)]
@@ -68,12 +67,6 @@ impl ChunkReader for Shared {
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
-        let there = self.length.saturating_sub(start);
-        if length as u64 > there || length > PIECE_LIMIT_BYTES {
-            return Err(ParquetError::EOF(format!(
-                "{length} bytes announced at byte {start}, {there} available, {PIECE_LIMIT_BYTES} permitted"
-            )));
-        }
         let mut bytes = vec![0; length];
         SharedAt {
             shared: self.clone(),
@@ -87,7 +80,8 @@ impl ChunkReader for Shared {
 /// The rows of a Parquet file.
 pub(crate) struct ParquetRows {
     leaves: Vec<Leaf>,
-    reader: SerializedFileReader<Shared>,
+    reader: SerializedFileReader<BoundedParquet<Shared>>,
+    time: ProcessorTime,
     length: u64,
     rows_total: u64,
     next_group: usize,
@@ -115,7 +109,9 @@ impl ParquetReader {
             length,
         };
         let to_error = |reason: String| LogError::not_a_recording(file, reason);
-        let reader = guarded(|| SerializedFileReader::new(shared)).map_err(|reason| {
+        let mut time = ProcessorTime::new(&options.budget, length);
+        let shared = BoundedParquet::new(shared, &options.budget);
+        let reader = guarded(&mut time, || SerializedFileReader::new(shared)).map_err(|reason| {
             to_error(format!(
                 "its Parquet footer cannot be read ({reason}); a Parquet file that was cut off cannot be recovered"
             ))
@@ -154,7 +150,7 @@ impl ParquetReader {
             let path = column.path().parts();
             let list = path[..path.len().saturating_sub(2).max(1)].join(".");
             let elements = list_names.get(&list);
-            for element in 0..guarded(|| first_length(&reader, index)).unwrap_or(0) {
+            for element in 0..guarded(&mut time, || first_length(&reader, index)).unwrap_or(0) {
                 let name = elements.and_then(|elements| elements.get(element));
                 let name = name.map_or_else(|| element.to_string(), Clone::clone);
                 names.push(format!("{list}.{name}"));
@@ -169,6 +165,7 @@ impl ParquetReader {
         let rows = ParquetRows {
             leaves,
             reader,
+            time,
             length,
             rows_total,
             next_group: 0,
@@ -271,7 +268,7 @@ impl ParquetRows {
             let mut rows = None;
             for (cells, &column) in self.group.iter_mut().zip(&columns.used) {
                 let leaf = self.leaves[column];
-                let read = guarded(|| cells.decode(leaf))
+                let read = guarded(&mut self.time, || cells.decode(leaf))
                     .map_err(|reason| format!("column '{}': {reason}", columns.names[column]))?;
                 match rows {
                     None => rows = Some(read),
@@ -295,11 +292,13 @@ impl ParquetRows {
     }
 
     fn open_group(&mut self, used: &[usize]) -> Result<(), String> {
-        let group = guarded(|| self.reader.get_row_group(self.next_group))?;
+        let group = guarded(&mut self.time, || {
+            self.reader.get_row_group(self.next_group)
+        })?;
         self.next_group += 1;
         for &column in used {
             let column = self.leaves[column].column;
-            let reader = guarded(|| group.get_column_reader(column))?;
+            let reader = guarded(&mut self.time, || group.get_column_reader(column))?;
             self.group.push(Cells::new(reader));
         }
         Ok(())

@@ -6,6 +6,7 @@ use super::csv_read::CsvRows;
 use super::numpy::{self, NumpyRows};
 use crate::frame::Quantity;
 use crate::mapping::time_unit_exponent;
+use sinew_files::Budget;
 use sinew_files::unit::{Dimension as D, Unit};
 use std::fs::File;
 #[cfg(feature = "numpy")]
@@ -156,12 +157,13 @@ fn first_values(path: &Path) -> Option<(Headers, bool, Vec<Vec<f64>>)> {
         File::open(path).ok()?.read_exact(&mut magic).ok()?;
         if magic.starts_with(numpy::NPY_MAGIC) || magic.starts_with(numpy::NPZ_MAGIC) {
             let file = Box::new(File::open(path).ok()?);
-            let (mut rows, headers, has_names) = NumpyRows::open(file, &name).ok()?;
+            let (mut rows, headers, has_names) =
+                NumpyRows::open(file, &name, &Budget::RECORDING).ok()?;
             return Some((headers, has_names, rows.first_values(ROWS)));
         }
     }
     let file = Box::new(File::open(path).ok()?);
-    let (mut rows, headers, has_names) = CsvRows::open(file, &name).ok()?;
+    let (mut rows, headers, has_names) = CsvRows::open(file, &name, &Budget::RECORDING).ok()?;
     let mut values = vec![Vec::new(); headers.names.len()];
     for _ in 0..ROWS {
         let Some(row) = rows.numbers() else { break };

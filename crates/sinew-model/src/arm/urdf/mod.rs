@@ -29,7 +29,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use links::{ImplausibleValues, joint_limits, urdf_pose};
-use sinew_files::limits;
+use sinew_files::Budget;
 
 pub use links::{is_positive_semidefinite, obeys_triangle};
 pub use located::line_of;
@@ -240,7 +240,7 @@ impl<'a> Reader<'a> {
         let moving = |j: &&xml::UrdfJoint| j.joint_type != xml::JointType::Fixed;
         let moving = robot.joints.iter().filter(moving).map(|j| j.name.as_str());
         let moving: Vec<&str> = moving.collect();
-        if let Err(problem) = limits::URDF_JOINTS.check(moving.len() as u64) {
+        if let Err(problem) = Budget::DESCRIPTION.columns.check(moving.len() as u64) {
             return tree(problem);
         }
         for (name, _) in &options.locked {

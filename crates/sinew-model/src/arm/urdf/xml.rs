@@ -6,7 +6,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use roxmltree::{Document, Error, Node, ParsingOptions};
-use sinew_files::limits;
+use sinew_files::Budget;
 
 /// Content of a URDF file: links and joints in the file's order.
 #[derive(Debug, Clone, PartialEq)]
@@ -162,10 +162,10 @@ fn without_late_declaration(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Parses XML of at most [`limits::URDF_NODES`] nodes.
+/// Parses XML within the budget of a description.
 pub(crate) fn parsed(text: &str) -> Result<Document<'_>, Error> {
     let options = ParsingOptions {
-        nodes_limit: limits::URDF_NODES.most as u32,
+        nodes_limit: u32::try_from(Budget::DESCRIPTION.records.value()).unwrap_or(u32::MAX),
         ..ParsingOptions::default()
     };
     Document::parse_with_options(text, options)

@@ -1,6 +1,7 @@
 //! Entries of a zip archive, as `numpy.savez` and `numpy.savez_compressed` write it.
 
 use crate::files::read_seek::ReadSeek;
+use sinew_files::Budget;
 use std::io::{Read, SeekFrom};
 
 /// First bytes of an archive.
@@ -13,8 +14,6 @@ const END64_BYTES: usize = 56;
 /// Bytes of an entry of the directory, and of the header before its content, without names.
 const ENTRY_BYTES: usize = 46;
 const LOCAL_BYTES: u64 = 30;
-/// Maximum size of the directory, bytes: as many entries as a table has columns, with names of 256 characters.
-const MAX_DIRECTORY_BYTES: u64 = 20 << 20;
 
 /// Entry of an archive.
 #[derive(Debug, PartialEq)]
@@ -50,7 +49,7 @@ fn read_at(reader: &mut dyn ReadSeek, at: u64, bytes: u64) -> std::io::Result<Ve
 }
 
 /// Reads the directory of an archive; the error is a description.
-pub(super) fn entries(reader: &mut dyn ReadSeek) -> Result<Vec<Entry>, String> {
+pub(super) fn entries(reader: &mut dyn ReadSeek, budget: &Budget) -> Result<Vec<Entry>, String> {
     let damaged =
         || "its zip directory is damaged, missing or encrypted; the file may be cut off".to_owned();
     let io = |error: std::io::Error| format!("its zip directory cannot be read: {error}");
@@ -70,7 +69,8 @@ pub(super) fn entries(reader: &mut dyn ReadSeek) -> Result<Vec<Entry>, String> {
         let of_end = || Some((u64_at(&end, 32)?, u64_at(&end, 40)?, u64_at(&end, 48)?));
         (count, bytes, start) = of_end().ok_or_else(damaged)?;
     }
-    if bytes > MAX_DIRECTORY_BYTES || start.saturating_add(bytes) > length {
+    budget.columns.check(count)?;
+    if bytes > budget.text.value().saturating_mul(8) || start.saturating_add(bytes) > length {
         return Err(damaged());
     }
     let directory = read_at(reader, start, bytes).map_err(io)?;

@@ -1,11 +1,10 @@
 //! Header of an array: type of its values, shape and order.
 
+use sinew_files::Budget;
 use std::io::Read;
 
 /// First bytes of an array.
 pub(in crate::files) const MAGIC: &[u8] = b"\x93NUMPY";
-/// Maximum length of a header, bytes. Names of structured types, which are not read, make long ones.
-const MAX_HEADER_BYTES: usize = 1 << 16;
 
 /// Description of a structured type.
 pub(super) const FIELDS: &str = "a structure with fields";
@@ -119,7 +118,7 @@ pub(super) struct Header {
 
 impl Header {
     /// Reads a header; the error is a description.
-    pub(super) fn read(mut from: impl Read) -> Result<Self, String> {
+    pub(super) fn read(mut from: impl Read, budget: &Budget) -> Result<Self, String> {
         let io = |error: std::io::Error| format!("its header cannot be read: {error}");
         let mut start = [0; 8];
         from.read_exact(&mut start).map_err(io)?;
@@ -131,11 +130,7 @@ impl Header {
         let size = if is_short { 2 } else { 4 };
         from.read_exact(&mut length[..size]).map_err(io)?;
         let length = u32::from_le_bytes(length) as usize;
-        if length > MAX_HEADER_BYTES {
-            return Err(format!(
-                "its header states {length} bytes; at most {MAX_HEADER_BYTES} are supported"
-            ));
-        }
+        budget.text.check(length as u64)?;
         let mut text = vec![0; length];
         from.read_exact(&mut text).map_err(io)?;
         let text = String::from_utf8_lossy(&text);
@@ -179,7 +174,7 @@ mod tests {
     fn header_has_type_shape_and_order() {
         let text = b"{'descr': '>f4', 'fortran_order': True, 'shape': (3, 2), }";
         let mut bytes = [MAGIC, &[1, 0, text.len() as u8, 0], text].concat();
-        let header = Header::read(&bytes[..]).expect("a header");
+        let header = Header::read(&bytes[..], &Budget::RECORDING).expect("a header");
         assert_eq!(header.shape, [3, 2]);
         assert_eq!(header.bytes, bytes.len() as u64);
         assert!(header.is_fortran);
@@ -187,14 +182,14 @@ mod tests {
         assert_eq!(value_type.float(&1.5_f32.to_be_bytes()), Some(1.5));
         for (found, words) in [
             (&bytes[..20], "cannot be read"),
-            (&b"\x93NUMPY\x02\x00\xff\xff\xff\x7f"[..], "at most 65536"),
+            (&b"\x93NUMPY\x02\x00\xff\xff\xff\x7f"[..], "at most 4194304"),
             (&b"\x93NUMPZ\x01\x00\x00\x00"[..], "93 4E"),
         ] {
-            let error = Header::read(found).unwrap_err();
+            let error = Header::read(found, &Budget::RECORDING).unwrap_err();
             assert!(error.contains(words), "{error}");
         }
         bytes[30] = b'!';
-        assert!(Header::read(&bytes[..]).is_err());
+        assert!(Header::read(&bytes[..], &Budget::RECORDING).is_err());
     }
 
     #[test]

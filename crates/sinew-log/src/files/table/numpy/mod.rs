@@ -6,7 +6,7 @@ mod header;
 pub(in crate::files) use archive::MAGIC as NPZ_MAGIC;
 pub(in crate::files) use header::MAGIC as NPY_MAGIC;
 
-use super::columns::{COLUMN_LIMIT, Columns, Headers};
+use super::columns::{Columns, Headers};
 use super::decimal::float_ns;
 use super::{Row, Rows, Table};
 use crate::error::LogError;
@@ -19,7 +19,7 @@ use crate::options::OpenOptions;
 use archive::Entry;
 use flate2::read::DeflateDecoder;
 use header::{Header, ValueType};
-use sinew_files::limits::UNPACKED;
+use sinew_files::{Budget, Limit, ProcessorTime};
 use std::io::{Read, Seek, SeekFrom};
 
 /// Maximum number of rows read at a time, and of the bytes of all arrays in them.
@@ -51,6 +51,8 @@ impl Array {
 /// The rows of arrays in a file.
 pub(crate) struct NumpyRows {
     file: String,
+    unpacked: Limit,
+    time: ProcessorTime,
     reader: Box<dyn ReadSeek>,
     arrays: Vec<Array>,
     /// Array and value of its row, for every column.
@@ -77,7 +79,7 @@ impl NumpyReader {
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
-        let (rows, headers, has_names) = NumpyRows::open(reader, file)?;
+        let (rows, headers, has_names) = NumpyRows::open(reader, file, &options.budget)?;
         let is_mapped =
             (options.mapping.as_ref()).is_some_and(|m| m.joint_names().next().is_some());
         if !has_names && !is_mapped {
@@ -90,8 +92,8 @@ impl NumpyReader {
 }
 
 /// Whether an archive contains arrays.
-pub(in crate::files) fn is_archive_of_arrays(reader: &mut dyn ReadSeek) -> bool {
-    let entries = archive::entries(reader);
+pub(in crate::files) fn is_archive_of_arrays(reader: &mut dyn ReadSeek, budget: &Budget) -> bool {
+    let entries = archive::entries(reader, budget);
     entries.is_ok_and(|entries| entries.iter().any(|entry| entry.name.ends_with(".npy")))
 }
 
@@ -110,20 +112,22 @@ impl NumpyRows {
     pub(super) fn open(
         mut reader: Box<dyn ReadSeek>,
         file: &str,
+        budget: &Budget,
     ) -> Result<(Self, Headers, bool), LogError> {
         let io = |source| LogError::io(file, "read", source);
         let to_error = |reason: String| LogError::not_a_recording(file, reason);
         let mut magic = Vec::new();
+        let length = reader.seek(SeekFrom::End(0)).map_err(io)?;
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
         (reader.by_ref().take(NPY_MAGIC.len() as u64))
             .read_to_end(&mut magic)
             .map_err(io)?;
         let is_archive = magic != NPY_MAGIC;
         let found = match is_archive {
-            true => headers_of_archive(reader.as_mut()).map_err(to_error)?,
+            true => headers_of_archive(reader.as_mut(), budget).map_err(to_error)?,
             false => {
                 reader.seek(SeekFrom::Start(0)).map_err(io)?;
-                let header = Header::read(reader.by_ref()).map_err(to_error)?;
+                let header = Header::read(reader.by_ref(), budget).map_err(to_error)?;
                 vec![(String::new(), header, None)]
             }
         };
@@ -141,6 +145,8 @@ impl NumpyRows {
         let rows = numbers.map(longest).max().unwrap_or(0);
         let mut out = Self {
             file: file.to_owned(),
+            unpacked: budget.unpacked,
+            time: ProcessorTime::new(budget, length),
             reader,
             arrays: Vec::new(),
             places: Vec::new(),
@@ -164,10 +170,8 @@ impl NumpyRows {
                 others.push(format!("{name} {of} {shape:?}").trim().to_owned());
                 continue;
             };
-            if columns > (COLUMN_LIMIT - out.places.len()) as u64 {
-                let reason = format!("more than {COLUMN_LIMIT} columns are not supported");
-                return Err(to_error(reason));
-            }
+            let all = columns.saturating_add(out.places.len() as u64);
+            budget.columns.check(all).map_err(to_error)?;
             let unit = value_type.time_unit().unwrap_or_default();
             for column in 0..columns {
                 headers.names.push(match (is_archive, header.shape.len()) {
@@ -314,14 +318,16 @@ impl NumpyRows {
         };
         let stated =
             (self.rows.saturating_mul(array.row_bytes())).saturating_add(array.header_bytes);
-        UNPACKED
+        self.unpacked
             .check(self.unpacked_bytes.saturating_add(stated))
             .map_err(|reason| to_error(&reason))?;
         self.reader
             .seek(SeekFrom::Start(entry.start))
             .map_err(|error| to_error(&error))?;
         let mut content = Checked {
-            reader: DeflateDecoder::new(self.reader.by_ref().take(entry.packed_bytes)),
+            reader: self.time.reader(DeflateDecoder::new(
+                self.reader.by_ref().take(entry.packed_bytes),
+            )),
             checksum: crc32fast::Hasher::new(),
             bytes: 0,
         };
@@ -379,9 +385,10 @@ fn read_exact_at(reader: &mut (impl Read + Seek), at: u64, into: &mut [u8]) -> s
 /// Names, headers and places of the arrays of an archive; the error is a description.
 fn headers_of_archive(
     reader: &mut dyn ReadSeek,
+    budget: &Budget,
 ) -> Result<Vec<(String, Header, Option<Entry>)>, String> {
     let mut found = Vec::new();
-    for entry in archive::entries(reader)? {
+    for entry in archive::entries(reader, budget)? {
         let Some(name) = entry.name.strip_suffix(".npy").map(str::to_owned) else {
             continue;
         };
@@ -390,8 +397,8 @@ fn headers_of_archive(
             .map_err(|error| format!("array '{name}': {error}"))?;
         let content = Read::take(&mut *reader, entry.packed_bytes);
         let header = match entry.is_deflated {
-            true => Header::read(DeflateDecoder::new(content)),
-            false => Header::read(content),
+            true => Header::read(DeflateDecoder::new(content), budget),
+            false => Header::read(content, budget),
         };
         let header = header.map_err(|reason| format!("array '{name}': {reason}"))?;
         found.push((name, header, Some(entry)));
