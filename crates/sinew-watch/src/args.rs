@@ -1,6 +1,7 @@
 //! Command-line arguments of the monitor.
 
 use clap::{Parser, Subcommand};
+use sinew_watch_core::alarm::Condition;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -16,7 +17,8 @@ use std::path::PathBuf;
     args_conflicts_with_subcommands = true,
     after_help = "Exit codes: 0 success, 1 invalid input, 2 usage.\n\n\
                   Examples:\n  sinew watch --demo\n  sinew watch --check /etc/sinew/watch.toml\n  \
-                  sinew watch backup /var/backups/watch.db"
+                  sinew watch backup /var/backups/watch.db\n  \
+                  sinew watch acknowledge arm-7 step-change --joint elbow --who Ada"
 )]
 pub struct Args {
     /// Configuration file [default: /etc/sinew/watch.toml, if it exists]
@@ -46,6 +48,48 @@ pub enum Command {
         #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
         config: PathBuf,
     },
+    /// Print the size of the store, per robot and per year
+    Disk {
+        /// Configuration file that names the store
+        #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
+        config: PathBuf,
+    },
+    /// Send a test notification to every receiver
+    Notify {
+        /// Configuration file that names the receivers
+        #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
+        config: PathBuf,
+    },
+    /// Acknowledge an alarm of the running monitor
+    Acknowledge(Acknowledge),
+}
+
+/// Alarm to acknowledge, and the operator.
+#[derive(Debug, clap::Args)]
+pub struct Acknowledge {
+    /// Name of the robot
+    pub robot: String,
+    /// Condition of the alarm, such as step-change
+    #[arg(value_parser = condition)]
+    pub condition: Condition,
+    /// Joint of the tendon; without it, an alarm of the robot as a whole
+    #[arg(long)]
+    pub joint: Option<String>,
+    /// Name of the operator
+    #[arg(long, value_name = "NAME")]
+    pub who: String,
+    /// Note for the journal
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub note: String,
+    /// Configuration file of the monitor
+    #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
+    pub config: PathBuf,
+}
+
+/// Parses a condition by its name in the API.
+fn condition(text: &str) -> Result<Condition, String> {
+    let name = serde_json::Value::String(text.into());
+    serde_json::from_value(name).map_err(|e| e.to_string())
 }
 
 /// Parses an address on the loopback interface: everybody who reaches the demonstration may operate it.

@@ -1,10 +1,10 @@
 //! Check of a configuration (`sinew watch --check`): files, addresses and folders are tested, and nothing is started
 //! or created.
 
-use crate::config::{Address, Config, RobotSettings, WebSettings, Webhook};
+use crate::config::{Address, Config, Receiver, RobotSettings, WebSettings};
 use crate::runtime::check_transport;
 use crate::store::{Place, Reader};
-use crate::{token, webhooks};
+use crate::{stream, token};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_files::Temporary;
@@ -21,9 +21,7 @@ pub fn faults(config: &Config) -> Vec<String> {
     let mut faults = Vec::new();
     faults.extend(store(&config.store));
     faults.extend(page(&config.web, &config.store));
-    for (i, hook) in config.webhooks.iter().enumerate() {
-        faults.extend(webhook(i, hook));
-    }
+    faults.extend(receivers(config));
     faults.extend(config.robots.iter().flat_map(robot_files));
     faults.extend(transports(&config.robots));
     faults
@@ -147,7 +145,7 @@ fn can_write_in(folder: &Path) -> std::io::Result<()> {
     Temporary::create(there, "check").map(drop)
 }
 
-/// Checks the address of the page, its token and the webhooks.
+/// Checks the address of the page and its tokens.
 fn page(web: &WebSettings, store: &Path) -> Vec<String> {
     let mut faults = Vec::new();
     let Some(bind) = web.bind else { return faults };
@@ -161,6 +159,11 @@ fn page(web: &WebSettings, store: &Path) -> Vec<String> {
     }
     if web.needs_token() {
         faults.extend(web_token(web.token_file.as_ref(), store));
+        for (name, _, path) in token::files(web, store).into_iter().skip(1) {
+            // A missing file is created at the first start.
+            let fault = token::read(&path).err();
+            faults.extend(fault.map(|fault| format!("token {name}: {fault}")));
+        }
     }
     faults
 }
@@ -184,8 +187,42 @@ fn web_token(own: Option<&PathBuf>, store: &Path) -> Option<String> {
     }
 }
 
-fn webhook(at: usize, hook: &Webhook) -> Option<String> {
-    let path = hook.token_file.as_deref()?;
-    let fault = webhooks::token(path).err()?;
-    Some(format!("webhook[{at}].token_file = {path:?}: {fault}"))
+/// Checks the files of secrets and certificate authorities.
+fn receivers(config: &Config) -> Vec<String> {
+    let (mut hooks, mut mails) = (0, 0);
+    let of_receivers = config.receivers.iter().map(|receiver| match receiver {
+        Receiver::Webhook(of) => {
+            hooks += 1;
+            let at = format!("webhook[{}]", hooks - 1);
+            (at, "token_file", &of.token_file, &of.ca_file)
+        }
+        Receiver::Mail(of) => {
+            mails += 1;
+            let at = format!("mail[{}]", mails - 1);
+            (at, "password_file", &of.password_file, &of.ca_file)
+        }
+    });
+    let of_broker = config.mqtt.iter();
+    let of_broker = of_broker.map(|of| {
+        (
+            "mqtt".into(),
+            "password_file",
+            &of.password_file,
+            &of.ca_file,
+        )
+    });
+    let mut faults = Vec::new();
+    for (at, key, secret, ca_file) in of_receivers.chain(of_broker) {
+        if let Some(path) = secret
+            && let Err(fault) = token::secret(path)
+        {
+            faults.push(format!("{at}.{key} = {path:?}: {fault}"));
+        }
+        if let Some(path) = ca_file
+            && let Err(fault) = stream::check_authorities(path)
+        {
+            faults.push(format!("{at}.ca_file = {path:?}: {fault}"));
+        }
+    }
+    faults
 }

@@ -4,7 +4,7 @@
 //! store and web page.
 //!
 //! Reading order: [`args`], [`config`] (configuration), [`check`], [`store`] (storage), [`runtime`] (threads),
-//! [`words`] (texts), [`web`] and [`webhooks`] (output), [`months`], [`service`] (the program).
+//! [`words`] (texts), [`web`], [`webhooks`] and [`mqtt`] (output), [`months`], [`operate`] (commands), [`service`] (the program).
 
 pub mod args;
 pub mod check;
@@ -12,11 +12,15 @@ pub mod config;
 pub mod demo;
 pub mod discover;
 mod hex;
+mod mail;
 pub mod months;
+pub mod mqtt;
 pub mod notify;
+pub mod operate;
 pub mod runtime;
 pub mod service;
 pub mod store;
+mod stream;
 pub mod token;
 pub mod web;
 pub mod webhooks;
@@ -26,15 +30,18 @@ use args::{Args, Command};
 use config::Config;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use store::{Place, Reader, StoreError};
 
 /// Runs the program with its arguments.
 ///
 /// # Errors
 /// Returns the reason as text if an argument, file or address is invalid.
 pub fn run(args: &Args) -> Result<ExitCode, String> {
-    if let Some(Command::Backup { target, config }) = &args.command {
-        return backup(config, target);
+    match &args.command {
+        Some(Command::Backup { target, config }) => return operate::backup(config, target),
+        Some(Command::Disk { config }) => return operate::disk(config),
+        Some(Command::Notify { config }) => return operate::notify(config),
+        Some(Command::Acknowledge(alarm)) => return operate::acknowledge(alarm),
+        None => {}
     }
     if args.demo {
         let mut web = config::WebSettings::default();
@@ -60,18 +67,6 @@ pub fn run(args: &Args) -> Result<ExitCode, String> {
         return check_file(&file);
     }
     service::run(&file)?;
-    Ok(ExitCode::SUCCESS)
-}
-
-fn backup(config: &Path, target: &Path) -> Result<ExitCode, String> {
-    let config = Config::read(config).map_err(|e| e.to_string())?;
-    let place = Place::Folder(config.store);
-    let file = place.file();
-    let error = |e: StoreError| format!("{file}: {e}");
-    let reader = Reader::open(&place).map_err(error)?;
-    reader.check().map_err(error)?;
-    let length = reader.backup(target).map_err(error)?;
-    println!("{}: {:.1} MB", target.display(), 1e-6 * length as f64);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,4 +1,4 @@
-//! Monthly Parquet files of records next to the database, for fleet trends and other tools.
+//! Monthly Parquet files of records next to the database, for fleet trends and other tools, and thinning of old records.
 
 use crate::runtime::{Request, Runtime};
 use crate::store::{Place, Reader, StoreError};
@@ -18,16 +18,20 @@ const MONTH_END_DELAY_S: f64 = 2.0 * 3600.0;
 pub struct Months {
     folder: Option<PathBuf>,
     place: Place,
+    /// Age after which records are thinned, days; `None`: all are kept.
+    thin_after_d: Option<u32>,
     next: Instant,
     running: Option<JoinHandle<()>>,
 }
 
 impl Months {
-    /// Creates the writer for the store in this place; an in-memory store writes no files.
-    pub fn new(place: &Place) -> Self {
+    /// Creates the writer for the store in this place; an in-memory store writes no files. Records are thinned
+    /// `thin_after_d` days after their day; `None`: all are kept.
+    pub fn new(place: &Place, thin_after_d: Option<u32>) -> Self {
         Self {
             folder: place.folder().map(|folder| folder.join("records")),
             place: place.clone(),
+            thin_after_d,
             next: Instant::now(),
             running: None,
         }
@@ -49,12 +53,16 @@ impl Months {
         self.next = Instant::now() + CHECK_INTERVAL;
         let (place, store) = (self.place.clone(), runtime.store());
         let health = std::sync::Arc::clone(runtime.health());
+        let thin_after_d = self.thin_after_d;
         let thread = std::thread::Builder::new().name("months".into());
         let work = move || {
             let since = SystemTime::now().duration_since(UNIX_EPOCH);
             let now_s = since.map_or(0.0, |since| since.as_secs_f64());
             if let Err(error) = write(&place, &folder, now_s, &store) {
                 health.log(&words::log::month_not_exported(&error.in_words()));
+            } else if let Some(days) = thin_after_d {
+                // A failure to read is reported by the export an hour later.
+                let _later = thin(&place, now_s, days, &store);
             }
         };
         // Without a thread the export is repeated an hour later.
@@ -107,6 +115,26 @@ pub fn write(
         written.push(path);
     }
     Ok(written)
+}
+
+/// Thins the records of every robot that are older than some days, whole days at a time.
+///
+/// # Errors
+/// Returns a [`StoreError`] if the store cannot be read.
+fn thin(
+    place: &Place,
+    now_utc_s: f64,
+    days: u32,
+    store: &Sender<Request>,
+) -> Result<(), StoreError> {
+    let before_utc_s = DAY_S * ((now_utc_s / DAY_S).floor() - f64::from(days));
+    for robot in Reader::open(place)?.robots()? {
+        let _ended = store.send(Request::Thin {
+            robot,
+            before_utc_s,
+        });
+    }
+    Ok(())
 }
 
 /// Returns the name of the host, reduced to characters allowed in file names.

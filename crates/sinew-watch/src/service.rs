@@ -1,12 +1,13 @@
 //! Running program: signals, web thread, systemd notification, and monthly record files.
 
-use crate::config::{Config, WebSettings, Webhook};
+use crate::config::{Config, MqttSettings, Receiver as NotificationReceiver, WebSettings};
 use crate::notify::{notify, watchdog};
 use crate::runtime::{Runtime, Start, StartError};
 use crate::store::Place;
+use crate::token::{self, Token};
 use crate::web::guard::Guard;
 use crate::web::{self, App, Ticker, routes};
-use crate::{token, webhooks, words};
+use crate::{mqtt, webhooks, words};
 use sinew_watch_core::journal::Entry;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
@@ -36,19 +37,21 @@ pub enum Signal {
 pub struct WebStart {
     /// Address and access control; `None`: no page.
     pub settings: WebSettings,
-    /// Access token, where one is required.
-    pub token: Option<String>,
+    /// Access tokens; empty: none is required.
+    pub tokens: Vec<Token>,
     /// Description of the demonstration; `None`: real robots.
     pub demo: Option<String>,
     /// Location of the store.
     pub place: Place,
     /// Receivers of alarm notifications.
-    pub webhooks: watch::Receiver<Vec<Webhook>>,
+    pub receivers: watch::Receiver<Vec<NotificationReceiver>>,
+    /// Broker to which the states of the tendons are published; `None`: none.
+    pub mqtt: Option<MqttSettings>,
     /// Receiver of alarm transitions.
     pub steps: mpsc::Receiver<(String, Entry)>,
 }
 
-/// Web thread with page, API, webhooks and signals.
+/// Web thread with page, API, notifications and signals.
 pub struct Web {
     /// Address of the page.
     pub address: Option<SocketAddr>,
@@ -84,24 +87,28 @@ impl Web {
             .max_blocking_threads(16)
             .build();
         let tokio = tokio.map_err(|e| e.to_string())?;
-        let hooks = start.webhooks.clone();
+        let receivers = start.receivers.clone();
         let work = async move {
             signals_of_the_system(signals);
             tokio::spawn(webhooks::run(
                 start.steps,
-                start.webhooks,
+                start.receivers,
                 Arc::clone(&health),
             ));
+            if let Some(settings) = start.mqtt {
+                let (registry, health) = (Arc::clone(&registry), Arc::clone(&health));
+                tokio::spawn(mqtt::run(settings, registry, health));
+            }
             let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), start.demo);
             let now = move || clock_rate.instant(clock.now()).utc_s();
             let (tell, ticks) = watch::channel(Arc::new(ticker.tick(now())));
             let guard = Guard::new(
                 &start.settings,
-                start.token,
+                start.tokens,
                 &start.place,
                 Arc::clone(&health),
             );
-            let app = App::new((registry, health), guard, ticks, hooks, start.place);
+            let app = App::new((registry, health), guard, ticks, receivers, start.place);
             let mut ended_too = ended.clone();
             if let Some(listener) = listener
                 && let Ok(listener) = tokio::net::TcpListener::from_std(listener)
@@ -176,26 +183,24 @@ pub fn run(file: &Path) -> Result<(), String> {
     let place = Place::Folder(config.store.clone());
     let (mut runtime, steps) =
         Runtime::new(Start::at(place.clone())).map_err(|e: StartError| e.to_string())?;
-    let token = match config.web.needs_token() {
-        true => {
-            let path = token::place(&config.web, &config.store);
-            let token = token::read_or_create(&path)?;
-            runtime
-                .health()
-                .log(&words::log::token_file(path.display()));
-            Some(token)
+    let mut tokens = Vec::new();
+    if config.web.needs_token() {
+        for (token, path) in token::all(&config.web, &config.store)? {
+            let line = words::log::token_file(&token.name, path.display());
+            runtime.health().log(&line);
+            tokens.push(token);
         }
-        false => None,
-    };
+    }
     runtime.configure(&config);
-    let (hooks, wanted) = watch::channel(config.webhooks.clone());
+    let (receivers, wanted) = watch::channel(config.receivers.clone());
     let (sender, signals) = channel();
     let web = WebStart {
         settings: config.web.clone(),
-        token,
+        tokens,
         demo: None,
         place: place.clone(),
-        webhooks: wanted,
+        receivers: wanted,
+        mqtt: config.mqtt.clone(),
         steps,
     };
     let web = Web::start(web, &runtime, sender)?;
@@ -203,10 +208,10 @@ pub fn run(file: &Path) -> Result<(), String> {
         runtime.health().log(&format!("http://{address}"));
     }
     notify("READY=1");
-    let mut exports = crate::months::Months::new(&place);
+    let mut exports = crate::months::Months::new(&place, config.thin_after_d);
     run_until_stopped(&signals, &mut runtime, |runtime, signal| {
         if signal == Some(Signal::Reload) {
-            reload(file, &mut config, runtime, &hooks);
+            reload(file, &mut config, runtime, &receivers);
         }
         exports.look(runtime);
     });
@@ -248,7 +253,7 @@ fn reload(
     file: &Path,
     config: &mut Config,
     runtime: &mut Runtime,
-    hooks: &watch::Sender<Vec<Webhook>>,
+    receivers: &watch::Sender<Vec<NotificationReceiver>>,
 ) {
     notify("RELOADING=1");
     match Config::read(file) {
@@ -256,7 +261,11 @@ fn reload(
         Ok(next) => {
             let kept: Vec<&str> = [
                 (next.web != config.web, "[web]"),
-                (next.store != config.store, "[store]"),
+                (
+                    (&next.store, next.thin_after_d) != (&config.store, config.thin_after_d),
+                    "[store]",
+                ),
+                (next.mqtt != config.mqtt, "[mqtt]"),
             ]
             .iter()
             .filter_map(|(differs, name)| differs.then_some(*name))
@@ -266,9 +275,14 @@ fn reload(
                 runtime.health().log(&words::log::needs_restart(&names));
             }
             runtime.configure(&next);
-            hooks.send_replace(next.webhooks.clone());
-            let (web, store) = (config.web.clone(), config.store.clone());
-            *config = Config { web, store, ..next };
+            receivers.send_replace(next.receivers.clone());
+            *config = Config {
+                web: config.web.clone(),
+                store: config.store.clone(),
+                thin_after_d: config.thin_after_d,
+                mqtt: config.mqtt.clone(),
+                ..next
+            };
             runtime.health().log(&words::log::reloaded());
         }
     }

@@ -1,6 +1,6 @@
-//! Access token for other hosts: created at the first start, readable by its owner only.
+//! Access tokens for other hosts, created at the first start and readable by their owner only, and the secrets of receivers.
 
-use crate::config::WebSettings;
+use crate::config::{Role, WebSettings};
 use crate::hex::hex;
 use sinew_files::{Temporary, folder_of};
 use std::io::{ErrorKind, Read as _, Write as _};
@@ -13,10 +13,47 @@ pub const MIN_CHARS: usize = 16;
 /// Maximum length of a token, characters.
 const MAX_CHARS: u64 = 4096;
 
-/// Returns the path of the token file.
-pub fn place(settings: &WebSettings, store: &Path) -> PathBuf {
+/// Access token with its name and role.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Token {
+    /// Name of the token in the configuration; `web-token`: the one without a name.
+    pub name: String,
+    /// Permission of its holders.
+    pub role: Role,
+    /// Text of the token.
+    pub secret: String,
+}
+
+/// Reads all tokens of the page, which are created if missing; returns them with the paths of their files.
+///
+/// # Errors
+/// Returns the reason as text if a file cannot be read, or two tokens are the same.
+pub fn all(settings: &WebSettings, store: &Path) -> Result<Vec<(Token, PathBuf)>, String> {
+    let mut tokens: Vec<(Token, PathBuf)> = Vec::new();
+    for (name, role, path) in files(settings, store) {
+        let secret = read_or_create(&path)?;
+        if let Some((other, _)) = tokens.iter().find(|(other, _)| other.secret == secret) {
+            let (path, other) = (path.display(), &other.name);
+            return Err(format!(
+                "{path}: same text as the token {other}; remove one of the files"
+            ));
+        }
+        tokens.push((Token { name, role, secret }, path));
+    }
+    Ok(tokens)
+}
+
+/// Returns name, role and file of every token of the page.
+pub fn files(settings: &WebSettings, store: &Path) -> Vec<(String, Role, PathBuf)> {
     let own = settings.token_file.clone();
-    own.unwrap_or_else(|| default_place(store))
+    let own = own.unwrap_or_else(|| default_place(store));
+    let named = settings.tokens.iter().map(|token| {
+        let usual = || store.join(format!("web-token-{}", token.name));
+        let file = token.file.clone().unwrap_or_else(usual);
+        (token.name.clone(), token.role, file)
+    });
+    let first = ("web-token".to_owned(), Role::Operate, own);
+    std::iter::once(first).chain(named).collect()
 }
 
 /// Returns the default path of the token file.
@@ -60,6 +97,23 @@ pub fn read(path: &Path) -> Result<Option<String>, String> {
         }
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(invalid(error.to_string())),
+    }
+}
+
+/// Reads a bearer token or a password from its file.
+///
+/// # Errors
+/// Returns the reason as text if the file cannot be read or the token is invalid.
+pub fn secret(path: &Path) -> Result<String, String> {
+    let read = sinew_files::read_text(path, &sinew_files::Budget::SETTINGS);
+    let text = read.map_err(|e| e.to_string())?;
+    match text.trim() {
+        "" => Err("the file is empty; write the token or password of the receiver into it".into()),
+        token if token.len() as u64 > MAX_CHARS => Err(format!(
+            "the text has {} characters, limit {MAX_CHARS}",
+            token.len()
+        )),
+        token => Ok(token.to_owned()),
     }
 }
 

@@ -1,22 +1,24 @@
-//! Webhooks: alarm transitions posted to configured addresses. Nothing waits for them; a slow receiver misses some.
+//! Notifications: alarm transitions posted to configured addresses and sent as mail. Nothing waits for them; a slow
+//! receiver misses some.
 
-use crate::config::{PostFormat, Webhook};
+use crate::config::{PostFormat, Receiver, Webhook};
+use crate::mail::{self, MailText};
 use crate::runtime::Health;
 use crate::store::word;
+use crate::stream::{connect, secure};
+use crate::token::secret;
 use crate::words;
-use http_body_util::Full;
+use http_body_util::{BodyExt as _, Full, Limited};
 use hyper::body::Bytes;
 use hyper::header::{AUTHORIZATION, CONTENT_TYPE, HOST, USER_AGENT};
-use hyper::{Request, client::conn::http1};
+use hyper::{Request, StatusCode, client::conn::http1};
 use hyper_util::rt::TokioIo;
 use serde::Serialize;
-use sinew_watch_core::alarm::{AlarmState, Condition, Level, TransitionReason};
+use sinew_watch_core::alarm::{AlarmState, Condition, Level, Transition, TransitionReason};
 use sinew_watch_core::journal::{Entry, Event};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
-use tokio::net::TcpStream;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use tokio::sync::{mpsc, watch};
 
 /// Maximum number of waiting posts per address.
@@ -25,8 +27,10 @@ const MAX_WAITING_POSTS: usize = 100;
 const MAX_ATTEMPTS: u32 = 6;
 /// Maximum time to wait for a response.
 const MAX_ANSWER_TIME: Duration = Duration::from_secs(5);
-/// Maximum length of a token, characters.
-const MAX_TOKEN_CHARS: usize = 4096;
+/// Maximum time of the dialogue with a mail server, which may delay its greeting against unsolicited mail.
+const MAX_MAIL_TIME: Duration = Duration::from_secs(30);
+/// Maximum length of a response, bytes.
+const MAX_RESPONSE_BYTES: usize = 64 * 1024;
 
 /// Body of a webhook: `sinew-webhook/2`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -64,10 +68,6 @@ impl Post {
             return None;
         };
         let condition = transition.key.condition;
-        let severity = match &transition.reason {
-            TransitionReason::Condition { cause } => cause.severity(condition),
-            _ => condition.severity(),
-        };
         if transition.to == AlarmState::Latched && transition.from != AlarmState::Latched {
             return None;
         }
@@ -76,7 +76,7 @@ impl Post {
             robot: robot.into(),
             joint: transition.key.joint.clone(),
             condition,
-            severity,
+            severity: severity(transition),
             from: transition.from,
             to: transition.to,
             active: transition.to.is_active(),
@@ -84,6 +84,15 @@ impl Post {
             reason: transition.reason.clone(),
             text: format!("{robot}: {}", words::entry(&entry.event)),
         })
+    }
+}
+
+/// Returns the severity of the alarm of a transition, 1 to 1000.
+fn severity(transition: &Transition) -> u16 {
+    let condition = transition.key.condition;
+    match &transition.reason {
+        TransitionReason::Condition { cause } => cause.severity(condition),
+        _ => condition.severity(),
     }
 }
 
@@ -99,10 +108,45 @@ fn ntfy_priority(post: &Post) -> &'static str {
 
 /// Request body with its content type and the headers of its format.
 #[derive(Debug, Clone)]
-struct Message {
-    kind: &'static str,
-    headers: Vec<(&'static str, String)>,
-    body: Bytes,
+pub(crate) struct Message {
+    pub(crate) kind: &'static str,
+    pub(crate) headers: Vec<(&'static str, String)>,
+    pub(crate) body: Bytes,
+}
+
+/// Notification in the format of a receiver.
+#[derive(Debug, Clone)]
+enum Notification {
+    Post(Message),
+    Mail(MailText),
+}
+
+impl Notification {
+    fn of(post: &Post, transition: &Transition, receiver: &Receiver) -> Self {
+        match receiver {
+            Receiver::Webhook(hook) => Self::Post(Message::of(post, hook.format)),
+            Receiver::Mail(mail) => {
+                let [subject, body] = words::mail(&post.robot, transition, mail.page.as_deref());
+                Self::Mail(MailText { subject, body })
+            }
+        }
+    }
+
+    fn test(receiver: &Receiver) -> Self {
+        match receiver {
+            Receiver::Webhook(hook) => Self::Post(Message::test(hook.format, now_utc_s())),
+            Receiver::Mail(_) => Self::Mail(MailText {
+                subject: "Sinew: test".into(),
+                body: format!("{}\n", words::response::TEST_NOTIFICATION),
+            }),
+        }
+    }
+}
+
+/// Returns the time, s since 1970 UTC.
+fn now_utc_s() -> f64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0.0, |since| since.as_secs_f64())
 }
 
 impl Message {
@@ -166,67 +210,81 @@ fn escaped(text: &str) -> String {
         .replace('>', "&gt;")
 }
 
-/// Posts a test notification once to every receiver, and returns the result of each in the order of the configuration.
-pub async fn test(hooks: &[Webhook], time_utc_s: f64) -> Vec<(String, Result<(), String>)> {
-    let started: Vec<_> = (hooks.iter().cloned())
-        .map(|hook| {
-            let message = Message::test(hook.format, time_utc_s);
-            let url = hook.url();
-            (
-                url,
-                tokio::spawn(async move { post_in_time(&hook, message).await }),
-            )
+/// Sends a test notification once to every receiver, and returns the result of each in the order of the configuration.
+pub async fn test(receivers: &[Receiver]) -> Vec<(String, Result<(), String>)> {
+    let started: Vec<_> = (receivers.iter().cloned())
+        .map(|receiver| {
+            let name = receiver.name();
+            let notification = Notification::test(&receiver);
+            let sending = async move { send_in_time(&receiver, notification).await };
+            (name, tokio::spawn(sending))
         })
         .collect();
     let mut results = Vec::new();
-    for (url, posting) in started {
-        let done = posting.await.unwrap_or_else(|e| Err(e.to_string()));
-        results.push((url, done));
+    for (name, sending) in started {
+        let done = sending.await.unwrap_or_else(|e| Err(e.to_string()));
+        results.push((name, done));
     }
     results
 }
 
-/// Posts once, within the maximum time to wait for a response.
-async fn post_in_time(hook: &Webhook, message: Message) -> Result<(), String> {
-    let posted = tokio::time::timeout(MAX_ANSWER_TIME, post(hook, message)).await;
-    posted.unwrap_or_else(|_late| Err(format!("no answer within {MAX_ANSWER_TIME:?}")))
+/// Sends once, within the maximum time to wait for a response.
+async fn send_in_time(receiver: &Receiver, notification: Notification) -> Result<(), String> {
+    let (limit, sent) = match (receiver, notification) {
+        (Receiver::Webhook(hook), Notification::Post(message)) => {
+            let sent = tokio::time::timeout(MAX_ANSWER_TIME, post(hook, message));
+            (MAX_ANSWER_TIME, sent.await)
+        }
+        (Receiver::Mail(to), Notification::Mail(text)) => {
+            let sent = tokio::time::timeout(MAX_MAIL_TIME, mail::send(to, &text, now_utc_s()));
+            (MAX_MAIL_TIME, sent.await)
+        }
+        _ => return Err("notification in the format of another receiver".into()),
+    };
+    sent.unwrap_or_else(|_late| Err(format!("no answer within {limit:?}")))
 }
 
-/// Posts alarm transitions as they occur, to the addresses of the present configuration.
+/// Sends alarm transitions as they occur, to the receivers of the present configuration.
 pub async fn run(
     mut steps: mpsc::Receiver<(String, Entry)>,
-    mut wanted: watch::Receiver<Vec<Webhook>>,
+    mut wanted: watch::Receiver<Vec<Receiver>>,
     health: Arc<Health>,
 ) {
-    let mut hooks = open(&wanted.borrow_and_update(), &health);
+    let mut receivers = open(&wanted.borrow_and_update(), &health);
     while let Some((robot, entry)) = steps.recv().await {
         if wanted.has_changed().unwrap_or(false) {
-            // Removed receivers post what is waiting.
-            hooks = open(&wanted.borrow_and_update(), &health);
+            // Removed receivers send what is waiting.
+            receivers = open(&wanted.borrow_and_update(), &health);
         }
-        let Some(post) = Post::of(&robot, &entry) else {
+        let (Some(post), Event::Alarm { transition }) = (Post::of(&robot, &entry), &entry.event)
+        else {
             continue;
         };
-        for (hook, sender) in &hooks {
-            let is_meant = post.severity >= hook.severity_min;
-            if is_meant && sender.try_send(Message::of(&post, hook.format)).is_err() {
+        for (receiver, sender) in &receivers {
+            let is_meant = post.severity >= receiver.severity_min();
+            let notification = || Notification::of(&post, transition, receiver);
+            if is_meant && sender.try_send(notification()).is_err() {
                 health.counts.webhooks_lost.fetch_add(1, Ordering::Relaxed);
             }
         }
     }
 }
 
-fn open(wanted: &[Webhook], health: &Arc<Health>) -> Vec<(Webhook, mpsc::Sender<Message>)> {
-    let of_hook = |hook: &Webhook| {
-        let (sender, receiver) = mpsc::channel(MAX_WAITING_POSTS);
-        tokio::spawn(deliver(hook.clone(), receiver, Arc::clone(health)));
-        (hook.clone(), sender)
+fn open(wanted: &[Receiver], health: &Arc<Health>) -> Vec<(Receiver, mpsc::Sender<Notification>)> {
+    let of_receiver = |to: &Receiver| {
+        let (sender, waiting) = mpsc::channel(MAX_WAITING_POSTS);
+        tokio::spawn(deliver(to.clone(), waiting, Arc::clone(health)));
+        (to.clone(), sender)
     };
-    wanted.iter().map(of_hook).collect()
+    wanted.iter().map(of_receiver).collect()
 }
 
-async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Message>, health: Arc<Health>) {
-    while let Some(message) = posts.recv().await {
+async fn deliver(
+    to: Receiver,
+    mut notifications: mpsc::Receiver<Notification>,
+    health: Arc<Health>,
+) {
+    while let Some(notification) = notifications.recv().await {
         let mut wait = Duration::from_secs(1);
         let mut done = Err(String::new());
         for attempt in 0..MAX_ATTEMPTS {
@@ -234,7 +292,7 @@ async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Message>, health: Arc<
                 tokio::time::sleep(wait).await;
                 wait *= 2;
             }
-            done = post_in_time(&hook, message.clone()).await;
+            done = send_in_time(&to, notification.clone()).await;
             if done.is_ok() {
                 break;
             }
@@ -242,8 +300,8 @@ async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Message>, health: Arc<
         match done {
             Ok(()) => health.counts.webhooks.fetch_add(1, Ordering::Relaxed),
             Err(reason) => {
-                health.log(&words::log::webhook_discarded(
-                    &hook.url(),
+                health.log(&words::log::notification_discarded(
+                    &to.name(),
                     MAX_ATTEMPTS,
                     &reason,
                 ));
@@ -253,12 +311,24 @@ async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Message>, health: Arc<
     }
 }
 
+/// Posts once; a response other than success is an error.
 async fn post(hook: &Webhook, posted: Message) -> Result<(), String> {
+    match exchange(hook, posted).await?.0 {
+        status if status.is_success() => Ok(()),
+        status => Err(format!("response {status}")),
+    }
+}
+
+/// Posts once; returns status and body of the response.
+pub(crate) async fn exchange(
+    hook: &Webhook,
+    posted: Message,
+) -> Result<(StatusCode, Bytes), String> {
     let message = |e: &dyn std::fmt::Display| e.to_string();
-    let host = hook.host.trim_start_matches('[').trim_end_matches(']');
-    let stream = TcpStream::connect((host, hook.port))
-        .await
-        .map_err(|e| message(&e))?;
+    let mut stream = connect(&hook.host, hook.port).await?;
+    if hook.tls {
+        stream = secure(stream, &hook.host, hook.ca_file.as_deref()).await?;
+    }
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
         .await
         .map_err(|e| message(&e))?;
@@ -274,33 +344,22 @@ async fn post(hook: &Webhook, posted: Message) -> Result<(), String> {
         request = request.header(name, value);
     }
     if let Some(path) = &hook.token_file {
-        let token = token(path)?;
+        let token = secret(path)?;
         request = request.header(AUTHORIZATION, format!("Bearer {token}"));
     }
     let request = request
         .body(Full::new(posted.body))
         .map_err(|e| message(&e))?;
     let answer = sender.send_request(request).await.map_err(|e| message(&e));
+    let (head, body) = match answer {
+        Ok(answer) => answer.into_parts(),
+        Err(reason) => {
+            runs.abort();
+            return Err(reason);
+        }
+    };
+    // The status is the answer; a body that is too long or breaks off changes nothing.
+    let body = Limited::new(body, MAX_RESPONSE_BYTES).collect().await;
     runs.abort();
-    match answer?.status() {
-        status if status.is_success() => Ok(()),
-        status => Err(format!("response {status}")),
-    }
-}
-
-/// Reads the bearer token from its file.
-///
-/// # Errors
-/// Returns the reason as text if the file cannot be read or the token is invalid.
-pub fn token(path: &Path) -> Result<String, String> {
-    let read = sinew_files::read_text(path, &sinew_files::Budget::SETTINGS);
-    let text = read.map_err(|e| e.to_string())?;
-    match text.trim() {
-        "" => Err("the file is empty; write the token of the receiver into it".into()),
-        token if token.len() > MAX_TOKEN_CHARS => Err(format!(
-            "the token has {} characters, limit {MAX_TOKEN_CHARS}",
-            token.len()
-        )),
-        token => Ok(token.to_owned()),
-    }
+    Ok((head.status, body.map(|b| b.to_bytes()).unwrap_or_default()))
 }

@@ -173,6 +173,15 @@ fn check_foreign_address_and_missing_token_are_faults() {
     std::fs::write(folder.path().join("hook"), " \n").unwrap();
     let faults = of(folder.path(), &away, MCAP);
     assert!(faults[1].contains("is empty"), "{faults:?}");
+    let mail = format!(
+        "[web]\nbind = \"127.0.0.1:0\"\n{STORE}[[mail]]\nserver = \"a\"\nfrom = \"a@b\"\nto = [\"a@b\"]\n\
+         user = \"a\"\npassword_file = \"hook\"\nca_file = \"token\"\n"
+    );
+    let faults = of(folder.path(), &mail, MCAP);
+    assert!(faults[0].contains("mail[0].password_file"), "{faults:?}");
+    if cfg!(feature = "tls") {
+        assert!(faults[1].contains("no PEM certificate"), "{faults:?}");
+    }
     // An address in use may belong to the running monitor.
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let at = taken.local_addr().unwrap();

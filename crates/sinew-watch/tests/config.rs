@@ -1,6 +1,6 @@
 //! A configuration is read completely; errors name file, line, key, value and remedy.
 
-use sinew_watch::config::{Address, Config};
+use sinew_watch::config::{Address, Config, MailTls, Receiver, Role};
 use sinew_watch_core::alarm::{Condition, Delays};
 use std::path::{Path, PathBuf};
 
@@ -22,15 +22,20 @@ fn config_defaults_are_safe() {
     assert_eq!(robot.dir, PathBuf::from("/etc/sinew/arm-7"));
     assert_eq!(robot.transport.source(), "dds:0");
     assert!(robot.stamps_are_real && robot.estimate.motor_torque);
-    assert!(config.publish.diagnostics && config.publish.tendons && config.webhooks.is_empty());
+    assert!(config.publish.diagnostics && config.publish.tendons && config.receivers.is_empty());
+    assert_eq!((config.thin_after_d, config.web.url), (None, None));
 }
 
 #[test]
 fn config_reads_every_key() {
     let config = parse(
         "[web]\nbind = \"0.0.0.0:80\"\nhost_names = [\"Cell-3.example.org\"]\ntoken_file = \"token\"\n\
-         [store]\ndir = \"store\"\n[publish]\ntendons = false\n\
+         url = \"https://cell-3.example.org/\"\ntoken = [{ name = \"hall\", role = \"read\", file = \"hall\" }]\n\
+         [store]\ndir = \"store\"\nthin_after_d = 400\n[publish]\ntendons = false\n\
          [[webhook]]\nurl = \"http://[::1]:9000/hook?a=1\"\nseverity_min = 600\nformat = \"ntfy\"\n\
+         [[webhook]]\nurl = \"https://hooks.example.org/x\"\nca_file = \"ca.pem\"\n\
+         [[mail]]\nserver = \"mail.example.org\"\ntls = \"implicit\"\nfrom = \"a@b.org\"\nto = [\"c@d.org\"]\n\
+         user = \"a\"\npassword_file = \"p\"\nca_file = \"ca.pem\"\nseverity_min = 700\n\
          [[robot]]\nname = \"arm-7\"\ndir = \"/robots/arm\"\nbaseline = \"arm.baseline\"\nmapping = \"names.toml\"\n\
          joint_topic = \"js\"\nmotor_topic = \"ms\"\nmotor_interface = \"position\"\njoint_effort = \"tau-m\"\n\
          stamps = \"simulated\"\nmotor_torque = false\nempty_gripper = true\ntemperature_c = 21\n\
@@ -44,7 +49,23 @@ fn config_reads_every_key() {
     assert_eq!(config.web.host_names, ["cell-3.example.org"]);
     assert_eq!(config.web.token_file, Some("/etc/sinew/token".into()));
     assert!(config.publish.diagnostics && !config.publish.tendons);
-    let hook = &config.webhooks[0];
+    assert_eq!(config.thin_after_d, Some(400));
+    let token = &config.web.tokens[0];
+    assert_eq!((token.name.as_str(), token.role), ("hall", Role::Read));
+    assert_eq!(token.file, Some("/etc/sinew/hall".into()));
+    let [
+        Receiver::Webhook(hook),
+        Receiver::Webhook(https),
+        Receiver::Mail(mail),
+    ] = &config.receivers[..]
+    else {
+        panic!("{:?}", config.receivers)
+    };
+    assert_eq!(https.url(), "https://hooks.example.org:443/x");
+    assert_eq!(https.ca_file, Some("/etc/sinew/ca.pem".into()));
+    assert_eq!((mail.host.as_str(), mail.port), ("mail.example.org", 465));
+    assert_eq!((mail.tls, mail.severity_min), (MailTls::Implicit, 700));
+    assert_eq!(mail.page.as_deref(), Some("https://cell-3.example.org"));
     assert_eq!(hook.format, sinew_watch::config::PostFormat::Ntfy);
     assert_eq!(
         (hook.host.as_str(), hook.port, hook.path.as_str()),
@@ -153,8 +174,16 @@ fn config_errors_name_place_and_fix() {
             "must be a name of this host",
         ),
         (
-            &format!("[[webhook]]\nurl = \"https://a/b\"\n{ROBOT}dds = {{}}\n"),
-            "for https, run a proxy on this host",
+            &format!(
+                "[[mail]]\nserver = \"a\"\nfrom = \"a@b\"\nto = [\"c@d\\r\\nBcc: e@f\"]\n{ROBOT}dds = {{}}\n"
+            ),
+            "must be a mail address",
+        ),
+        (
+            &format!(
+                "[[mail]]\nserver = \"a\"\nfrom = \"a@b\"\nto = [\"c@d\"]\ntls = \"off\"\nuser = \"u\"\npassword_file = \"p\"\n{ROBOT}dds = {{}}\n"
+            ),
+            "a password is not sent unencrypted",
         ),
         (
             &format!("[[webhook]]\nurl = \"http://a b/\"\n{ROBOT}dds = {{}}\n"),

@@ -6,6 +6,8 @@ mod check;
 mod checker;
 mod config;
 mod http;
+#[cfg(feature = "tls")]
+mod notifications;
 #[cfg(feature = "schema")]
 mod openapi;
 mod recording;

@@ -54,6 +54,22 @@ fn reference_lists_every_configuration_key() {
             "webhook[].",
             format!("[[webhook]]\nurl = \"http://a/\"\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"),
         ),
+        (
+            "mail[].",
+            format!(
+                "[[mail]]\nserver = \"a\"\nfrom = \"a@b\"\nto = [\"a@b\"]\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"
+            ),
+        ),
+        (
+            "mqtt.",
+            format!("[mqtt]\nbroker = \"a\"\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"),
+        ),
+        (
+            "web.token[].",
+            format!(
+                "[[web.token]]\nname = \"a\"\nrole = \"read\"\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"
+            ),
+        ),
         ("robot[].", format!("{robot}dds = {{}}\n{UNKNOWN} = 1\n")),
         (
             "robot[].dds.",

@@ -87,6 +87,26 @@ fn shipped_configuration_is_valid() {
 }
 
 #[test]
+fn aggregator_selects_the_statuses_of_the_monitor() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let package = root.join("packaging/ros2/sinew_ros");
+    let yaml = std::fs::read_to_string(package.join("config/aggregator.yaml")).unwrap();
+    let launch = std::fs::read_to_string(package.join("launch/sinew.launch.py")).unwrap();
+    assert!(launch.contains("\"aggregator.yaml\""));
+    let value = |key: &str| {
+        let line = yaml.lines().find_map(|line| line.trim().strip_prefix(key));
+        line.unwrap().trim_start_matches(':').trim().to_owned()
+    };
+    let prefix = format!("[\"{}\"]", sinew_watch::runtime::STATUS_PREFIX);
+    assert_eq!(
+        [value("startswith"), value("remove_prefix")],
+        [prefix.clone(), prefix]
+    );
+    // A status may be late, but one missed is not stale.
+    assert!(value("timeout").parse::<f64>().unwrap() > 1.0);
+}
+
+#[test]
 fn debian_package_contains_shipped_files() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     let manifest = std::fs::read_to_string(manifest).unwrap();
@@ -188,7 +208,7 @@ fn alarm(condition: Condition, state: AlarmState) -> Alarm {
 }
 
 /// Snapshot of a robot with an alarm, and a forecast of the re-tensioning of its elbow, days from now.
-fn snapshot(alarms: Vec<Alarm>, forecast_d: f64) -> RobotSnapshot {
+pub(crate) fn snapshot(alarms: Vec<Alarm>, forecast_d: f64) -> RobotSnapshot {
     let trend = JointTrend {
         name: "elbow".into(),
         verdict: TrendVerdict::Wait,

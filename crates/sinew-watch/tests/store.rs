@@ -524,6 +524,150 @@ fn series_keeps_extremes_of_every_interval() {
     assert_eq!((none.first_utc_s, none.points), (None, Vec::new()));
 }
 
+/// Stores days of a robot with four tendons: 48 sessions of ten minutes a day, with intervals that vary, a tensioning in the
+/// middle of a day, inconclusive sessions and a simulated one.
+fn days_of_sessions(store: &mut Store, robot: &str, days: u64) {
+    let (first_utc_s, sessions) = (1_793_577_600.0, 48);
+    let mut waiting = Vec::new();
+    for number in 0..days * sessions {
+        let (day, session) = (number / sessions, number % sessions);
+        let time_utc_s = first_utc_s + 86_400.0 * day as f64 + 600.0 * session as f64;
+        let records = ["shoulder_yaw", "shoulder_pitch", "elbow", "wrist"]
+            .into_iter()
+            .enumerate();
+        let records = records.map(|(at, joint)| {
+            let mut one = record(robot, joint, time_utc_s);
+            // Equal intervals occur: the first of them counts.
+            one.offset_std_rad = Some(1e-4 * (2 + (7 * number + at as u64) % 11) as f64);
+            one.offset_rad = Some(1e-5 * number as f64);
+            if number >= 3 * sessions + 20 {
+                one.baseline = Some("2026-11-04".into());
+            }
+            if session == 5 {
+                (one.offset_rad, one.offset_std_rad) = (None, None);
+                one.reason = Some(NoOffset::TooWide);
+            }
+            if session == 6 {
+                one.clock = Clock::Stamp;
+                one.offset_std_rad = Some(1e-6);
+            }
+            one
+        });
+        waiting.push(Transaction {
+            records: records.collect(),
+            state: None,
+            alarms: None,
+            ..transaction(robot, number + 1)
+        });
+        if session + 1 == sessions {
+            store.commit(&waiting).unwrap();
+            waiting.clear();
+        }
+    }
+}
+
+#[test]
+fn thinning_changes_neither_trend_nor_state() {
+    let mut store = Store::open(Place::Memory(6)).unwrap();
+    days_of_sessions(&mut store, "a", 40);
+    days_of_sessions(&mut store, "b", 40);
+    let reader = store.reader().unwrap();
+    let of = |robot: &str| {
+        let stored = reader.stored(robot).unwrap();
+        let history = stored.history;
+        let rows: Vec<_> = history.joints().map(|joint| history.rows(joint)).collect();
+        // The last record of every tendon belongs to the history.
+        (format!("{history:?}"), rows)
+    };
+    let count = |robot: &str| {
+        let query = RecordQuery {
+            robot: Some(robot.into()),
+            ..RecordQuery::default()
+        };
+        reader.records(&query).unwrap().len()
+    };
+    let before = of("a");
+    assert_eq!(before.1.len(), 4);
+    // One record a day, and two on the day of the tensioning.
+    assert_eq!(before.1[0].len(), 41);
+    let at = |day: f64| 1_793_577_600.0 + 86_400.0 * day;
+    // Records that are in no monthly file are kept.
+    assert_eq!(store.thin("a", at(40.0)).unwrap(), 0);
+    for pending in reader.not_exported().unwrap() {
+        store.exported(&pending).unwrap();
+    }
+    let deleted = store.thin("a", at(30.0)).unwrap();
+    assert_eq!(deleted, 30 * 48 * 4 - 31 * 4);
+    assert_eq!(count("a"), 40 * 48 * 4 - deleted);
+    assert_eq!(of("a"), before);
+    // All of them, the newest included; again, which changes nothing.
+    store.thin("a", at(50.0)).unwrap();
+    assert_eq!(count("a"), 41 * 4 + 4);
+    assert_eq!(store.thin("a", at(50.0)).unwrap(), 0);
+    assert_eq!(of("a"), before);
+    assert_eq!(count("b"), 40 * 48 * 4);
+}
+
+/// Returns the number before some words in the page on deployment.
+fn documented(words: &str) -> f64 {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/manual/deploy.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let text = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (before, _) = text.split_once(words).expect("the words in the page");
+    before
+        .trim_end()
+        .rsplit(' ')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap()
+}
+
+#[test]
+fn disk_usage_matches_the_documented_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path());
+    days_of_sessions(&mut store, "a", 60);
+    store.checkpoint().unwrap();
+    let reader = store.reader().unwrap();
+    let usage = reader.usage().unwrap();
+    let [robot] = &usage[..] else {
+        panic!("{usage:?}")
+    };
+    assert_eq!((robot.records, robot.days), (60 * 48 * 4, 60));
+    // The whole file, which has little else.
+    let file = std::fs::metadata(folder.path().join("watch.db"))
+        .unwrap()
+        .len() as f64;
+    assert!(
+        (0.95..=1.0).contains(&(robot.history_bytes / file)),
+        "{robot:?} {file}"
+    );
+    let near = |bytes: f64, words: &str, unit: f64| {
+        let stated = documented(words);
+        let is_near = (0.9..1.1).contains(&(bytes / (unit * stated)));
+        assert!(is_near, "{words}: {stated}, measured {}", bytes / unit);
+    };
+    near(robot.history_bytes / 60.0, "kB per robot and day", 1e3);
+    near(
+        robot.history_bytes / 60.0 * 365.25,
+        "MB per robot and year",
+        1e6,
+    );
+    for pending in reader.not_exported().unwrap() {
+        store.exported(&pending).unwrap();
+    }
+    store.thin("a", 1_793_577_600.0 + 60.0 * 86_400.0).unwrap();
+    let copy = folder.path().join("thinned.db");
+    reader.backup(&copy).unwrap();
+    let thinned = std::fs::metadata(copy).unwrap().len() as f64;
+    near(
+        thinned / 60.0 * 365.25,
+        "MB per robot and year after thinning",
+        1e6,
+    );
+}
+
 /// Ten years of records of 12 robots, one million, in the folder `SINEW_MILLION`: the store of the measurement of memory.
 #[test]
 fn million_records() {

@@ -2,10 +2,11 @@
 
 use crate::http::{ask, events, get, post, raw};
 use serde_json::{Value, json};
-use sinew_watch::config::{PostFormat, WebSettings, Webhook};
+use sinew_watch::config::{PostFormat, Receiver, Role, WebSettings, Webhook};
 use sinew_watch::demo::Demo;
 use sinew_watch::runtime::{Health, RobotRegistry};
 use sinew_watch::store::{Place, Store};
+use sinew_watch::token::Token;
 use sinew_watch::web::guard::Guard;
 use sinew_watch::web::metrics::ABOUT;
 use sinew_watch::web::routes::router;
@@ -425,23 +426,26 @@ fn page_is_compressed_and_complete() {
     assert_eq!(get(running.at, "/nowhere").status, 404);
 }
 
-/// Serves the pages of a store, with a token and receivers of notifications.
-fn served(place: &Place, token: Option<&str>, hooks: Vec<Webhook>) -> SocketAddr {
+fn token(name: &str, role: Role, secret: &str) -> Token {
+    Token {
+        name: name.into(),
+        role,
+        secret: secret.into(),
+    }
+}
+
+/// Serves the pages of a store, with tokens and receivers of notifications.
+pub(crate) fn served(place: &Place, tokens: Vec<Token>, receivers: Vec<Receiver>) -> SocketAddr {
     let settings = WebSettings::default();
     let (registry, health) = (Arc::new(RobotRegistry::default()), Arc::new(Health::new(1)));
     for n in 0..12 {
         registry.slot(&format!("arm-{n}"));
     }
-    let guard = Guard::new(
-        &settings,
-        token.map(str::to_owned),
-        place,
-        Arc::clone(&health),
-    );
+    let guard = Guard::new(&settings, tokens, place, Arc::clone(&health));
     let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), None);
     let (tell, ticks) = tokio::sync::watch::channel(Arc::new(ticker.tick(1.8e9)));
-    let (_hooks, hooks) = tokio::sync::watch::channel(hooks);
-    let app = App::new((registry, health), guard, ticks, hooks, place.clone());
+    let (_receivers, receivers) = tokio::sync::watch::channel(receivers);
+    let app = App::new((registry, health), guard, ticks, receivers, place.clone());
     let (sender, address) = channel();
     std::thread::spawn(move || {
         let runtime = tokio::runtime::Builder::new_current_thread()
@@ -466,8 +470,12 @@ fn served(place: &Place, token: Option<&str>, hooks: Vec<Webhook>) -> SocketAddr
 
 const TOKEN: &str = "0123456789abcdef0123456789abcdef";
 
+fn operators() -> Vec<Token> {
+    vec![token("web-token", Role::Operate, TOKEN)]
+}
+
 /// Store in memory that exists as long as the process.
-fn store_in_memory(number: u64) -> Place {
+pub(crate) fn store_in_memory(number: u64) -> Place {
     let place = Place::Memory(number);
     std::mem::forget(Store::open(place.clone()).unwrap());
     place
@@ -475,7 +483,7 @@ fn store_in_memory(number: u64) -> Place {
 
 #[test]
 fn logout_ends_the_login_on_the_server() {
-    let at = served(&store_in_memory(9_000_001), Some(TOKEN), Vec::new());
+    let at = served(&store_in_memory(9_000_001), operators(), Vec::new());
     assert_eq!(get(at, "/api/v1/fleet").status, 401);
     let login = post(at, "/login", &json!({ "token": TOKEN }).to_string());
     assert_eq!(login.status, 200);
@@ -509,7 +517,7 @@ fn logout_ends_the_login_on_the_server() {
 
 #[test]
 fn wrong_tokens_cost_time_and_end_in_exclusion() {
-    let at = served(&store_in_memory(9_000_002), Some(TOKEN), Vec::new());
+    let at = served(&store_in_memory(9_000_002), operators(), Vec::new());
     let wrong = json!({ "token": "wrong" }).to_string();
     let begun = Instant::now();
     assert_eq!(post(at, "/login", &wrong).status, 401);
@@ -526,6 +534,62 @@ fn wrong_tokens_cost_time_and_end_in_exclusion() {
     let right = format!("Bearer {TOKEN}");
     let right = [("authorization", right.as_str())];
     assert_eq!(ask(at, "GET", "/api/v1/fleet", &right, None).status, 429);
+}
+
+#[test]
+fn reader_token_reads_but_does_not_operate() {
+    const READER: &str = "fedcba9876543210fedcba9876543210";
+    let mut tokens = operators();
+    tokens.push(token("hall", Role::Read, READER));
+    let at = served(&store_in_memory(9_000_004), tokens, Vec::new());
+    let note = json!({ "who": "x", "note": "x", "what": { "kind": "note" } }).to_string();
+    let commands = "/api/v1/robots/nobody/commands";
+    let status = |secret: &str, method: &str, path: &str, body: Option<&str>| {
+        let bearer = format!("Bearer {secret}");
+        let headers = [
+            ("authorization", bearer.as_str()),
+            ("content-type", "application/json"),
+            ("x-sinew", "1"),
+        ];
+        let answer = ask(at, method, path, &headers, body);
+        (answer.status, answer.text())
+    };
+    for secret in [TOKEN, READER] {
+        assert_eq!(status(secret, "GET", "/api/v1/fleet", None).0, 200);
+        assert_eq!(status(secret, "GET", "/metrics", None).0, 200);
+    }
+    // The operator passes the access control: the robot and the receiver do not exist.
+    assert_eq!(status(TOKEN, "POST", commands, Some(&note)).0, 404);
+    assert_eq!(
+        status(TOKEN, "POST", "/api/v1/notify/test", Some("{}")).0,
+        409
+    );
+    for (path, body) in [(commands, note.as_str()), ("/api/v1/notify/test", "{}")] {
+        let (status, text) = status(READER, "POST", path, Some(body));
+        assert!(
+            status == 403 && text.contains("role operate"),
+            "{status} {text}"
+        );
+    }
+    // The same with the cookie of a login, which names the role for the page.
+    for (secret, role, expected) in [(TOKEN, "operate", 409), (READER, "read", 403)] {
+        let login = post(at, "/login", &json!({ "token": secret }).to_string());
+        let cookies = login
+            .headers
+            .iter()
+            .filter(|(name, _)| name == "set-cookie");
+        let cookies: Vec<&str> = cookies
+            .map(|(_, value)| value.split(';').next().unwrap())
+            .collect();
+        assert_eq!(cookies[1], format!("sinew_watch_open={role}"));
+        let headers = [
+            ("content-type", "application/json"),
+            ("x-sinew", "1"),
+            ("cookie", cookies[0]),
+        ];
+        let answer = ask(at, "POST", "/api/v1/notify/test", &headers, Some("{}"));
+        assert_eq!(answer.status, expected, "{}", answer.text());
+    }
 }
 
 /// Receives one request, answers with this status, and returns the request.
@@ -555,21 +619,23 @@ fn receiver(status: &'static str) -> (u16, std::thread::JoinHandle<String>) {
     (port, thread)
 }
 
-fn hook(port: u16, format: PostFormat) -> Webhook {
-    Webhook {
+fn hook(port: u16, format: PostFormat) -> Receiver {
+    Receiver::Webhook(Webhook {
+        tls: false,
         host: "127.0.0.1".into(),
         port,
         path: "/alarms".into(),
         format,
         severity_min: 1,
         token_file: None,
-    }
+        ca_file: None,
+    })
 }
 
 #[test]
 fn test_notifications_are_posted_and_reported() {
     let place = store_in_memory(9_000_003);
-    let none = served(&place, None, Vec::new());
+    let none = served(&place, Vec::new(), Vec::new());
     assert_eq!(post(none, "/api/v1/notify/test", "{}").status, 409);
     let [ntfy, slack, refused] = ["200 OK", "200 OK", "403 Forbidden"].map(receiver);
     let hooks = vec![
@@ -577,7 +643,7 @@ fn test_notifications_are_posted_and_reported() {
         hook(slack.0, PostFormat::Slack),
         hook(refused.0, PostFormat::Sinew),
     ];
-    let at = served(&place, None, hooks);
+    let at = served(&place, Vec::new(), hooks);
     let answer = post(at, "/api/v1/notify/test", "{}").json();
     let errors: Vec<&Value> = (0..3).map(|k| &answer["results"][k]["error"]).collect();
     assert_eq!(
@@ -711,7 +777,7 @@ fn million_records_take_little_memory() {
     let Some(folder) = std::env::var_os("SINEW_MILLION") else {
         return;
     };
-    let at = served(&Place::Folder(folder.into()), None, Vec::new());
+    let at = served(&Place::Folder(folder.into()), Vec::new(), Vec::new());
     let peak_mb = || {
         let status = std::fs::read_to_string("/proc/self/status").unwrap();
         let line = status

@@ -1,6 +1,6 @@
 // Action buttons with their dialogs. An entry is shown once it is stored.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { command } from "./api.js";
+import { command, mayOperate } from "./api.js";
 
 const WHO = "sinew-who";
 
@@ -50,6 +50,7 @@ export function Action({ kind, robot, joints, joint, alarm }) {
   const [open, setOpen] = useState(false);
   const [confirmed, setConfirmed] = useState("");
   const { button } = KINDS[kind];
+  if (!mayOperate()) return null;
   return (
     <>
       <button class="action" onClick={() => setOpen(true)}>{button}</button>

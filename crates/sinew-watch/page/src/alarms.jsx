@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { AlarmActions } from "./actions.jsx";
 import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { similar } from "./similar.js";
-import { get, testNotifications } from "./api.js";
+import { get, mayOperate, testNotifications } from "./api.js";
 import { count, dayAndTime, utc } from "./format.js";
 import { CLASSES, Sign } from "./signs.jsx";
 
@@ -100,7 +100,7 @@ export function Alarms({ live }) {
       <AlarmList alarms={open} />
       {shelved.length > 0 && <><h2>Shelved</h2><AlarmList alarms={shelved} /></>}
       <p><a href="/journal">Older alarms: see Journal</a></p>
-      <TestNotifications />
+      {mayOperate() && <TestNotifications />}
     </>
   );
 }

@@ -6,7 +6,7 @@ import { Due } from "./due.jsx";
 import { Fleet } from "./fleet.jsx";
 import { time } from "./format.js";
 import { Journal } from "./journal.jsx";
-import { logout } from "./api.js";
+import { logout, mayOperate } from "./api.js";
 import { follow, loggedOut, useLive } from "./live.js";
 import { Login } from "./login.jsx";
 import { Robot } from "./robot.jsx";
@@ -82,7 +82,7 @@ function LogOut() {
     try { await logout(); loggedOut(); }
     catch (failure) { setError(failure.message); }
   };
-  return <><button onClick={end}>Log out</button>{error && <span class="error" role="alert">{error}</span>}</>;
+  return <>{!mayOperate() && <span>Read only</span>}<button onClick={end}>Log out</button>{error && <span class="error" role="alert">{error}</span>}</>;
 }
 
 // Title of the tab: number of active alarms, then the page.

@@ -10,7 +10,9 @@ mod web;
 
 pub use robot::RobotSettings;
 pub use transport::{Address, TransportSettings};
-pub use web::{PostFormat, WebSettings, Webhook};
+pub use web::{
+    Mail, MailTls, MqttSettings, PostFormat, Receiver, Role, TokenSettings, WebSettings, Webhook,
+};
 
 use sinew_files::{Budget, Fault, Fields as _, Located, Section, TomlFile, read_text};
 use sinew_transport::Publishing;
@@ -22,6 +24,8 @@ pub const PLACE: &str = "/etc/sinew/watch.toml";
 pub const STORE: &str = "/var/lib/sinew";
 /// Maximum number of robots of one monitor.
 const MAX_ROBOTS: usize = 10_000;
+/// Maximum age after which records are thinned: a century, days.
+const MAX_THIN_AFTER_D: u64 = 36_500;
 
 /// Configuration of the monitor.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,10 +34,14 @@ pub struct Config {
     pub web: WebSettings,
     /// Folder of the store.
     pub store: PathBuf,
+    /// Age after which only the best record of each day and tendon is kept, days; `None`: all are kept.
+    pub thin_after_d: Option<u32>,
     /// Messages published to the networks of the robots.
     pub publish: Publishing,
     /// Receivers of alarm notifications.
-    pub webhooks: Vec<Webhook>,
+    pub receivers: Vec<Receiver>,
+    /// Broker to which the states of the tendons are published; `None`: none.
+    pub mqtt: Option<MqttSettings>,
     /// Robots to monitor.
     pub robots: Vec<RobotSettings>,
 }
@@ -61,9 +69,20 @@ impl Config {
             let web = root
                 .read("web", |s| web::read(s, folder))?
                 .unwrap_or_default();
-            let store = root.read("store", |s| path(s, "dir", folder))?.flatten();
+            let (store, thin_after_d) = root
+                .read("store", |s| store(s, folder))?
+                .unwrap_or_default();
             let publish = root.read("publish", publish)?.unwrap_or_default();
             let webhooks = root.each("webhook", |s| web::read_webhook(s, folder))?;
+            let mails = root.each("mail", |s| web::read_mail(s, folder))?;
+            let with_link = |mail: Mail| Mail {
+                page: web.url.clone(),
+                ..mail
+            };
+            let mails = mails.into_iter().map(|mail| Receiver::Mail(with_link(mail)));
+            let receivers = webhooks.into_iter().map(Receiver::Webhook).chain(mails);
+            let receivers = receivers.collect();
+            let mqtt = root.read("mqtt", |s| web::read_mqtt(s, folder))?;
             let robots = root.each("robot", |s| robot::read(s, folder))?;
             if robots.is_empty() {
                 let cure = "add [[robot]] with name, dir and a transport; `sinew watch` without a file lists the robots found";
@@ -80,12 +99,26 @@ impl Config {
             Ok(Self {
                 web,
                 store: store.unwrap_or_else(|| PathBuf::from(STORE)),
+                thin_after_d,
                 publish,
-                webhooks,
+                receivers,
+                mqtt,
                 robots,
             })
         })
     }
+}
+
+/// Reads the folder of the store, and the age after which records are thinned, days.
+fn store(s: &Section<'_>, folder: &Path) -> Result<(Option<PathBuf>, Option<u32>), Located> {
+    let thin_after_d = s.count("thin_after_d")?;
+    if thin_after_d.is_some_and(|days| !(1..=MAX_THIN_AFTER_D).contains(&days)) {
+        return Err(s.invalid("thin_after_d", "between 1 and 36500 d"));
+    }
+    Ok((
+        path(s, "dir", folder)?,
+        thin_after_d.map(|days| days as u32),
+    ))
 }
 
 fn publish(s: &Section<'_>) -> Result<Publishing, Located> {

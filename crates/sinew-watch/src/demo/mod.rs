@@ -156,13 +156,14 @@ impl Demo {
             runtime.transports().adopt(address, transport, routes);
         }
         runtime.look();
-        let (_hooks, webhooks) = tokio::sync::watch::channel(Vec::new());
+        let (_receivers, receivers) = tokio::sync::watch::channel(Vec::new());
         let web = WebStart {
             settings: web,
-            token: None,
+            tokens: Vec::new(),
             demo: Some(DESCRIPTION.into()),
             place,
-            webhooks,
+            receivers,
+            mqtt: None,
             steps,
         };
         let web = Web::start(web, &runtime, signals)?;

@@ -41,9 +41,9 @@ pub struct Counts {
     pub jobs: AtomicU64,
     /// Total duration of estimates, µs.
     pub job_us: AtomicU64,
-    /// Number of delivered webhooks.
+    /// Number of delivered notifications.
     pub webhooks: AtomicU64,
-    /// Number of webhooks discarded after the last attempt.
+    /// Number of notifications discarded after the last attempt.
     pub webhooks_lost: AtomicU64,
 }
 

@@ -178,6 +178,13 @@ pub enum Request {
     },
     /// Records that the records of a month are in their file.
     Exported(Pending),
+    /// Deletes records of a robot before a time that the trend does not use.
+    Thin {
+        /// Name of the robot.
+        robot: String,
+        /// End of the range, s since 1970 UTC.
+        before_utc_s: f64,
+    },
     /// Stops the thread after all pending requests.
     End,
 }

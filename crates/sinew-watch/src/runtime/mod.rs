@@ -27,6 +27,7 @@ pub use clock_rate::ClockRate;
 pub use health::Health;
 pub(crate) use health::lock;
 pub use messages::{Answer, Control, CoreHandle, NotStored, Reply, Request};
+pub use publish::STATUS_PREFIX;
 pub use registry::RobotRegistry;
 pub use slot::{RobotState, Slot};
 pub use transport::{Disconnected, TransportView};

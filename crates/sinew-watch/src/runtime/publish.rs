@@ -22,6 +22,9 @@ use std::time::{Duration, Instant};
 /// Interval of the messages.
 const INTERVAL: Duration = Duration::from_secs(1);
 
+/// Beginning of the name of every status on `/diagnostics`; the name of the robot and `/` with the joint follow.
+pub const STATUS_PREFIX: &str = "sinew: ";
+
 /// Interface names of a tendon on `/sinew/tendons`.
 const INTERFACES: [&str; 5] = [
     "offset",
@@ -129,7 +132,7 @@ fn statuses(robot: &RobotSnapshot) -> Vec<DiagnosticStatus> {
     let name = &robot.robot;
     let status = |of: String, level, message, values: Vec<(&str, String)>| DiagnosticStatus {
         level: encoded(level),
-        name: format!("sinew: {of}"),
+        name: format!("{STATUS_PREFIX}{of}"),
         message,
         hardware_id: of,
         values: (values.into_iter())

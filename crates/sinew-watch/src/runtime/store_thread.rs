@@ -52,6 +52,15 @@ fn run(mut store: Store, requests: &Receiver<Request>, health: &Health) {
                         health.log(&words::log::export_not_recorded(&month, &error.in_words()));
                     }
                 }
+                Request::Thin {
+                    robot,
+                    before_utc_s,
+                } => {
+                    // Repeated an hour later.
+                    if let Err(error) = store.thin(&robot, before_utc_s) {
+                        health.log(&words::log::not_thinned(&robot, &error.in_words()));
+                    }
+                }
                 Request::End => ends = true,
             }
             next = match transactions.len() < MAX_TRANSACTIONS && !ends {

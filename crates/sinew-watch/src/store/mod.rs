@@ -13,7 +13,9 @@ mod series;
 mod write;
 
 pub use export::{Pending, write_records, write_sessions};
-pub use read::{JournalEntry, JournalFilter, Position, Reader, RecordQuery, RecordSpan};
+pub use read::{
+    JournalEntry, JournalFilter, Position, Reader, RecordQuery, RecordSpan, RobotUsage,
+};
 pub use row::COLUMNS;
 pub(crate) use row::word;
 pub use schema::VERSION;

@@ -100,6 +100,21 @@ impl RecordQuery {
     }
 }
 
+/// Disk usage of a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotUsage {
+    /// Name of the robot in the configuration.
+    pub robot: String,
+    /// Number of records.
+    pub records: i64,
+    /// Number of days with records.
+    pub days: i64,
+    /// Records and journal with their indices, bytes.
+    pub history_bytes: f64,
+    /// Compressed state of the monitor, bytes.
+    pub state_bytes: i64,
+}
+
 /// Selection of journal entries.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct JournalFilter {
@@ -216,9 +231,9 @@ impl Reader {
         let state_estimate: MonitorState =
             serde_json::from_slice(&text).map_err(|e| error(e.to_string()))?;
         match state_estimate.version {
-            MonitorState::VERSION => Ok(Some(state_estimate)),
+            1..=MonitorState::VERSION => Ok(Some(state_estimate)),
             other => Err(error(format!(
-                "version {other} is unsupported, expected {}",
+                "version {other} is unsupported, expected at most {}",
                 MonitorState::VERSION
             ))),
         }
@@ -386,6 +401,40 @@ impl Reader {
         self.connection.pragma_update(None, "query_only", true)?;
         copied?;
         new.finish(target).map_err(error)
+    }
+
+    /// Returns the disk usage of every robot in the database, sorted by name.
+    ///
+    /// # Errors
+    /// Returns a [`StoreError`] if the database cannot be read.
+    pub fn usage(&self) -> Result<Vec<RobotUsage>, StoreError> {
+        // Pages of a table and its indices in equal shares of its rows.
+        let mut statement = self.connection.prepare_cached(
+            "WITH pages AS (
+                SELECT tbl_name AS name, sum(pgsize) AS bytes
+                FROM dbstat JOIN sqlite_schema USING (name) GROUP BY 1
+             ), share AS (
+                SELECT (SELECT bytes FROM pages WHERE name = 'record') / max(1.0, (SELECT count(*) FROM record)) AS record,
+                       (SELECT bytes FROM pages WHERE name = 'journal') / max(1.0, (SELECT count(*) FROM journal)) AS entry
+             )
+             SELECT name,
+                    (SELECT count(*) FROM record WHERE robot = name),
+                    (SELECT count(DISTINCT CAST(time_utc_s / 86400.0 AS INTEGER)) FROM record WHERE robot = name),
+                    (SELECT count(*) FROM record WHERE robot = name) * share.record
+                    + (SELECT count(*) FROM journal WHERE robot = name) * share.entry,
+                    coalesce((SELECT length(document) FROM belief WHERE robot = name), 0)
+             FROM robot, share ORDER BY name",
+        )?;
+        let rows = statement.query_map([], |row| {
+            Ok(RobotUsage {
+                robot: row.get(0)?,
+                records: row.get(1)?,
+                days: row.get(2)?,
+                history_bytes: row.get(3)?,
+                state_bytes: row.get(4)?,
+            })
+        })?;
+        Ok(rows.collect::<Result<_, _>>()?)
     }
 
     /// Returns records in chronological order.

@@ -126,6 +126,41 @@ impl Store {
         Ok(())
     }
 
+    /// Deletes the records of a robot before a time, except the best of each day, tendon and tensioning, on which the trend
+    /// is based, the last of each tendon, and those that are in no monthly file yet; returns their number.
+    ///
+    /// # Errors
+    /// Returns a [`StoreError`] if the database cannot be written.
+    pub fn thin(&mut self, robot: &str, before_utc_s: f64) -> Result<usize, StoreError> {
+        // The order of `History`: the narrowest interval, of equal ones the first stored.
+        let deleted = self.connection.execute(
+            "DELETE FROM record WHERE robot = ?1 AND time_utc_s < ?2
+             AND EXISTS (
+                SELECT 1 FROM exported WHERE exported.robot_type = record.robot_type
+                AND month = strftime('%Y-%m', record.time_utc_s, 'unixepoch') AND last_record >= record.id
+             )
+             AND id NOT IN (
+                SELECT id FROM (
+                    SELECT id, row_number() OVER (
+                        PARTITION BY joint, baseline, CAST(time_utc_s / 86400.0 AS INTEGER)
+                        ORDER BY offset_std_rad, time_utc_s, id
+                    ) AS place
+                    FROM record WHERE robot = ?1 AND time_utc_s < ?2 AND clock = 'utc'
+                    AND offset_rad IS NOT NULL AND offset_std_rad IS NOT NULL
+                ) WHERE place = 1
+                UNION ALL
+                SELECT id FROM (
+                    SELECT id, row_number() OVER (
+                        PARTITION BY joint ORDER BY time_utc_s DESC, id DESC
+                    ) AS place
+                    FROM record WHERE robot = ?1
+                ) WHERE place = 1
+             )",
+            params![robot, before_utc_s],
+        )?;
+        Ok(deleted)
+    }
+
     /// Moves the write-ahead log into the database as far as no reader prevents it.
     ///
     /// # Errors

@@ -95,7 +95,8 @@ pub struct NextTendon {
 }
 
 impl NextTendon {
-    fn of(tendon: &TendonSnapshot) -> Option<Self> {
+    /// Returns the limit of a tendon of which the largest share is used; `None`: no limit or no offset.
+    pub(crate) fn of(tendon: &TendonSnapshot) -> Option<Self> {
         let last = tendon.last.as_ref()?;
         let quantity = |mean: Option<f64>, std: Option<f64>| Some(Gaussian::new(mean?, std?));
         let rows = tendon.limits.iter().filter_map(|limit| {

@@ -5,9 +5,10 @@
 //! are HttpOnly and SameSite=Strict, and a policy lets the page load only its own parts.
 
 use super::logins::{LOGIN_S, Logins};
-use crate::config::WebSettings;
+use crate::config::{Role, WebSettings};
 use crate::runtime::Health;
 use crate::store::Place;
+use crate::token::Token;
 use crate::words::response;
 use axum::extract::{Request, State};
 use axum::http::request::Parts;
@@ -33,8 +34,8 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
 #[derive(Clone)]
 pub struct Guard {
     host_names: Arc<[String]>,
-    /// Access token, where one is required.
-    token: Option<Arc<str>>,
+    /// Access tokens; empty: none is required.
+    tokens: Arc<[Token]>,
     logins: Arc<Logins>,
 }
 
@@ -44,57 +45,73 @@ pub(super) struct Client(pub(super) IpAddr);
 
 /// Result of comparing a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TokenCheck {
-    Right,
+pub(super) enum TokenCheck<'a> {
+    /// `None`: no token is required, and everything is permitted.
+    Right(Option<&'a Token>),
     Wrong,
     /// The address has sent too many wrong tokens; this one was not compared.
     Excluded,
 }
 
 impl Guard {
-    /// Creates the access control from the settings; `token` where one is required. Logins are stored in the folder of the database.
+    /// Creates the access control from the settings; `tokens` are empty where none is required. Logins are stored in the
+    /// folder of the database.
     pub fn new(
         settings: &WebSettings,
-        token: Option<String>,
+        tokens: Vec<Token>,
         place: &Place,
         health: Arc<Health>,
     ) -> Self {
         let file = place.folder().map(|folder| folder.join("web-logins"));
+        let file = file.filter(|_| !tokens.is_empty());
         Self {
             host_names: settings.host_names.clone().into(),
-            logins: Arc::new(Logins::new(file.filter(|_| token.is_some()), health)),
-            token: token.map(Arc::from),
+            logins: Arc::new(Logins::new(file, health)),
+            tokens: tokens.into(),
         }
     }
 
     /// Whether a token is required.
     pub fn needs_token(&self) -> bool {
-        self.token.is_some()
+        !self.tokens.is_empty()
     }
 
     /// Compares a token. A wrong one costs time, is logged, and counts against its address.
-    pub(super) async fn check_token(&self, candidate: &str, client: Client) -> TokenCheck {
-        let Some(token) = self.token.as_deref() else {
-            return TokenCheck::Right;
-        };
+    pub(super) async fn check_token(&self, candidate: &str, client: Client) -> TokenCheck<'_> {
+        if self.tokens.is_empty() {
+            return TokenCheck::Right(None);
+        }
         if self.logins.is_excluded(client.0) {
             return TokenCheck::Excluded;
         }
-        if is_same(token, candidate) {
-            return TokenCheck::Right;
+        if let Some(token) = self.same(candidate) {
+            return TokenCheck::Right(Some(token));
         }
         self.logins.count_wrong(client.0);
         tokio::time::sleep(WRONG_TOKEN).await;
         TokenCheck::Wrong
     }
 
-    /// Returns the cookies of a successful login: its secret, which scripts cannot read, and a mark for the page.
-    pub fn cookies(&self, over_tls: bool) -> Option<[HeaderValue; 2]> {
-        let value = self.logins.add(self.token.as_deref()?)?;
+    /// Returns the token with this text.
+    fn same(&self, candidate: &str) -> Option<&Token> {
+        self.tokens
+            .iter()
+            .find(|token| is_same(&token.secret, candidate))
+    }
+
+    /// Returns the token of the login that a request has.
+    fn logged_in(&self, headers: &HeaderMap) -> Option<&Token> {
+        let has = |token: &&Token| cookies(headers).any(|c| self.logins.has(&token.secret, c));
+        self.tokens.iter().find(has)
+    }
+
+    /// Returns the cookies of a successful login: its secret, which scripts cannot read, and the role for the page.
+    pub fn cookies(&self, token: &Token, over_tls: bool) -> Option<[HeaderValue; 2]> {
+        let value = self.logins.add(&token.secret)?;
         let secure = if over_tls { "; Secure" } else { "" };
         let rest = format!("SameSite=Strict; Path=/; Max-Age={LOGIN_S}{secure}");
         let secret = format!("{COOKIE}={value}; HttpOnly; {rest}");
-        let mark = format!("{COOKIE}_open=1; {rest}");
+        let mark = format!("{COOKIE}_open={}; {rest}", token.role.name());
         Some([
             HeaderValue::from_str(&secret).ok()?,
             HeaderValue::from_str(&mark).ok()?,
@@ -103,9 +120,9 @@ impl Guard {
 
     /// Ends the logins of the cookies of a request.
     pub fn log_out(&self, headers: &HeaderMap) {
-        if let Some(token) = self.token.as_deref() {
+        for token in self.tokens.iter() {
             for value in cookies(headers) {
-                self.logins.remove(token, value);
+                self.logins.remove(&token.secret, value);
             }
         }
     }
@@ -119,12 +136,12 @@ impl Guard {
     }
 
     /// Checks token and login of a request.
-    async fn may(&self, headers: &HeaderMap, client: Client) -> TokenCheck {
-        let Some(token) = self.token.as_deref() else {
-            return TokenCheck::Right;
-        };
-        if cookies(headers).any(|value| self.logins.has(token, value)) {
-            return TokenCheck::Right;
+    async fn may(&self, headers: &HeaderMap, client: Client) -> TokenCheck<'_> {
+        if self.tokens.is_empty() {
+            return TokenCheck::Right(None);
+        }
+        if let Some(token) = self.logged_in(headers) {
+            return TokenCheck::Right(Some(token));
         }
         match bearer(headers) {
             Some(candidate) => self.check_token(candidate, client).await,
@@ -134,11 +151,9 @@ impl Guard {
 
     /// Whether the token or login of a request that was admitted is still valid.
     pub(super) fn remains(&self, headers: &HeaderMap) -> bool {
-        let Some(token) = self.token.as_deref() else {
-            return true;
-        };
-        cookies(headers).any(|value| self.logins.has(token, value))
-            || bearer(headers).is_some_and(|candidate| is_same(token, candidate))
+        self.tokens.is_empty()
+            || self.logged_in(headers).is_some()
+            || bearer(headers).is_some_and(|candidate| self.same(candidate).is_some())
     }
 
     /// Whether a Host header names this host. An address cannot be rebound; a name can.
@@ -222,9 +237,13 @@ async fn rejection(guard: &Guard, request: &Parts) -> Option<(StatusCode, &'stat
         return Some((StatusCode::MISDIRECTED_REQUEST, response::UNKNOWN_HOST));
     };
     let path = request.uri.path();
+    let writes = request.method != Method::GET && request.method != Method::HEAD;
     if !is_open(path) {
         match guard.may(headers, client(&request.extensions)).await {
-            TokenCheck::Right => {}
+            TokenCheck::Right(Some(token)) if writes && token.role == Role::Read => {
+                return Some((StatusCode::FORBIDDEN, response::READ_ONLY));
+            }
+            TokenCheck::Right(_) => {}
             TokenCheck::Wrong => {
                 return Some((StatusCode::UNAUTHORIZED, response::TOKEN_REQUIRED));
             }
@@ -233,7 +252,7 @@ async fn rejection(guard: &Guard, request: &Parts) -> Option<(StatusCode, &'stat
             }
         }
     }
-    if request.method == Method::GET || request.method == Method::HEAD {
+    if !writes {
         return None;
     }
     if headers.get(WRITES).is_none() {

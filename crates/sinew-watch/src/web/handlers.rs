@@ -154,12 +154,11 @@ pub(super) async fn calendar(
 pub(super) async fn test_notifications(
     State(app): State<App>,
 ) -> Result<Json<TestResults>, ErrorResponse> {
-    let hooks = app.webhooks.borrow().clone();
-    if hooks.is_empty() {
-        return Err(ErrorResponse::conflict(response::NO_WEBHOOK));
+    let receivers = app.receivers.borrow().clone();
+    if receivers.is_empty() {
+        return Err(ErrorResponse::conflict(response::NO_RECEIVER));
     }
-    let time_utc_s = app.ticks.borrow().time_utc_s;
-    let results = crate::webhooks::test(&hooks, time_utc_s).await;
+    let results = crate::webhooks::test(&receivers).await;
     let results = results.into_iter().map(|(url, done)| TestResult {
         url,
         error: done.err(),
@@ -231,18 +230,18 @@ pub(super) async fn login(
 ) -> Result<Response, ErrorResponse> {
     let login: Login = read_body(&body)?;
     let rejected = |status, reason| Err(ErrorResponse::new(status, reason));
-    match app.guard.check_token(&login.token, client).await {
-        TokenCheck::Right => {}
+    let token = match app.guard.check_token(&login.token, client).await {
+        TokenCheck::Right(token) => token,
         TokenCheck::Wrong => return rejected(StatusCode::UNAUTHORIZED, response::INVALID_TOKEN),
         TokenCheck::Excluded => {
             return rejected(StatusCode::TOO_MANY_REQUESTS, response::TOO_MANY_TOKENS);
         }
-    }
+    };
     let proto = headers
         .get("x-forwarded-proto")
         .and_then(|v| v.to_str().ok());
     let mut response = Json(Done { done: true }).into_response();
-    let cookies = app.guard.cookies(proto == Some("https"));
+    let cookies = token.and_then(|token| app.guard.cookies(token, proto == Some("https")));
     for cookie in cookies.into_iter().flatten() {
         response.headers_mut().append(header::SET_COOKIE, cookie);
     }

@@ -34,8 +34,8 @@ metrics! {
     counter sinew_store_commit_seconds_total "Total duration of commits.";
     counter sinew_estimates_total "Estimates of motion segments, and trends.";
     counter sinew_estimate_seconds_total "Total duration of estimates.";
-    counter sinew_webhooks_total "Webhooks delivered.";
-    counter sinew_webhooks_lost_total "Webhooks discarded after the last attempt.";
+    counter sinew_webhooks_total "Notifications delivered.";
+    counter sinew_webhooks_lost_total "Notifications discarded after the last attempt.";
     gauge sinew_transport_connected "1: the transport is connected; 0: disconnected, reconnecting.";
     counter sinew_transport_messages_total "Messages received through the transport on topics that a robot requires.";
     gauge sinew_robots "Robots that are monitored.";

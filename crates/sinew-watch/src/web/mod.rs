@@ -23,7 +23,7 @@ mod ticks;
 pub use serve::serve;
 pub use ticks::{Tick, Ticker};
 
-use crate::config::Webhook;
+use crate::config::Receiver;
 use crate::runtime::{Health, RobotRegistry, lock};
 use crate::store::{Place, Reader, StoreError};
 use crate::words::response;
@@ -55,7 +55,7 @@ pub struct App {
     /// Updates sent every second.
     pub ticks: watch::Receiver<Arc<Tick>>,
     /// Receivers of alarm notifications.
-    pub webhooks: watch::Receiver<Vec<Webhook>>,
+    pub receivers: watch::Receiver<Vec<Receiver>>,
     readers: Arc<Readers>,
     listeners: Arc<Semaphore>,
     exports: Arc<Semaphore>,
@@ -67,7 +67,7 @@ impl App {
         (registry, health): (Arc<RobotRegistry>, Arc<Health>),
         guard: Guard,
         ticks: watch::Receiver<Arc<Tick>>,
-        webhooks: watch::Receiver<Vec<Webhook>>,
+        receivers: watch::Receiver<Vec<Receiver>>,
         place: Place,
     ) -> Self {
         Self {
@@ -75,7 +75,7 @@ impl App {
             health,
             guard,
             ticks,
-            webhooks,
+            receivers,
             readers: Arc::new(Readers {
                 place,
                 idle: Mutex::default(),

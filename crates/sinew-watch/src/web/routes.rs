@@ -56,7 +56,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/fleet" handlers::fleet, () -> json Fleet, "Summary of all robots";
     get "/api/v1/robots/{robot}" handlers::robot, () -> json RobotNow, "State of a robot";
     get "/api/v1/robots/{robot}/tendons/{joint}" handlers::tendon, () -> json TendonNow, "State of a tendon with trend and forecast";
-    post "/api/v1/robots/{robot}/commands" handlers::command, (body Command) -> json Done, "Execute an operator command; responds once it is stored";
+    post "/api/v1/robots/{robot}/commands" handlers::command, (body Command) -> json Done, "Execute an operator command; responds once it is stored; role operate";
     get "/api/v1/robots/{robot}/tendons/{joint}/series" handlers::series, (query SeriesQuery) -> json Series, "Records of a tendon over any time, reduced to a number of points";
     get "/api/v1/due.ics" handlers::calendar, (query DueQuery) -> media "text/calendar", "Maintenance forecast as a calendar";
     get "/api/v1/due" handlers::due, (query DueQuery) -> json DueList, "Maintenance forecast: tendons by date of limit exceedance, exceeded limits first";
@@ -68,7 +68,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/robots/{robot}/sessions.csv" records::sessions, () -> media "text/csv", "Best record of each day and tendon, input of `sinew trend`";
     get "/api/v1/events" events::events, (query EventsQuery) -> media "text/event-stream", "Server-sent events: fleet, change and robot, once a second";
     get "/api/v1/openapi.json" handlers::openapi, () -> media "application/json", "This description";
-    post "/api/v1/notify/test" handlers::test_notifications, (body EmptyBody) -> json TestResults, "Post a test notification to every webhook";
+    post "/api/v1/notify/test" handlers::test_notifications, (body EmptyBody) -> json TestResults, "Send a test notification to every receiver; role operate";
     get "/metrics" metrics::metrics, () -> media "text/plain", "Metrics for Prometheus";
     get "/healthz" handlers::health, () -> media "text/plain", "Whether the monitor works: 200 or 503";
     post "/login" handlers::login, (body Login) -> json Done, "Log in with the token; sets a cookie";

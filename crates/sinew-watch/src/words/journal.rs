@@ -1,9 +1,9 @@
-//! Journal texts.
+//! Journal texts, and mails about them.
 
-use super::alarms::condition_name;
-use super::{rounded, span};
+use super::alarms::{advice, condition_name, headline, observation};
+use super::{rounded, span, when};
 use sinew_files::number::probability;
-use sinew_watch_core::alarm::{AlarmKey, AlarmState, Transition, TransitionReason};
+use sinew_watch_core::alarm::{Alarm, AlarmKey, AlarmState, Transition, TransitionReason};
 use sinew_watch_core::command::{Command, CommandKind};
 use sinew_watch_core::incident::{Finding, Incident, IncidentCause, IncidentPhase};
 use sinew_watch_core::journal::{BaselineWaits, Event, SessionEnd};
@@ -183,4 +183,56 @@ fn operator_entry(command: &Command) -> String {
         true => format!("{who}: {action}"),
         false => format!("{who}: {action}. “{note}”"),
     }
+}
+
+/// Returns subject and body of a mail about an alarm transition; `page` is the address of the page, to which a link is
+/// added.
+pub fn mail(robot: &str, transition: &Transition, page: Option<&str>) -> [String; 2] {
+    let AlarmKey { joint, condition } = &transition.key;
+    let is_active = transition.to.is_active();
+    let (mut title, mut body) = (condition_name(*condition).to_owned(), String::new());
+    if let Some(joint) = joint {
+        title = format!("{joint}: {title}");
+    }
+    if let TransitionReason::Condition { cause } = &transition.reason {
+        let raised = Alarm {
+            key: transition.key.clone(),
+            state: transition.to,
+            acknowledged: false,
+            raised_utc_s: transition.time_utc_s,
+            cause: cause.clone(),
+            shelved_until_utc_s: None,
+            shelved_for_s: None,
+        };
+        title = headline(&raised);
+        if is_active {
+            let advice = advice(&raised).map_or(String::new(), |advice| format!("{advice}\n"));
+            body = format!("{}\n{advice}\n", observation(&raised));
+        }
+    }
+    let state = match transition.to {
+        AlarmState::Acknowledged => " (acknowledged)",
+        _ if is_active => "",
+        _ => " (ended)",
+    };
+    body += &format!(
+        "{robot}: {}, {}\n",
+        alarm(transition),
+        when(transition.time_utc_s)
+    );
+    if let Some(page) = page {
+        let names = std::iter::once(robot).chain(joint.as_deref());
+        let names: String = names.map(|name| format!("/{}", escaped(name))).collect();
+        body += &format!("{page}/r{names}\n");
+    }
+    [format!("{robot}: {title}{state}"), body]
+}
+
+/// Escapes a name as a part of a URL.
+fn escaped(name: &str) -> String {
+    let escape = |b: u8| match b {
+        b if b.is_ascii_alphanumeric() || b"-_.~".contains(&b) => char::from(b).to_string(),
+        b => format!("%{b:02X}"),
+    };
+    name.bytes().map(escape).collect()
 }

@@ -32,9 +32,14 @@ pub fn export_not_recorded(month: &str, reason: &str) -> String {
     format!("export of the records of {month} not recorded: {reason}; the file is written again")
 }
 
-/// Reports the location of the token of the page.
-pub fn token_file(path: impl std::fmt::Display) -> String {
-    format!("the token of the page is in the file {path}")
+/// Reports that old records of a robot could not be thinned.
+pub fn not_thinned(robot: &str, reason: &str) -> String {
+    format!("{robot}: old records not thinned: {reason}; repeated later")
+}
+
+/// Reports the location of a token of the page.
+pub fn token_file(name: &str, path: impl std::fmt::Display) -> String {
+    format!("the token '{name}' of the page is in the file {path}")
 }
 
 /// Reports a request with a wrong token.
@@ -87,9 +92,14 @@ pub fn disconnected(transport: &str, reason: &str) -> String {
     format!("{transport}: disconnected: {reason}; reconnecting")
 }
 
+/// Reports that the MQTT broker is not connected.
+pub fn mqtt_disconnected(host: &str, reason: &str) -> String {
+    format!("mqtt {host}: disconnected: {reason}; reconnecting")
+}
+
 /// Reports that a notification was discarded after the last attempt to deliver it.
-pub fn webhook_discarded(url: &str, attempts: u32, reason: &str) -> String {
+pub fn notification_discarded(receiver: &str, attempts: u32, reason: &str) -> String {
     format!(
-        "webhook {url}: notification discarded after {attempts} attempts: {reason}; check the receiver"
+        "{receiver}: notification discarded after {attempts} attempts: {reason}; check the receiver"
     )
 }

@@ -1,5 +1,5 @@
 //! Texts of the monitor, one file per result; texts about a robot are identical on pages, in `/diagnostics`, in
-//! webhooks and in the journal.
+//! notifications and in the journal.
 //!
 //! `tests/golden/messages.txt` lists all of them with example values.
 
@@ -15,7 +15,7 @@ pub use alarms::{
     advice, ambiguous_topics, message_too_long, observation, title, topic_not_found,
     unsupported_type,
 };
-pub use journal::entry;
+pub use journal::{entry, mail};
 pub use robots::{
     disconnected, has_failed, is_being_stored, resumes, robot, tendon, waits_for_urdf,
 };

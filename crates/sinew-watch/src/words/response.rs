@@ -21,6 +21,8 @@ pub const BODY_TOO_LONG: &str = "body too long, at most 64 KiB";
 pub const BODY_TOO_SLOW: &str = "body not complete within 10 s";
 /// Reason for a request from a page of another site.
 pub const CROSS_SITE: &str = "cross-site request rejected";
+/// Reason for a command with a token that may only read.
+pub const READ_ONLY: &str = "this token may only read; log in with a token of role operate";
 /// Reason if the maximum number of exports is in progress.
 pub const EXPORTS_BUSY: &str = "other exports are in progress; retry in a few seconds";
 /// Reason if the maximum number of pages is connected.
@@ -35,7 +37,8 @@ pub const NO_RESULT: &str =
 /// Text of the test notification.
 pub const TEST_NOTIFICATION: &str = "Test notification of Sinew watch; no action required";
 /// Reason if a test notification is requested without a receiver.
-pub const NO_WEBHOOK: &str = "no receiver configured; add [[webhook]] to the configuration";
+pub const NO_RECEIVER: &str =
+    "no receiver configured; add [[webhook]] or [[mail]] to the configuration";
 /// Reason if an address has sent too many wrong tokens.
 pub const TOO_MANY_TOKENS: &str = "too many wrong tokens from this address; retry in a minute";
 /// Reason for a cursor of a record that does not exist.

@@ -1,6 +1,7 @@
-"""Starts the monitor `sinew-watch` and, on request, the broadcaster of a controller manager.
+"""Starts the monitor `sinew-watch` and, on request, an aggregator of its diagnostics and the broadcaster of a controller manager.
 
     ros2 launch sinew_ros sinew.launch.py monitor:=/etc/sinew/watch.toml
+    ros2 launch sinew_ros sinew.launch.py aggregator:=true
     ros2 launch sinew_ros sinew.launch.py broadcaster:=true parameters:=/etc/sinew/broadcaster.yaml
 
 The program `sinew-watch` has to be in PATH (`cargo install sinew-watch`, or the Debian package).
@@ -15,7 +16,7 @@ from launch_ros.substitutions import FindPackageShare
 
 
 def generate_launch_description():
-    """Both parts, each with its file of parameters."""
+    """All parts, each with its file of parameters."""
     shipped = FindPackageShare("sinew_ros")
     return LaunchDescription(
         [
@@ -23,6 +24,11 @@ def generate_launch_description():
                 "monitor",
                 default_value=PathJoinSubstitution([shipped, "config", "watch.toml"]),
                 description="Configuration of the monitor; empty: no monitor",
+            ),
+            DeclareLaunchArgument(
+                "aggregator",
+                default_value="false",
+                description="Whether /diagnostics is grouped for rqt_robot_monitor",
             ),
             DeclareLaunchArgument(
                 "broadcaster",
@@ -46,6 +52,13 @@ def generate_launch_description():
                 # It stores the current sessions within 20 s.
                 sigterm_timeout="25",
                 condition=LaunchConfigurationNotEquals("monitor", ""),
+            ),
+            Node(
+                package="diagnostic_aggregator",
+                executable="aggregator_node",
+                parameters=[PathJoinSubstitution([shipped, "config", "aggregator.yaml"])],
+                output="screen",
+                condition=IfCondition(LaunchConfiguration("aggregator")),
             ),
             Node(
                 package="controller_manager",
