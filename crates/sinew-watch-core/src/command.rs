@@ -3,6 +3,7 @@
 use crate::condition::AlarmKey;
 use crate::incident::Finding;
 use serde::{Deserialize, Serialize};
+use sinew_files::date::utc_text;
 
 /// Operator command to the monitor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,7 +45,9 @@ impl Command {
         let available = || names.join(", ");
         let unknown = |joint: &&String| !names.contains(joint);
         let joint = match what {
-            CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } => {
+            CommandKind::Tensioned { joints }
+            | CommandKind::Replaced { joints }
+            | CommandKind::Correct { joints, .. } => {
                 if joints.is_empty() {
                     let available = available();
                     return Err(CommandError::NoJoints { available });
@@ -87,6 +90,22 @@ pub enum CommandKind {
         /// Names of the affected joints, at least one.
         joints: Vec<String>,
     },
+    /// Withdraws a recorded re-tensioning or replacement: estimates, trend and alarms continue as if it had not been
+    /// recorded. Its entry remains in the journal.
+    Withdraw {
+        /// Number of the entry.
+        entry: u64,
+    },
+    /// Corrects the joints or the date of a recorded re-tensioning or replacement. With other joints, a new baseline is
+    /// acquired.
+    Correct {
+        /// Number of the entry.
+        entry: u64,
+        /// Names of the affected joints, at least one.
+        joints: Vec<String>,
+        /// Time of the work, s since 1970 UTC: after the last session before the entry, and not later than the entry.
+        time_utc_s: f64,
+    },
     /// Acknowledges an alarm.
     Acknowledge {
         /// Joint and condition of the alarm.
@@ -124,6 +143,11 @@ pub enum CommandKind {
 /// Maximum duration for which an alarm can be shelved: 7 days, s.
 pub const MAX_SHELF_S: f64 = 7.0 * 86_400.0;
 
+/// Formats a time, s since 1970 UTC.
+fn utc(utc_s: f64) -> String {
+    utc_text((1e9 * utc_s) as i64).unwrap_or_else(|| "any time".into())
+}
+
 /// Reason for which a command was rejected. A rejected command changes nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -147,6 +171,36 @@ pub enum CommandError {
     NoIncident {
         /// Joint named in the command.
         joint: String,
+    },
+    /// The robot has no such entry, or it was withdrawn.
+    #[error("entry {entry} not found; it may have been withdrawn")]
+    NoEntry {
+        /// Number of the entry.
+        entry: u64,
+    },
+    /// The state without the entry is not available any more.
+    #[error(
+        "entry {entry} can only be dated: a later entry or more than {most} records of sessions follow; add a note"
+    )]
+    TooLate {
+        /// Number of the entry.
+        entry: u64,
+        /// Maximum number of records after the entry.
+        most: usize,
+    },
+    /// The date of the work is not between the last session before the entry and the entry.
+    #[error(
+        "time_utc_s = {time_utc_s} is invalid; expected {after} to {recorded}, between the last session before the entry and the entry",
+        after = utc(*after_utc_s),
+        recorded = utc(*recorded_utc_s)
+    )]
+    Date {
+        /// Requested time, s since 1970 UTC.
+        time_utc_s: f64,
+        /// End of the last session before the entry, s since 1970 UTC.
+        after_utc_s: f64,
+        /// Time of the entry, s since 1970 UTC.
+        recorded_utc_s: f64,
     },
     /// The alarm does not exist.
     #[error("alarm not found; the alarm may have cleared")]

@@ -127,6 +127,51 @@ pub enum Finding {
 }
 
 impl Finding {
+    /// Cause that the finding confirms; `None`: the finding is not one of the causes.
+    fn cause(self) -> Option<IncidentCause> {
+        Some(match self {
+            Self::StrandFailure => IncidentCause::StrandFailure,
+            Self::Slip | Self::ClampSlip => IncidentCause::Slip,
+            Self::EncoderMoved => IncidentCause::Encoder,
+            Self::Nothing => IncidentCause::NoChange,
+            Self::Other => return None,
+        })
+    }
+
+    /// Returns the probabilities of the causes given the finding: those of causes that it excludes are zero, and the
+    /// others are normalised.
+    fn condition(self, causes: &[CauseProbability]) -> Vec<CauseProbability> {
+        let Some(found) = self.cause() else {
+            return causes.to_vec();
+        };
+        let remaining = causes.iter().filter_map(|one| {
+            let cause = match one.cause {
+                IncidentCause::SlipOrEncoder
+                    if matches!(found, IncidentCause::Slip | IncidentCause::Encoder) =>
+                {
+                    found
+                }
+                // A torn rope or a detached clamp transmits nothing.
+                IncidentCause::TransmissionLost if self.needs_repair() => one.cause,
+                cause if cause == found => cause,
+                _ => return None,
+            };
+            Some(CauseProbability { cause, ..*one })
+        });
+        let mut remaining: Vec<CauseProbability> = remaining.collect();
+        let sum: f64 = remaining.iter().map(|one| one.probability).sum();
+        if !(sum > 0.0) {
+            return vec![CauseProbability {
+                cause: found,
+                probability: 1.0,
+            }];
+        }
+        for one in &mut remaining {
+            one.probability /= sum;
+        }
+        remaining
+    }
+
     /// Whether the tendon remains faulty until it is re-tensioned or replaced.
     pub fn needs_repair(self) -> bool {
         matches!(self, Self::StrandFailure | Self::Slip | Self::ClampSlip)
@@ -137,6 +182,16 @@ impl Incident {
     /// Whether the incident is open.
     pub fn is_open(&self) -> bool {
         self.phase != IncidentPhase::Closed
+    }
+
+    /// Whether the transmission is lost by the evidence, and the tendon not repaired.
+    pub(crate) fn is_transmission_lost(&self) -> bool {
+        let cause = self.causes.first().map(|one| one.cause);
+        let is_open = matches!(
+            self.phase,
+            IncidentPhase::Confirmed | IncidentPhase::Acknowledged
+        );
+        is_open && cause == Some(IncidentCause::TransmissionLost)
     }
 
     fn add(&mut self, evidence: Evidence) {
@@ -288,6 +343,7 @@ impl Incidents {
     ) -> Option<&Incident> {
         let incident = self.open_mut(joint)?;
         (incident.finding, incident.note) = (Some(finding), note.into());
+        incident.causes = finding.condition(&incident.causes);
         if incident.phase == IncidentPhase::Repaired || !finding.needs_repair() {
             incident.close(utc_s);
         } else {

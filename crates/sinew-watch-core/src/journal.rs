@@ -15,6 +15,47 @@ pub struct Entry {
     pub event: Event,
 }
 
+/// Recorded re-tensioning or replacement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Maintenance {
+    /// Number of the entry, counted from the robot's first.
+    pub number: u64,
+    /// Names of the affected joints.
+    pub joints: Vec<String>,
+    /// Whether the ropes were replaced by new ones; otherwise re-tensioned.
+    pub replaced: bool,
+    /// Time of the work, s since 1970 UTC.
+    pub time_utc_s: f64,
+    /// Time of the entry in the journal, s since 1970 UTC.
+    pub recorded_utc_s: f64,
+    /// End of the last session before the entry, s since 1970 UTC; the work is not earlier. `None`: no session.
+    pub after_utc_s: Option<f64>,
+    /// Name of the operator who recorded it.
+    pub who: String,
+    /// Last correction or withdrawal; `None`: as recorded.
+    pub correction: Option<Correction>,
+}
+
+/// Correction or withdrawal of a recorded re-tensioning or replacement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Correction {
+    /// Name of the operator who made it.
+    pub who: String,
+    /// Time of the correction, s since 1970 UTC.
+    pub time_utc_s: f64,
+    /// Whether the entry was withdrawn; otherwise it has other joints, or another date.
+    pub withdrawn: bool,
+}
+
+impl Maintenance {
+    /// Whether the entry was withdrawn.
+    pub fn is_withdrawn(&self) -> bool {
+        self.correction.as_ref().is_some_and(|by| by.withdrawn)
+    }
+}
+
 /// Event of a robot, its alarms or its monitor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -101,6 +142,11 @@ pub enum Event {
         /// Command of the operator.
         #[serde(flatten)]
         command: Command,
+    },
+    /// A recorded re-tensioning or replacement was corrected or withdrawn.
+    Maintenance {
+        /// Corrected entry.
+        maintenance: Maintenance,
     },
     /// The configuration was reloaded.
     Reloaded,

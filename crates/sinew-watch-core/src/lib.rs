@@ -4,13 +4,14 @@
 //! [`Transaction`]s to store and a [`RobotSnapshot`] to publish. A week can be replayed in minutes, and steps of a
 //! clock can be tested. The monitor is passive: nothing here commands a robot.
 //!
-//! Reading order: `instant`, `record`, `table`, `alarm`, `incident`, `journal`, `transaction`, `command`, `snapshot` (inputs and
-//! outputs), then `monitor`, and `due` (maintenance list of all robots).
+//! Reading order: `instant`, `record`, `table`, `alarm`, `incident`, `journal`, `history`, `transaction`, `command`,
+//! `snapshot` (inputs and outputs), then `monitor`, and `due` (maintenance list of all robots).
 
 pub mod alarm;
 pub mod command;
 mod condition;
 pub mod due;
+mod history;
 pub mod incident;
 pub mod instant;
 pub mod journal;
@@ -22,10 +23,11 @@ pub mod table;
 mod tests;
 pub mod transaction;
 
+pub use history::History;
 pub use instant::Instant;
 pub use monitor::{
-    AlarmOptions, ClockChoice, HORIZON_DAYS, History, JobResult, Monitor, MonitorConfig,
-    MonitorError, QueuedJob, Stored, Times,
+    AlarmOptions, ClockChoice, HORIZON_DAYS, JobResult, Monitor, MonitorConfig, MonitorError,
+    QueuedJob, Stored, Times,
 };
 pub use record::Record;
 pub use snapshot::RobotSnapshot;

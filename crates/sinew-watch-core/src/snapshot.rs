@@ -2,6 +2,7 @@
 
 use crate::alarm::{Alarm, Level, LimitOrigin};
 use crate::incident::Incident;
+use crate::journal::Maintenance;
 use crate::record::{Clock, NoOffset, Record};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::online::Provisional;
@@ -50,6 +51,13 @@ pub struct RobotSnapshot {
     /// Incidents of the tendons, the oldest first: all open ones, and the last closed ones.
     #[serde(default)]
     pub incidents: Vec<Incident>,
+    /// Recorded re-tensionings and replacements, the oldest first, with their corrections.
+    #[serde(default)]
+    pub maintenance: Vec<Maintenance>,
+    /// Number of the entry in `maintenance` that can be withdrawn or assigned to other joints; of the others, only the
+    /// date can be corrected.
+    #[serde(default)]
+    pub withdrawable: Option<u64>,
     /// Number of transactions waiting to be stored.
     pub waiting_to_be_stored: usize,
 }

@@ -25,6 +25,16 @@ fn command_errors() -> Vec<CommandError> {
         CommandError::NoIncident {
             joint: "elbow".into(),
         },
+        CommandError::NoEntry { entry: 3 },
+        CommandError::TooLate {
+            entry: 3,
+            most: 2000,
+        },
+        CommandError::Date {
+            time_utc_s: 1_793_606_400.0,
+            after_utc_s: 1_793_610_000.0,
+            recorded_utc_s: 1_793_613_600.0,
+        },
         CommandError::NoAlarm,
         CommandError::Shelf {
             for_s: MAX_SHELF_S + 1.0,
@@ -42,14 +52,17 @@ fn command_errors() -> Vec<CommandError> {
         CommandError::Joint { .. } => 0,
         CommandError::NoJoints { .. } => 1,
         CommandError::NoIncident { .. } => 2,
-        CommandError::NoAlarm => 3,
-        CommandError::Shelf { .. } => 4,
-        CommandError::StillActive => 5,
-        CommandError::NoNote => 6,
-        CommandError::NoName => 7,
-        CommandError::TooLong { .. } => 8,
+        CommandError::NoEntry { .. } => 3,
+        CommandError::TooLate { .. } => 4,
+        CommandError::Date { .. } => 5,
+        CommandError::NoAlarm => 6,
+        CommandError::Shelf { .. } => 7,
+        CommandError::StillActive => 8,
+        CommandError::NoNote => 9,
+        CommandError::NoName => 10,
+        CommandError::TooLong { .. } => 11,
     };
-    assert!(all.iter().map(position).eq(0..9));
+    assert!(all.iter().map(position).eq(0..12));
     all
 }
 

@@ -1,8 +1,9 @@
 //! Transactions that must be stored before they are published.
 
-use crate::alarm::{AlarmsStored, StepKind};
+use crate::alarm::{Alarm, AlarmsStored, StepKind};
+use crate::history::History;
 use crate::incident::Incidents;
-use crate::journal::Entry;
+use crate::journal::{Entry, Maintenance};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 use sinew_estimate::Cause;
@@ -20,6 +21,8 @@ pub struct Transaction {
     pub robot: String,
     /// Records of a completed session.
     pub records: Vec<Record>,
+    /// Time from which the robot's stored records are replaced by `records`, s since 1970 UTC; `None`: none are replaced.
+    pub replaced_from_utc_s: Option<f64>,
     /// State of the monitor; `None`: unchanged.
     pub state: Option<Arc<MonitorState>>,
     /// Alarms that are not normal; `None`: unchanged.
@@ -47,11 +50,40 @@ pub struct MonitorState {
     /// Incidents of the tendons.
     #[serde(default)]
     pub incidents: Incidents,
+    /// Recorded re-tensionings and replacements, the oldest first.
+    #[serde(default)]
+    pub maintenance: Vec<Maintenance>,
+    /// State without the last of them; `None`: it cannot be withdrawn.
+    #[serde(default)]
+    pub without: Option<Box<Without>>,
+}
+
+/// State of a monitor that did not receive the last recorded re-tensioning or replacement, from which it continues if the
+/// entry is withdrawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Without {
+    /// Number of the entry.
+    pub entry: u64,
+    /// Time of the entry, s since 1970 UTC.
+    pub since_utc_s: f64,
+    /// State without the entry, by all sessions until now.
+    pub state: Arc<MonitorState>,
+    /// States of the tendons at the time of the entry.
+    pub tendons: Vec<TendonState>,
+    /// Alarms that the entry ended.
+    pub alarms: Vec<Alarm>,
+    /// Step changes confirmed since, with their tendon index.
+    pub steps: Vec<(usize, PendingEvent)>,
+    /// Rows of the trend of the day of the entry, before it.
+    pub day: History,
+    /// Records of the sessions since.
+    pub records: Vec<Record>,
 }
 
 impl MonitorState {
-    /// Version of the format that this program writes. Version 1 has no incidents, and no evidence of suspected changes.
-    pub const VERSION: u32 = 2;
+    /// Version of the format that this program writes. Version 1 has no incidents, and no evidence of suspected changes;
+    /// version 2 has no maintenance.
+    pub const VERSION: u32 = 3;
 }
 
 /// Progress of a baseline acquisition.

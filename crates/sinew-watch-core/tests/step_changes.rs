@@ -6,7 +6,7 @@ use crate::support::{
 use sinew_log::Frame;
 use sinew_watch_core::alarm::{AlarmCause, AlarmKey, AlarmState, Condition, Level, StepKind};
 use sinew_watch_core::command::{CommandError, CommandKind};
-use sinew_watch_core::incident::{Finding, Incident, IncidentPhase};
+use sinew_watch_core::incident::{Finding, Incident, IncidentCause, IncidentPhase};
 use sinew_watch_core::journal::Event;
 
 const ELBOW: usize = 2;
@@ -56,6 +56,11 @@ fn torn_tendon_raises_alarm_without_confirmation() {
         (time_utc_s - began - 30.0).abs() < 1.5,
         "{time_utc_s} {began}"
     );
+    let of_elbow = snapshot.alarms.iter();
+    let of_elbow = of_elbow.filter(|alarm| {
+        alarm.key.joint.as_deref() == Some("elbow") && alarm.key.condition.is_change()
+    });
+    assert_eq!(of_elbow.count(), 1, "{:?}", snapshot.alarms);
     // No other tendon has an alarm of its rope.
     let of_rope = |key: &AlarmKey| key.condition.latches() && key.joint.as_deref() != Some("elbow");
     assert!(
@@ -77,10 +82,8 @@ fn slip_is_suspected_confirmed_and_latched_until_reset() {
     let began = harness.store.records[0].time_utc_s;
 
     harness.session(&longer(seconds(120, 180), ELBOW, SLIP_RAD));
-    assert_eq!(
-        state(&harness, Condition::SuspectedStep),
-        Some(AlarmState::Cleared)
-    );
+    // The confirmed change supersedes the suspected one.
+    assert_eq!(state(&harness, Condition::SuspectedStep), None);
     assert_eq!(
         state(&harness, Condition::StepChange),
         Some(AlarmState::Latched)
@@ -114,10 +117,7 @@ fn slip_is_suspected_confirmed_and_latched_until_reset() {
         state(&harness, Condition::StepChange),
         Some(AlarmState::Latched)
     );
-    assert_eq!(
-        state(&harness, Condition::SuspectedStep),
-        Some(AlarmState::Cleared)
-    );
+    assert_eq!(state(&harness, Condition::SuspectedStep), None);
     let key = alarm.key;
     harness
         .command(CommandKind::Acknowledge { alarm: key.clone() }, "")
@@ -258,6 +258,73 @@ fn finding_of_nothing_closes_suspected_change() {
         phases(&harness),
         [IncidentPhase::Suspected, IncidentPhase::Closed]
     );
+}
+
+/// A suspected slip that the inspection confirms needs no further session, and one that it finds to be a strand failure
+/// has the alarm of a strand failure only.
+#[test]
+fn finding_decides_on_causes_and_alarms() {
+    for (finding, cause, condition) in [
+        (
+            Finding::StrandFailure,
+            IncidentCause::StrandFailure,
+            Condition::StrandFailure,
+        ),
+        (
+            Finding::ClampSlip,
+            IncidentCause::Slip,
+            Condition::StepChange,
+        ),
+    ] {
+        let mut harness = Harness::new(tensioned());
+        harness.session(&with_slip());
+        let before = incident(&harness);
+        assert!(before.causes.len() > 1, "{before:?}");
+        harness.command(found(finding), "").unwrap();
+        let after = incident(&harness);
+        let causes: Vec<_> = after
+            .causes
+            .iter()
+            .map(|c| (c.cause, c.probability))
+            .collect();
+        assert_eq!(causes, [(cause, 1.0)]);
+        assert_eq!(after.phase, IncidentPhase::Acknowledged);
+        let mut alarms = harness.snapshot().alarms;
+        alarms.retain(|alarm| alarm.key.condition.is_change());
+        let [alarm] = &alarms[..] else {
+            panic!("{alarms:?}");
+        };
+        assert_eq!(
+            (alarm.key.condition, alarm.state),
+            (condition, AlarmState::Latched)
+        );
+        // A later session adds no suspected change.
+        harness.session(&longer(seconds(120, 180), ELBOW, SLIP_RAD));
+        assert_eq!(state(&harness, Condition::SuspectedStep), None);
+    }
+}
+
+/// A repair that was recorded by mistake does not end the alarm of a change.
+#[test]
+fn withdrawn_repair_restores_alarm_and_incident() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(&with_slip());
+    harness.session(&longer(seconds(120, 180), ELBOW, SLIP_RAD));
+    let confirmed = incident(&harness);
+    let joints = vec!["elbow".to_string()];
+    harness
+        .command(CommandKind::Tensioned { joints }, "")
+        .unwrap();
+    assert_eq!(state(&harness, Condition::StepChange), None);
+    assert_eq!(incident(&harness).phase, IncidentPhase::Repaired);
+    harness
+        .command(CommandKind::Withdraw { entry: 1 }, "wrong arm")
+        .unwrap();
+    assert_eq!(
+        state(&harness, Condition::StepChange),
+        Some(AlarmState::Latched)
+    );
+    assert_eq!(incident(&harness), confirmed);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::support::{Harness, biorob_like, config, later, longer, seconds, tensioned};
 use sinew_log::Frame;
+use sinew_watch_core::MonitorState;
 use sinew_watch_core::alarm::{AlarmState, Condition};
 use sinew_watch_core::command::{CommandError, CommandKind};
 use sinew_watch_core::journal::{BaselineWaits, Event};
@@ -225,4 +226,157 @@ fn retensioning_during_acquisition_counts_once() {
         assert!(now[i].last_rad.is_some(), "{joint}");
     }
     assert_near(&harness, "shoulder_pitch", 2.0);
+}
+
+/// Days of work, with and without an entry that is withdrawn two sessions and a restart later.
+fn days_of_work(is_entered: bool) -> Harness {
+    const DAY_S: f64 = 86_400.0;
+    let mut harness = Harness::new(tensioned());
+    for day in 0..4 {
+        harness.session(&elongated(
+            seconds(60, 120),
+            3.0,
+            2.0 + 0.1 * f64::from(day),
+        ));
+        harness = harness.restart(DAY_S);
+    }
+    harness.session(&elongated(seconds(60, 100), 3.0, 2.5));
+    if is_entered {
+        harness.command(tension(&["elbow"]), "").unwrap();
+    }
+    harness.session(&elongated(seconds(100, 125), 3.0, 2.5));
+    harness = harness.restart(DAY_S);
+    harness.session(&elongated(seconds(60, 85), 3.0, 2.6));
+    if is_entered {
+        assert!(matches!(
+            harness.snapshot().learning,
+            Learning::Baseline { .. }
+        ));
+        harness
+            .command(CommandKind::Withdraw { entry: 1 }, "it was arm-8")
+            .unwrap();
+    }
+    harness.session(&elongated(seconds(85, 145), 3.0, 2.6));
+    harness = harness.restart(DAY_S);
+    harness.session(&elongated(seconds(60, 120), 3.0, 2.7));
+    harness.pass(3700.0);
+    harness
+}
+
+#[test]
+fn withdrawn_entry_leaves_state_trend_and_records_unchanged() {
+    let (entered, never) = (days_of_work(true), days_of_work(false));
+    let state = |harness: &Harness| harness.store.stored.state.clone().unwrap();
+    let (mut entered_state, never_state) = (state(&entered), state(&never));
+    let [entry] = &entered_state.maintenance[..] else {
+        panic!("{:?}", entered_state.maintenance);
+    };
+    assert!(entry.is_withdrawn() && entry.correction.as_ref().unwrap().who == "ada");
+    entered_state.maintenance.clear();
+    assert_eq!(entered_state, never_state);
+    let records = |harness: &Harness| -> Vec<(f64, String, Option<f64>, Option<String>)> {
+        let mut records = harness.store.records.clone();
+        records.sort_by(|a, b| a.time_utc_s.total_cmp(&b.time_utc_s));
+        (records.into_iter())
+            .map(|r| (r.time_utc_s, r.joint, r.offset_rad, r.baseline))
+            .collect()
+    };
+    assert_eq!(records(&entered), records(&never));
+    assert_eq!(entered.store.stored.history, never.store.stored.history);
+    let trends = |harness: &Harness| {
+        let tendons = harness.snapshot().tendons;
+        let trends = tendons.into_iter().map(|tendon| tendon.trend);
+        trends.collect::<Vec<_>>()
+    };
+    assert!(trends(&never)[ELBOW].is_some());
+    assert_eq!(trends(&entered), trends(&never));
+    // The entry remains in the journal.
+    let tensioned = |event: &Event| match event {
+        Event::Command { command } => Some(command.what.clone()),
+        _ => None,
+    };
+    let commands = [tension(&["elbow"]), CommandKind::Withdraw { entry: 1 }];
+    assert_eq!(entered.store.events(tensioned), commands);
+}
+
+/// The elbow was recorded, but it was the wrist; then the entry is dated, and withdrawn as a whole.
+#[test]
+fn corrected_entry_applies_to_other_tendon_and_date() {
+    const WRIST: usize = 3;
+    let tendons = |harness: &Harness| harness.store.stored.state.clone().unwrap().tendons;
+    let mut harness = Harness::new(tensioned());
+    harness.session(&longer(seconds(60, 120), WRIST, 4e-3));
+    let (before, ended_utc_s) = (tendons(&harness), harness.now.utc_s() - 60.0);
+    harness.pass(600.0);
+    harness.command(tension(&["elbow"]), "").unwrap();
+    let recorded_utc_s = harness.now.utc_s();
+    harness.session(seconds(120, 150));
+    let correct = |joint: &str, time_utc_s: f64| CommandKind::Correct {
+        entry: 1,
+        joints: vec![joint.into()],
+        time_utc_s,
+    };
+    for time_utc_s in [recorded_utc_s + 1.0, ended_utc_s - 100.0, f64::NAN] {
+        let error = harness.command(correct("wrist", time_utc_s), "");
+        assert!(matches!(error, Err(CommandError::Date { .. })), "{error:?}");
+    }
+    let unknown = harness.command(CommandKind::Withdraw { entry: 2 }, "");
+    assert_eq!(unknown, Err(CommandError::NoEntry { entry: 2 }));
+    let worked_utc_s = recorded_utc_s - 300.0;
+    harness.command(correct("wrist", worked_utc_s), "").unwrap();
+    let state = harness.store.stored.state.clone().unwrap();
+    assert_eq!(state.learns.as_ref().unwrap().joints, ["wrist"]);
+    assert_eq!(state.tendons[ELBOW].since, before[ELBOW].since);
+    assert_eq!(state.tendons[ELBOW].tensioned_utc_s, Vec::<f64>::new());
+    assert_eq!(state.tendons[WRIST].tensioned_utc_s, [worked_utc_s]);
+    // The elongation before the work is that of the session before the entry, not of the one after it.
+    let geometry = harness.config.robot.transmissions[WRIST].clone().unwrap();
+    let radius_m = geometry.tendon.unwrap().joint_pulley_radius_m;
+    let expected_m = before[WRIST].last_rad.unwrap().scaled(radius_m);
+    assert_eq!(state.tendons[WRIST].before_m.mean, expected_m.mean);
+
+    harness
+        .command(correct("wrist", worked_utc_s + 100.0), "")
+        .unwrap();
+    let dated = tendons(&harness);
+    assert_eq!(dated[WRIST].tensioned_utc_s, [worked_utc_s + 100.0]);
+    assert_eq!(dated[WRIST].since, state.tendons[WRIST].since);
+    harness
+        .command(CommandKind::Withdraw { entry: 1 }, "")
+        .unwrap();
+    let state: MonitorState = harness.store.stored.state.clone().unwrap();
+    assert_eq!((state.learns, state.without), (None, None));
+    assert_eq!(state.tendons[WRIST].since, before[WRIST].since);
+    let again = harness.command(correct("wrist", worked_utc_s), "");
+    assert_eq!(again, Err(CommandError::NoEntry { entry: 1 }));
+}
+
+#[test]
+fn entry_before_another_can_only_be_dated() {
+    let mut harness = Harness::new(tensioned());
+    harness.session(seconds(60, 120));
+    harness.pass(100.0);
+    harness.command(tension(&["elbow"]), "").unwrap();
+    harness.pass(100.0);
+    harness.command(tension(&["wrist"]), "").unwrap();
+    let withdrawn = harness.command(CommandKind::Withdraw { entry: 1 }, "");
+    assert!(matches!(
+        withdrawn,
+        Err(CommandError::TooLate { entry: 1, .. })
+    ));
+    let correct = CommandKind::Correct {
+        entry: 1,
+        joints: vec!["elbow".into()],
+        time_utc_s: harness.now.utc_s() - 150.0,
+    };
+    harness.command(correct, "").unwrap();
+    harness
+        .command(CommandKind::Withdraw { entry: 2 }, "")
+        .unwrap();
+    let state = harness.store.stored.state.clone().unwrap();
+    assert_eq!(state.learns.as_ref().unwrap().joints, ["elbow"]);
+    assert_eq!(
+        state.tendons[ELBOW].tensioned_utc_s,
+        [harness.now.utc_s() - 150.0]
+    );
 }

@@ -54,6 +54,17 @@ pub enum Command {
         #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
         config: PathBuf,
     },
+    /// Write the lifetimes of ropes, as the table for `sinew trend survival`
+    ///
+    /// One row per rope whose installation was recorded as a replacement: hours of motion, and whether it broke by the
+    /// finding of an incident, was replaced for another reason, or is running. The monitor may be running.
+    Survival {
+        /// CSV to write
+        table: PathBuf,
+        /// Configuration file that names the store
+        #[arg(long, value_name = "FILE", default_value = crate::config::PLACE)]
+        config: PathBuf,
+    },
     /// Send a test notification to every receiver
     Notify {
         /// Configuration file that names the receivers

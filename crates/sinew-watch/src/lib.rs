@@ -41,6 +41,7 @@ pub fn run(args: &Args) -> Result<ExitCode, String> {
         Some(Command::Disk { config }) => return operate::disk(config),
         Some(Command::Notify { config }) => return operate::notify(config),
         Some(Command::Acknowledge(alarm)) => return operate::acknowledge(alarm),
+        Some(Command::Survival { table, config }) => return operate::survival(config, table),
         None => {}
     }
     if args.demo {

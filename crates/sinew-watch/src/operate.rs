@@ -1,8 +1,8 @@
-//! Commands of the program besides monitoring: backup, disk usage, test notification, and acknowledgement of an alarm.
+//! Commands of the program besides monitoring: backup, lifetimes of ropes, disk usage, test notification, and acknowledgement of an alarm.
 
 use crate::args::Acknowledge;
 use crate::config::{Config, PostFormat, Webhook};
-use crate::store::{Place, Reader, StoreError};
+use crate::store::{Place, Reader, RecordQuery, StoreError, write_lives};
 use crate::token;
 use crate::webhooks::{Message, exchange, test};
 use hyper::body::Bytes;
@@ -42,6 +42,18 @@ pub fn backup(config: &Path, target: &Path) -> Result<ExitCode, String> {
     let (reader, place) = reader(read(config)?)?;
     let length = reader.backup(target).map_err(|e| of_store(&place, &e))?;
     println!("{}: {:.1} MB", target.display(), 1e-6 * length as f64);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the lifetimes of ropes as a CSV file.
+///
+/// # Errors
+/// Returns the reason as text.
+pub fn survival(config: &Path, table: &Path) -> Result<ExitCode, String> {
+    let (reader, place) = reader(read(config)?)?;
+    let count = write_lives(&reader, &RecordQuery::default(), table);
+    let count = count.map_err(|e| of_store(&place, &e))?;
+    println!("{}: {count} ropes", table.display());
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,5 +1,7 @@
 //! From the messages of a growing recording to stored records, with all threads.
 
+use sinew_estimate::Request;
+use sinew_estimate::session::{SessionOptions, Window, estimate};
 use sinew_watch::config::Config;
 use sinew_watch::runtime::{Answer, Control, RobotState, Runtime, Start};
 use sinew_watch::store::{JournalEntry, JournalFilter, Place, Reader, RecordQuery};
@@ -519,5 +521,53 @@ fn misspelt_topic_alarm_lists_candidates() {
             "{named}: {said}"
         );
         runtime.end();
+    }
+}
+
+/// Offset and standard deviation of each tendon, rad, as by `sinew estimate`.
+fn offsets(recording: &Path) -> Vec<[f64; 2]> {
+    let request = Request {
+        robot: Some(repository().join("robots/biorob-like")),
+        ..Request::new(recording.into())
+    };
+    let whole = Window {
+        from_s: 0.0,
+        to_s: f64::INFINITY,
+    };
+    let options = SessionOptions::default();
+    let (estimate, _) = estimate(&request, whole, None, &options, &mut |_| {}).unwrap();
+    let joints = estimate.joints.iter();
+    joints
+        .map(|joint| [joint.offset_rad.mean, joint.offset_rad.std])
+        .collect()
+}
+
+/// The elbow slips at 24 s: the recording of its incident yields the estimate of the robot's own recording.
+#[test]
+fn incident_is_recorded_and_estimated() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run.mcap");
+    std::fs::write(&run, stretched()).unwrap();
+    let mut runtime = start(folder.path());
+    let mut asked = config(folder.path(), "");
+    asked.robots[0].times.session_motion_s = 100.0;
+    runtime.configure(&asked);
+    let incident = || {
+        let robot = seen(&runtime)?;
+        let mut incidents = robot.incidents.iter();
+        incidents.find(|i| i.joint == "elbow").map(|i| i.number)
+    };
+    until("an incident of the elbow", || incident().is_some());
+    let number = incident().unwrap();
+    // The rest of the window is not awaited.
+    runtime.end();
+    let name = format!("incident-{number:06}.mcap");
+    let written = folder.path().join("store/incidents/arm").join(name);
+    for (own, original) in offsets(&written).into_iter().zip(offsets(&run)) {
+        let [mean, std] = own;
+        assert!(
+            (mean - original[0]).abs() < 0.1 * std && (std / original[1] - 1.0).abs() < 0.1,
+            "{own:?} {original:?}"
+        );
     }
 }

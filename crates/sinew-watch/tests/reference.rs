@@ -47,6 +47,10 @@ fn reference_lists_every_configuration_key() {
             format!("[store]\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"),
         ),
         (
+            "recording.",
+            format!("[recording]\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"),
+        ),
+        (
             "publish.",
             format!("[publish]\n{UNKNOWN} = 1\n{robot}dds = {{}}\n"),
         ),

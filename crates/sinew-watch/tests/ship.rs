@@ -268,6 +268,8 @@ pub(crate) fn snapshot(alarms: Vec<Alarm>, forecast_d: f64) -> RobotSnapshot {
         clock: Clock::Utc,
         temperature_c: None,
         incidents: Vec::new(),
+        maintenance: Vec::new(),
+        withdrawable: None,
         external_force: None,
         tendons: vec![TendonSnapshot {
             joint: "elbow".into(),

@@ -1,12 +1,15 @@
 //! Stored data are restored, completely or not at all.
 
 use sinew_model::Gaussian;
+use sinew_trend::survival::{EventColumns, LifeEnd, read_lives};
 use sinew_watch::store::{
     COLUMNS, JournalFilter, Place, Reader, RecordQuery, SeriesQuery, Store, StoreError, VERSION,
+    write_lives,
 };
 use sinew_watch_core::alarm::{Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition};
-use sinew_watch_core::incident::Incidents;
-use sinew_watch_core::journal::{Entry, Event, SessionEnd};
+use sinew_watch_core::command::{Command, CommandKind};
+use sinew_watch_core::incident::{Finding, Incident, IncidentPhase, Incidents};
+use sinew_watch_core::journal::{Correction, Entry, Event, Maintenance, SessionEnd};
 use sinew_watch_core::record::{Clock, NoOffset};
 use sinew_watch_core::transaction::{BaselineAcquisition, TendonState};
 use sinew_watch_core::{MonitorState, Record, Transaction};
@@ -65,6 +68,8 @@ fn state_estimate(mean: f64) -> MonitorState {
             suspected: None,
         }],
         incidents: Incidents::default(),
+        maintenance: Vec::new(),
+        without: None,
     }
 }
 
@@ -96,6 +101,7 @@ fn transaction(robot: &str, id: u64) -> Transaction {
         alarms: Some(AlarmsStored {
             alarms: vec![alarm()],
         }),
+        replaced_from_utc_s: None,
         journal: vec![Entry {
             time_utc_s,
             event: Event::Session {
@@ -678,4 +684,141 @@ fn million_records() {
     let names: Vec<String> = (0..12).map(|n| format!("arm-{n}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     hourly(&mut store, &names, 83_334);
+}
+
+#[test]
+fn withdrawn_entry_replaces_records_from_its_time() {
+    let mut store = Store::open(Place::Memory(31)).unwrap();
+    let all: Vec<Transaction> = (1..=4).map(|id| transaction("a", id)).collect();
+    store.commit(&all).unwrap();
+    store.commit(&[transaction("b", 3)]).unwrap();
+    let replaced = Transaction {
+        id: 5,
+        replaced_from_utc_s: Some(all[2].records[0].time_utc_s),
+        records: vec![record("a", "elbow", all[3].records[0].time_utc_s)],
+        ..transaction("a", 5)
+    };
+    store.commit(std::slice::from_ref(&replaced)).unwrap();
+    let of = |robot: &str| RecordQuery {
+        robot: Some(robot.into()),
+        ..RecordQuery::default()
+    };
+    let reader = store.reader().unwrap();
+    let expected = [&all[0].records[..], &all[1].records, &replaced.records].concat();
+    assert_eq!(reader.records(&of("a")).unwrap(), expected);
+    assert_eq!(reader.records(&of("b")).unwrap().len(), 2);
+}
+
+#[test]
+fn states_of_earlier_versions_are_read() {
+    let mut store = Store::open(Place::Memory(32)).unwrap();
+    let mut old = transaction("a", 1);
+    let mut state = state_estimate(1.0);
+    state.version = 1;
+    old.state = Some(Arc::new(state.clone()));
+    store.commit(&[old]).unwrap();
+    let stored = store.reader().unwrap().stored("a").unwrap();
+    assert_eq!(stored.state, Some(state));
+}
+
+/// Sessions of half an hour of motion begin every hour. Ropes are installed at 0.5 h, 6.5 h and 12.5 h; the first fails at
+/// 3.75 h according to the inspection; an entry at 10.5 h is withdrawn, and one of the wrist at 12.5 h was the elbow's.
+#[test]
+fn survival_table_has_findings_and_censored_ropes() {
+    const START_S: f64 = 1_793_600_000.0;
+    let at = |hours: f64| START_S + 3600.0 * hours;
+    let entry = |hours: f64, event: Event| Entry {
+        time_utc_s: at(hours),
+        event,
+    };
+    let replaced = |hours: f64, joint: &str| {
+        let command = Command {
+            who: "ada".into(),
+            note: String::new(),
+            what: CommandKind::Replaced {
+                joints: vec![joint.into()],
+            },
+        };
+        entry(hours, Event::Command { command })
+    };
+    let corrected = |hours: f64, joint: &str, withdrawn: bool| {
+        let maintenance = Maintenance {
+            number: 1,
+            joints: vec![joint.into()],
+            replaced: true,
+            time_utc_s: at(hours),
+            recorded_utc_s: at(hours),
+            after_utc_s: None,
+            who: "ada".into(),
+            correction: Some(Correction {
+                who: "ben".into(),
+                time_utc_s: at(13.0),
+                withdrawn,
+            }),
+        };
+        entry(13.0, Event::Maintenance { maintenance })
+    };
+    let incident = |number: u64, hours: f64, finding| {
+        let incident = Incident {
+            joint: "elbow".into(),
+            number,
+            opened_utc_s: at(hours),
+            phase: IncidentPhase::Acknowledged,
+            closed_utc_s: None,
+            evidence: Vec::new(),
+            causes: Vec::new(),
+            finding,
+            note: String::new(),
+        };
+        entry(hours + 1.0, Event::Incident { incident })
+    };
+    let records = (1..=14).map(|hour| Record {
+        duration_s: 1800.0,
+        ..record("arm", "elbow", at(f64::from(hour)))
+    });
+    let stored = Transaction {
+        records: records.collect(),
+        state: None,
+        alarms: None,
+        journal: vec![
+            // Of the rope whose age is not known.
+            incident(1, 0.2, Some(Finding::StrandFailure)),
+            replaced(0.5, "elbow"),
+            incident(2, 3.75, Some(Finding::Nothing)),
+            incident(2, 3.75, Some(Finding::StrandFailure)),
+            replaced(6.5, "elbow"),
+            incident(3, 8.5, Some(Finding::ClampSlip)),
+            replaced(10.5, "elbow"),
+            replaced(12.5, "wrist"),
+            corrected(10.5, "elbow", true),
+            corrected(12.5, "elbow", false),
+        ],
+        ..transaction("arm", 1)
+    };
+    let mut store = Store::open(Place::Memory(33)).unwrap();
+    store.commit(&[stored]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("survival.csv");
+    let all = RecordQuery::default();
+    let count = write_lives(&store.reader().unwrap(), &all, &path).unwrap();
+    let columns = EventColumns {
+        group: Some("group".into()),
+        ..EventColumns::default()
+    };
+    let lives = read_lives(&path, &columns).unwrap();
+    // Sessions at 1, 2, 3 h; at 7 to 12 h; at 13, 14 h: 1.5, 3 and 1 h of motion.
+    let ages: Vec<_> = lives
+        .lives
+        .iter()
+        .map(|life| (life.age, life.end))
+        .collect();
+    let expected = [
+        (1.5 * 3600.0, LifeEnd::Broke),
+        (3.0 * 3600.0, LifeEnd::Replaced),
+        (3600.0, LifeEnd::Whole),
+    ];
+    assert_eq!((count, ages), (3, expected.to_vec()));
+    assert_eq!(lives.lives[0].unit, "arm elbow");
+    let group = lives.lives[0].group.as_deref();
+    assert_eq!(group, Some(record("arm", "elbow", 0.0).robot_type.as_str()));
 }

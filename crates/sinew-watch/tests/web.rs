@@ -88,6 +88,26 @@ fn command_is_answered_after_storing() {
         let now = get(r.at, "/api/v1/robots/demo-2").json();
         now["robot"]["learning"]["kind"] == "baseline"
     });
+    // The entry can be withdrawn; it remains in the journal with its correction.
+    let robot = get(at, "/api/v1/robots/demo-2").json();
+    let entry = robot["robot"]["withdrawable"].as_u64().unwrap();
+    let withdraw = || json!({ "kind": "withdraw", "entry": entry });
+    assert_eq!(command(at, withdraw(), "").0, 200);
+    assert_eq!(command(at, withdraw(), "").0, 422);
+    let journal = get(at, "/api/v1/journal?robot=demo-2&event=command&most=2").json();
+    let [withdrawal, tensioned] = [&journal["entries"][0], &journal["entries"][1]];
+    assert_eq!(withdrawal["event"]["what"]["kind"], "withdraw");
+    assert_eq!(withdrawal["correction"], Value::Null);
+    let correction = &tensioned["correction"];
+    assert_eq!(
+        (&correction["who"], &correction["withdrawn"]),
+        (&json!("a test"), &json!(true))
+    );
+    let robot = get(at, "/api/v1/robots/demo-2").json();
+    assert_ne!(robot["robot"]["learning"]["kind"], "baseline");
+    let missing = get(at, "/api/v1/robots/demo-2/incidents/1/recording.mcap");
+    assert_eq!(missing.status, 404, "{}", missing.text());
+    assert_eq!(get(at, "/api/v1/survival.csv").status, 200);
     for (what, note, words) in [
         (json!({ "kind": "note" }), "", "note is missing"),
         (

@@ -305,13 +305,13 @@ impl Alarms {
                     self.end(is_meant, &reason(), now);
                 }
             }
-            CommandKind::Note => {}
+            CommandKind::Withdraw { .. } | CommandKind::Correct { .. } | CommandKind::Note => {}
         }
         Ok(())
     }
 
     /// Returns alarms to the normal state by a command.
-    fn end(
+    pub(crate) fn end(
         &mut self,
         is_meant: impl Fn(&AlarmKey) -> bool,
         reason: &TransitionReason,
@@ -326,6 +326,32 @@ impl Alarms {
             }
             self.step(&key, AlarmState::Normal, reason.clone(), now);
         }
+    }
+
+    /// Returns an alarm to the normal state because another one of the same incident supersedes it.
+    pub(crate) fn supersede(&mut self, key: &AlarmKey, by: &AlarmKey, now: Instant) {
+        let reason = TransitionReason::Superseded { alarm: by.clone() };
+        self.end(|other| other == key, &reason, now);
+    }
+
+    /// Restores an alarm that a withdrawn entry ended, unless it was raised again.
+    pub(crate) fn put_back(&mut self, alarm: &Alarm, now: Instant) {
+        let entry = self.list.entry(alarm.key.clone()).or_default();
+        if entry.alarm.is_some() {
+            return;
+        }
+        *entry = Entry {
+            holds: matches!(alarm.state, AlarmState::Active | AlarmState::Acknowledged),
+            since: Some(now),
+            shelved_at: None,
+            alarm: Some(Alarm {
+                state: AlarmState::Normal,
+                shelved_until_utc_s: None,
+                shelved_for_s: None,
+                ..alarm.clone()
+            }),
+        };
+        self.step(&alarm.key, alarm.state, TransitionReason::Withdrawn, now);
     }
 
     fn unshelve(&mut self, key: &AlarmKey, reason: TransitionReason, now: Instant) {

@@ -385,6 +385,13 @@ pub enum TransitionReason {
         /// Free text of the operator.
         note: String,
     },
+    /// Another alarm of the same incident supersedes it.
+    Superseded {
+        /// Alarm that supersedes it.
+        alarm: AlarmKey,
+    },
+    /// The recorded re-tensioning or replacement that ended the alarm was withdrawn.
+    Withdrawn,
     /// The shelving expired.
     ShelfEnded,
 }

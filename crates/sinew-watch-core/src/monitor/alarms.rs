@@ -7,8 +7,10 @@ use super::setup::Setup;
 use super::trend::Trends;
 use crate::alarm::{
     Alarm, AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, DataFault, Delays, LimitOrigin,
-    StepKind,
+    StepKind, TransitionReason,
 };
+use crate::command::Command;
+use crate::incident::Finding;
 use crate::instant::Instant;
 use crate::transaction::PendingEvent;
 use sinew_model::Gaussian;
@@ -150,8 +152,64 @@ impl AlarmEvaluator {
         // Confirmation took a session already; a further delay would suppress the alarm.
         self.alarms
             .condition(&key, Some(true), &cause, Delays::NONE, now);
+        let suspected = AlarmKey {
+            condition: Condition::SuspectedStep,
+            ..key.clone()
+        };
+        self.alarms.supersede(&suspected, &key, now);
         // The event is over; the alarm stays latched until it is handled.
         self.conditions.insert(key, (Some(false), cause));
+    }
+
+    /// Ends the alarms of a tendon that contradict a finding, which needs a repair; that of its cause remains, or is
+    /// raised in their place.
+    pub(super) fn find(&mut self, joint: &str, finding: Finding, command: &Command, now: Instant) {
+        let (condition, what) = match finding {
+            Finding::StrandFailure => (Condition::StrandFailure, StepKind::StrandFailure),
+            Finding::Slip | Finding::ClampSlip => (Condition::StepChange, StepKind::Slip),
+            Finding::EncoderMoved | Finding::Nothing | Finding::Other => return,
+        };
+        let of_joint = |alarm: &&Alarm| {
+            alarm.key.joint.as_deref() == Some(joint) && alarm.key.condition.is_change()
+        };
+        let found = (self.alarms.iter()).filter(of_joint);
+        let Some(worst) = found.max_by_key(|alarm| alarm.severity()).cloned() else {
+            return;
+        };
+        let is_true = |key: &AlarmKey| {
+            // A lost transmission is a consequence of either.
+            key.condition == condition || key.condition == Condition::TransmissionLost
+        };
+        let reason = TransitionReason::Command {
+            who: command.who.clone(),
+            what: command.what.clone(),
+            note: command.note.clone(),
+        };
+        let is_meant = |key: &AlarmKey| {
+            key.joint.as_deref() == Some(joint) && key.condition.is_change() && !is_true(key)
+        };
+        self.alarms.end(is_meant, &reason, now);
+        let key = AlarmKey {
+            condition,
+            ..worst.key.clone()
+        };
+        let mut cause = worst.cause;
+        if let AlarmCause::StepChange {
+            what: kind,
+            cause: part,
+            stiffness_ratio,
+            ..
+        } = &mut cause
+            && !is_true(&worst.key)
+        {
+            (*kind, *part) = (what, None);
+            if what == StepKind::Slip {
+                *stiffness_ratio = None;
+            }
+            self.alarms
+                .condition(&key, Some(true), &cause, Delays::NONE, now);
+            self.conditions.insert(key, (Some(false), cause));
+        }
     }
 
     /// Evaluates the faults of the data; priority: transports, then frames, then errors of the estimator.

@@ -1,7 +1,7 @@
 //! Configuration of a monitor and its stored state.
 
-use super::history::History;
 use crate::alarm::{AlarmsStored, Condition, Delays};
+use crate::history::History;
 use crate::transaction::MonitorState;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{SessionError, SessionOptions};

@@ -38,6 +38,8 @@ pub(super) struct SegmentJob {
     pub(super) baseline_task: Option<BaselineTask>,
     /// Name of the session.
     pub(super) name: String,
+    /// Number of the chain whose posterior it continues.
+    pub(super) chain: u32,
 }
 
 /// Baseline acquisition by an estimate.
@@ -58,6 +60,8 @@ pub(super) enum Outcome {
     Segment {
         segment: Box<Segment>,
         is_baseline: bool,
+        /// Number of the chain whose posterior the estimate continues.
+        chain: u32,
         result: Result<Box<Estimated>, String>,
     },
     /// Result of the online estimator; `None`: it failed.
@@ -90,6 +94,7 @@ impl QueuedJob {
                 let result = catch_unwind(AssertUnwindSafe(|| work.estimate(&robot)));
                 Outcome::Segment {
                     is_baseline: work.baseline_task.is_some(),
+                    chain: work.chain,
                     segment: Box::new(work.segment),
                     result: result
                         .unwrap_or_else(|_| Err("estimator failed: internal error".into())),

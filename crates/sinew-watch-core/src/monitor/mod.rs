@@ -9,7 +9,7 @@
 //! [`Monitor`] owns these parts and passes their results on; each part has a file of its name.
 //!
 //! Reading order: `config`, `setup`, this file, `clock` and `health` (checks of the frames), `ingest`, `session`,
-//! `online`, `job`, `evidence`, `tendon`, `baseline`, `posterior`, `history`, `trend`, `alarms`, `outbox`, `snapshot`.
+//! `online`, `job`, `evidence`, `tendon`, `baseline`, `posterior`, `trend`, `alarms`, `outbox`, `snapshot`.
 
 mod alarms;
 mod baseline;
@@ -17,7 +17,6 @@ mod clock;
 mod config;
 mod evidence;
 mod health;
-mod history;
 mod ingest;
 mod job;
 mod online;
@@ -30,24 +29,23 @@ mod tendon;
 mod trend;
 
 pub use config::{AlarmOptions, ClockChoice, MonitorConfig, MonitorError, Stored, Times};
-pub use history::History;
 pub use job::{JobResult, QueuedJob};
 pub use trend::HORIZON_DAYS;
 
-use crate::alarm::{AlarmCause, Condition, DataFault, StoreFault};
+use crate::alarm::{Alarm, AlarmCause, Condition, DataFault, StoreFault};
 use crate::command::{Command, CommandError, CommandKind};
 use crate::instant::Instant;
-use crate::journal::{Event, SessionEnd};
+use crate::journal::{Correction, Event, Maintenance, SessionEnd};
 use crate::record::Clock;
 use crate::snapshot::RobotSnapshot;
-use crate::transaction::Transaction;
+use crate::transaction::{TendonState, Transaction, Without};
 use alarms::AlarmEvaluator;
 use clock::{ClockEvent, Clocks};
 use ingest::Ingest;
 use job::{JobKind, Outcome};
 use online::Online;
 use outbox::Outbox;
-use posterior::{Changes, PosteriorChain};
+use posterior::{ChainOf, Changes, MAX_RECORDS_SINCE, PosteriorChain};
 use session::{SegmentEnd, Sessions};
 use setup::Setup;
 use sinew_log::Frame;
@@ -83,6 +81,8 @@ pub struct Monitor {
     trends: Trends,
     alarms: AlarmEvaluator,
     outbox: Outbox,
+    /// Changes found since the last [`Monitor::take_changes`].
+    found: Vec<(String, f64)>,
     /// Whether a job is running.
     working: bool,
     /// Time of the last tick.
@@ -115,6 +115,7 @@ impl Monitor {
             outbox: Outbox::new(&config.name, &mut stored),
             trends: Trends::new(setup.names.len(), stored.history),
             alarms: AlarmEvaluator::new(stored.alarms, now),
+            found: Vec::new(),
             working: false,
             ticked: now,
             chain,
@@ -250,16 +251,23 @@ impl Monitor {
         if self.working {
             return None;
         }
-        while let Some(segment) = self.sessions.next_segment() {
-            if self.chain.is_outdated(&segment) {
-                continue;
-            }
-            if segment.has_motion && !segment.recorded.blocks.is_empty() {
+        loop {
+            if let Some(job) = self.chain.job_without(&self.setup, &self.sessions) {
                 self.working = true;
-                return Some(self.chain.segment_job(segment, &self.setup));
+                return Some(job);
             }
-            let changes = (self.chain).without_motion(&segment, &self.setup, &self.sessions);
-            self.pass_on(changes, self.ticked);
+            let Some(segment) = self.sessions.next_segment() else {
+                break;
+            };
+            if !self.chain.is_outdated(&segment) {
+                if segment.is_estimable() {
+                    self.working = true;
+                    return Some(self.chain.segment_job(segment, &self.setup));
+                }
+                let changes = (self.chain).without_motion(&segment, &self.setup, &self.sessions);
+                self.pass_on(changes, self.ticked);
+            }
+            self.chain.forward(segment);
         }
         if let Some(work) = self.online.next_job() {
             self.working = true;
@@ -292,15 +300,38 @@ impl Monitor {
             Outcome::Segment {
                 segment,
                 is_baseline,
+                chain,
                 result,
             } => {
                 let (setup, sessions) = (&self.setup, &self.sessions);
-                let changes = (self.chain).done(&segment, is_baseline, result, setup, sessions);
-                self.pass_on(changes, now);
+                match self.chain.chain_of(chain) {
+                    ChainOf::Present => {
+                        let changes =
+                            (self.chain).done(&segment, is_baseline, result, setup, sessions);
+                        self.pass_on(changes, now);
+                        self.chain.forward(*segment);
+                    }
+                    ChainOf::Without => {
+                        (self.chain).done_without(&segment, is_baseline, result, setup, sessions);
+                        self.outbox.add_results(Vec::new());
+                    }
+                    ChainOf::Replaced => {
+                        let mut segment = *segment;
+                        segment.baseline_of = self.chain.baseline_of();
+                        self.sessions.give_back(segment);
+                    }
+                    ChainOf::Discarded => {}
+                }
             }
         }
         self.evaluate_state();
         self.tick(now);
+    }
+
+    /// Returns the changes found in the segments that were estimated since the last call: joint and time, s since 1970 UTC.
+    /// The session decides later whether one is suspected.
+    pub fn take_changes(&mut self) -> Vec<(String, f64)> {
+        std::mem::take(&mut self.found)
     }
 
     /// Passes the results of an estimate to the other parts.
@@ -310,6 +341,9 @@ impl Monitor {
         }
         for event in changes.events {
             self.outbox.event(event, now);
+        }
+        for (i, time_utc_s) in changes.found {
+            self.found.push((self.setup.names[i].clone(), time_utc_s));
         }
         for (i, step) in &changes.steps {
             self.alarms.confirm_step(&self.setup.names[*i], step, now);
@@ -365,31 +399,182 @@ impl Monitor {
             return Err(CommandError::NoIncident { joint });
         }
         self.watch_clock(now);
-        let tensioned = match &command.what {
-            CommandKind::Tensioned { joints } => Some((joints.clone(), false)),
-            CommandKind::Replaced { joints } => Some((joints.clone(), true)),
-            _ => None,
-        };
-        if tensioned.is_some() {
-            self.end_session(SessionEnd::Command, now);
-        }
-        self.alarms.alarms.command(&command, now)?;
-        let incidents = self.command_incidents(&command, now);
-        self.outbox.event(Event::Command { command }, now);
-        for incident in incidents {
-            self.outbox.event(incident, now);
-        }
-        if let Some((joints, replaced)) = tensioned {
-            let (setup, sessions) = (&self.setup, &self.sessions);
-            for i in (self.chain).tension(&joints, replaced, setup, sessions, now) {
-                self.alarms.discard_joint(&setup.names[i]);
-                self.trends.discard(i);
+        let events = match &command.what {
+            CommandKind::Tensioned { joints } | CommandKind::Replaced { joints } => {
+                self.end_session(SessionEnd::Command, now);
+                let replaced = matches!(command.what, CommandKind::Replaced { .. });
+                let who = &command.who;
+                let entry = self.chain.record(joints, replaced, who, now.utc_s());
+                let kept = self.without(&entry);
+                self.tension(&entry, kept, &command, now)
             }
-            self.online.stop();
-            self.outbox.add_results(Vec::new());
+            CommandKind::Withdraw { entry } => self.correct(*entry, None, &command, now)?,
+            CommandKind::Correct {
+                entry,
+                joints,
+                time_utc_s,
+            } => self.correct(*entry, Some((joints, *time_utc_s)), &command, now)?,
+            _ => {
+                self.alarms.alarms.command(&command, now)?;
+                if let CommandKind::Finding { joint, finding } = &command.what {
+                    self.alarms.find(joint, *finding, &command, now);
+                }
+                self.command_incidents(&command, now)
+            }
+        };
+        self.outbox.event(Event::Command { command }, now);
+        for event in events {
+            self.outbox.event(event, now);
         }
         self.tick(now);
         Ok(())
+    }
+
+    /// Returns what a withdrawal of a new entry replaces.
+    fn without(&self, entry: &Maintenance) -> Without {
+        Without {
+            entry: entry.number,
+            since_utc_s: entry.recorded_utc_s,
+            state: Arc::clone(self.chain.state()),
+            tendons: self.chain.state().tendons.clone(),
+            alarms: Vec::new(),
+            steps: Vec::new(),
+            day: self.trends.from_day(entry.recorded_utc_s),
+            records: Vec::new(),
+        }
+    }
+
+    /// Starts the baseline after a re-tensioning or replacement; `command` is its command. Returns the journal entries.
+    fn tension(
+        &mut self,
+        entry: &Maintenance,
+        mut kept: Without,
+        command: &Command,
+        now: Instant,
+    ) -> Vec<Event> {
+        let before = self.alarms.alarms.stored().alarms;
+        // Commands of this kind are not rejected.
+        let _never = self.alarms.alarms.command(command, now);
+        let ended = |alarm: &Alarm| self.alarms.alarms.get(&alarm.key).is_none();
+        kept.alarms.extend(before.into_iter().filter(ended));
+        let (setup, sessions) = (&self.setup, &self.sessions);
+        let events = (self.chain).tension(entry, kept, (setup, sessions), (command, now));
+        for (i, name) in setup.names.iter().enumerate() {
+            if entry.joints.contains(name) {
+                self.alarms.discard_joint(name);
+                self.trends.discard(i);
+            }
+        }
+        self.online.stop();
+        self.outbox.add_results(Vec::new());
+        events
+    }
+
+    /// Corrects joints and date of an entry, or withdraws it. Returns the journal entries.
+    fn correct(
+        &mut self,
+        number: u64,
+        corrected: Option<(&Vec<String>, f64)>,
+        command: &Command,
+        now: Instant,
+    ) -> Result<Vec<Event>, CommandError> {
+        let entry = self.chain.entry(number);
+        let was = entry
+            .ok_or(CommandError::NoEntry { entry: number })?
+            .clone();
+        let mut entry = Maintenance {
+            correction: Some(Correction {
+                who: command.who.clone(),
+                time_utc_s: now.utc_s(),
+                withdrawn: corrected.is_none(),
+            }),
+            ..was.clone()
+        };
+        if let Some((joints, time_utc_s)) = corrected {
+            let (after_utc_s, recorded_utc_s) =
+                (was.after_utc_s.unwrap_or(0.0), was.recorded_utc_s);
+            if !(after_utc_s..=recorded_utc_s).contains(&time_utc_s) {
+                return Err(CommandError::Date {
+                    time_utc_s,
+                    after_utc_s,
+                    recorded_utc_s,
+                });
+            }
+            (entry.joints, entry.time_utc_s) = (joints.clone(), time_utc_s);
+        }
+        let same = |joint: &String| entry.joints.contains(joint);
+        let is_dated = was.joints.len() == entry.joints.len() && was.joints.iter().all(same);
+        let mut events = Vec::new();
+        if corrected.is_some() && is_dated {
+            self.chain.set_date(&was, entry.time_utc_s);
+            self.chain.correct(&entry);
+            self.trends.all_changed();
+            self.outbox.add_results(Vec::new());
+        } else {
+            if self.chain.state().without.as_ref().map(|w| w.entry) != Some(number) {
+                return Err(CommandError::TooLate {
+                    entry: number,
+                    most: MAX_RECORDS_SINCE,
+                });
+            }
+            self.end_session(SessionEnd::Command, now);
+            if let Some(mut kept) = self.withdraw(&was, now) {
+                self.chain.correct(&entry);
+                if corrected.is_some() {
+                    // Sessions since the work refer to a baseline before it.
+                    kept.tendons = self.tendons_before(&entry, kept.tendons);
+                    kept.alarms.clear();
+                    let what = match entry.replaced {
+                        true => CommandKind::Replaced {
+                            joints: entry.joints.clone(),
+                        },
+                        false => CommandKind::Tensioned {
+                            joints: entry.joints.clone(),
+                        },
+                    };
+                    let command = Command {
+                        what,
+                        ..command.clone()
+                    };
+                    events = self.tension(&entry, kept, &command, now);
+                }
+            }
+            self.evaluate_state();
+        }
+        events.push(Event::Maintenance { maintenance: entry });
+        Ok(events)
+    }
+
+    /// Returns the states of the tendons, those of an entry as before the work.
+    fn tendons_before(&self, entry: &Maintenance, before: Vec<TendonState>) -> Vec<TendonState> {
+        let now = self.chain.state().tendons.iter().cloned();
+        let both = now.zip(before);
+        both.map(|(now, before)| match entry.joints.contains(&now.joint) {
+            true => before,
+            false => now,
+        })
+        .collect()
+    }
+
+    /// Continues as if an entry had not been recorded.
+    fn withdraw(&mut self, entry: &Maintenance, now: Instant) -> Option<Without> {
+        let kept = (self.chain).withdraw(entry.number, &self.setup, &mut self.sessions)?;
+        self.trends.withdraw(&kept);
+        let (robot, options) = (&self.setup.robot, &self.setup.config.estimate);
+        self.online.restart(robot, options, self.chain.state());
+        for joint in &entry.joints {
+            self.alarms.discard_joint(joint);
+        }
+        for alarm in &kept.alarms {
+            self.alarms.alarms.put_back(alarm, now);
+        }
+        for (i, step) in &kept.steps {
+            if let Some(joint) = self.setup.names.get(*i) {
+                self.alarms.confirm_step(joint, step, now);
+            }
+        }
+        (self.outbox).replace_results(kept.since_utc_s, kept.records.clone());
+        Some(kept)
     }
 
     /// Executes a command on the incidents, after the alarms. Returns the journal entries.

@@ -298,6 +298,21 @@ impl Online {
         self.discard_answer();
     }
 
+    /// Restarts from another posterior; without one that can be used, there are no offsets until the next session ends.
+    pub(super) fn restart(
+        &mut self,
+        robot: &Arc<Robot>,
+        options: &SessionOptions,
+        state: &MonitorState,
+    ) {
+        self.stop();
+        if state.learns.is_none()
+            && let Ok(now) = window(robot, state.baseline.as_ref(), options)
+        {
+            self.location = WindowLocation::Here(Windows { now, next: None });
+        }
+    }
+
     /// Returns the answer, if it is up to date.
     fn answer(&self) -> Option<&OnlineAnswer> {
         let is_late = self.part.blocks.len() >= MIN_OUTDATED_BLOCKS;

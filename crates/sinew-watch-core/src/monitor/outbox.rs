@@ -30,6 +30,7 @@ pub(super) struct Outbox {
     /// Journal entries and records since the last tick, and whether the state changed.
     journal: Vec<Entry>,
     records: Vec<Record>,
+    replaced_from_utc_s: Option<f64>,
     state_changed: bool,
     under_way: Option<Transaction>,
     waiting: Option<Transaction>,
@@ -76,6 +77,14 @@ impl Outbox {
         self.state_changed = true;
     }
 
+    /// Replaces the robot's records from a time on, s since 1970 UTC; the state changed.
+    pub(super) fn replace_results(&mut self, from_utc_s: f64, records: Vec<Record>) {
+        self.records.retain(|record| record.time_utc_s < from_utc_s);
+        let before = self.replaced_from_utc_s.unwrap_or(f64::INFINITY);
+        self.replaced_from_utc_s = Some(before.min(from_utc_s));
+        self.add_results(records);
+    }
+
     /// Reports losses in the journal, together and at most once per minute.
     pub(super) fn report_losses(&mut self, now: Instant) {
         let reported = self.losses_reported;
@@ -113,6 +122,7 @@ impl Outbox {
         });
         let journal: Vec<Entry> = self.journal.drain(..).chain(steps).collect();
         let records = std::mem::take(&mut self.records);
+        let replaced_from_utc_s = self.replaced_from_utc_s.take();
         let state = std::mem::take(&mut self.state_changed).then(|| Arc::clone(state));
         if journal.is_empty() && records.is_empty() && state.is_none() && alarms.is_none() {
             return;
@@ -123,6 +133,7 @@ impl Outbox {
             id: self.last_id,
             robot: self.robot.clone(),
             records,
+            replaced_from_utc_s,
             state,
             alarms,
             journal,
@@ -196,12 +207,19 @@ impl Outbox {
 
 /// Merges two transactions.
 fn merged(mut older: Transaction, mut newer: Transaction) -> Transaction {
+    if let Some(from_utc_s) = newer.replaced_from_utc_s {
+        older
+            .records
+            .retain(|record| record.time_utc_s < from_utc_s);
+    }
+    let replaced = [older.replaced_from_utc_s, newer.replaced_from_utc_s];
     older.records.append(&mut newer.records);
     older.journal.append(&mut newer.journal);
     Transaction {
         id: newer.id,
         robot: newer.robot,
         records: older.records,
+        replaced_from_utc_s: replaced.into_iter().flatten().reduce(f64::min),
         state: newer.state.or(older.state),
         alarms: newer.alarms.or(older.alarms),
         journal: older.journal,

@@ -13,9 +13,9 @@ use super::tendon::{
 use crate::command::{Command, CommandKind};
 use crate::incident::{CauseProbability, Evidence, Incident, IncidentCause, Incidents};
 use crate::instant::Instant;
-use crate::journal::{BaselineWaits, Event, STATE_OF_ANOTHER_ROBOT, SessionEnd};
+use crate::journal::{BaselineWaits, Event, Maintenance, STATE_OF_ANOTHER_ROBOT, SessionEnd};
 use crate::record::{NoOffset, Record};
-use crate::transaction::{BaselineAcquisition, MonitorState, PendingEvent, TendonState};
+use crate::transaction::{BaselineAcquisition, MonitorState, PendingEvent, TendonState, Without};
 use sinew_estimate::session::{self, SessionEstimate, Since, estimator};
 use sinew_files::date::{DAY_S, utc_text};
 use sinew_model::Gaussian;
@@ -29,9 +29,25 @@ const DEFAULT_STIFFNESS: Gaussian = Gaussian {
 /// Minimum duration of motion of a session for an offset, s.
 const MIN_MOTION_S: f64 = 10.0;
 
+/// Maximum number of records after an entry that can be withdrawn: four weeks of ten sessions a day of seven tendons.
+pub(super) const MAX_RECORDS_SINCE: usize = 2000;
+/// Maximum number of recorded re-tensionings and replacements of a robot; the oldest are discarded.
+const MAX_MAINTENANCE: usize = 100;
+
 /// Posterior of the tendons and estimates in progress.
+///
+/// After a recorded re-tensioning or replacement, a second chain continues without it. Every segment is estimated by both,
+/// so that a withdrawn entry has no effect on the estimates that follow.
 #[derive(Debug)]
 pub(super) struct PosteriorChain {
+    /// Number of the chain, which identifies its jobs.
+    id: u32,
+    /// Number of the chain that this one replaced by the last withdrawal.
+    replaced_id: Option<u32>,
+    /// Chain without the last entry; its state is that of [`Without`].
+    without: Option<Box<PosteriorChain>>,
+    /// Segment that the chain without the last entry has yet to estimate.
+    forwarded: Option<Box<Segment>>,
     state: Arc<MonitorState>,
     /// Results of the present session so far.
     current: SessionProgress,
@@ -47,8 +63,21 @@ pub(super) struct PosteriorChain {
     pub(super) estimator_error: Option<String>,
 }
 
+/// Chain to which the result of a job belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ChainOf {
+    /// The present chain.
+    Present,
+    /// The chain without the last entry.
+    Without,
+    /// A chain that was replaced by a withdrawal; the present one has yet to estimate the segment.
+    Replaced,
+    /// A chain that was discarded.
+    Discarded,
+}
+
 /// Results of the segments of a session so far.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct SessionProgress {
     /// Number of the session.
     session: u64,
@@ -64,6 +93,8 @@ pub(super) struct Changes {
     pub(super) events: Vec<Event>,
     /// Successor of the online estimator, and whether it takes over immediately.
     pub(super) successor: Option<(Successor, bool)>,
+    /// Changes found in the segment: tendon index and time, s since 1970 UTC.
+    pub(super) found: Vec<(usize, f64)>,
     /// Confirmed step changes with their tendon index.
     pub(super) steps: Vec<(usize, PendingEvent)>,
     pub(super) records: Vec<Record>,
@@ -78,16 +109,168 @@ impl PosteriorChain {
         stored: Option<MonitorState>,
     ) -> Result<(Self, Option<String>), MonitorError> {
         let (state, ignored) = begin(setup, stored)?;
+        let without = state.without.as_ref().map(|without| {
+            let state = Arc::clone(&without.state);
+            Box::new(Self::of(1, state, setup))
+        });
         let chain = Self {
+            without,
+            ..Self::of(0, Arc::new(state), setup)
+        };
+        Ok((chain, ignored))
+    }
+
+    /// Creates a chain that resumes from a state.
+    fn of(id: u32, state: Arc<MonitorState>, setup: &Setup) -> Self {
+        Self {
+            id,
+            replaced_id: None,
+            without: None,
+            forwarded: None,
             current: SessionProgress::default(),
             baseline: BaselineProgress::of(&state, setup.joints()),
             tensionings: 0,
             pending: Vec::new(),
             is_estimating: false,
             estimator_error: None,
-            state: Arc::new(state),
-        };
-        Ok((chain, ignored))
+            state,
+        }
+    }
+
+    /// Returns a copy that continues without the next entry.
+    fn fork(&self, setup: &Setup) -> Self {
+        let mut state = MonitorState::clone(&self.state);
+        state.without = None;
+        Self {
+            current: self.current.clone(),
+            pending: self.pending.clone(),
+            tensionings: self.tensionings,
+            ..Self::of(self.id.max(self.id_without()) + 1, Arc::new(state), setup)
+        }
+    }
+
+    fn id_without(&self) -> u32 {
+        self.without.as_ref().map_or(0, |chain| chain.id)
+    }
+
+    /// Returns the chain of a job.
+    pub(super) fn chain_of(&self, id: u32) -> ChainOf {
+        match id {
+            id if id == self.id => ChainOf::Present,
+            id if self.without.is_some() && id == self.id_without() => ChainOf::Without,
+            id if self.replaced_id == Some(id) => ChainOf::Replaced,
+            _ => ChainOf::Discarded,
+        }
+    }
+
+    /// Forwards a segment to the chain without the last entry, if there is one.
+    pub(super) fn forward(&mut self, mut segment: Segment) {
+        if let Some(chain) = &self.without {
+            segment.baseline_of = chain.baseline_of();
+            self.forwarded = Some(Box::new(segment));
+        }
+    }
+
+    /// Returns the next job of the chain without the last entry. A segment without motion needs no job.
+    pub(super) fn job_without(&mut self, setup: &Setup, sessions: &Sessions) -> Option<QueuedJob> {
+        let segment = *self.forwarded.take()?;
+        let chain = self.without.as_mut()?;
+        if segment.is_estimable() {
+            return Some(chain.segment_job(segment, setup));
+        }
+        let changes = chain.without_motion(&segment, setup, sessions);
+        self.keep(changes);
+        None
+    }
+
+    /// Accepts an estimate of the chain without the last entry.
+    pub(super) fn done_without(
+        &mut self,
+        segment: &Segment,
+        is_baseline: bool,
+        result: Result<Box<Estimated>, String>,
+        setup: &Setup,
+        sessions: &Sessions,
+    ) {
+        if let Some(chain) = &mut self.without {
+            let changes = chain.done(segment, is_baseline, result, setup, sessions);
+            self.keep(changes);
+        }
+    }
+
+    /// Keeps the results of the chain without the last entry for a withdrawal.
+    fn keep(&mut self, changes: Changes) {
+        let Some(chain) = &self.without else { return };
+        let state = Arc::make_mut(&mut self.state);
+        if let Some(kept) = &mut state.without {
+            kept.state = Arc::clone(&chain.state);
+            kept.records.extend(changes.records);
+            kept.steps.extend(changes.steps);
+            if kept.records.len() > MAX_RECORDS_SINCE {
+                (state.without, self.without) = (None, None);
+            }
+        }
+    }
+
+    /// Continues without the last entry. Returns what is to be replaced; `None`: its state is not available any more.
+    pub(super) fn withdraw(
+        &mut self,
+        entry: u64,
+        setup: &Setup,
+        sessions: &mut Sessions,
+    ) -> Option<Without> {
+        self.state.without.as_ref().filter(|w| w.entry == entry)?;
+        let mut chain = *self.without.take()?;
+        let kept = *Arc::make_mut(&mut self.state).without.take()?;
+        let state = Arc::make_mut(&mut chain.state);
+        state.maintenance.clone_from(&self.state.maintenance);
+        state.sessions = state.sessions.max(self.state.sessions);
+        chain.baseline = BaselineProgress::of(state, setup.joints());
+        chain.tensionings = chain.tensionings.max(self.tensionings) + 1;
+        chain.replaced_id = Some(self.id);
+        if let Some(segment) = self.forwarded.take() {
+            sessions.give_back(*segment);
+        }
+        sessions.set_baseline(chain.baseline_of());
+        *self = chain;
+        Some(kept)
+    }
+
+    /// Returns an entry that is not withdrawn.
+    pub(super) fn entry(&self, number: u64) -> Option<&Maintenance> {
+        let mut all = self.state.maintenance.iter();
+        all.find(|entry| entry.number == number && !entry.is_withdrawn())
+    }
+
+    /// Replaces an entry by its correction.
+    pub(super) fn correct(&mut self, entry: &Maintenance) {
+        let state = Arc::make_mut(&mut self.state);
+        for own in &mut state.maintenance {
+            if own.number == entry.number {
+                own.clone_from(entry);
+            }
+        }
+    }
+
+    /// Changes the date of an entry, s since 1970 UTC.
+    pub(super) fn set_date(&mut self, entry: &Maintenance, time_utc_s: f64) {
+        if let Some(chain) = &mut self.without {
+            chain.set_date(entry, time_utc_s);
+            self.keep(Changes::default());
+        }
+        let state = Arc::make_mut(&mut self.state);
+        let of_entry = |tendon: &&mut TendonState| entry.joints.contains(&tendon.joint);
+        let pending = self.pending.iter_mut();
+        let waiting = pending.filter(|pending| pending.utc_s == entry.time_utc_s);
+        waiting.for_each(|pending| pending.utc_s = time_utc_s);
+        for tendon in state.tendons.iter_mut().filter(of_entry) {
+            let dates = tendon.tensioned_utc_s.iter_mut();
+            for date in dates.chain(&mut tendon.replaced_utc_s) {
+                if *date == entry.time_utc_s {
+                    *date = time_utc_s;
+                }
+            }
+        }
     }
 
     pub(super) fn state(&self) -> &Arc<MonitorState> {
@@ -166,6 +349,7 @@ impl PosteriorChain {
                 continues: so_far.duration_s > 0.0,
             }),
             name: format!("{}, {date}", setup.config.name),
+            chain: self.id,
             segment,
         }
     }
@@ -267,6 +451,10 @@ impl PosteriorChain {
                     }));
                     // The robot runs on: the alarm does not wait for the end of the session.
                     let (before, found) = dated.split_at(known);
+                    let probable = found.iter().filter(|dated| dated.is_probable());
+                    changes
+                        .found
+                        .extend(probable.map(|dated| (i, dated.time_utc_s)));
                     let loss = |dated: &DatedChange| transmission_loss(dated, number);
                     if before.iter().find_map(loss).is_none() {
                         let lost = found.iter().find_map(loss);
@@ -291,6 +479,7 @@ impl PosteriorChain {
                             let incident = state.incidents.confirm(joint, evidence, causes, utc_s);
                             changes.events.push(entry(incident));
                             changes.steps.push((i, loss.0));
+                            state.tendons[i].suspected = None;
                         }
                     }
                 }
@@ -343,7 +532,12 @@ impl PosteriorChain {
             let suspected = tendon.update(&result, dated, setup.geometry(i));
             // A tendon that was repaired since has no incident of a session before.
             let is_repaired = self.pending.iter().any(|pending| pending.is_tensioned(i));
-            if let Some(suspected) = suspected.filter(|_| !is_repaired) {
+            let incident = state.incidents.open(&tendon.joint);
+            let is_lost = incident.is_some_and(Incident::is_transmission_lost);
+            if is_lost {
+                tendon.suspected = None;
+            }
+            if let Some(suspected) = suspected.filter(|_| !is_repaired && !is_lost) {
                 let incident = follow(&mut state.incidents, &tendon.joint, &suspected);
                 changes.events.extend(incident);
                 if suspected.state == SuspectedChangeState::Confirmed {
@@ -368,6 +562,10 @@ impl PosteriorChain {
     /// Executes an operator command on the incidents, after the alarms; `ended`: whether no alarm of a change remains at
     /// the joint of a reset alarm. Returns the journal entries.
     pub(super) fn command(&mut self, command: &Command, ended: bool, utc_s: f64) -> Vec<Event> {
+        if let Some(chain) = &mut self.without {
+            chain.command(command, ended, utc_s);
+            self.keep(Changes::default());
+        }
         let state = Arc::make_mut(&mut self.state);
         let (incidents, tendons) = (&mut state.incidents, &mut state.tendons);
         let repaired =
@@ -392,46 +590,76 @@ impl PosteriorChain {
                 events.collect()
             }
             CommandKind::Finding { joint, finding } => {
-                if !finding.needs_repair()
-                    && let Some(tendon) = tendons.iter_mut().find(|t| t.joint == *joint)
-                {
+                // The inspection decides on the suspected change; later sessions add no evidence.
+                if let Some(tendon) = tendons.iter_mut().find(|t| t.joint == *joint) {
                     tendon.suspected = None;
                 }
                 let incident = incidents.find(joint, *finding, &command.note, utc_s);
                 incident.map(entry).into_iter().collect()
             }
-            CommandKind::Shelve { .. } | CommandKind::Unshelve { .. } | CommandKind::Note => {
-                Vec::new()
-            }
+            CommandKind::Shelve { .. }
+            | CommandKind::Unshelve { .. }
+            | CommandKind::Withdraw { .. }
+            | CommandKind::Correct { .. }
+            | CommandKind::Note => Vec::new(),
         }
     }
 
-    /// Starts the next baseline after a re-tensioning or replacement. Returns the indices of the affected tendons.
-    pub(super) fn tension(
+    /// Adds a recorded re-tensioning or replacement with the next number; its time is that of the entry.
+    pub(super) fn record(
         &mut self,
         joints: &[String],
         replaced: bool,
-        setup: &Setup,
-        sessions: &Sessions,
-        now: Instant,
-    ) -> Vec<usize> {
-        let name = utc_text(now.utc_ns).unwrap_or_else(|| "undated".into());
-        let is_named = |name: &String| joints.contains(name);
-        let pending = PendingTensioning {
-            before: self.state.tendons.clone(),
-            tensioned: setup.names.iter().map(is_named).collect(),
+        who: &str,
+        utc_s: f64,
+    ) -> Maintenance {
+        let state = Arc::make_mut(&mut self.state);
+        let entry = Maintenance {
+            number: state.maintenance.last().map_or(1, |last| last.number + 1),
+            joints: joints.to_vec(),
             replaced,
-            utc_s: now.utc_s(),
+            time_utc_s: utc_s,
+            recorded_utc_s: utc_s,
+            after_utc_s: state.end_utc_s,
+            who: who.into(),
+            correction: None,
+        };
+        state.maintenance.push(entry.clone());
+        let excess = state.maintenance.len().saturating_sub(MAX_MAINTENANCE);
+        state.maintenance.drain(..excess);
+        entry
+    }
+
+    /// Starts the next baseline after a re-tensioning or replacement. Another chain continues without the entry.
+    ///
+    /// * `kept`: what a withdrawal of the entry replaces; its tendons are those before the work.
+    /// * `command`: command that repairs the tendons of the entry.
+    ///
+    /// Returns the journal entries.
+    pub(super) fn tension(
+        &mut self,
+        entry: &Maintenance,
+        mut kept: Without,
+        (setup, sessions): (&Setup, &Sessions),
+        (command, now): (&Command, Instant),
+    ) -> Vec<Event> {
+        let chain = Box::new(self.fork(setup));
+        let events = self.command(command, false, now.utc_s());
+        let name = utc_text((1e9 * entry.time_utc_s) as i64).unwrap_or_else(|| "undated".into());
+        let is_named = |name: &String| entry.joints.contains(name);
+        let pending = PendingTensioning {
+            before: kept.tendons.clone(),
+            tensioned: setup.names.iter().map(is_named).collect(),
+            replaced: entry.replaced,
+            precedes: entry.correction.is_some(),
+            utc_s: entry.time_utc_s,
             name: format!("tensioned {name}"),
         };
-        let tensioned: Vec<usize> = (0..setup.names.len())
-            .filter(|i| pending.is_tensioned(*i))
-            .collect();
         let state = Arc::make_mut(&mut self.state);
         pending.apply(&mut state.tendons, setup);
         // A re-tensioning during an acquisition restarts the baseline of all ropes concerned.
         let mut joints = state.learns.take().map_or_else(Vec::new, |l| l.joints);
-        for name in tensioned.iter().map(|i| &setup.names[*i]) {
+        for name in setup.names.iter().filter(|name| is_named(name)) {
             if !joints.contains(name) {
                 joints.push(name.clone());
             }
@@ -440,14 +668,17 @@ impl PosteriorChain {
             joints,
             ..BaselineAcquisition::default()
         });
+        kept.state = Arc::clone(&chain.state);
+        state.without = Some(Box::new(kept));
         self.tensionings += 1;
         self.baseline = BaselineProgress::of(state, setup.joints());
+        self.without = Some(chain);
         // Earlier motion is still being estimated or waiting: its final result on the tendons is pending. Segments of a
         // baseline and trends do not affect the tendons.
         if self.is_estimating || sessions.has_waiting() {
             self.pending.push(pending);
         }
-        tensioned
+        events
     }
 }
 
@@ -519,6 +750,8 @@ fn begin(
             .map(|name| TendonState::new(name, since.clone()))
             .collect(),
         incidents: Incidents::default(),
+        maintenance: Vec::new(),
+        without: None,
     };
     let Some(mut stored) = stored else {
         return Ok((fresh, None));
@@ -536,6 +769,7 @@ fn begin(
         // The dates of tensioning remain valid; the posterior of the robot does not.
         stored.baseline = fresh.baseline;
         stored.end_utc_s = None;
+        stored.without = None;
         for tendon in &mut stored.tendons {
             tendon.since.clone_from(&since);
             tendon.discard_last();

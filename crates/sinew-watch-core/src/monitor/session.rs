@@ -65,6 +65,13 @@ pub(super) struct Segment {
     pub(super) baseline_of: Option<u32>,
 }
 
+impl Segment {
+    /// Whether the segment has motion to estimate.
+    pub(super) fn is_estimable(&self) -> bool {
+        self.has_motion && !self.recorded.blocks.is_empty()
+    }
+}
+
 /// End of a segment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SegmentEnd {
@@ -280,6 +287,18 @@ impl Sessions {
     /// Returns the oldest waiting segment.
     pub(super) fn next_segment(&mut self) -> Option<Segment> {
         self.waiting.pop_front()
+    }
+
+    /// Puts a segment back, to be estimated next.
+    pub(super) fn give_back(&mut self, segment: Segment) {
+        self.waiting.push_front(segment);
+    }
+
+    /// Assigns the waiting segments to the baseline of another tensioning, or to none.
+    pub(super) fn set_baseline(&mut self, baseline_of: Option<u32>) {
+        for segment in &mut self.waiting {
+            segment.baseline_of = baseline_of;
+        }
     }
 
     /// Whether a segment is waiting that does not belong to a baseline.

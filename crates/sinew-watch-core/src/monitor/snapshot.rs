@@ -92,6 +92,8 @@ impl<'a> View<'a> {
             tendons,
             waiting_to_be_stored: outbox.len(),
             incidents: chain.state().incidents.iter().cloned().collect(),
+            maintenance: chain.state().maintenance.clone(),
+            withdrawable: chain.state().without.as_ref().map(|w| w.entry),
             alarms: self.alarms,
         }
     }

@@ -35,6 +35,8 @@ pub(super) struct PendingTensioning {
     /// Whether each tendon was re-tensioned.
     pub(super) tensioned: Vec<bool>,
     pub(super) replaced: bool,
+    /// Whether the states in `before` of the re-tensioned tendons are final: the work precedes the pending session.
+    pub(super) precedes: bool,
     pub(super) utc_s: f64,
     /// Name of the new reference of the offsets.
     pub(super) name: String,
@@ -49,6 +51,9 @@ impl PendingTensioning {
     pub(super) fn apply(&self, tendons: &mut [TendonState], setup: &Setup) {
         for (i, tendon) in tendons.iter_mut().enumerate() {
             if self.is_tensioned(i) {
+                if let Some(before) = self.before.get(i).filter(|_| self.precedes) {
+                    tendon.clone_from(before);
+                }
                 tendon.tension(self, setup.geometry(i));
             }
         }
@@ -251,9 +256,6 @@ impl TendonState {
                 TendonChangeKind::Retensioned => StepKind::Retensioned,
                 TendonChangeKind::Stiffer | TendonChangeKind::StiffnessIncrease => return None,
             };
-            let is_probable = change
-                .probability
-                .is_none_or(|p| p >= MIN_CHANGE_PROBABILITY);
             let before = |now: Gaussian| Gaussian::new(now.mean - size.mean, now.std);
             let before_rad = result.offset_rad.map(before).or(self.last_rad)?;
             let creep = self.creep(result.start_utc_s, result.end_utc_s, before_rad, tendon);
@@ -278,7 +280,7 @@ impl TendonState {
             if self.last_stiffness_ratio.is_none() {
                 event.stiffness_before_ratio -= event.stiffness_ratio.unwrap_or(0.0);
             }
-            (is_probable && is_reportable).then_some(event)
+            (dated.is_probable() && is_reportable).then_some(event)
         });
         candidates.max_by(|a, b| {
             let size = |s: &PendingEvent| s.size_rad.mean.abs();
@@ -353,6 +355,14 @@ pub(super) struct DatedChange {
     pub(super) time_utc_s: f64,
     /// Change as estimated.
     pub(super) change: TendonChange,
+}
+
+impl DatedChange {
+    /// Whether the change is put up for confirmation.
+    pub(super) fn is_probable(&self) -> bool {
+        let probability = self.change.probability;
+        probability.is_none_or(|p| p >= MIN_CHANGE_PROBABILITY)
+    }
 }
 
 /// Returns the loss of the transmission in the changes of a session, if any, with its probability.

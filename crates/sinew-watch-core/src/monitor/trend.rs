@@ -1,10 +1,10 @@
 //! Trend of each tendon, from the best record of each day.
 
-use super::history::History;
 use super::setup::Setup;
+use crate::history::History;
 use crate::instant::Instant;
 use crate::record::Record;
-use crate::transaction::TendonState;
+use crate::transaction::{TendonState, Without};
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use sinew_trend::{FirstPassage, JointTrend, SessionRecord, Stated, TrendRequest, analyze_joint};
@@ -75,6 +75,28 @@ impl Trends {
             && let Some(i) = setup.tendon_of(&record.joint)
         {
             self.tendons[i].changed = true;
+        }
+    }
+
+    /// Returns the rows of the day of a time, s since 1970 UTC.
+    pub(super) fn from_day(&self, utc_s: f64) -> History {
+        self.history.from_day(utc_s)
+    }
+
+    /// Replaces the rows since an entry that is withdrawn, and discards the trends.
+    pub(super) fn withdraw(&mut self, without: &Without) {
+        let Without {
+            since_utc_s,
+            day,
+            records,
+            ..
+        } = without;
+        self.history.replace_from(*since_utc_s, day, records);
+        for of in &mut self.tendons {
+            *of = TendonTrend {
+                changed: true,
+                ..TendonTrend::default()
+            };
         }
     }
 

@@ -15,7 +15,8 @@ use sinew_watch_core::alarm::{AlarmKey, AlarmState, Condition, StoreFault};
 use sinew_watch_core::command::{Command, CommandError, CommandKind};
 use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::{
-    Instant, Monitor, MonitorConfig, MonitorState, Record, RobotSnapshot, Stored, Transaction,
+    History, Instant, Monitor, MonitorConfig, MonitorState, Record, RobotSnapshot, Stored,
+    Transaction,
 };
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -153,6 +154,13 @@ impl Store {
             "transaction numbers increase"
         );
         self.stored.last_id = transaction.id;
+        if let Some(from_utc_s) = transaction.replaced_from_utc_s {
+            self.records.retain(|record| record.time_utc_s < from_utc_s);
+            self.stored.history = History::default();
+            self.records.iter().for_each(|record| {
+                self.stored.history.push(record);
+            });
+        }
         for record in &transaction.records {
             self.stored.history.push(record);
         }

@@ -29,6 +29,14 @@ const KINDS = {
     button: "Record finding", title: "Record finding", does: "Save",
     explains: "States what the inspection of the tendon found. A finding that needs no repair closes the incident.",
   },
+  withdraw: {
+    button: "Withdraw", title: "Withdraw entry", does: "Withdraw",
+    explains: "Estimate, trend and alarms continue as if the work had not been recorded. The entry remains in the journal, struck through.",
+  },
+  correct: {
+    button: "Correct", title: "Correct entry", does: "Save",
+    explains: "The date lies between the last session before the entry and the entry. With other tendons, a new baseline is acquired: move the arm with an empty gripper.",
+  },
   note: { button: "Add note", title: "Add note", does: "Save", note: true },
   acknowledge: {
     button: "Acknowledge", title: "Acknowledge", does: "Acknowledge",
@@ -45,8 +53,12 @@ const KINDS = {
   },
 };
 
-// `joints`: selectable joints; `joint`: preselected joint; `alarm`: key of an alarm.
-export function Action({ kind, robot, joints, joint, alarm }) {
+// Time as the value of a date input, in local time, and back.
+const toInput = utc_s => new Date(1000 * (utc_s - 60 * new Date(1000 * utc_s).getTimezoneOffset())).toISOString().slice(0, 19);
+const fromInput = text => new Date(text).getTime() / 1000;
+
+// `joints`: selectable joints; `joint`: preselected joint; `alarm`: key of an alarm; `entry`: recorded maintenance.
+export function Action({ kind, robot, joints, joint, alarm, entry }) {
   const [open, setOpen] = useState(false);
   const [confirmed, setConfirmed] = useState("");
   const { button } = KINDS[kind];
@@ -54,19 +66,20 @@ export function Action({ kind, robot, joints, joint, alarm }) {
   return (
     <>
       <button class="action" onClick={() => setOpen(true)}>{button}</button>
-      {open && <Ask kind={kind} robot={robot} joints={joints} joint={joint} alarm={alarm} close={() => setOpen(false)} done={setConfirmed} />}
+      {open && <Ask kind={kind} robot={robot} joints={joints} joint={joint} alarm={alarm} entry={entry} close={() => setOpen(false)} done={setConfirmed} />}
       <span class="confirmed" role="status">{confirmed}</span>
     </>
   );
 }
 
-function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
+function Ask({ kind, robot, joints = [], joint, alarm, entry, close, done }) {
   const { title, does, explains, note: always } = KINDS[kind];
   const dialog = useRef(null);
   const [who, setWho] = useState(() => localStorage.getItem(WHO) ?? "");
   const [note, setNote] = useState("");
   // Nothing is preselected where there is a choice: which tendon was worked on is known only to the person who did it.
-  const [meant, setMeant] = useState(() => new Set(joints.length === 1 ? joints : []));
+  const [meant, setMeant] = useState(() => new Set(kind === "correct" ? entry.joints : joints.length === 1 ? joints : []));
+  const [date, setDate] = useState(() => entry ? toInput(entry.time_utc_s) : "");
   const [shelf, setShelf] = useState(SHELVES[1][1]);
   const [finding, setFinding] = useState("");
   const noteNeeded = always || finding === "other";
@@ -74,7 +87,7 @@ function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
   const [busy, setBusy] = useState(false);
   useEffect(() => { dialog.current.showModal(); }, []);
   const isWork = kind === "tensioned" || kind === "replaced";
-  const choose = isWork && joints.length > 1;
+  const choose = (isWork || kind === "correct") && joints.length > 1;
   const named = joints.filter(name => meant.has(name)).join(", ");
   const toggle = name => setMeant(old => {
     const next = new Set(old);
@@ -84,12 +97,18 @@ function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
   const what = () => {
     if (isWork) return { kind, joints: joints.filter(name => meant.has(name)) };
     if (kind === "note") return { kind };
+    if (kind === "withdraw") return { kind, entry: entry.number };
+    if (kind === "correct") {
+      // The input has whole seconds; an unchanged date is exact.
+      const time_utc_s = date === toInput(entry.time_utc_s) ? entry.time_utc_s : fromInput(date);
+      return { kind, entry: entry.number, joints: joints.filter(name => meant.has(name)), time_utc_s };
+    }
     if (kind === "finding") return { kind, joint, finding };
     return kind === "shelve" ? { kind, alarm, for_s: shelf } : { kind, alarm };
   };
   const submit = async event => {
     event.preventDefault();
-    if (isWork && meant.size === 0) { setError("Select at least one tendon."); return; }
+    if ((isWork || kind === "correct") && meant.size === 0) { setError("Select at least one tendon."); return; }
     setBusy(true);
     try {
       localStorage.setItem(WHO, who);
@@ -117,6 +136,9 @@ function Ask({ kind, robot, joints = [], joint, alarm, close, done }) {
               <label key={name}><input type="checkbox" checked={meant.has(name)} onChange={() => toggle(name)} /> {name}</label>
             ))}
           </fieldset>
+        )}
+        {kind === "correct" && (
+          <label>Date of the work (local time) <input type="datetime-local" step="1" required value={date} onInput={event => setDate(event.target.value)} /></label>
         )}
         {kind === "shelve" && (
           <label>Duration <select value={shelf} onChange={event => setShelf(Number(event.target.value))}>

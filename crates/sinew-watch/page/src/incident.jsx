@@ -1,4 +1,4 @@
-// Incident of a tendon: phase, probabilities of the causes, evidence and finding.
+// Incident of a tendon: phase, probabilities of the causes, evidence, finding and recording; and its recorded maintenance.
 import { Action, FINDINGS } from "./actions.jsx";
 import { chance, dayAndTime, plusMinus, utc } from "./format.js";
 
@@ -23,7 +23,7 @@ const CAUSES = {
 const value = (x, scale) => x ? plusMinus(x, scale) : "–";
 
 // One incident; `joint` is of the robot `robot`.
-function Incident({ robot, joint, incident }) {
+function Incident({ robot, joint, incident, recordings }) {
   const { number, phase, opened_utc_s, closed_utc_s, causes, evidence, finding, note } = incident;
   return (
     <>
@@ -55,26 +55,59 @@ function Incident({ robot, joint, incident }) {
           </table></div>
         </details>
       )}
+      {recordings.includes(number) && (
+        <p><a download href={`/api/v1/robots/${encodeURIComponent(robot)}/incidents/${number}/recording.mcap`}>Recording around the change: MCAP</a></p>
+      )}
       {phase !== "closed" && <p class="actions"><Action kind="finding" robot={robot} joint={joint} /></p>}
     </>
   );
 }
 
 // Incidents of a tendon, the newest first; none: nothing.
-export function Incidents({ robot, joint, incidents }) {
+export function Incidents({ robot, joint, incidents, recordings }) {
   const own = incidents.filter(incident => incident.joint === joint).sort((a, b) => b.number - a.number);
   if (own.length === 0) return null;
   const [newest, ...earlier] = own;
   return (
     <section>
       <h2>Incident</h2>
-      <Incident robot={robot} joint={joint} incident={newest} />
+      <Incident robot={robot} joint={joint} incident={newest} recordings={recordings} />
       {earlier.length > 0 && (
         <details>
           <summary>{earlier.length} earlier</summary>
-          {earlier.map(incident => <Incident key={incident.number} robot={robot} joint={joint} incident={incident} />)}
+          {earlier.map(incident => <Incident key={incident.number} robot={robot} joint={joint} incident={incident} recordings={recordings} />)}
         </details>
       )}
+    </section>
+  );
+}
+
+// Recorded re-tensionings and replacements of a tendon, the newest first; none: nothing. A withdrawn entry is struck through.
+export function Maintenance({ robot, joint, joints, entries, withdrawable }) {
+  const own = entries.filter(entry => entry.joints.includes(joint)).reverse();
+  if (own.length === 0) return null;
+  return (
+    <section>
+      <h2>Recorded maintenance</h2>
+      <ul class="events">
+        {own.map(entry => {
+          const { number, time_utc_s, replaced, who, correction } = entry;
+          const withdrawn = correction?.withdrawn;
+          const text = <><time title={utc(time_utc_s)}>{dayAndTime(time_utc_s)}</time> {replaced ? "Replaced" : "Re-tensioned"} ({entry.joints.join(", ")}; recorded by {who})</>;
+          return (
+            <li key={number}>
+              {withdrawn ? <s>{text}</s> : text}
+              {correction && <> {withdrawn ? "withdrawn" : "corrected"} by {correction.who}, <time title={utc(correction.time_utc_s)}>{dayAndTime(correction.time_utc_s)}</time></>}
+              {!withdrawn && (
+                <span class="actions">
+                  <Action kind="correct" robot={robot} joints={number === withdrawable ? joints : entry.joints} joint={joint} entry={entry} />
+                  {number === withdrawable && <Action kind="withdraw" robot={robot} joint={joint} entry={entry} />}
+                </span>
+              )}
+            </li>
+          );
+        })}
+      </ul>
     </section>
   );
 }

@@ -53,7 +53,9 @@ export function Journal({ live, robot }) {
           <li key={entry.id}>
             <time title={utc(entry.time_utc_s)}>{dayAndTime(entry.time_utc_s)}</time>
             <a href={`/r/${encodeURIComponent(entry.robot)}`}>{entry.robot}</a>
-            <span>{entry.text}</span>
+            {entry.correction?.withdrawn
+              ? <span><s>{entry.text}</s> (withdrawn by {entry.correction.who}, {dayAndTime(entry.correction.time_utc_s)})</span>
+              : <span>{entry.text}</span>}
           </li>
         ))}
       </ol>

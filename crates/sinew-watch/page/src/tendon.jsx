@@ -7,7 +7,7 @@ import { get } from "./api.js";
 import { Chart } from "./chart.jsx";
 import { chance, count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
 import { whyNoOffset, whyNot } from "./robot.jsx";
-import { Incidents } from "./incident.jsx";
+import { Incidents, Maintenance } from "./incident.jsx";
 import { CLASSES, Sign } from "./signs.jsx";
 
 const MAX_ROWS = 200;
@@ -158,7 +158,7 @@ export function Tendon({ robot, joint, live }) {
       <Outdated answer={answer} />
       <ul class="headlines"><li class={CLASSES[tendon.level]}><Sign level={tendon.level} />{text}</li></ul>
       {alarms.length > 0 && <section aria-label="alarms"><AlarmList alarms={alarms} named={false} /></section>}
-      <Incidents robot={robot} joint={joint} incidents={of?.robot.incidents ?? []} />
+      <Incidents robot={robot} joint={joint} incidents={of?.robot.incidents ?? []} recordings={of?.recordings ?? []} />
       <section>
         <h2>Trend</h2>
         <Trend robot={robot} joint={joint} trend={trend} mark={mark} />
@@ -182,6 +182,7 @@ export function Tendon({ robot, joint, live }) {
           <Action kind="note" robot={robot} joint={joint} />
         </p>
       </section>
+      <Maintenance robot={robot} joint={joint} joints={of?.robot.tendons.map(one => one.joint) ?? [joint]} entries={of?.robot.maintenance ?? []} withdrawable={of?.robot.withdrawable} />
       {trend?.events.length > 0 && (
         <section>
           <h2>Events</h2>

@@ -4,16 +4,19 @@
 //! remedy. Paths are relative to the folder of the file.
 
 mod alarms;
+mod recording;
 mod robot;
 mod transport;
 mod web;
 
+pub use recording::RecordingSettings;
 pub use robot::RobotSettings;
 pub use transport::{Address, TransportSettings};
 pub use web::{
     Mail, MailTls, MqttSettings, PostFormat, Receiver, Role, TokenSettings, WebSettings, Webhook,
 };
 
+use jiff::tz::TimeZone;
 use sinew_files::{Budget, Fault, Fields as _, Located, Section, TomlFile, read_text};
 use sinew_transport::Publishing;
 use std::path::{Path, PathBuf};
@@ -38,6 +41,10 @@ pub struct Config {
     pub thin_after_d: Option<u32>,
     /// Messages published to the networks of the robots.
     pub publish: Publishing,
+    /// Recordings around incidents.
+    pub recording: RecordingSettings,
+    /// Time zone of the texts; `None`: UTC.
+    pub time_zone: Option<TimeZone>,
     /// Receivers of alarm notifications.
     pub receivers: Vec<Receiver>,
     /// Broker to which the states of the tendons are published; `None`: none.
@@ -73,6 +80,8 @@ impl Config {
                 .read("store", |s| store(s, folder))?
                 .unwrap_or_default();
             let publish = root.read("publish", publish)?.unwrap_or_default();
+            let recording = root.read("recording", recording::read)?.unwrap_or_default();
+            let time_zone = time_zone(root)?;
             let webhooks = root.each("webhook", |s| web::read_webhook(s, folder))?;
             let mails = root.each("mail", |s| web::read_mail(s, folder))?;
             let with_link = |mail: Mail| Mail {
@@ -103,6 +112,8 @@ impl Config {
                 publish,
                 receivers,
                 mqtt,
+                recording,
+                time_zone,
                 robots,
             })
         })
@@ -126,6 +137,18 @@ fn publish(s: &Section<'_>) -> Result<Publishing, Located> {
         diagnostics: s.flag_or("diagnostics", true)?,
         tendons: s.flag_or("tendons", true)?,
     })
+}
+
+/// Reads the name of a time zone of the system's time zone database.
+fn time_zone(root: &Section<'_>) -> Result<Option<TimeZone>, Located> {
+    let Some(name) = root.text("time_zone")? else {
+        return Ok(None);
+    };
+    let found = TimeZone::get(&name).map_err(|_| {
+        let must = "a name of the time zone database, such as \"Europe/Berlin\"";
+        root.invalid("time_zone", must)
+    });
+    found.map(Some)
 }
 
 /// Checks that the names of robots are unique.

@@ -61,6 +61,7 @@ pub(super) fn transactions(
             id: out.len() as u64 + 1,
             robot: arm.name.into(),
             records,
+            replaced_from_utc_s: None,
             state: None,
             alarms: None,
             journal,
@@ -165,5 +166,7 @@ fn state_estimate(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f6
         sessions: u64::from(arm.days),
         tendons: tendons.collect(),
         incidents: Incidents::default(),
+        maintenance: Vec::new(),
+        without: None,
     }
 }

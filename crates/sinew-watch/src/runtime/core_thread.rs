@@ -9,6 +9,7 @@ use super::health::Health;
 use super::messages::{
     Answer, Control, CoreHandle, MonitoredRobot, NotStored, Reply, Request, RobotJob,
 };
+use super::recorder::Recorder;
 use super::slot::{RobotState, Slot};
 use crate::words;
 use sinew_transport::{Batch, BatchContent, Clock, Inbox, Received, RobotId};
@@ -150,11 +151,13 @@ impl CoreThread {
         let MonitoredRobot {
             intake,
             monitor,
+            recorder,
             slot,
             ..
         } = &mut robot.monitored;
         intake.feed(&self.batch, |content| {
-            if let Some(line) = feed(monitor, slot, faults, content, (clock_rate, now)) {
+            let to = (&mut *monitor, &mut *recorder);
+            if let Some(line) = feed(to, slot, faults, content, (clock_rate, now)) {
                 health.log_once(&line);
             }
         });
@@ -211,7 +214,13 @@ impl CoreThread {
             }
             Control::JobResult { robot, done } => self.change(robot, |robot| {
                 robot.working = false;
-                robot.monitored.monitor.done(*done, now);
+                let MonitoredRobot {
+                    monitor, recorder, ..
+                } = &mut robot.monitored;
+                monitor.done(*done, now);
+                for (joint, time_utc_s) in monitor.take_changes() {
+                    recorder.change(&joint, time_utc_s, now.utc_s());
+                }
             }),
             Control::Skipped { robot } => self.change(robot, |robot| robot.working = false),
             Control::End { by } => {
@@ -260,6 +269,7 @@ impl CoreThread {
             let MonitoredRobot {
                 intake,
                 monitor,
+                recorder,
                 slot,
                 ..
             } = &mut robot.monitored;
@@ -268,7 +278,8 @@ impl CoreThread {
             let is_fresh = monitor.snapshot(now).freshness == Freshness::Fresh;
             intake.silence(received, |content| {
                 if is_fresh {
-                    let _logged = feed(monitor, slot, faults, content, (clock_rate, received));
+                    let to = (&mut *monitor, &mut *recorder);
+                    let _logged = feed(to, slot, faults, content, (clock_rate, received));
                 }
             });
             monitor.shutdown(now);
@@ -335,6 +346,7 @@ impl CoreThread {
 
     /// Submits pending jobs and transactions of a robot.
     fn pump(&mut self, at: usize) {
+        let now = self.now();
         let Some(robot) = self.robots.get_mut(&at) else {
             return;
         };
@@ -358,6 +370,8 @@ impl CoreThread {
         if !robot.storing
             && let Some(transaction) = monitor.transaction()
         {
+            let recorder = &mut robot.monitored.recorder;
+            recorder.transaction(&transaction, now.utc_s());
             for (command, id, _) in &mut robot.commands {
                 let is_this = |entry: &Entry| matches!(&entry.event, Event::Command { command: c } if c == command);
                 if id.is_none() && transaction.journal.iter().any(is_this) {
@@ -373,11 +387,11 @@ impl CoreThread {
             robot.storing = self.outlets.store.send(request).is_ok();
         }
         if robot.leaves && !robot.working && !robot.storing {
-            let waiting = monitor
-                .snapshot(self.clock_rate.instant(self.clock.now()))
-                .waiting_to_be_stored;
-            if waiting == 0 {
-                self.robots.remove(&at);
+            let waiting = monitor.snapshot(now).waiting_to_be_stored;
+            if waiting == 0
+                && let Some(mut robot) = self.robots.remove(&at)
+            {
+                robot.monitored.record(now.utc_s(), &self.health, true);
             }
         }
     }
@@ -404,6 +418,7 @@ impl CoreThread {
                 monitor.transport_faults(changed, now);
             }
             monitor.tick(now);
+            robot.monitored.record(now.utc_s(), &self.health, false);
         }
         self.publish_snapshot(at);
         self.pump(at);
@@ -440,7 +455,7 @@ impl CoreThread {
 
 /// Passes a batch item to a monitor; returns a log line where appropriate.
 fn feed(
-    monitor: &mut Monitor,
+    (monitor, recorder): (&mut Monitor, &mut Recorder),
     slot: &Slot,
     faults: &mut TopicFaults,
     content: BatchContent<'_>,
@@ -448,7 +463,9 @@ fn feed(
 ) -> Option<String> {
     match content {
         BatchContent::Frame { received, frame } => {
-            monitor.frame(frame, clock_rate.instant(received))
+            let received = clock_rate.instant(received);
+            recorder.frame(frame, received.utc_s());
+            monitor.frame(frame, received);
         }
         BatchContent::Fault { fault, .. } => return faults.ingest(fault),
         BatchContent::Dropped { messages } => {

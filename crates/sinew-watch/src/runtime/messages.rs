@@ -1,5 +1,7 @@
 //! Messages between the threads of the monitor.
 
+use super::health::Health;
+use super::recorder::Recorder;
 use super::slot::Slot;
 use super::transport::Disconnected;
 use crate::store::{Pending, StoreError};
@@ -161,8 +163,19 @@ pub struct MonitoredRobot {
     pub intake: FrameAssembler,
     /// Monitor with the state of the robot.
     pub monitor: Monitor,
+    /// Recorder of its incidents.
+    pub recorder: Recorder,
     /// Place of its snapshots.
     pub slot: Arc<Slot>,
+}
+
+impl MonitoredRobot {
+    /// Writes the recordings that are complete; if `ends`, all of them.
+    pub(super) fn record(&mut self, now_utc_s: f64, health: &Arc<Health>, ends: bool) {
+        let description = self.intake.live().robot_description();
+        let to = (&self.slot, health);
+        self.recorder.tick(now_utc_s, description, to, ends);
+    }
 }
 
 /// Request to the store thread.

@@ -15,6 +15,7 @@ mod faults;
 mod health;
 mod messages;
 mod publish;
+mod recorder;
 mod registry;
 mod robot;
 mod slot;
@@ -28,16 +29,18 @@ pub use health::Health;
 pub(crate) use health::lock;
 pub use messages::{Answer, Control, CoreHandle, NotStored, Reply, Request};
 pub use publish::STATUS_PREFIX;
+pub(crate) use recorder::{file as recording_file, folder as recordings_folder};
 pub use registry::RobotRegistry;
 pub use slot::{RobotState, Slot};
 pub use transport::{Disconnected, TransportView};
 pub use transports::{Transports, check as check_transport};
 
-use crate::config::{Address, Config, RobotSettings};
+use crate::config::{Address, Config, RecordingSettings, RobotSettings};
 use crate::store::{Place, Reader, Store, StoreError};
 use crate::words;
 use core_thread::{CoreThread, Outlets};
 use messages::MonitoredRobot;
+use recorder::Recorder;
 use robot::{Files, NotYet};
 use sinew_log::live::LiveOptions;
 use sinew_transport::{
@@ -196,6 +199,7 @@ pub struct Runtime {
     files: Files,
     transports: Transports,
     publish: Publishing,
+    recording: RecordingSettings,
     /// Queues of robots that wait for their URDF.
     waiting: Inbox,
     robots: BTreeMap<String, ConfiguredRobot>,
@@ -250,6 +254,7 @@ impl Runtime {
             files: Files::new().map_err(StartError::Ropes)?,
             transports: Transports::default(),
             publish: Publishing::default(),
+            recording: RecordingSettings::default(),
             waiting: Inbox::new(),
             robots: BTreeMap::new(),
             start,
@@ -311,6 +316,8 @@ impl Runtime {
             self.forget(&name);
             self.registry.remove(&name);
         }
+        self.recording = config.recording;
+        words::set_time_zone(config.time_zone.clone());
         for settings in &config.robots {
             self.configure_robot(settings);
         }
@@ -399,12 +406,15 @@ impl Runtime {
         let (id, sender) = handle.inbox().robot(QueueLimits::default());
         let slot = self.registry.slot(name);
         slot.put(RobotState::Starting);
+        let recorder = Recorder::new(self.recording, self.start.place.folder(), name, &live);
+        slot.set_recordings(recorder.recordings());
         let address = Some((handle.clone(), id));
         self.registry.set_address(name, address);
         handle.send(Control::Add(Box::new(MonitoredRobot {
             id,
             intake,
             monitor,
+            recorder,
             slot,
         })));
         let queue = RobotQueue { id, sender, live };

@@ -9,6 +9,8 @@ use std::sync::{Arc, Mutex};
 #[derive(Default)]
 pub struct Slot {
     now: Mutex<RobotState>,
+    /// Numbers of the incidents that have a recording.
+    recordings: Mutex<Vec<u64>>,
     /// Number of messages dropped before the estimator because of a full queue.
     pub dropped: AtomicU64,
 }
@@ -34,6 +36,16 @@ impl Slot {
     /// Sets the present state.
     pub fn put(&self, state: RobotState) {
         *lock(&self.now) = state;
+    }
+
+    /// Returns the numbers of the incidents that have a recording.
+    pub fn recordings(&self) -> Vec<u64> {
+        lock(&self.recordings).clone()
+    }
+
+    /// Sets the numbers of the incidents that have a recording.
+    pub fn set_recordings(&self, numbers: Vec<u64>) {
+        *lock(&self.recordings) = numbers;
     }
 
     /// Counts messages dropped by a full queue.

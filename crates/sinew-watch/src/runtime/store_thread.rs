@@ -130,6 +130,7 @@ mod tests {
             id: 1,
             robot: robot.into(),
             records: Vec::new(),
+            replaced_from_utc_s: None,
             state: None,
             alarms: None,
             journal: vec![Entry {

@@ -10,6 +10,7 @@ mod read;
 mod row;
 mod schema;
 mod series;
+mod survival;
 mod write;
 
 pub use export::{Pending, write_records, write_sessions};
@@ -20,6 +21,7 @@ pub use row::COLUMNS;
 pub(crate) use row::word;
 pub use schema::VERSION;
 pub use series::{Series, SeriesPoint, SeriesQuery};
+pub use survival::write_lives;
 pub use write::Store;
 
 use rusqlite::ErrorCode;

@@ -490,7 +490,7 @@ impl Reader {
 }
 
 /// Parses a document stored as JSON.
-fn document<T: DeserializeOwned>(
+pub(super) fn document<T: DeserializeOwned>(
     what: &'static str,
     robot: &str,
     text: &str,

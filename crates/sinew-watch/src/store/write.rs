@@ -243,6 +243,10 @@ fn write(sql: &rusqlite::Transaction<'_>, transaction: &Transaction) -> Result<(
     if new == 0 {
         return Ok(());
     }
+    if let Some(from_utc_s) = transaction.replaced_from_utc_s {
+        sql.prepare_cached("DELETE FROM record WHERE robot = ?1 AND time_utc_s >= ?2")?
+            .execute(params![robot, from_utc_s])?;
+    }
     let mut insert = sql.prepare_cached(&format!(
         "INSERT INTO record ({}) VALUES ({})",
         COLUMNS.join(", "),

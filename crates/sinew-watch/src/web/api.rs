@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_trend::{JointTrend, Limit};
 use sinew_watch_core::alarm::{Alarm, Level};
+use sinew_watch_core::command::CommandKind;
+use sinew_watch_core::journal::{Correction, Event};
 use sinew_watch_core::snapshot::{Freshness, LimitNow, RobotSnapshot, TendonSnapshot};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -168,6 +170,8 @@ pub struct RobotNow {
     pub tendons: Vec<TendonView>,
     /// Alarms with their texts.
     pub alarms: Vec<AlarmView>,
+    /// Numbers of the incidents that have a recording.
+    pub recordings: Vec<u64>,
     /// Number of messages dropped before the estimator because of a full queue.
     pub messages_dropped: u64,
     /// Number that changes whenever a trend of the robot changes.
@@ -243,6 +247,8 @@ pub struct JournalView {
     pub entry: JournalEntry,
     /// Event as text.
     pub text: String,
+    /// Correction or withdrawal of a recorded re-tensioning or replacement; `null`: none.
+    pub correction: Option<Correction>,
 }
 
 /// Selection of the maintenance forecast.
@@ -348,6 +354,33 @@ impl AlarmView {
     }
 }
 
+impl JournalView {
+    /// Adds the text to an entry, and its correction from the snapshot of the robot.
+    pub fn of(entry: JournalEntry, robot: Option<&RobotSnapshot>) -> Self {
+        /// Tolerance of the time of an entry that is compared with its copy, s: a numerical bound.
+        const SAME_TIME_S: f64 = 1e-3;
+        let time_utc_s = entry.entry.time_utc_s;
+        let all = robot.map_or(&[][..], |robot| &robot.maintenance);
+        let is_work = matches!(
+            &entry.entry.event,
+            Event::Command { command } if matches!(
+                command.what,
+                CommandKind::Tensioned { .. } | CommandKind::Replaced { .. }
+            )
+        );
+        let own = all
+            .iter()
+            .find(|own| (own.recorded_utc_s - time_utc_s).abs() < SAME_TIME_S);
+        Self {
+            text: words::entry(&entry.entry.event),
+            correction: own
+                .filter(|_| is_work)
+                .and_then(|own| own.correction.clone()),
+            entry,
+        }
+    }
+}
+
 impl RobotRow {
     /// Summarises the snapshot of a robot.
     pub fn of(robot: &RobotSnapshot) -> Self {
@@ -413,6 +446,7 @@ impl RobotNow {
                 .iter()
                 .map(|a| AlarmView::of(&robot.robot, a))
                 .collect(),
+            recordings: slot.recordings(),
             messages_dropped: slot.dropped.load(Ordering::Relaxed),
             trends: mark(&ends.collect::<Vec<_>>()),
             robot,

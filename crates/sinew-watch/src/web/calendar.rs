@@ -1,6 +1,6 @@
 //! Maintenance forecast as a calendar: iCalendar, RFC 5545.
 
-use sinew_files::date::{DAY_S, civil};
+use crate::words;
 use sinew_trend::Limit;
 use sinew_watch_core::due::{DueList, DueTendon};
 
@@ -35,7 +35,7 @@ fn event(out: &mut String, tendon: &DueTendon, now_utc_s: f64) {
         Limit::Replace { .. } => ("Replace the rope of", "replace"),
     };
     let DueTendon { robot, joint, .. } = tendon;
-    let day = |utc_s: Option<f64>| utc_s.map_or("beyond the forecast horizon".into(), iso_day);
+    let day = |utc_s: Option<f64>| utc_s.map_or("beyond the forecast horizon".into(), words::day);
     let interval = match tendon.at_low_utc_s {
         None => "limit exceeded".into(),
         low => format!(
@@ -44,16 +44,17 @@ fn event(out: &mut String, tendon: &DueTendon, now_utc_s: f64) {
             day(tendon.at_high_utc_s)
         ),
     };
-    let now = (now_utc_s.rem_euclid(DAY_S)) as u32;
-    let time = format!("{:02}{:02}{:02}", now / 3600, now / 60 % 60, now % 60);
     for line in [
         "BEGIN:VEVENT".into(),
         format!(
             "UID:{}",
             escaped(&format!("{robot}/{joint}/{kind}@sinew-watch"))
         ),
-        format!("DTSTAMP:{}T{time}Z", compact_day(now_utc_s)),
-        format!("DTSTART;VALUE=DATE:{}", compact_day(at_utc_s)),
+        format!("DTSTAMP:{}", words::compact_utc(now_utc_s)),
+        format!(
+            "DTSTART;VALUE=DATE:{}",
+            words::day(at_utc_s).replace('-', "")
+        ),
         format!("SUMMARY:{}", escaped(&format!("{what} {robot} {joint}"))),
         format!("DESCRIPTION:{}", escaped(&interval)),
         "TRANSP:TRANSPARENT".to_owned(),
@@ -61,15 +62,6 @@ fn event(out: &mut String, tendon: &DueTendon, now_utc_s: f64) {
     ] {
         push(out, &line);
     }
-}
-
-fn iso_day(utc_s: f64) -> String {
-    let (year, month, day) = civil((utc_s / DAY_S).floor() as i64);
-    format!("{year:04}-{month:02}-{day:02}")
-}
-
-fn compact_day(utc_s: f64) -> String {
-    iso_day(utc_s).replace('-', "")
 }
 
 /// Escapes the characters with a meaning in text values (RFC 5545, section 3.3.11).
@@ -112,6 +104,6 @@ mod tests {
             whole.trim_end(),
             format!("SUMMARY:{}", "a\\;b\\,é\\n".repeat(40))
         );
-        assert_eq!(compact_day(1_767_225_600.0), "20260101");
+        assert_eq!(words::compact_utc(1_767_225_600.0), "20260101T000000Z");
     }
 }

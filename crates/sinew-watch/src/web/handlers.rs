@@ -8,7 +8,7 @@ use super::guard::{Client, Guard, TokenCheck};
 use super::{App, ErrorResponse};
 use crate::runtime::{Answer, Control, RobotState, Slot};
 use crate::store::{JournalFilter, Reader, Series, SeriesQuery};
-use crate::words::{self, response};
+use crate::words::response;
 use axum::body::Bytes;
 use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -113,9 +113,10 @@ pub(super) async fn journal(
         most: query.most.unwrap_or(usual).min(most),
     };
     let entries = app.read(move |reader| reader.journal(&query)).await?;
-    let view = entries.into_iter().map(|entry| JournalView {
-        text: words::entry(&entry.entry.event),
-        entry,
+    let view = entries.into_iter().map(|entry| {
+        let slot = app.registry.get(&entry.robot);
+        let robot = slot.and_then(|slot| slot.state().snapshot());
+        JournalView::of(entry, robot.as_deref())
     });
     Ok(Json(Journal {
         entries: view.collect(),

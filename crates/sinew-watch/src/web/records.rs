@@ -1,7 +1,10 @@
 //! Records of sessions as JSON, CSV and Parquet.
 
 use super::{App, ErrorResponse};
-use crate::store::{Position, Reader, RecordQuery, StoreError, write_records, write_sessions};
+use crate::runtime::{recording_file, recordings_folder};
+use crate::store::{
+    Position, Reader, RecordQuery, StoreError, write_lives, write_records, write_sessions,
+};
 use crate::words::response;
 use axum::body::Body;
 use axum::extract::{Path as Named, Query, State};
@@ -45,6 +48,12 @@ const SESSIONS: Form = Form {
     name: "sessions.csv",
     kind: "text/csv; charset=utf-8",
     write: write_sessions,
+};
+
+const LIVES: Form = Form {
+    name: "survival.csv",
+    kind: "text/csv; charset=utf-8",
+    write: write_lives,
 };
 
 /// Records that remain to be sent.
@@ -149,6 +158,11 @@ pub(super) async fn sessions(
     file(app, of_robot, &SESSIONS).await
 }
 
+/// Sends the table of lifetimes for `sinew trend survival`.
+pub(super) async fn lives(State(app): State<App>) -> Result<Response, ErrorResponse> {
+    file(app, RecordQuery::default(), &LIVES).await
+}
+
 pub(super) async fn parquet(
     State(app): State<App>,
     Query(query): Query<RecordQuery>,
@@ -166,14 +180,34 @@ async fn file(
     let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
     let folder = app.temporary_folder();
     let written = app.read(move |reader| write(reader, &query, form, &folder));
-    let file = written.await?;
-    let named = format!("attachment; filename=\"{}\"", form.name);
+    Ok(send(form.name, form.kind, (written.await?, permit)))
+}
+
+/// Sends the recording of an incident.
+pub(super) async fn recording(
+    State(app): State<App>,
+    Named((robot, number)): Named<(String, u64)>,
+) -> Result<Response, ErrorResponse> {
+    let none = || ErrorResponse::not_found(response::no_recording(&robot, number));
+    let store = app.readers.place.folder();
+    let store = store.filter(|_| app.registry.get(&robot).is_some());
+    let path = recording_file(&recordings_folder(store.ok_or_else(none)?, &robot), number);
+    let busy = |_| ErrorResponse::unavailable(response::EXPORTS_BUSY);
+    let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
+    let found = tokio::task::spawn_blocking(move || File::open(path)).await;
+    let file = found.ok().and_then(Result::ok).ok_or_else(none)?;
+    let name = format!("{robot}-incident-{number}.mcap");
+    Ok(send(&name, "application/octet-stream", (file, permit)))
+}
+
+fn send(name: &str, kind: &str, file: SendingFile) -> Response {
+    let named = format!("attachment; filename=\"{name}\"");
     let headers = [
-        (header::CONTENT_TYPE, form.kind),
+        (header::CONTENT_TYPE, kind),
         (header::CONTENT_DISPOSITION, named.as_str()),
     ];
-    let body = Body::from_stream(stream::try_unfold((file, permit), piece));
-    Ok((headers, body).into_response())
+    let body = Body::from_stream(stream::try_unfold(file, piece));
+    (headers, body).into_response()
 }
 
 type SendingFile = (File, OwnedSemaphorePermit);

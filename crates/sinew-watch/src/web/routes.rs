@@ -58,6 +58,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/robots/{robot}/tendons/{joint}" handlers::tendon, () -> json TendonNow, "State of a tendon with trend and forecast";
     post "/api/v1/robots/{robot}/commands" handlers::command, (body Command) -> json Done, "Execute an operator command; responds once it is stored; role operate";
     get "/api/v1/robots/{robot}/tendons/{joint}/series" handlers::series, (query SeriesQuery) -> json Series, "Records of a tendon over any time, reduced to a number of points";
+    get "/api/v1/robots/{robot}/incidents/{number}/recording.mcap" records::recording, () -> media "application/octet-stream", "Frames around the change of an incident, input of `sinew estimate`";
     get "/api/v1/due.ics" handlers::calendar, (query DueQuery) -> media "text/calendar", "Maintenance forecast as a calendar";
     get "/api/v1/due" handlers::due, (query DueQuery) -> json DueList, "Maintenance forecast: tendons by date of limit exceedance, exceeded limits first";
     get "/api/v1/alarms" handlers::alarms, () -> json AlarmList, "Alarms that are not normal, the most severe first";
@@ -66,6 +67,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/records.csv" records::csv, (query RecordQuery) -> media "text/csv", "Records of sessions as CSV";
     get "/api/v1/records.parquet" records::parquet, (query RecordQuery) -> media "application/vnd.apache.parquet", "Records of sessions as Parquet";
     get "/api/v1/robots/{robot}/sessions.csv" records::sessions, () -> media "text/csv", "Best record of each day and tendon, input of `sinew trend`";
+    get "/api/v1/survival.csv" records::lives, () -> media "text/csv", "Lifetimes of ropes by replacements and findings, input of `sinew trend survival`";
     get "/api/v1/events" events::events, (query EventsQuery) -> media "text/event-stream", "Server-sent events: fleet, change and robot, once a second";
     get "/api/v1/openapi.json" handlers::openapi, () -> media "application/json", "This description";
     post "/api/v1/notify/test" handlers::test_notifications, (body EmptyBody) -> json TestResults, "Send a test notification to every receiver; role operate";

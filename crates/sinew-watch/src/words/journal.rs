@@ -6,7 +6,7 @@ use sinew_files::number::probability;
 use sinew_watch_core::alarm::{Alarm, AlarmKey, AlarmState, Transition, TransitionReason};
 use sinew_watch_core::command::{Command, CommandKind};
 use sinew_watch_core::incident::{Finding, Incident, IncidentCause, IncidentPhase};
-use sinew_watch_core::journal::{BaselineWaits, Event, SessionEnd};
+use sinew_watch_core::journal::{BaselineWaits, Event, Maintenance, SessionEnd};
 
 /// Returns the description of an event.
 pub fn entry(event: &Event) -> String {
@@ -66,6 +66,7 @@ pub fn entry(event: &Event) -> String {
         Event::Alarm { transition } => alarm(transition),
         Event::Incident { incident: of } => incident(of),
         Event::Command { command } => operator_entry(command),
+        Event::Maintenance { maintenance: of } => maintenance(of),
         Event::Reloaded => "Configuration reloaded".into(),
     }
 }
@@ -97,6 +98,8 @@ fn alarm(transition: &Transition) -> String {
             };
             format!(" ({who}: {}{note})", verb(what))
         }
+        TransitionReason::Superseded { alarm } => format!(" (superseded by {})", of(alarm)),
+        TransitionReason::Withdrawn => " (entry of the repair withdrawn)".into(),
         TransitionReason::ShelfEnded => " (shelving ended)".into(),
     };
     format!("Alarm {}: {step}{by}", of(&transition.key))
@@ -148,6 +151,8 @@ fn verb(what: &CommandKind) -> String {
     match what {
         CommandKind::Tensioned { .. } => "re-tensioned".into(),
         CommandKind::Replaced { .. } => "replaced".into(),
+        CommandKind::Withdraw { entry } => format!("withdrew entry {entry}"),
+        CommandKind::Correct { entry, .. } => format!("corrected entry {entry}"),
         CommandKind::Acknowledge { .. } => "acknowledged".into(),
         CommandKind::Shelve { for_s, .. } => format!("shelved for {}", span(*for_s)),
         CommandKind::Unshelve { .. } => "unshelved".into(),
@@ -157,17 +162,51 @@ fn verb(what: &CommandKind) -> String {
     }
 }
 
-fn operator_entry(command: &Command) -> String {
-    let Command { who, note, what } = command;
-    let joints = |joints: &Vec<String>| match &joints[..] {
+/// Returns the ropes of joints.
+fn ropes(joints: &[String]) -> String {
+    match joints {
         // Recorded by an earlier version.
         [] => "all ropes".to_owned(),
         [one] => format!("rope of {one}"),
         many => format!("ropes of {}", many.join(", ")),
+    }
+}
+
+/// Returns the description of a corrected or withdrawn entry.
+fn maintenance(entry: &Maintenance) -> String {
+    let work = match entry.replaced {
+        true => "replaced",
+        false => "re-tensioned",
     };
+    let Maintenance {
+        number,
+        who,
+        recorded_utc_s,
+        time_utc_s,
+        ..
+    } = entry;
+    let is_withdrawn = entry.is_withdrawn();
+    let by = entry.correction.as_ref().map_or("–", |by| by.who.as_str());
+    let recorded = format!("Entry {number} of {} by {who}", when(*recorded_utc_s));
+    match is_withdrawn {
+        true => format!(
+            "{recorded} withdrawn by {by}: {} not {work}",
+            ropes(&entry.joints)
+        ),
+        false => format!(
+            "{recorded} corrected by {by}: {} {work} at {}",
+            ropes(&entry.joints),
+            when(*time_utc_s)
+        ),
+    }
+}
+
+fn operator_entry(command: &Command) -> String {
+    let Command { who, note, what } = command;
     let action = match what {
-        CommandKind::Tensioned { joints: of } => format!("{} re-tensioned", joints(of)),
-        CommandKind::Replaced { joints: of } => format!("{} replaced", joints(of)),
+        CommandKind::Tensioned { joints: of } => format!("{} re-tensioned", ropes(of)),
+        CommandKind::Replaced { joints: of } => format!("{} replaced", ropes(of)),
+        CommandKind::Withdraw { .. } | CommandKind::Correct { .. } => verb(what),
         CommandKind::Acknowledge { alarm } => format!("acknowledged alarm {}", of(alarm)),
         CommandKind::Shelve { alarm, for_s } => {
             format!("shelved alarm {} for {}", of(alarm), span(*for_s))

@@ -27,6 +27,11 @@ pub fn month_not_exported(reason: &str) -> String {
     format!("records of the month not exported: {reason}; the export is repeated later")
 }
 
+/// Reports that the recording of an incident could not be written.
+pub fn recording_not_written(path: impl std::fmt::Display, reason: &str) -> String {
+    format!("recording of an incident not written: {path}: {reason}")
+}
+
 /// Reports that the file with the records of a month was written, but not recorded in the store.
 pub fn export_not_recorded(month: &str, reason: &str) -> String {
     format!("export of the records of {month} not recorded: {reason}; the file is written again")

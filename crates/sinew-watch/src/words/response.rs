@@ -63,6 +63,11 @@ pub fn no_tendon(robot: &str, joint: &str, joints: &str) -> String {
     format!("{robot} has no tendon '{joint}'; its tendons: {joints}")
 }
 
+/// Returns the reason if an incident has no recording.
+pub fn no_recording(robot: &str, number: u64) -> String {
+    format!("{robot} has no recording of incident {number}")
+}
+
 /// Returns the reason if the period of the maintenance forecast is outside its range.
 pub fn invalid_period(most: f64) -> String {
     format!("invalid within_days: expected more than 0 and at most {most} days")

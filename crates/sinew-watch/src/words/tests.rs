@@ -5,6 +5,7 @@
 use super::{advice, entry, log, observation, response, robot, robots, tendon, title};
 use crate::config::Config;
 use crate::store::StoreError;
+use jiff::tz::TimeZone;
 use sinew_estimate::online::Provisional;
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::Gaussian;
@@ -17,7 +18,7 @@ use sinew_watch_core::command::{Command, CommandKind};
 use sinew_watch_core::incident::{
     CauseProbability, Evidence, Finding, Incident, IncidentCause, IncidentPhase,
 };
-use sinew_watch_core::journal::{BaselineWaits, Event, SessionEnd};
+use sinew_watch_core::journal::{BaselineWaits, Correction, Event, Maintenance, SessionEnd};
 use sinew_watch_core::record::{Clock, NoOffset};
 use sinew_watch_core::snapshot::{
     Freshness, Learning, NoEstimateReason, RobotSnapshot, TendonSnapshot,
@@ -64,6 +65,25 @@ impl List {
         let advice = advice(alarm).unwrap_or("(no advice)");
         self.line(format!("{title}: {observation} {advice}"));
     }
+}
+
+/// `TZ=Europe/Berlin date -d @1793606400`; summer time ends on 2026-10-25, 01:00 UTC.
+#[test]
+fn times_are_in_the_named_zone() {
+    let zone = |name: &str| TimeZone::get(name).unwrap();
+    let text = |utc_s: f64, name: &str| super::in_zone(utc_s, "%Y-%m-%d %H:%M %Z", zone(name));
+    assert_eq!(text(1_793_606_400.0, "UTC"), "2026-11-02 08:00 UTC");
+    assert_eq!(
+        text(1_793_606_400.0, "Europe/Berlin"),
+        "2026-11-02 09:00 CET"
+    );
+    for (utc_s, expected) in [
+        (1_792_889_999.0, "2026-10-25 02:59 CEST"),
+        (1_792_890_000.0, "2026-10-25 02:00 CET"),
+    ] {
+        assert_eq!(text(utc_s, "Europe/Berlin"), expected);
+    }
+    assert_eq!(text(7e11, "UTC"), "–");
 }
 
 #[test]
@@ -322,6 +342,12 @@ fn commands() -> Vec<CommandKind> {
         Replaced {
             joints: vec![ELBOW.into(), "wrist".into()],
         },
+        Withdraw { entry: 3 },
+        Correct {
+            entry: 3,
+            joints: vec![ELBOW.into()],
+            time_utc_s: MAY_2026_S,
+        },
         Acknowledge {
             alarm: key(Some(ELBOW)),
         },
@@ -407,6 +433,12 @@ fn journal(list: &mut List) {
         Command {
             command: command(CommandKind::Note, "rope looks worn"),
         },
+        Maintenance {
+            maintenance: corrected(true),
+        },
+        Maintenance {
+            maintenance: corrected(false),
+        },
         Reloaded,
     });
     for event in events {
@@ -473,6 +505,10 @@ fn journal(list: &mut List) {
             what: CommandKind::Note,
             note: "inspected".into(),
         },
+        Superseded {
+            alarm: key(Some(ELBOW)),
+        },
+        Withdrawn,
         ShelfEnded,
     });
     transitions.extend(
@@ -506,6 +542,23 @@ fn journal(list: &mut List) {
             let command = command(what.clone(), note);
             list.line(entry(&Event::Command { command }));
         }
+    }
+}
+
+fn corrected(withdrawn: bool) -> Maintenance {
+    Maintenance {
+        number: 3,
+        joints: vec![ELBOW.into()],
+        replaced: withdrawn,
+        time_utc_s: MAY_2026_S - 3600.0,
+        recorded_utc_s: MAY_2026_S,
+        after_utc_s: None,
+        who: "Anna".into(),
+        correction: Some(Correction {
+            who: "Ben".into(),
+            time_utc_s: MAY_2026_S + 600.0,
+            withdrawn,
+        }),
     }
 }
 
@@ -581,6 +634,8 @@ fn robot_snapshot(freshness: Freshness, learning: Learning) -> RobotSnapshot {
         tendons: vec![tendon_snapshot()],
         alarms: Vec::new(),
         incidents: Vec::new(),
+        maintenance: Vec::new(),
+        withdrawable: None,
         waiting_to_be_stored: 0,
     }
 }
@@ -734,6 +789,10 @@ fn log_lines(list: &mut List) {
         log::month_not_exported(reason),
         log::export_not_recorded("2026-05", reason),
         log::not_thinned("arm-7", reason),
+        log::recording_not_written(
+            "/var/lib/sinew/incidents/arm-7/incident-000012.mcap",
+            reason,
+        ),
         log::token_file("web-token", "/var/lib/sinew/web-token"),
         log::wrong_token("192.0.2.7"),
         log::too_many_tokens("192.0.2.7"),
@@ -783,6 +842,7 @@ fn responses(list: &mut List) {
         response::not_monitored("arm-7", reason),
         response::no_robot("arm-7"),
         response::no_tendon("arm-7", "knee", "shoulder, elbow"),
+        response::no_recording("arm-7", 3),
         response::invalid_period(1095.0),
         response::invalid_body(reason),
         response::not_stored(reason),
@@ -819,6 +879,8 @@ fn configurations(list: &mut List) {
         with("alarm = { step_change = { raise_after_s = 60 } }"),
         with("alarm = { clear_below = 2 }"),
         with("colour = \"red\""),
+        head("time_zone = \"Mars/Olympus\""),
+        head("recording = { before_s = 0 }"),
         head("[web]\nbind = \"localhost\""),
         head("[web]\nhost_names = [\"cell 3\"]"),
         head("[[webhook]]"),

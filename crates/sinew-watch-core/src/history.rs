@@ -1,6 +1,7 @@
 //! Records on which a trend is based: the best one of each day.
 
 use crate::record::{Clock, Record};
+use serde::{Deserialize, Serialize};
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_trend::SessionRecord;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 const MAX_DAYS: usize = 1461;
 
 /// Best record of a tendon of one day.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Day {
     time_utc_s: f64,
     duration_s: f64,
@@ -21,9 +22,14 @@ struct Day {
     since: Option<Arc<str>>,
 }
 
+/// Number of the day of a time, s since 1970 UTC.
+fn day_number(utc_s: f64) -> i64 {
+    (utc_s / DAY_S).floor() as i64
+}
+
 impl Day {
     fn number(&self) -> i64 {
-        (self.time_utc_s / DAY_S).floor() as i64
+        day_number(self.time_utc_s)
     }
 }
 
@@ -31,9 +37,10 @@ impl Day {
 /// interval. Errors of the sessions of one day are mostly common; a second one adds little.
 ///
 /// Size: about 100 bytes per day and tendon, for at most four years.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
     days: BTreeMap<String, Vec<Day>>,
+    #[serde(skip)]
     last: BTreeMap<String, Record>,
 }
 
@@ -81,8 +88,35 @@ impl History {
         true
     }
 
+    /// Returns the rows of the day of a time, s since 1970 UTC, and of later days.
+    pub(crate) fn from_day(&self, utc_s: f64) -> Self {
+        let is_later = |day: &&Day| day.number() >= day_number(utc_s);
+        let days = self.days.iter();
+        let days = days.map(|(joint, days)| {
+            (
+                joint.clone(),
+                days.iter().filter(is_later).cloned().collect(),
+            )
+        });
+        Self {
+            days: days.collect(),
+            last: BTreeMap::new(),
+        }
+    }
+
+    /// Replaces the rows of the day of a time, s since 1970 UTC, and of later days by those of `day` and `records`.
+    pub(crate) fn replace_from(&mut self, utc_s: f64, day: &Self, records: &[Record]) {
+        for (joint, days) in &mut self.days {
+            days.retain(|day| day.number() < day_number(utc_s));
+            days.extend(day.days.get(joint).into_iter().flatten().cloned());
+        }
+        for record in records {
+            self.push(record);
+        }
+    }
+
     /// Returns the last record of each tendon.
-    pub(super) fn take_last(&mut self) -> BTreeMap<String, Record> {
+    pub(crate) fn take_last(&mut self) -> BTreeMap<String, Record> {
         std::mem::take(&mut self.last)
     }
 
