@@ -118,6 +118,8 @@ pub struct TendonSnapshot {
     pub level: Level,
     /// Offset from the online estimator, rad; `None`: not available, with the cause in `reason`.
     pub offset_rad: Option<Gaussian>,
+    /// Validity of the offset.
+    pub validity: Validity,
     /// Reason for which the offset is provisional, with times in s since 1970 UTC; `None`: settled or not available.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provisional: Option<Provisional>,
@@ -145,6 +147,32 @@ pub struct TendonSnapshot {
     /// First-passage times of the limits, as distributions.
     #[serde(skip)]
     pub passages: Arc<[FirstPassage]>,
+}
+
+/// Validity of the present offset: the flag that a control loop reads before it uses the value.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Validity {
+    /// The offset is available and not provisional.
+    Valid,
+    /// The offset is provisional or not available; the reason is in `provisional` or `reason`.
+    NotValid {
+        /// Time since the offset was last valid, or since the start of the monitor, s.
+        for_s: f64,
+    },
+}
+
+/// Present values of a tendon for a live chart.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LiveTendon {
+    /// Motor position minus joint position in the coordinate of the joint, `theta − q`, rad: the offset and the deflection
+    /// under load.
+    pub motor_minus_joint_rad: f64,
+    /// Offset from the online estimator, rad; `None`: not available.
+    pub offset_rad: Option<Gaussian>,
+    /// Whether the offset is valid.
+    pub valid: bool,
 }
 
 /// Reason for which there is currently no offset.

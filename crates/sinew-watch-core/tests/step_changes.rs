@@ -8,6 +8,7 @@ use sinew_watch_core::alarm::{AlarmCause, AlarmKey, AlarmState, Condition, Level
 use sinew_watch_core::command::{CommandError, CommandKind};
 use sinew_watch_core::incident::{Finding, Incident, IncidentCause, IncidentPhase};
 use sinew_watch_core::journal::Event;
+use sinew_watch_core::snapshot::Validity;
 
 const ELBOW: usize = 2;
 const SLIP_RAD: f64 = 6e-3;
@@ -162,6 +163,69 @@ fn step_absent_in_next_session_is_withdrawn() {
         phases(&harness),
         [IncidentPhase::Suspected, IncidentPhase::Closed]
     );
+}
+
+/// Validity of the elbow's offset in a minute of work with an event after 30 s: the flag falls within 2 s of the event, and
+/// rises once the offset differs from that before by `size_rad`.
+fn check_validity(frames: &[Frame], size_rad: f64) {
+    let mut harness = Harness::new(tensioned());
+    let started = harness.snapshot().tendons[ELBOW].validity;
+    assert_eq!(started, Validity::NotValid { for_s: 0.0 });
+    let (mut fell_s, mut rose_s, mut for_s) = (f64::NAN, f64::NAN, 0.0);
+    let mut level_rad = f64::NAN;
+    for (k, tenth) in frames.chunks(HZ / 10).enumerate() {
+        harness.play(tenth);
+        harness.now = harness.now.after_s(1.0 / HZ as f64);
+        let since_s = 0.1 * (k + 1) as f64 - 30.0;
+        let elbow = harness.snapshot().tendons[ELBOW].clone();
+        match elbow.validity {
+            Validity::Valid => {
+                assert!(elbow.provisional.is_none() && elbow.reason.is_none());
+                let offset_rad = elbow.offset_rad.unwrap();
+                if since_s < 0.0 {
+                    level_rad = offset_rad.mean;
+                } else if fell_s.is_finite() && rose_s.is_nan() {
+                    rose_s = since_s;
+                }
+                // After the first 2 s, no offset of before the event is valid.
+                let error_rad = offset_rad.mean - level_rad - size_rad;
+                let is_right = error_rad.abs() < 2.0 * offset_rad.half_width_95();
+                assert!(since_s < 2.0 || is_right, "{since_s:.1} s: {offset_rad:?}");
+                for_s = 0.0;
+            }
+            Validity::NotValid { for_s: now_s } => {
+                assert!(elbow.provisional.is_some() || elbow.reason.is_some());
+                assert!(now_s >= for_s, "{now_s} s after {for_s} s");
+                for_s = now_s;
+                if since_s > 0.0 && fell_s.is_nan() {
+                    fell_s = since_s;
+                    assert!(now_s < 0.3, "{now_s}");
+                }
+            }
+        }
+    }
+    println!("not valid from {fell_s:.1} to {rose_s:.1} s after the event");
+    assert!(fell_s < 2.0, "{fell_s}");
+    assert!(rose_s > fell_s + 1.0 && rose_s < 20.0, "{rose_s}");
+}
+
+/// The rope slips, simulated with the draws of the baseline: the offset contains the slip afterwards.
+#[test]
+fn offset_after_rope_slip_is_not_valid_until_it_follows() {
+    let slip = |text: String| {
+        without_events(text)
+            + &format!(
+                "\n[[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 90.0\nrad = {SLIP_RAD:?}\n"
+            )
+    };
+    let all = frames(&biorob_like(), 51, 120.0, slip);
+    check_validity(&all[60 * HZ..120 * HZ], SLIP_RAD);
+}
+
+/// A step of the motor encoder between two samples: the rope did not slip, and the offset remains.
+#[test]
+fn offset_after_encoder_slip_is_not_valid_until_it_is_found() {
+    check_validity(&with_slip(), 0.0);
 }
 
 fn incident(harness: &Harness) -> Incident {

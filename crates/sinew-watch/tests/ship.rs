@@ -13,7 +13,7 @@ use sinew_watch::web::metrics::{ABOUT, render};
 use sinew_watch_core::RobotSnapshot;
 use sinew_watch_core::alarm::{Alarm, AlarmCause, AlarmKey, AlarmState, Condition, Level};
 use sinew_watch_core::record::Clock;
-use sinew_watch_core::snapshot::{Freshness, Learning, TendonSnapshot};
+use sinew_watch_core::snapshot::{Freshness, Learning, TendonSnapshot, Validity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -275,6 +275,7 @@ pub(crate) fn snapshot(alarms: Vec<Alarm>, forecast_d: f64) -> RobotSnapshot {
             joint: "elbow".into(),
             level: Level::Ok,
             offset_rad: None,
+            validity: Validity::NotValid { for_s: 0.0 },
             provisional: None,
             unknown_temperature_rad: None,
             elongation_m: None,

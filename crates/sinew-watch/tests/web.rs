@@ -247,6 +247,60 @@ fn event_stream_sends_changes_every_second() {
     );
 }
 
+/// Two subscribers of one tendon; by the test above, a stream without `live` carries no series.
+#[test]
+fn live_series_is_sent_at_10_hz_to_its_subscribers() {
+    let at = Running::shared().at;
+    let samples = |count: usize| -> Vec<Value> {
+        let received = events(
+            at,
+            "/api/v1/events?live=demo-1/elbow,demo-1/knee,nobody/elbow",
+            count,
+        );
+        let live = received.iter().filter(|(name, _)| name == "live");
+        let each = live.map(|(_, data)| serde_json::from_str::<Value>(data).unwrap());
+        let each: Vec<Value> = each.collect();
+        let is_own = |e: &Value| e["robot"] == "demo-1" && e["joint"] == "elbow";
+        assert!(each.iter().all(is_own), "{each:?}");
+        each.iter()
+            .flat_map(|e| e["samples"].as_array().unwrap().clone())
+            .collect()
+    };
+    let other = std::thread::spawn(move || events(at, "/api/v1/events?live=demo-1/elbow", 120));
+    std::thread::sleep(Duration::from_secs(4));
+    let begun = Instant::now();
+    let samples = samples(40);
+    let took_s = begun.elapsed().as_secs_f64();
+    // The other subscriber is the reason for the samples of 4 s before; then ten in a second.
+    let expected = 10.0 * (4.0 + took_s);
+    assert!(took_s > 2.0, "{took_s} s");
+    assert!(
+        (samples.len() as f64 - expected).abs() < 25.0,
+        "{} of {expected}",
+        samples.len()
+    );
+    let times: Vec<f64> = samples
+        .iter()
+        .map(|s| s["time_s"].as_f64().unwrap())
+        .collect();
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // A slow machine may miss an interval.
+    let is_tenth = |s: &&f64| (**s - 0.1).abs() < 1e-6;
+    assert!(steps.iter().all(|s| *s > 0.09), "{steps:?}");
+    assert!(
+        20 * steps.iter().filter(is_tenth).count() > 18 * steps.len(),
+        "{steps:?}"
+    );
+    for sample in &samples {
+        let difference_rad = sample["motor_minus_joint_rad"].as_f64().unwrap();
+        assert!(difference_rad.abs() < 0.2, "{sample}");
+        let is_valid = sample["valid"].as_bool().unwrap();
+        assert!(!is_valid || !sample["offset_rad"].is_null(), "{sample}");
+    }
+    // Its events are those of any stream.
+    let _events = other.join();
+}
+
 #[test]
 fn records_are_served_as_json_csv_parquet() {
     let running = Running::shared();

@@ -379,6 +379,11 @@ impl Recorder {
         recorded
     }
 
+    /// Returns the motor positions of the last frame in the coordinates of the joints, rad, length `n`.
+    pub fn theta(&self) -> &[f64] {
+        self.feeder.theta()
+    }
+
     /// Recording since the start or the last [`Recorder::exchange`].
     pub fn recorded(&self) -> &Recorded {
         &self.out

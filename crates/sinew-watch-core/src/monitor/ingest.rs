@@ -34,6 +34,8 @@ pub(super) struct Ingest {
     /// Number of consecutive frames rejected for their time stamps.
     backwards: u32,
     pub(super) temperature_c: Option<f64>,
+    /// Whether the last frame was accepted.
+    accepted: bool,
 }
 
 /// Result of ingesting a frame.
@@ -62,6 +64,7 @@ impl Ingest {
             recorded_from: None,
             backwards: 0,
             temperature_c: None,
+            accepted: false,
         }
     }
 
@@ -88,6 +91,7 @@ impl Ingest {
         let lost = matches!(fed, FeedOutcome::Rejected(_));
         self.frames += 1;
         self.frames_lost += u64::from(lost);
+        self.accepted = !lost;
         if frame.temperature_c.is_finite() {
             self.temperature_c = Some(frame.temperature_c);
         }
@@ -105,6 +109,12 @@ impl Ingest {
             lost,
             block: fed.output() == Some(true),
         }
+    }
+
+    /// Returns `theta − q` of an axis in `frame`, rad, if it is the last frame and was accepted.
+    pub(super) fn motor_minus_joint_rad(&self, axis: usize, frame: &Frame) -> Option<f64> {
+        let theta = self.recorder.theta().get(axis).filter(|_| self.accepted)?;
+        Some(theta - frame.q.get(axis)?)
     }
 
     /// Counts messages that a full queue dropped before they became frames.

@@ -83,6 +83,8 @@ pub struct Monitor {
     outbox: Outbox,
     /// Changes found since the last [`Monitor::take_changes`].
     found: Vec<(String, f64)>,
+    /// Time since which the offset of each tendon has not been valid; `None`: valid.
+    not_valid_since: Vec<Option<Instant>>,
     /// Whether a job is running.
     working: bool,
     /// Time of the last tick.
@@ -116,6 +118,7 @@ impl Monitor {
             trends: Trends::new(setup.names.len(), stored.history),
             alarms: AlarmEvaluator::new(stored.alarms, now),
             found: Vec::new(),
+            not_valid_since: vec![Some(now); setup.names.len()],
             working: false,
             ticked: now,
             chain,
@@ -294,7 +297,8 @@ impl Monitor {
                     self.chain.estimator_error = Some("estimator failed: internal error".into());
                     self.evaluate_data();
                 }
-                return self.online.made(made.map(|made| *made));
+                self.online.made(made.map(|made| *made));
+                return self.update_validity(now);
             }
             Outcome::Trend(made) => self.trends.set(made, self.chain.tensionings),
             Outcome::Segment {
@@ -604,6 +608,7 @@ impl Monitor {
     pub fn tick(&mut self, now: Instant) {
         self.ticked = now;
         self.time_passes(now);
+        self.update_validity(now);
         self.alarms.tick(&self.setup.config.alarms, now);
         self.sessions.make_room(&mut self.ingest.recorder);
         self.online.make_room(&self.ingest.recorder);

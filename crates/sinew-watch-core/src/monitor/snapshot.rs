@@ -5,9 +5,11 @@ use crate::alarm::{Alarm, Level};
 use crate::instant::Instant;
 use crate::record::NoOffset;
 use crate::snapshot::{
-    Freshness, Learning, NoEstimateReason, RobotSnapshot, SessionNow, TendonSnapshot,
+    Freshness, Learning, LiveTendon, NoEstimateReason, RobotSnapshot, SessionNow, TendonSnapshot,
+    Validity,
 };
 use sinew_estimate::session::Verdict;
+use sinew_log::Frame;
 use sinew_model::Gaussian;
 use std::sync::Arc;
 
@@ -31,11 +33,10 @@ impl<'a> View<'a> {
             let severity = |alarm: &Alarm| std::cmp::Reverse(alarm.severity());
             (severity(a), &a.key).cmp(&(severity(b), &b.key))
         });
-        let stale_after_s = monitor.setup.config.times.stale_after_s;
         Self {
             monitor,
             now,
-            freshness: monitor.ingest.freshness(stale_after_s, now),
+            freshness: monitor.freshness(now),
             alarms,
         }
     }
@@ -108,7 +109,7 @@ impl<'a> View<'a> {
             ..
         } = self.monitor;
         let (name, state) = (&setup.names[i], &chain.state().tendons[i]);
-        let offset = self.offset_now(i);
+        let offset = self.monitor.offset_now(i, self.now);
         let offset_rad = offset.ok();
         let estimate = online
             .joint(setup.elastic[i])
@@ -120,6 +121,7 @@ impl<'a> View<'a> {
             joint: name.clone(),
             level: self.level(Some(name), is_current),
             offset_rad,
+            validity: self.monitor.validity(i, self.now),
             unknown_temperature_rad: (estimate.map(|(joint, _)| joint.unknown_temperature_rad))
                 .filter(|added_rad| *added_rad > 0.0),
             provisional: estimate.and_then(|(_, reason)| reason),
@@ -134,17 +136,23 @@ impl<'a> View<'a> {
             passages: computed.map_or_else(Arc::default, |computed| Arc::clone(&computed.passages)),
         }
     }
+}
+
+impl Monitor {
+    fn freshness(&self, now: Instant) -> Freshness {
+        let stale_after_s = self.setup.config.times.stale_after_s;
+        self.ingest.freshness(stale_after_s, now)
+    }
 
     /// Returns the present offset, rad, or the reason for which there is none.
-    fn offset_now(&self, i: usize) -> Result<Gaussian, NoEstimateReason> {
-        let Monitor { online, chain, .. } = self.monitor;
-        if !self.is_fresh() {
+    fn offset_now(&self, i: usize, now: Instant) -> Result<Gaussian, NoEstimateReason> {
+        if self.freshness(now) != Freshness::Fresh {
             return Err(NoEstimateReason::NoData);
         }
-        if chain.baseline.is_some() {
+        if self.chain.baseline.is_some() {
             return Err(NoEstimateReason::BaselineAcquisition);
         }
-        let estimate = online.joint(self.monitor.setup.elastic[i]);
+        let estimate = self.online.joint(self.setup.elastic[i]);
         let offset = estimate
             .map(|(joint, _)| joint.offset_rad)
             .ok_or(NoEstimateReason::Starting)?;
@@ -154,5 +162,42 @@ impl<'a> View<'a> {
             }),
             false => Ok(offset),
         }
+    }
+
+    /// Whether the present offset of a tendon is available and not provisional.
+    fn is_valid(&self, i: usize, now: Instant) -> bool {
+        let estimate = self.online.joint(self.setup.elastic[i]);
+        let is_settled = estimate.is_some_and(|(_, provisional)| provisional.is_none());
+        is_settled && self.offset_now(i, now).is_ok()
+    }
+
+    /// Updates the times since which offsets have not been valid.
+    pub(super) fn update_validity(&mut self, now: Instant) {
+        for i in 0..self.not_valid_since.len() {
+            let is_valid = self.is_valid(i, now);
+            let since = &mut self.not_valid_since[i];
+            *since = (!is_valid).then(|| since.unwrap_or(now));
+        }
+    }
+
+    fn validity(&self, i: usize, now: Instant) -> Validity {
+        if self.is_valid(i, now) {
+            return Validity::Valid;
+        }
+        let since = self.not_valid_since[i].unwrap_or(now);
+        Validity::NotValid {
+            for_s: now.since_s(since),
+        }
+    }
+
+    /// Returns the present values of a tendon, by its index in the snapshot; `frame` is the last one ingested. `None`: the
+    /// frame was rejected.
+    pub fn live(&self, tendon: usize, frame: &Frame, now: Instant) -> Option<LiveTendon> {
+        let axis = *self.setup.elastic.get(tendon)?;
+        Some(LiveTendon {
+            motor_minus_joint_rad: self.ingest.motor_minus_joint_rad(axis, frame)?,
+            offset_rad: self.offset_now(tendon, now).ok(),
+            valid: self.is_valid(tendon, now),
+        })
     }
 }

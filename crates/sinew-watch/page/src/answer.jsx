@@ -8,9 +8,10 @@ const NONE = { value: null, error: null, at_ms: null };
 // Answer to a request: `key` identifies the request, and it is loaded again when `mark` changes.
 export function useAnswer(key, mark, ask) {
   const [got, set] = useState({ key: null, ...NONE });
-  const loader = useRef(null);
+  const loader = useRef(null), latest = useRef(ask);
+  latest.current = ask;
   useEffect(() => {
-    const own = loader.current = new Loader(ask, state => set({ key, ...state }));
+    const own = loader.current = new Loader(() => latest.current(), state => set({ key, ...state }));
     return () => own.end();
   }, [key]);
   useEffect(() => { loader.current.load(); }, [key, mark]);

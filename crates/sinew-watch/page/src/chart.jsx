@@ -1,11 +1,9 @@
 // Chart of records over time, with events, limit and prediction interval of the forecast.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
 import { day, dayAndTime, plusMinus, rounded } from "./format.js";
+import { axis, clipped, css, keyTo, labelled, line, plotIn, pointAt, shade } from "./plot.js";
 
 const HEIGHT = 340;
-const css = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 // Columns of uPlot: time, record, then median and bounds of the forecast.
 function columns(records, trend) {
@@ -61,22 +59,10 @@ export function Chart({ series, trend: whole, isPast, joint, zoom, reset }) {
   useEffect(() => {
     const half = records.map(r => r.offset_rad === null ? null : 1.96e3 * r.offset_std_rad);
     const limit = limitOf(trend), events = trend?.events ?? [];
-    const ink = () => css("ink"), muted = () => css("muted");
     const metre = trend?.elongation_m && trend.offset_rad.mean ? trend.elongation_m.mean / trend.offset_rad.mean : null;
-    const px = uPlot.pxRatio;
-
-    function line(u, x0, y0, x1, y1) {
-      u.ctx.beginPath();
-      u.ctx.moveTo(x0, y0);
-      u.ctx.lineTo(x1, y1);
-      u.ctx.stroke();
-    }
-    const under = u => {
+    const px = devicePixelRatio;
+    const under = clipped(u => {
       const { ctx, bbox } = u;
-      ctx.save();
-      ctx.beginPath();
-      ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-      ctx.clip();
       ctx.lineWidth = px;
       // 95 % interval of each record.
       ctx.strokeStyle = css("sky");
@@ -117,18 +103,14 @@ export function Chart({ series, trend: whole, isPast, joint, zoom, reset }) {
         ctx.setLineDash([2 * px, 3 * px]);
         line(u, x, bbox.top, x, bbox.top + bbox.height);
       }
-      ctx.restore();
-    };
+    });
     const conclusive = records.filter(r => r.offset_rad !== null);
     const low = Math.min(0, ...conclusive.map(r => 1e3 * r.offset_rad));
     const limit_mrad = limit ? 1e3 * limit.limit_rad : 0;
     const shown = horizon(records, trend);
     const ahead = (trend?.forecast ?? []).filter(p => p.time_utc_s <= shown[1]).map(p => 1e3 * p.offset_rad);
     const highest = Math.max(...conclusive.map(r => 1e3 * r.offset_rad + 1.96e3 * r.offset_std_rad), 1.1 * limit_mrad, ...ahead, 1);
-    const axis = { stroke: muted, grid: { stroke: () => css("grid"), width: 1 }, ticks: { stroke: () => css("axis"), width: 1 }, font: "12px sans-serif", labelFont: "12px sans-serif" };
     const options = {
-      width: frame.current.clientWidth, height: HEIGHT,
-      legend: { show: false },
       cursor: { y: false, focus: { prox: 30 } },
       scales: { x: { time: true }, y: { range: [low - 0.05 * (highest - low), highest + 0.08 * (highest - low)] } },
       series: [
@@ -138,12 +120,12 @@ export function Chart({ series, trend: whole, isPast, joint, zoom, reset }) {
         { label: "97.5 %", width: 0, points: { show: false } },
         { label: "2.5 %", width: 0, points: { show: false } },
       ],
-      bands: [{ series: [3, 4], fill: () => `color-mix(in srgb, ${css("orange")} 22%, transparent)` }],
+      bands: [{ series: [3, 4], fill: () => shade("orange", 22) }],
       axes: [
-        { ...axis },
-        { ...axis, label: "Offset (mrad)", size: 52, labelSize: 18 },
-        ...(metre ? [{ ...axis, side: 1, scale: "y", grid: { show: false }, label: "Elongation (mm)", size: 52, labelSize: 18,
-          values: (u, ticks) => ticks.map(tick => rounded(tick * metre, 2)) }] : []),
+        axis(),
+        labelled("Offset (mrad)"),
+        ...(metre ? [labelled("Elongation (mm)", { side: 1, scale: "y", grid: { show: false },
+          values: (u, ticks) => ticks.map(tick => rounded(tick * metre, 2)) })] : []),
       ],
       // Only for mouse events: the hook is also called without a selection when the chart is created or resized.
       hooks: {
@@ -152,35 +134,16 @@ export function Chart({ series, trend: whole, isPast, joint, zoom, reset }) {
         setCursor: [u => { if (u.cursor.event) setAt(u.cursor.idx ?? null); }],
       },
     };
-    plot.current = new uPlot(options, data, frame.current);
+    const { plot: drawn, end } = plotIn(frame.current, HEIGHT, options, data);
+    plot.current = drawn;
     if (shown) plot.current.setScale("x", { min: shown[0] - 0.02 * (shown[1] - shown[0]), max: shown[1] });
-    const fit = new ResizeObserver(() => plot.current.setSize({ width: frame.current.clientWidth, height: HEIGHT }));
-    fit.observe(frame.current);
-    plot.current.over.addEventListener("dblclick", reset);
-    const dark = matchMedia("(prefers-color-scheme: dark)"), redraw = () => plot.current.redraw(false);
-    dark.addEventListener("change", redraw);
-    return () => { fit.disconnect(); dark.removeEventListener("change", redraw); plot.current.destroy(); };
+    drawn.over.addEventListener("dblclick", reset);
+    return end;
   }, [series, trend]);
 
-  const point = i => {
-    const u = plot.current, x = data[0][i], { min, max } = u.scales.x;
-    // Points outside the visible range are scrolled into it, because a cursor outside would clear the selection.
-    if (x < min || x > max) {
-      const from = Math.min(min, x), to = Math.max(max, x), spare = 0.02 * (to - from);
-      u.setScale("x", { min: from - spare, max: to + spare });
-    }
-    // The scales are applied after this function returns.
-    queueMicrotask(() => {
-      u.setCursor({ left: u.valToPos(x, "x"), top: 0 });
-      setAt(i);
-    });
-  };
   const key = event => {
-    const last = data[0].length - 1, now = at ?? records.length - 1, far = event.shiftKey ? 10 : 1;
-    const to = { ArrowRight: now + far, ArrowLeft: now - far, Home: 0, End: last }[event.key];
-    if (to === undefined) return;
-    event.preventDefault();
-    point(Math.min(Math.max(to, 0), last));
+    const to = keyTo(event, at ?? records.length - 1, data[0].length);
+    if (to !== undefined) pointAt(plot.current, data[0][to], () => setAt(to));
   };
   let readout = "Point at the curve or use the arrow keys to read values. Drag to zoom, double-click to reset.";
   if (at !== null && at < records.length) {

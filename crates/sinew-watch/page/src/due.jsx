@@ -11,10 +11,10 @@ const WITHIN = [[2, "2 weeks"], [4, "4 weeks"], [8, "8 weeks"], [26, "26 weeks"]
 const DEFAULT_WEEKS = 8;
 
 const tendons = n => n === 1 ? "1 tendon" : `${count(n)} tendons`;
-const VERDICTS = { inspect: "step change: inspect first", watch: "suspected step change" };
+export const VERDICTS = { inspect: "step change: inspect first", watch: "suspected step change" };
 
 // Quantity of the limit at the last session.
-function valueOf(tendon) {
+export function valueOf(tendon) {
   if (tendon.limit.kind === "replace" && tendon.strain_ratio) return `${plusMinus(tendon.strain_ratio, 100)} %`;
   if (tendon.limit.kind === "retension" && tendon.elongation_m) return `${plusMinus(tendon.elongation_m, 1e3)} mm`;
   return `${plusMinus(tendon.offset_rad, 1e3)} mrad`;
@@ -29,8 +29,11 @@ function when(tendon) {
   return after_s < 0 ? `median ${span(-after_s)} ago` : `${day(at_utc_s)}, ${inDays(after_s)}`;
 }
 
+// Date of the work as in the calendar (src/web/calendar.rs): the median, else the lower end of the interval, at the earliest today.
+export const dueAt = ({ at_utc_s, at_low_utc_s }, now_utc_s) => Math.max(at_utc_s ?? at_low_utc_s ?? now_utc_s, now_utc_s);
+
 // No interval for an exceeded limit: its date is not estimated.
-function interval(tendon) {
+export function interval(tendon) {
   if (tendon.state === "passed") return null;
   const low = tendon.after_low_s < 0 ? "already exceeded" : day(tendon.at_low_utc_s);
   const high = tendon.at_high_utc_s === null ? "beyond the forecast horizon" : day(tendon.at_high_utc_s);
@@ -56,7 +59,6 @@ function Row({ tendon, until }) {
       <Cell name="Limit reached" below={interval(tendon)}>{when(tendon)}</Cell>
       <Cell name={`Reached by ${until}`}>{tendon.until_probability === null ? "not available" : chance(tendon.until_probability)}</Cell>
       <Cell name="Based on" below={`since ${day(tendon.first_utc_s)}`}>{sessions === 1 ? "1 session" : `${count(sessions)} sessions`}</Cell>
-      <td class="print" />
     </tr>
   );
 }
@@ -66,7 +68,7 @@ function Group({ what, list, until, rows }) {
   const title = what === "passed" ? "Limit exceeded" : what === "perhaps" ? `Possible by ${until}, median later` : weekName(what);
   return (
     <tbody>
-      <tr class="week"><th scope="rowgroup" colspan="7"><h2>{what === "passed" && <Sign level="ERROR" />}{title}{" "}
+      <tr class="week"><th scope="rowgroup" colspan="6"><h2>{what === "passed" && <Sign level="ERROR" />}{title}{" "}
         {Number.isInteger(what) && <small>{day(from)} to {day(Math.min(from + WEEK_S, list.until_utc_s))}</small>}</h2></th></tr>
       {rows.map(tendon => <Row key={`${tendon.robot}/${tendon.joint}`} tendon={tendon} until={until} />)}
     </tbody>
@@ -87,7 +89,7 @@ function title(list, groups) {
 }
 
 // Tendons that are not listed, with the reason.
-function others(list, until) {
+export function others(list, until) {
   const { not_due, inconclusive, without_limit } = list;
   return [
     not_due > 0 && `${tendons(not_due)}: probability of exceeding a limit by ${until} below 2.5 %`,
@@ -114,14 +116,13 @@ export function Due({ live }) {
         {WITHIN.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
       </select></label>, until {until} <span class="actions">
         <a download href={`/api/v1/due.ics?within_days=${7 * weeks}`}>Calendar (.ics)</a>
-        <button onClick={() => print()}>Print plan</button></span></p>
+        <a href="/plan">Month plan for printing</a></span></p>
       <Outdated answer={answer} />
       {groups.length > 0 && (
         <table class="tendons due">
           <thead><tr>
             <th scope="col">Tendon</th><th scope="col">Action</th><th scope="col">Last value</th><th scope="col">Limit reached</th>
             <th scope="col">Reached by {until}</th><th scope="col">Based on</th>
-            <th scope="col" class="print">Done (date, name)</th>
           </tr></thead>
           {groups.map(([what, rows]) => <Group key={what} what={what} list={list} until={until} rows={rows} />)}
         </table>

@@ -39,15 +39,24 @@ function Spark({ robot, joint, now_utc_s }) {
   return <svg class="spark" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} aria-hidden="true"><path d={path} /></svg>;
 }
 
+// In place of the date on which the limit is reached.
+const DATES = {
+  passed: ": exceeded", forecast: ": median date has passed", "not-before": ", date beyond the forecast horizon",
+  "not-within-horizon": ", not reached within the forecast horizon", "too-few-sessions": ", too few sessions for a date", null: ", no forecast yet",
+};
+
 // Tendon nearest to its limit: value, share of the limit, course and date.
 function Next({ row, now_utc_s }) {
-  const { joint, limit, value, share, at_utc_s } = row.next;
+  const { joint, limit, value, share, state, at_utc_s } = row.next;
   const isStrain = limit.kind === "replace";
+  // The share has the relative uncertainty of the value.
+  const used = plusMinus({ mean: share, std: Math.abs(share * value.std / value.mean) }, 100);
+  const date = at_utc_s !== null && at_utc_s > now_utc_s ? `, limit about ${day(at_utc_s)}` : DATES[state] ?? "";
   return (
     <span class="next">
       <span>{joint}: {`${plusMinus(value, isStrain ? 100 : 1e3)}\u00a0${isStrain ? "%" : "mm"}`}</span>
       <Spark robot={row.robot} joint={joint} now_utc_s={now_utc_s} />
-      <span>{Math.round(100 * share)} % of limit{at_utc_s !== null && at_utc_s > now_utc_s && <>, limit about {day(at_utc_s)}</>}</span>
+      <span>{used} % of limit{date}</span>
     </span>
   );
 }
@@ -58,6 +67,7 @@ function Cell({ row, small, now_utc_s }) {
       <a href={`/r/${encodeURIComponent(row.robot)}`} title={small ? row.headline : undefined}>
         <span class="name"><Sign level={row.level} />{row.robot}</span>
         {!small && <span class="detail">{row.headline}</span>}
+        {!small && !row.next && <span class="next"><span>{row.tendons.length ? "No limit configured, or no session yet" : "No tendon"}</span></span>}
         {!small && row.next && <Next row={row} now_utc_s={now_utc_s} />}
         {!small && (
           <span class="joints" aria-hidden="true">

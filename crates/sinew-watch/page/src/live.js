@@ -10,7 +10,8 @@ const REPORT_MS = 10_000;
 
 const state = { fleet: null, robots: new Map(), robot: null, lost: false, received_ms: Date.now(), login: false };
 const readers = new Set();
-let wanted = null, version = 0;
+// `series`: tendon whose live series is received, as `ROBOT/JOINT`, with the receiver of its samples.
+let wanted = null, series = null, version = 0;
 
 function notify() {
   version += 1;
@@ -25,6 +26,11 @@ function received() {
 function receive(kind, data) {
   if (kind === "login") { loginRequired(); return; }
   received();
+  if (kind === "live") {
+    // Drawn by the chart alone: the page is not rendered ten times a second.
+    if (`${data.robot}/${data.joint}` === series?.tendon) series.receive(data.samples);
+    return;
+  }
   if (kind === "robot") {
     if (data.robot.robot !== wanted) return;
     state.robot = data;
@@ -49,7 +55,8 @@ onLoginRequired(loginRequired);
 // Stream of this window, where the browser shares none.
 function ownStream() {
   const stream = new Stream(receive);
-  return { follow: again => stream.follow(wanted ? [wanted] : [], again), leave: () => stream.close() };
+  const list = name => name ? [name] : [];
+  return { follow: again => stream.follow(list(wanted), list(series?.tendon), again), leave: () => stream.close() };
 }
 
 // Stream shared by all windows; `failed` is called if the browser cannot run it.
@@ -59,7 +66,7 @@ function sharedStream(failed) {
   worker.port.addEventListener("message", ({ data }) => receive(data.kind, data.data));
   worker.port.start();
   return {
-    follow: again => worker.port.postMessage({ kind: again ? "again" : "follow", robot: wanted }),
+    follow: again => worker.port.postMessage({ kind: again ? "again" : "follow", robot: wanted, live: series?.tendon ?? null }),
     leave: () => worker.port.postMessage({ kind: "leave" }),
   };
 }
@@ -77,6 +84,7 @@ let source = open();
 function listen(again = false) {
   if (!document.hidden) source.follow(again);
 }
+export const reopen = () => listen(true);
 
 // A window that becomes visible again is treated as newly opened.
 function resume() {
@@ -112,6 +120,17 @@ export function follow(robot) {
   if (robot !== wanted) state.robot = null;
   wanted = robot;
   listen();
+}
+
+// Receives the live series of a tendon until the returned function is called.
+export function followSeries(robot, joint, receive) {
+  const own = series = { tendon: `${robot}/${joint}`, receive };
+  listen();
+  return () => {
+    if (series !== own) return;
+    series = null;
+    listen();
+  };
 }
 
 export function useLive() {

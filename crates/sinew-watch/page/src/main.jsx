@@ -2,6 +2,7 @@
 import { render } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Alarms } from "./alarms.jsx";
+import { Compare } from "./compare.jsx";
 import { Due } from "./due.jsx";
 import { Fleet } from "./fleet.jsx";
 import { time } from "./format.js";
@@ -9,6 +10,7 @@ import { Journal } from "./journal.jsx";
 import { logout, mayOperate } from "./api.js";
 import { follow, loggedOut, useLive } from "./live.js";
 import { Login } from "./login.jsx";
+import { Plan } from "./plan.jsx";
 import { Robot } from "./robot.jsx";
 import { Tendon } from "./tendon.jsx";
 
@@ -43,7 +45,7 @@ function usePlace() {
       if (!link || !plain || link.hasAttribute("download") || link.target) return;
       event.preventDefault();
       if (link.pathname !== location.pathname) {
-        history.pushState(null, "", link.pathname);
+        history.pushState(null, "", link.pathname + link.search);
         scrollTo(0, 0);
       }
       go();
@@ -65,7 +67,8 @@ function Nav({ here, live }) {
     <nav aria-label="pages">
       <a class="brand" href="/">Sinew watch</a>
       {link("/", "Robots", ["", "r"])}
-      {link("/due", "Maintenance", ["due"])}
+      {link("/due", "Maintenance", ["due", "plan"])}
+      {link("/compare", "Compare", ["compare"])}
       {link("/alarms", <>Alarms{alarms > 0 && <b class="count" title="unacknowledged">{alarms}</b>}</>, ["alarms"])}
       {link("/journal", "Journal", ["journal"])}
       <Pulse live={live} />
@@ -88,7 +91,7 @@ function LogOut() {
 // Title of the tab: number of active alarms, then the page.
 function useTitle(live, page, rest) {
   const active = [...live.robots.values()].reduce((sum, row) => sum + row.active, 0);
-  const names = { due: "Maintenance", alarms: "Alarms", journal: "Journal", r: rest.slice().reverse().join(" of ") };
+  const names = { due: "Maintenance", plan: "Month plan", compare: "Compare tendons", alarms: "Alarms", journal: "Journal", r: rest.slice().reverse().join(" of ") };
   const name = page === undefined ? "Robots" : names[page] ?? "Page not found";
   const title = `${live.lost ? "(disconnected) " : active > 0 ? `(${active}) ` : ""}${name} – Sinew watch`;
   useEffect(() => { document.title = title; }, [title]);
@@ -137,6 +140,8 @@ function App() {
   else if (page === "r" && rest.length === 1) content = <Robot key={robot} name={robot} live={live} />;
   else if (page === "r" && rest.length === 2) content = <Tendon key={rest.join("/")} robot={robot} joint={rest[1]} live={live} />;
   else if (page === "due") content = <Due live={live} />;
+  else if (page === "plan") content = <Plan live={live} />;
+  else if (page === "compare") content = <Compare live={live} />;
   else if (page === "alarms") content = <Alarms live={live} />;
   else if (page === "journal") content = <Journal live={live} robot={rest[0]} />;
   else content = <h1 tabindex="-1">Page not found</h1>;

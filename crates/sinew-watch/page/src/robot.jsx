@@ -30,6 +30,20 @@ const REASONS = {
 };
 const INCONCLUSIVE = { "too-wide": "Inconclusive: interval too wide", "too-short": "Inconclusive: insufficient motion", rejected: "Inconclusive: data inconsistent with robot.toml" };
 export const whyNot = reason => reason ? (reason.kind === "inconclusive" ? INCONCLUSIVE[reason.reason] : REASONS[reason.kind]) : "";
+const PROVISIONAL = {
+  starting: () => "converging",
+  step: ({ probability }) => `suspected step change (probability ${chance(probability)})`,
+  "change-near-end": () => "a change that may be an ongoing contact",
+  rejected: ({ share }) => `${chance(share)} of the data are outliers`,
+  "not-solved": () => "newest data inconsistent with the model",
+};
+// Reason for which the present offset of a tendon is not valid, and since when; empty: it is valid.
+export function notValid({ validity, provisional, reason }) {
+  if (validity.kind === "valid") return "";
+  const why = provisional ? PROVISIONAL[provisional.reason](provisional) : whyNot(reason) || "no data";
+  return `Not valid: ${why[0].toLowerCase()}${why.slice(1)}, for ${span(validity.for_s)}`;
+}
+
 export const whyNoOffset = reason => INCONCLUSIVE[reason] ?? "Inconclusive: not separable";
 
 // Quantity of the limit as a share of it; null if not available.
@@ -67,7 +81,7 @@ function Tendon({ robot, tendon, text, old }) {
         <span class="detail">{text}</span>
       </th>
       <td data-name="Offset" class={tendon.offset_rad && !old ? "" : "none"}>
-        {tendon.offset_rad && !old ? <>{plusMinus(tendon.offset_rad, 1e3)} <small>mrad{tendon.provisional && ", provisional"}</small></> : whyNot(tendon.reason) || "No data"}
+        {tendon.offset_rad && !old ? <>{plusMinus(tendon.offset_rad, 1e3)} <small>mrad</small>{notValid(tendon) && <small class="at">{notValid(tendon)}</small>}</> : whyNot(tendon.reason) || "No data"}
       </td>
       <td data-name="Last session">
         {last ? <>{lastOffset ? <>{plusMinus(lastOffset, 1e3)} <small>mrad</small></> : whyNoOffset(last.reason)}

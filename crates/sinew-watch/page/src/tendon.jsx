@@ -6,9 +6,10 @@ import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";
 import { Chart } from "./chart.jsx";
 import { chance, count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
-import { whyNoOffset, whyNot } from "./robot.jsx";
+import { notValid, whyNoOffset, whyNot } from "./robot.jsx";
 import { Incidents, Maintenance } from "./incident.jsx";
 import { CLASSES, Sign } from "./signs.jsx";
+import { Strip } from "./strip.jsx";
 
 const MAX_ROWS = 200;
 
@@ -160,13 +161,18 @@ export function Tendon({ robot, joint, live }) {
       {alarms.length > 0 && <section aria-label="alarms"><AlarmList alarms={alarms} named={false} /></section>}
       <Incidents robot={robot} joint={joint} incidents={of?.robot.incidents ?? []} recordings={of?.recordings ?? []} />
       <section>
+        <h2>Live</h2>
+        <Strip robot={robot} joint={joint} tendon={tendon} isSilent={old} />
+      </section>
+      <section>
         <h2>Trend</h2>
         <Trend robot={robot} joint={joint} trend={trend} mark={mark} />
       </section>
       <section>
         <table class="facts"><tbody>
           <tr><th scope="row">Offset</th><td class={tendon.offset_rad && !old ? "" : "none"}>
-            {tendon.offset_rad && !old ? `${plusMinus(tendon.offset_rad, 1e3)} mrad${tendon.provisional ? ", provisional" : ""}` : whyNot(tendon.reason) || "No data"}</td></tr>
+            {tendon.offset_rad && !old ? `${plusMinus(tendon.offset_rad, 1e3)} mrad` : whyNot(tendon.reason) || "No data"}</td></tr>
+          <tr><th scope="row">Validity</th><td>{live.lost ? "Not valid: disconnected" : notValid(tendon) || "Valid"}</td></tr>
           {tendon.elongation_m && !old && <tr><th scope="row">Elongation</th><td>{plusMinus(tendon.elongation_m, 1e3)} mm</td></tr>}
           {tendon.strain_ratio && !old && <tr><th scope="row">Total strain</th><td>{plusMinus(tendon.strain_ratio, 100)} %</td></tr>}
           <tr><th scope="row">Last tensioned</th><td>{tendon.tensioned_utc_s ? dayAndTime(tendon.tensioned_utc_s) : "Not recorded"}</td></tr>
@@ -194,6 +200,7 @@ export function Tendon({ robot, joint, live }) {
           </ul>
         </section>
       )}
+      <p><a href={`/compare?${new URLSearchParams({ tendon: `${robot}/${joint}` })}`}>Compare with other tendons</a></p>
       <Records key={key} robot={robot} joint={joint} mark={mark} />
       <p><a download href={`/api/v1/records.csv?robot=${encodeURIComponent(robot)}&joint=${encodeURIComponent(joint)}`}>Export records of this tendon: CSV</a></p>
     </>

@@ -463,9 +463,11 @@ fn feed(
 ) -> Option<String> {
     match content {
         BatchContent::Frame { received, frame } => {
-            let received = clock_rate.instant(received);
-            recorder.frame(frame, received.utc_s());
-            monitor.frame(frame, received);
+            let now = clock_rate.instant(received);
+            recorder.frame(frame, now.utc_s());
+            monitor.frame(frame, now);
+            let live = |tendon| monitor.live(tendon, frame, now);
+            slot.live.add(live, now.monotonic_ns);
         }
         BatchContent::Fault { fault, .. } => return faults.ingest(fault),
         BatchContent::Dropped { messages } => {

@@ -12,7 +12,7 @@ use sinew_model::Gaussian;
 use sinew_transport::{Outgoing, Publisher};
 use sinew_watch_core::RobotSnapshot;
 use sinew_watch_core::alarm::{Alarm, Level};
-use sinew_watch_core::snapshot::{Freshness, TendonSnapshot};
+use sinew_watch_core::snapshot::{Freshness, TendonSnapshot, Validity};
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -26,9 +26,11 @@ const INTERVAL: Duration = Duration::from_secs(1);
 pub const STATUS_PREFIX: &str = "sinew: ";
 
 /// Interface names of a tendon on `/sinew/tendons`.
-const INTERFACES: [&str; 5] = [
+/// `valid` is 1 or 0: a controller uses the offset only while it is 1.
+const INTERFACES: [&str; 6] = [
     "offset",
     "offset_interval_95",
+    "valid",
     "elongation",
     "strain",
     "alarm_level",
@@ -160,13 +162,14 @@ fn statuses(robot: &RobotSnapshot) -> Vec<DiagnosticStatus> {
         ]
         .map(|(names, value)| both(names, value));
         let numbers = [offset, elongation, strain].into_iter().flatten().flatten();
+        let valid = ("valid", (tendon.validity == Validity::Valid).to_string());
         let last = tendon.last.as_ref();
         let last = last.map(|last| ("last_record_utc_s", last.time_utc_s.to_string()));
         status(
             format!("{name}/{}", tendon.joint),
             tendon.level,
             words::tendon(tendon, &robot.alarms),
-            numbers.chain(last).collect(),
+            numbers.chain([valid]).chain(last).collect(),
         )
     });
     let of_robot = robot.alarms.iter().filter(|a| a.key.joint.is_none());
@@ -202,8 +205,34 @@ fn values(tendon: &TendonSnapshot) -> [f64; INTERFACES.len()] {
     [
         mean(tendon.offset_rad),
         tendon.offset_rad.map_or(f64::NAN, Gaussian::half_width_95),
+        f64::from(tendon.validity == Validity::Valid),
         mean(tendon.elongation_m),
         mean(tendon.strain_ratio),
         f64::from(tendon.level.number()),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn valid_is_one_only_for_valid_offset() {
+        let value = |validity: serde_json::Value| {
+            let tendon: TendonSnapshot = serde_json::from_value(json!({
+                "joint": "elbow", "level": "OK", "offset_rad": { "mean": 8e-3, "std": 1e-3 }, "validity": validity,
+                "elongation_m": null, "strain_ratio": null, "reason": null, "tensioned_utc_s": null, "last": null,
+                "limits": [], "rope": null,
+            }))
+            .unwrap();
+            let values = values(&tendon);
+            assert_eq!(values[0], 8e-3);
+            let at = INTERFACES.iter().position(|name| *name == "valid");
+            values[at.unwrap()]
+        };
+        assert_eq!(value(json!({ "kind": "valid" })), 1.0);
+        // After a slip the offset is present, but a controller must not use it.
+        assert_eq!(value(json!({ "kind": "not-valid", "for_s": 1.5 })), 0.0);
+    }
 }

@@ -1,5 +1,6 @@
 //! Present state of one robot, written by its core thread and read by all others.
 
+use super::live::LiveBoard;
 use super::lock;
 use sinew_watch_core::RobotSnapshot;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,6 +14,8 @@ pub struct Slot {
     recordings: Mutex<Vec<u64>>,
     /// Number of messages dropped before the estimator because of a full queue.
     pub dropped: AtomicU64,
+    /// Live series that browsers show.
+    pub live: LiveBoard,
 }
 
 /// State of a robot.

@@ -1,11 +1,11 @@
 //! Response types of the HTTP API: SI units with standard deviations, and texts for people.
 
-use crate::runtime::{RobotState, Slot, TransportView};
+use crate::runtime::{LiveSample, RobotState, Slot, TransportView};
 use crate::store::JournalEntry;
 use crate::words;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
-use sinew_trend::{JointTrend, Limit};
+use sinew_trend::{JointTrend, Limit, LimitState};
 use sinew_watch_core::alarm::{Alarm, Level};
 use sinew_watch_core::command::CommandKind;
 use sinew_watch_core::journal::{Correction, Event};
@@ -91,6 +91,8 @@ pub struct NextTendon {
     pub value: Gaussian,
     /// Share of the limit that is used.
     pub share: f64,
+    /// State of the limit according to the trend; `null`: no trend yet.
+    pub state: Option<LimitState>,
     /// Median of the date on which the limit is exceeded, s since 1970 UTC; `null`: beyond the forecast horizon, exceeded
     /// already, or no forecast.
     pub at_utc_s: Option<f64>,
@@ -116,7 +118,7 @@ impl NextTendon {
                 .trend
                 .as_ref()
                 .map(|trend| (trend.last_utc_s, &trend.limits));
-            let at_utc_s = forecasts.and_then(|(last_utc_s, limits)| {
+            let forecast = forecasts.and_then(|(last_utc_s, limits)| {
                 let same = limits.iter().find(|forecast| {
                     matches!(
                         (forecast.limit, limit),
@@ -124,14 +126,15 @@ impl NextTendon {
                             | (Limit::Replace { .. }, LimitNow::Replace { .. })
                     )
                 })?;
-                Some(last_utc_s + same.after_s?)
+                Some((same.state, same.after_s.map(|s| last_utc_s + s)))
             });
             Some(Self {
                 joint: tendon.joint.clone(),
                 limit: *limit,
                 value,
                 share: value.mean / most,
-                at_utc_s,
+                state: forecast.map(|(state, _)| state),
+                at_utc_s: forecast.and_then(|(_, at_utc_s)| at_utc_s),
             })
         });
         rows.max_by(|a, b| a.share.total_cmp(&b.share))
@@ -312,6 +315,20 @@ pub struct TestResult {
 pub struct EventsQuery {
     /// Robots whose states are sent in addition to the fleet, separated by commas.
     pub robot: Option<String>,
+    /// Tendons whose live series at 10 Hz are sent as `live` events, as `ROBOT/JOINT`, separated by commas.
+    pub live: Option<String>,
+}
+
+/// Event `live`: samples of a tendon since the previous event; in the first one those of the last minute, as far as another
+/// browser receives them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LiveEvent<'a> {
+    /// Name of the robot in the configuration.
+    pub robot: &'a str,
+    /// Name of the joint.
+    pub joint: &'a str,
+    /// Samples in chronological order, at 10 Hz.
+    pub samples: Vec<LiveSample>,
 }
 
 /// Credentials of a login.

@@ -68,7 +68,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/records.parquet" records::parquet, (query RecordQuery) -> media "application/vnd.apache.parquet", "Records of sessions as Parquet";
     get "/api/v1/robots/{robot}/sessions.csv" records::sessions, () -> media "text/csv", "Best record of each day and tendon, input of `sinew trend`";
     get "/api/v1/survival.csv" records::lives, () -> media "text/csv", "Lifetimes of ropes by replacements and findings, input of `sinew trend survival`";
-    get "/api/v1/events" events::events, (query EventsQuery) -> media "text/event-stream", "Server-sent events: fleet, change and robot, once a second";
+    get "/api/v1/events" events::events, (query EventsQuery) -> media "text/event-stream", "Server-sent events: fleet, change and robot, once a second; live, at 10 Hz";
     get "/api/v1/openapi.json" handlers::openapi, () -> media "application/json", "This description";
     post "/api/v1/notify/test" handlers::test_notifications, (body EmptyBody) -> json TestResults, "Send a test notification to every receiver; role operate";
     get "/metrics" metrics::metrics, () -> media "text/plain", "Metrics for Prometheus";
@@ -92,6 +92,8 @@ pub fn router(app: App) -> Router {
         "/r/{robot}",
         "/r/{robot}/{joint}",
         "/due",
+        "/plan",
+        "/compare",
         "/alarms",
         "/journal",
         "/journal/{robot}",

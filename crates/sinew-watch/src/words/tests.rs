@@ -21,7 +21,7 @@ use sinew_watch_core::incident::{
 use sinew_watch_core::journal::{BaselineWaits, Correction, Event, Maintenance, SessionEnd};
 use sinew_watch_core::record::{Clock, NoOffset};
 use sinew_watch_core::snapshot::{
-    Freshness, Learning, NoEstimateReason, RobotSnapshot, TendonSnapshot,
+    Freshness, Learning, NoEstimateReason, RobotSnapshot, TendonSnapshot, Validity,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -601,6 +601,7 @@ fn tendon_snapshot() -> TendonSnapshot {
         joint: ELBOW.into(),
         level: Level::Ok,
         offset_rad: Some(Gaussian::new(9.8e-3, 0.4e-3)),
+        validity: Validity::Valid,
         provisional: None,
         unknown_temperature_rad: None,
         elongation_m: Some(Gaussian::new(0.246e-3, 0.011e-3)),
