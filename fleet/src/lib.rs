@@ -33,7 +33,6 @@ pub mod rows;
 mod sessions;
 pub mod simulate;
 mod table;
-mod words;
 
 pub use error::FleetError;
 

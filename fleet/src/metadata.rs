@@ -8,20 +8,12 @@ use crate::sessions::Sessions;
 use sinew_estimate::robot_dir;
 use sinew_model::robot::Robot;
 use sinew_model::transmission;
-use sinew_rope::{Catalogue, CatalogueError};
-use sinew_trend::prior::{RopePrior, rope_prior};
-use sinew_trend::{
-    AnalyzeError, LoadedTrend, ResumedTrend, SessionRecord, Stated, TrendRequest,
-    mean_temperature_c, resume_joint,
-};
+use sinew_rope::Catalogue;
+use sinew_trend::filter::Prior;
+use sinew_trend::fleet::{FleetTendon, RopePriors, trend_of_tendon};
+use sinew_trend::{AnalyzeError, LoadedTrend, ResumedTrend, Stated};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// Forecast horizon of a trend, days; intervals that end later are open.
-const HORIZON_DAYS: f64 = 365.0;
-/// Assumed time between a tensioning and its baseline, s.
-const BASELINE_AFTER_S: f64 = 3600.0;
 
 /// Metadata of a fleet: robot types, installed ropes, events, sites and reference creep.
 pub(crate) struct FleetMetadata {
@@ -30,15 +22,10 @@ pub(crate) struct FleetMetadata {
     pub(crate) fitted: BTreeMap<Tendon, Fitted>,
     pub(crate) events: BTreeMap<Tendon, Vec<Stated>>,
     pub(crate) sites: BTreeMap<String, String>,
-    catalogue: Catalogue,
-    /// Priors of the ropes by kind of tendon and rounded mean temperature; few such kinds exist.
-    priors: Mutex<BTreeMap<Kind, Arc<RopePrior>>>,
+    priors: RopePriors,
     /// Reference creep of ropes, estimated from a fleet.
     creep: ReferenceCreeps,
 }
-
-/// Kind of tendon and mean temperature in whole degrees Celsius.
-type Kind = (CreepKind, i64);
 
 impl FleetMetadata {
     /// Reads the metadata of a folder.
@@ -67,8 +54,7 @@ impl FleetMetadata {
             events: sides::events(folder)?,
             sites: sides::sites(folder)?,
             fitted,
-            catalogue,
-            priors: Mutex::default(),
+            priors: RopePriors::new(catalogue),
             creep: ReferenceCreeps::new(),
         })
     }
@@ -100,38 +86,32 @@ impl FleetMetadata {
         self.robots.get(&(sessions.robot_type.clone(), rope))
     }
 
-    /// Estimates the trend of a tendon, as `sinew trend` does.
+    /// Estimates the trend of a tendon.
     ///
     /// * `robot`: type with the installed rope.
-    /// * `rows`: selected sessions of the tendon.
     /// * `kept`: stored state of an earlier query.
     pub(crate) fn trend(
         &self,
         sessions: &Sessions,
         robot: Option<&Robot>,
-        mut rows: Vec<SessionRecord>,
         kept: Option<LoadedTrend>,
     ) -> Result<ResumedTrend, AnalyzeError> {
-        // Events after the last session have no session yet.
-        let last_utc_s = rows.last().map_or(0.0, |r| r.time_utc_s);
-        let stated = self.events.get(&sessions.tendon).into_iter().flatten();
-        let stated: Vec<Stated> = stated
-            .filter(|s| s.time_utc_s <= last_utc_s)
-            .cloned()
-            .collect();
-        date_baselines(&mut rows, &stated);
-        let request = TrendRequest {
-            robot,
-            catalogue: &self.catalogue,
-            stated,
-            duty: None,
-            life: None,
-            horizon_days: HORIZON_DAYS,
-            seed: 1,
-        };
         let joint = &sessions.tendon.1;
-        let rope = self.prior(sessions, robot, &request)?;
-        resume_joint(joint, &rows, &rope, &request, kept)
+        let tendon = robot.and_then(|robot| tendon_of(robot, joint));
+        let of = FleetTendon {
+            joint,
+            robot,
+            tendon,
+            events: self
+                .events
+                .get(&sessions.tendon)
+                .map_or(&[][..], Vec::as_slice),
+        };
+        let reference = reference_creep::find(&self.creep, &self.kind(sessions, tendon));
+        let apply = reference
+            .map(|(_, creep)| move |prior: &mut Prior| reference_creep::apply(prior, &creep));
+        let adjust = apply.as_ref().map(|apply| apply as &dyn Fn(&mut Prior));
+        trend_of_tendon(of, &sessions.rows, &self.priors, adjust, kept)
     }
 
     /// Returns the kind of a tendon.
@@ -149,32 +129,6 @@ impl FleetMetadata {
     pub(crate) fn has_reference_creep(&self, sessions: &Sessions, robot: &Robot) -> bool {
         let kind = self.kind(sessions, tendon_of(robot, &sessions.tendon.1));
         reference_creep::find(&self.creep, &kind).is_some()
-    }
-
-    /// Returns the prior of a tendon from its rope.
-    fn prior(
-        &self,
-        sessions: &Sessions,
-        robot: Option<&Robot>,
-        request: &TrendRequest<'_>,
-    ) -> Result<Arc<RopePrior>, CatalogueError> {
-        let tendon = robot.and_then(|robot| tendon_of(robot, &sessions.tendon.1));
-        let celsius = mean_temperature_c(&sessions.rows).round();
-        let own = self.kind(sessions, tendon);
-        let (kind, reference) = match reference_creep::find(&self.creep, &own) {
-            Some((kind, reference)) => (kind, Some(reference)),
-            None => (own.widest(), None),
-        };
-        let kind = (kind, celsius as i64);
-        let priors = || self.priors.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(reference) = priors().get(&kind) {
-            return Ok(reference.clone());
-        }
-        let mut found = rope_prior(tendon, request.catalogue, None, celsius, request.seed)?;
-        if let Some(reference) = reference {
-            reference_creep::apply(&mut found.prior, &reference);
-        }
-        Ok(priors().entry(kind).or_insert(Arc::new(found)).clone())
     }
 }
 
@@ -194,26 +148,4 @@ fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
     places.extend(named.iter().cloned());
     let load = |place: &PathBuf| Ok(robot_dir::load(place, None)?.robot);
     places.iter().map(load).collect()
-}
-
-/// Sets the baseline times from the tensionings specified between the first session of a baseline and the session before it.
-fn date_baselines(rows: &mut [SessionRecord], stated: &[Stated]) {
-    let mut before: Option<(Option<String>, f64)> = None;
-    let mut time_utc_s = None;
-    for row in rows {
-        let changed = before
-            .as_ref()
-            .is_none_or(|(name, _)| *name != row.baseline);
-        if changed {
-            let from = before.as_ref().map_or(f64::NEG_INFINITY, |(_, t)| *t);
-            let times = stated.iter().map(|s| s.time_utc_s);
-            let between = times.filter(|t| *t > from && *t <= row.time_utc_s);
-            let latest = between.fold(f64::NEG_INFINITY, f64::max);
-            time_utc_s = latest
-                .is_finite()
-                .then_some((latest + BASELINE_AFTER_S).min(row.time_utc_s));
-        }
-        row.baseline_time_utc_s = time_utc_s;
-        before = Some((row.baseline.clone(), row.time_utc_s));
-    }
 }

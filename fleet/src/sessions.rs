@@ -5,16 +5,10 @@ use crate::folder::sides::Tendon;
 use datafusion::arrow::array::{Array as _, AsArray as _, RecordBatch};
 use datafusion::arrow::compute::cast;
 use datafusion::arrow::datatypes::{DataType, Float64Type};
-use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_trend::SessionRecord;
+use sinew_trend::fleet::best_of_days;
 use std::collections::HashMap;
-
-/// Period of the selection of sessions, days. All sessions of the present and of the previous period are used, counted from the
-/// first session of a tendon, all of [`FRESH_DAYS`] after each new baseline, and one per week of the others. The selection
-/// therefore changes with the period and not daily, and a trend can resume from the previous day.
-const PERIOD_DAYS: f64 = 30.0;
-const FRESH_DAYS: f64 = 14.0;
 
 /// Sessions of a tendon: the one with the narrowest interval of each day, as in the trend of the monitor.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,23 +33,6 @@ pub(crate) const COLUMNS: [&str; 11] = [
     "stiffness_std_ratio",
 ];
 
-impl Sessions {
-    /// Adds a session: a day's second counts only if it is the better one. A tensioning parts a day in two.
-    fn push(&mut self, row: SessionRecord) {
-        let day = |r: &SessionRecord| (r.time_utc_s / DAY_S).floor();
-        let width = |r: &SessionRecord| r.offset_rad.map_or(f64::INFINITY, |o| o.std);
-        match self.rows.last_mut() {
-            Some(last) if day(last) == day(&row) && last.baseline == row.baseline => {
-                if width(&row) < width(last) {
-                    *last = row;
-                }
-            }
-            Some(last) if row.time_utc_s <= last.time_utc_s => {}
-            _ => self.rows.push(row),
-        }
-    }
-}
-
 /// Sessions of rows of [`COLUMNS`] in any order, by robot and joint.
 ///
 /// Files hold most rows of a tendon one after the other, so these are put in order, and not all rows by three keys.
@@ -69,7 +46,7 @@ pub(crate) fn sessions(batches: &[RecordBatch]) -> Result<Vec<Sessions>, FleetEr
     for tendon in &mut out {
         let mut rows = std::mem::take(&mut tendon.rows);
         rows.sort_by(|a, b| a.time_utc_s.total_cmp(&b.time_utc_s));
-        rows.into_iter().for_each(|row| tendon.push(row));
+        tendon.rows = best_of_days(rows);
     }
     Ok(out)
 }
@@ -154,36 +131,11 @@ impl SessionTable {
     }
 }
 
-/// Selects all recent sessions, those after a new baseline, and one per week of the others, because a single day contributes little
-/// to the creep months ago.
-pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
-    let [first_utc_s, last_utc_s] =
-        [rows.first(), rows.last()].map(|row| row.map_or(0.0, |r| r.time_utc_s));
-    let period_s = PERIOD_DAYS * DAY_S;
-    let period = ((last_utc_s - first_utc_s) / period_s).floor();
-    let recent_utc_s = first_utc_s + (period - 1.0) * period_s;
-    let mut out: Vec<SessionRecord> = Vec::new();
-    let (mut since_utc_s, mut week) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-    let mut baseline: Option<&Option<String>> = None;
-    for row in rows {
-        if baseline != Some(&row.baseline) {
-            (baseline, since_utc_s) = (Some(&row.baseline), row.time_utc_s);
-        }
-        let recent = row.time_utc_s >= recent_utc_s;
-        let fresh = row.time_utc_s - since_utc_s <= FRESH_DAYS * DAY_S;
-        let number = (row.time_utc_s / (7.0 * DAY_S)).floor();
-        if recent || fresh || number != week {
-            out.push(row.clone());
-        }
-        week = number;
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use datafusion::arrow::array::{ArrayRef, Float64Array, StringArray};
+    use sinew_files::date::DAY_S;
     use std::sync::Arc;
 
     /// Robot, joint, day, offset in mrad, standard deviation in mrad.
@@ -238,23 +190,5 @@ mod tests {
         other.swap(1, 5);
         let (one, two) = other.split_at(3);
         assert_eq!(sessions(&[batch(one), batch(two)]).unwrap(), sorted);
-    }
-
-    #[test]
-    fn thinned_selection_changes_with_period_only() {
-        let days = |count: u32| -> Vec<SessionRecord> {
-            let session = |day: u32| SessionRecord {
-                time_utc_s: 1.75e9 + f64::from(day) * DAY_S,
-                ..SessionRecord::default()
-            };
-            (0..count).map(session).collect()
-        };
-        let [day_99, day_119, day_120] = [100, 120, 121].map(|count| thinned(&days(count)));
-        // Two weeks, seven weeks until day 60, and all since; twenty days later the same and all since.
-        assert!(day_99.len() < 14 + 7 + 40 + 2, "{}", day_99.len());
-        assert!(day_119.starts_with(&day_99));
-        assert_eq!(day_119.len(), day_99.len() + 20);
-        assert!(!day_120.starts_with(&day_99));
-        assert!(day_120.len() < day_119.len());
     }
 }

@@ -33,6 +33,22 @@ fn copied_file_counts_once() {
 }
 
 #[test]
+fn file_of_records_states_units_and_meaning() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("host-1.parquet"), &ten_days());
+    let found = Folder::open(folder.path()).unwrap();
+    let metadata = found.clean[0].schema.metadata();
+    assert_eq!(metadata["sinew_schema"], "sinew-record/2");
+    let about: serde_json::Value = serde_json::from_str(&metadata["sinew_columns"]).unwrap();
+    assert_eq!(about["offset_std_rad"]["unit"], "rad");
+    assert_eq!(about["elongation_m"]["unit"], "m");
+    assert_eq!(
+        about["offset_std_rad"]["meaning"],
+        "Standard deviation of the offset"
+    );
+}
+
+#[test]
 fn folder_name_is_not_a_pattern() {
     let folder = tempfile::tempdir().unwrap();
     write(

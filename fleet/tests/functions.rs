@@ -53,8 +53,8 @@ fn trend_functions_match_due() {
     };
     let mut engine = open(folder.path());
     let list = due(&mut engine, &request).unwrap();
-    let sql = "SELECT robot, joint, t.offset_rad, t.offset_std_rad, t.last_utc_s, d.median, d.low, \
-               d.high, d.limit FROM (SELECT r.robot AS robot, r.joint AS joint, sinew_trend(r.*) AS t, \
+    let sql = "SELECT robot, joint, t.offset_rad, t.offset_std_rad, t.last_utc_s, d.days, \
+               d.days_low, d.days_high, d.limit FROM (SELECT r.robot AS robot, r.joint AS joint, sinew_trend(r.*) AS t, \
                sinew_days_until(r.*) AS d FROM records r GROUP BY r.robot, r.joint)";
     let rows = cells(&mut engine, sql);
     assert_eq!(rows.len(), list.followed.len());
@@ -83,7 +83,7 @@ fn days_until_increase_with_limit() {
     let mut engine = open(folder.path());
     let days = |limit_mm: &str| {
         format!(
-            "SELECT d.state, d.median FROM (SELECT sinew_days_until({limit_mm}, *) AS d FROM records WHERE joint = \
+            "SELECT d.state, d.days FROM (SELECT sinew_days_until({limit_mm}, *) AS d FROM records WHERE joint = \
              'elbow' GROUP BY robot, joint)"
         )
     };

@@ -55,7 +55,7 @@ mod _core {
     #[pymodule_export]
     use crate::table::Table;
     #[pymodule_export]
-    use crate::trend::trend;
+    use crate::trend::{tendon_trend, trend};
 
     /// Half a 95 % interval, in standard deviations.
     #[pymodule_export]

@@ -5,13 +5,18 @@ use crate::failure::Failure;
 use crate::robot::RobotArg;
 use crate::work::work;
 use pyo3::prelude::*;
-use sinew_files::date::parse_utc_s;
+use pyo3::types::PyDict;
+use sinew_files::date::{DAY_S, parse_utc_s};
+use sinew_model::Gaussian;
 use sinew_report::trend::{format_note, page, render_table, trend_series, trend_table};
-use sinew_rope::Duty;
+use sinew_rope::{Catalogue, Duty};
+use sinew_trend::fleet::{FleetTendon, RopePriors, best_of_days, trend_of_tendon};
 use sinew_trend::{
-    Stated, TrendRequest, analyze, read_records, records_from_csv, records_from_json, sort_of,
+    Passage, SessionRecord, Stated, TrendRequest, analyze, read_records, records_from_csv,
+    records_from_json, sort_of,
 };
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 /// Source of session records: a file, or a text with a name.
 #[derive(FromPyObject)]
@@ -101,4 +106,113 @@ pub(crate) fn trend(
         .warnings(warnings)
         .lossy(is_lossy)
         .into())
+}
+
+/// Priors of the ropes of all tendons that this process follows.
+static PRIORS: OnceLock<RopePriors> = OnceLock::new();
+
+fn priors() -> Result<&'static RopePriors, Failure> {
+    if let Some(priors) = PRIORS.get() {
+        return Ok(priors);
+    }
+    let catalogue = Catalogue::shipped()?;
+    Ok(PRIORS.get_or_init(|| RopePriors::new(catalogue)))
+}
+
+/// Session of a tendon: baseline, time and duration, s; offset and its standard deviation, rad; temperature, °C; stiffness ratio and
+/// its standard deviation.
+type Session = (
+    Option<String>,
+    f64,
+    Option<f64>,
+    f64,
+    f64,
+    Option<f64>,
+    Option<f64>,
+    Option<f64>,
+);
+
+/// Trend of one tendon of a fleet, identical to that of `sinew-fleet`, as a row of its columns.
+///
+/// * `rope`: installed rope, instead of that of the robot.
+/// * `sessions`: in order of time, at most one at a time.
+/// * `events`: dates of maintenance, and whether the rope was replaced.
+#[pyfunction]
+#[pyo3(signature = (robot, joint, rope, sessions, events))]
+pub(crate) fn tendon_trend<'py>(
+    py: Python<'py>,
+    robot: RobotArg<'_>,
+    joint: String,
+    rope: Option<String>,
+    sessions: Vec<Session>,
+    events: Vec<(String, bool)>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut robot = robot.load()?.robot.clone();
+    if rope.is_some() {
+        for transmission in robot.transmissions.iter_mut().flatten() {
+            if let Some(tendon) = &mut transmission.tendon {
+                tendon.rope = rope.clone();
+            }
+        }
+    }
+    let event = |(date, replaced): &(String, bool)| {
+        Ok::<_, Failure>(Stated {
+            joint: Some(joint.clone()),
+            time_utc_s: date_utc_s(date)?,
+            replaced: *replaced,
+        })
+    };
+    let events = events.iter().map(event).collect::<Result<Vec<_>, _>>()?;
+    let record = |session: Session| {
+        let (baseline, time_utc_s, duration_s, mean, std, temperature_c, stiffness, its_std) =
+            session;
+        let stiffness = stiffness.zip(its_std.filter(|std| *std > 0.0));
+        SessionRecord {
+            baseline,
+            time_utc_s,
+            duration_s,
+            joint: joint.clone(),
+            offset_rad: Some(Gaussian::new(mean, std)),
+            temperature_c,
+            stiffness_ratio: stiffness.map(|(mean, std)| Gaussian::new(mean, std)),
+            ..SessionRecord::default()
+        }
+    };
+    let sessions = best_of_days(sessions.into_iter().map(record));
+    let (name, count) = (joint.clone(), sessions.len());
+    let trend = work(py, "analysing", None, move |_| {
+        let index = robot.arm.joint_index(&name);
+        let transmission = index.and_then(|i| robot.transmissions.get(i)?.as_ref());
+        let of = FleetTendon {
+            joint: &name,
+            robot: Some(&robot),
+            tendon: transmission.and_then(|t| t.tendon.as_ref()),
+            events: &events,
+        };
+        Ok(trend_of_tendon(of, &sessions, priors()?, None, None)?.trend)
+    })?;
+    let row = PyDict::new(py);
+    row.set_item("verdict", trend.verdict.name())?;
+    row.set_item("offset_rad", trend.offset_rad.mean)?;
+    row.set_item("offset_std_rad", trend.offset_rad.std)?;
+    row.set_item("elongation_m", trend.elongation_m.map(|e| e.mean))?;
+    row.set_item("elongation_std_m", trend.elongation_m.map(|e| e.std))?;
+    row.set_item("rate_rad_per_s", trend.rate_rad_per_s.mean)?;
+    row.set_item("rate_std_rad_per_s", trend.rate_rad_per_s.std)?;
+    row.set_item("jumps", trend.events.iter().filter(|e| e.is_jump()).count())?;
+    row.set_item("sessions", count)?;
+    row.set_item("tensioned_utc_s", trend.tensioned_utc_s)?;
+    row.set_item("last_utc_s", trend.last_utc_s)?;
+    let passages = Passage::all(&trend);
+    if let Some(first) = Passage::first(&passages) {
+        row.set_item("limit", first.limit.name())?;
+        row.set_item("state", first.state.name())?;
+        for (name, at_utc_s) in ["days", "days_low", "days_high"]
+            .into_iter()
+            .zip(first.at_utc_s)
+        {
+            row.set_item(name, at_utc_s.map(|at| (at - trend.last_utc_s) / DAY_S))?;
+        }
+    }
+    Ok(row)
 }

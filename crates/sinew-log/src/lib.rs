@@ -128,8 +128,9 @@ pub use error::{Ambiguity, LogError};
 pub use files::{
     Arrays, Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, GivenMessages,
     MappingProposal, McapOptions, McapWriter, Packing, Progress, ProposedJoint, ProposedSource,
-    ProposedTime, ReadSeek, RecordedNames, Recording, RowWriter, Table, TableColumn, TableWriter,
-    Topic, TopicWriter, open, open_parts, parse_mcap_record, recordings_of,
+    ProposedTime, ReadSeek, RecordedNames, Recording, RowWriter, SchemaColumn, Table, TableColumn,
+    TableSchema, TableWriter, Topic, TopicWriter, open, open_parts, parse_mcap_record,
+    recordings_of,
 };
 pub use frame::{Axis, Channels, Frame, OwnedAxis, Quantities, Quantity};
 pub use health::{

@@ -3,7 +3,7 @@
 use ::parquet::file::reader::{FileReader as _, SerializedFileReader};
 use ::parquet::record::Field;
 use sinew_log::{Cell, CellKind, Frame, FrameWriter as _, OpenOptions, Quantities, Table};
-use sinew_log::{RowWriter, TableWriter};
+use sinew_log::{RowWriter, SchemaColumn, TableSchema, TableWriter};
 use std::fs::File;
 
 /// Numbers that are hard to write: tiny, huge, no finite decimal.
@@ -66,6 +66,42 @@ fn parquet_holds_every_cell_exactly_over_several_groups() {
         assert_eq!(found, wanted);
     }
     assert!(rows.next().is_none());
+}
+
+#[test]
+fn parquet_states_schema_units_and_meaning() {
+    let folder = tempfile::tempdir().unwrap();
+    let columns = [
+        SchemaColumn::plain("joint", CellKind::Text, "Name of the \"joint\""),
+        SchemaColumn::number("temperature_c", "°C", "Mean temperature"),
+    ];
+    let schema = TableSchema {
+        name: "trial/3",
+        columns: &columns,
+    };
+    let path = folder.path().join("a.parquet");
+    let mut writer = TableWriter::of_schema(&path, &schema).unwrap();
+    writer.row(&["elbow".into(), 21.5.into()]).unwrap();
+    writer.finish().unwrap();
+    let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+    let pairs = reader.metadata().file_metadata().key_value_metadata();
+    let value = |key: &str| {
+        let mut pairs = pairs.unwrap().iter();
+        pairs.find(|p| p.key == key).unwrap().value.clone().unwrap()
+    };
+    assert_eq!(value("sinew_schema"), "trial/3");
+    assert_eq!(value("sinew_version"), env!("CARGO_PKG_VERSION"));
+    let about: serde_json::Value = serde_json::from_str(&value("sinew_columns")).unwrap();
+    assert_eq!(about["joint"]["meaning"], "Name of the \"joint\"");
+    assert_eq!(about["temperature_c"]["unit"], "°C");
+    // CSV has the same header as without a schema.
+    let csv = folder.path().join("a.csv");
+    TableWriter::of_schema(&csv, &schema)
+        .unwrap()
+        .finish()
+        .unwrap();
+    let text = std::fs::read_to_string(csv).unwrap();
+    assert_eq!(text.trim_end(), "joint,temperature_c");
 }
 
 #[test]

@@ -14,7 +14,7 @@ use super::result::{
 };
 use super::stiffness;
 use super::survival::{LifeForecast, LifePrior};
-use crate::filter::{Event, Paths, Prior, TrendNow};
+use crate::filter::{Added, Event, Paths, Prior, Trend, TrendNow};
 use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
@@ -131,7 +131,7 @@ fn joint(
     let inputs = inputs(records, &clock, name, notes);
     let mut sessions = records.iter();
     let mut series = Vec::with_capacity(records.len());
-    let fed = feed(prior, &inputs, None, |trend, added| {
+    let mut each = |trend: &Trend, added: &Added| {
         series.extend(sessions.next().map(|record| SessionPoint {
             time_utc_s: record.time_utc_s,
             cycle: record.cycle,
@@ -142,7 +142,8 @@ fn joint(
             step_probability: added.step_probability,
             is_outlier: added.off,
         }));
-    })?;
+    };
+    let fed = feed(prior, &inputs, None, Some(&mut each))?;
     let (mut out, paths) = found(name, records, rope.basis, &clock, &fed, request, notes);
     for (point, record) in series.iter_mut().zip(records) {
         let reference_c = record.reference_c.unwrap_or(out.reference_c);
@@ -176,7 +177,7 @@ pub fn resume_joint(
     let (clock, records) = clock(name, records, &request.stated)?;
     let prior = prior(name, rope.prior.clone(), records, &clock, request);
     let inputs = inputs(records, &clock, name, &mut notes);
-    let fed = feed(prior, &inputs, kept, |_, _| ())?;
+    let fed = feed(prior, &inputs, kept, None)?;
     let basis = rope.basis.clone();
     let (trend, paths) = found(name, records, basis, &clock, &fed, request, &mut notes);
     Ok(ResumedTrend {

@@ -120,14 +120,17 @@ impl CompleteTrend {
     }
 }
 
+/// Called after each session.
+type EachSession<'a> = &'a mut dyn FnMut(&Trend, &Added);
+
 /// Runs a trend through the inputs, from a stored state if there is one.
 ///
-/// * `each`: called after each session.
+/// * `each`: called after each session; without it, the filters of the sessions before the last one are deferred.
 pub(super) fn feed(
     prior: Prior,
     inputs: &[TrendInput],
     kept: Option<LoadedTrend>,
-    mut each: impl FnMut(&Trend, &Added),
+    mut each: Option<EachSession<'_>>,
 ) -> Result<CompleteTrend, AnalyzeError> {
     let begun = kept.and_then(|kept| kept.resume(&prior, inputs));
     let is_resumed = begun.is_some();
@@ -135,13 +138,26 @@ pub(super) fn feed(
         Some(begun) => begun,
         None => (0, Trend::new(prior, TrendConfig::default())?, None),
     };
-    for step in inputs.get(seen..).unwrap_or_default() {
+    let steps = inputs.get(seen..).unwrap_or_default();
+    let has_offset =
+        |step: &TrendInput| matches!(step, TrendInput::Session(r) if r.offset_rad.is_some());
+    // The last session with an offset reports whether it is an outlier.
+    let deferred = steps.iter().rposition(has_offset).unwrap_or(0);
+    if each.is_none() && deferred > 0 {
+        trend.defer();
+    }
+    for (i, step) in steps.iter().enumerate() {
+        if i == deferred {
+            trend.catch_up();
+        }
         match *step {
             TrendInput::Tensioned { time_s } => trend.tensioned(time_s)?,
             TrendInput::Rebased { time_s, std_rad } => trend.rebased(time_s, std_rad)?,
             TrendInput::Session(record) => {
                 let added = trend.add(record)?;
-                each(&trend, &added);
+                if let Some(each) = &mut each {
+                    each(&trend, &added);
+                }
                 if record.offset_rad.is_some() {
                     last = Some(added);
                 }

@@ -8,6 +8,7 @@ mod analyze;
 mod clock;
 mod error;
 pub mod filter;
+pub mod fleet;
 mod inputs;
 mod limits;
 mod passage;

@@ -186,6 +186,21 @@ pub enum TrendVerdict {
     NoLimit,
 }
 
+impl TrendVerdict {
+    /// Name in tables, as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Retension => "retension",
+            Self::Replace => "replace",
+            Self::Inspect => "inspect",
+            Self::ReplaceByAge => "replace-by-age",
+            Self::Watch => "watch",
+            Self::Wait => "wait",
+            Self::NoLimit => "no-limit",
+        }
+    }
+}
+
 /// Step change or re-tensioning of a tendon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -271,6 +286,16 @@ pub enum Limit {
     },
 }
 
+impl Limit {
+    /// Name in tables, as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Retension { .. } => "retension",
+            Self::Replace { .. } => "replace",
+        }
+    }
+}
+
 /// Limit and forecast of its exceedance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -314,6 +339,19 @@ pub enum LimitState {
     NotWithinHorizon,
     /// Too few sessions for a forecast.
     TooFewSessions,
+}
+
+impl LimitState {
+    /// Name in tables, as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Forecast => "forecast",
+            Self::NotBefore => "not-before",
+            Self::NotWithinHorizon => "not-within-horizon",
+            Self::TooFewSessions => "too-few-sessions",
+        }
+    }
 }
 
 /// Basis of the prior of a tendon.

@@ -9,7 +9,7 @@ use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 
 /// Version of the written format.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// State from which a trend is resumed: some tens of kilobytes, just after a step change about one
 /// megabyte.

@@ -5,14 +5,17 @@ use crate::support;
 use sinew_files::date::day_of;
 use sinew_model::offset::SharedError;
 use sinew_model::robot::Robot;
+use sinew_model::transmission::Tendon;
 use sinew_model::{Gaussian, Z95};
 use sinew_report::trend::{format_note, html, render_table};
 use sinew_rope::Catalogue;
+use sinew_trend::filter::Prior;
 use sinew_trend::survival::{EventColumns, LifePrior, read_lives};
 use sinew_trend::{
     ForecastPoint, JointTrend, Limit, LimitState, PriorBasis, SessionRecord, Stated, StepCause,
     TrendEventKind, TrendReport, TrendRequest, TrendVerdict, analyze, prior, read_sessions, sort,
 };
+use std::sync::Arc;
 use support::{DAY_S, biorob_like, session_record, utc};
 
 fn report(records: Vec<SessionRecord>, stated: Vec<Stated>) -> TrendReport {
@@ -792,4 +795,57 @@ fn resumed_trend_equals_trend_from_start() {
     assert_eq!(found.series.len(), 36);
     (found.series, found.forecast) = (Vec::new(), Vec::new());
     assert_eq!(found, whole.trend);
+}
+
+#[test]
+fn tendons_with_shared_priors_equal_separate_ones() {
+    use sinew_trend::fleet::{FleetTendon, RopePriors, best_of_days, trend_of_tendon};
+    let robot = biorob_like();
+    let index = robot.arm.joint_index("elbow").unwrap();
+    let tendon = robot.transmissions[index].as_ref().unwrap().tendon.as_ref();
+    let events = [tensioned(0.0)];
+    let of = FleetTendon {
+        joint: "elbow",
+        robot: Some(&robot),
+        tendon,
+        events: &events,
+    };
+    let sessions = |pace: f64| -> Vec<SessionRecord> {
+        let session = |day: i32| {
+            let t = f64::from(day);
+            session_record(t, pace * (24.0 * t).ln() + wobble(t))
+        };
+        best_of_days((1..=20).map(session))
+    };
+    let new = || RopePriors::new(Catalogue::shipped().unwrap());
+    let trend = |priors: &RopePriors, pace| {
+        trend_of_tendon(of, &sessions(pace), priors, None, None).unwrap()
+    };
+    let shared = new();
+    let both = std::thread::scope(|scope| {
+        [0.5, 0.8]
+            .map(|pace| {
+                let (trend, shared) = (&trend, &shared);
+                scope.spawn(move || trend(shared, pace))
+            })
+            .map(|thread| thread.join().unwrap())
+    });
+    assert_eq!(both, [0.5, 0.8].map(|pace| trend(&new(), pace)));
+    // Temperatures that round to one degree share the draws, other tendons do not.
+    let prior = |tendon, mean_c| shared.of(tendon, mean_c).unwrap();
+    assert!(Arc::ptr_eq(&prior(tendon, 19.8), &prior(tendon, 20.2)));
+    assert!(!Arc::ptr_eq(&prior(tendon, 19.8), &prior(tendon, 21.0)));
+    let longer = tendon.cloned().map(|own| Tendon {
+        length_m: 2.0 * own.length_m,
+        ..own
+    });
+    assert!(!Arc::ptr_eq(
+        &prior(tendon, 20.0),
+        &prior(longer.as_ref(), 20.0)
+    ));
+    // An adjusted prior is that of one tendon only.
+    let warmer = |prior: &mut Prior| prior.step_rad *= 10.0;
+    let adjusted = trend_of_tendon(of, &sessions(0.5), &shared, Some(&warmer), None).unwrap();
+    assert_ne!(adjusted, both[0]);
+    assert_eq!(trend(&shared, 0.5), both[0]);
 }

@@ -1,52 +1,124 @@
 //! Table form of a record: the same columns in every file format.
 
 use crate::Record;
-use sinew_log::{Cell, CellKind, Column};
+use sinew_log::{Cell, CellKind, Column, SchemaColumn, TableSchema};
 
-/// Column names of a record, in the order of `sinew-record/2`; identical in SQL, Parquet and CSV.
-pub const COLUMNS: [&str; 23] = [
-    "robot",
-    "robot_type",
-    "joint",
-    "time_utc_s",
-    "duration_s",
-    "offset_rad",
-    "offset_std_rad",
-    "elongation_m",
-    "elongation_std_m",
-    "strain_ratio",
-    "strain_std_ratio",
-    "temperature_c",
-    "stiffness_ratio",
-    "stiffness_std_ratio",
-    "baseline",
-    "source",
-    "clock",
-    "provisional",
-    "reason",
-    "poses",
-    "frames",
-    "frames_lost",
-    "sinew_version",
+/// Columns of a record in the order of `sinew-record/2`, identical in SQL, Parquet and CSV.
+const ABOUT: [SchemaColumn; 23] = [
+    SchemaColumn::plain(
+        "robot",
+        CellKind::Text,
+        "Name of the robot in the configuration",
+    ),
+    SchemaColumn::plain(
+        "robot_type",
+        CellKind::Text,
+        "Robot name in URDF and robot.toml",
+    ),
+    SchemaColumn::plain("joint", CellKind::Text, "Name of the joint"),
+    SchemaColumn::number(
+        "time_utc_s",
+        "s",
+        "Start of the session by the monitor's clock, since 1970 UTC",
+    ),
+    SchemaColumn::number("duration_s", "s", "Duration of motion in the session"),
+    SchemaColumn::number(
+        "offset_rad",
+        "rad",
+        "Offset since the last tensioning; null: inconclusive, with the cause in reason",
+    ),
+    SchemaColumn::number("offset_std_rad", "rad", "Standard deviation of the offset"),
+    SchemaColumn::number(
+        "elongation_m",
+        "m",
+        "Elongation since the last tensioning; null without an offset or tendon geometry",
+    ),
+    SchemaColumn::number(
+        "elongation_std_m",
+        "m",
+        "Standard deviation of the elongation",
+    ),
+    SchemaColumn::number(
+        "strain_ratio",
+        "1",
+        "Total strain since the rope was new; includes elongation from before the last tensioning",
+    ),
+    SchemaColumn::number("strain_std_ratio", "1", "Standard deviation of the strain"),
+    SchemaColumn::number(
+        "temperature_c",
+        "°C",
+        "Mean temperature of the session; null: not recorded",
+    ),
+    SchemaColumn::number(
+        "stiffness_ratio",
+        "1",
+        "Stiffness relative to nominal, minus 1",
+    ),
+    SchemaColumn::number(
+        "stiffness_std_ratio",
+        "1",
+        "Standard deviation of the relative stiffness",
+    ),
+    SchemaColumn::plain(
+        "baseline",
+        CellKind::Text,
+        "Reference of the offset: name of the last tensioning; null: encoder zero",
+    ),
+    SchemaColumn::plain("source", CellKind::Text, "Source of the frames"),
+    SchemaColumn::plain(
+        "clock",
+        CellKind::Text,
+        "Clock of the time stamps: utc, stamp or stepped",
+    ),
+    SchemaColumn::plain(
+        "provisional",
+        CellKind::Flag,
+        "Whether an offset was provisional at the end of the session",
+    ),
+    SchemaColumn::plain("reason", CellKind::Text, "Reason for a missing offset"),
+    SchemaColumn::plain(
+        "poses",
+        CellKind::Integer,
+        "Number of distinct poses in the session",
+    ),
+    SchemaColumn::plain("frames", CellKind::Integer, "Number of frames used"),
+    SchemaColumn::plain(
+        "frames_lost",
+        CellKind::Integer,
+        "Number of frames lost, rejected or incomplete",
+    ),
+    SchemaColumn::plain(
+        "sinew_version",
+        CellKind::Text,
+        "Version of the program that made the record",
+    ),
 ];
+
+/// Schema of a table of records.
+pub const SCHEMA: TableSchema<'static> = TableSchema {
+    name: Record::SCHEMA,
+    columns: &ABOUT,
+};
+
+/// Names of the columns.
+pub const COLUMNS: [&str; ABOUT.len()] = {
+    let mut names = [""; ABOUT.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = ABOUT[i].name;
+        i += 1;
+    }
+    names
+};
 
 /// Returns the cell type of a column.
 pub fn kind(column: &str) -> CellKind {
-    match column {
-        "poses" | "frames" | "frames_lost" => CellKind::Integer,
-        "provisional" => CellKind::Flag,
-        "robot" | "robot_type" | "joint" | "baseline" | "source" | "clock" | "reason"
-        | "sinew_version" => CellKind::Text,
-        _ => CellKind::Number,
-    }
+    (ABOUT.iter().find(|c| c.name == column)).map_or(CellKind::Number, |c| c.kind)
 }
 
 /// Returns the names and cell types of all columns.
 pub fn columns() -> Vec<Column> {
-    COLUMNS
-        .iter()
-        .map(|name| ((*name).to_owned(), kind(name)))
-        .collect()
+    (ABOUT.iter().map(|c| (c.name.to_owned(), c.kind))).collect()
 }
 
 /// Returns the cells of a record, one per entry of [`COLUMNS`].
@@ -81,4 +153,23 @@ pub fn row(of: &Record) -> [Cell; COLUMNS.len()] {
         count(of.frames_lost),
         text(&of.sinew_version),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_agree_with_names() {
+        for column in &ABOUT {
+            assert!(!column.meaning.is_empty(), "{}", column.name);
+            let unit = match (column.kind, column.name.rsplit('_').next()) {
+                (CellKind::Number, Some("c")) => "°C",
+                (CellKind::Number, Some("ratio")) => "1",
+                (CellKind::Number, Some(unit)) => unit,
+                _ => "",
+            };
+            assert_eq!(column.unit, unit, "{}", column.name);
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::{screen, state};
 use crate::folder::sides::Fitted;
 use crate::metadata::{FleetMetadata, tendon_of};
-use crate::sessions::{Sessions, thinned};
+use crate::sessions::Sessions;
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
@@ -121,10 +121,9 @@ impl Followers<'_> {
         {
             return Outcome::OutOfReach;
         }
-        let rows = thinned(&sessions.rows);
         let failed = |reason: String| Outcome::Failed(name.clone(), joint.clone(), reason);
         let kept = kept.and_then(|bytes| state::trend_of(bytes));
-        let followed = match self.metadata.trend(sessions, Some(robot), rows, kept) {
+        let followed = match self.metadata.trend(sessions, Some(robot), kept) {
             Ok(followed) => followed,
             Err(error) => return failed(error.to_string()),
         };

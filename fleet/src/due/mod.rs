@@ -25,6 +25,7 @@ use rayon::prelude::*;
 use sinew_files::date::DAY_S;
 use state::State;
 use std::collections::BTreeMap;
+use std::io::IsTerminal as _;
 use std::process::ExitCode;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -69,6 +70,17 @@ impl DueList {
 /// # Errors
 /// Returns [`FleetError`] if the records cannot be read. A tendon without a trend is in the list with its reason.
 pub fn due(engine: &mut Engine, request: &Due) -> Result<DueList, FleetError> {
+    due_with_progress(engine, request, &|_, _| ())
+}
+
+/// Evaluates the tendons of a fleet as [`due`] does.
+///
+/// * `done`: called with the number of evaluated robots and of all robots.
+fn due_with_progress(
+    engine: &mut Engine,
+    request: &Due,
+    done: &dyn Fn(usize, usize),
+) -> Result<DueList, FleetError> {
     let metadata = FleetMetadata::read(&engine.folder.path, &request.robots)?
         .with_creep(request.creep.as_deref())?;
     let mut out = DueList {
@@ -90,7 +102,8 @@ pub fn due(engine: &mut Engine, request: &Due) -> Result<DueList, FleetError> {
         .map(str::to_owned)
         .collect();
     let mut unknown = BTreeMap::new();
-    for robots in names.chunks(ROBOTS_IN_MEMORY) {
+    for (i, robots) in names.chunks(ROBOTS_IN_MEMORY).enumerate() {
+        done(i * ROBOTS_IN_MEMORY, names.len());
         let tendons = engine.sessions(robots)?;
         out.tendons += tendons.len();
         let mut before = (state.as_mut()).map_or_else(BTreeMap::new, |state| state.of(robots));
@@ -125,6 +138,7 @@ pub fn due(engine: &mut Engine, request: &Due) -> Result<DueList, FleetError> {
             }
         }
     }
+    done(names.len(), names.len());
     out.state_unused = state.map_or(Ok(None), State::finish)?;
     out.unknown_types = unknown.into_keys().collect();
     out.followed.sort_by(TrackedTendon::worse_first);
@@ -144,13 +158,23 @@ fn now_utc_s(engine: &mut Engine) -> Result<f64, FleetError> {
     Ok(found.fold(0.0, f64::max))
 }
 
+/// Reports progress on a terminal, in one line that ends empty.
+fn report_progress(done: usize, of: usize) {
+    if std::io::stderr().is_terminal() {
+        match done < of {
+            true => eprint!("\r{done} of {of} robots"),
+            false => eprint!("\r\x1b[K"),
+        }
+    }
+}
+
 /// The command.
 ///
 /// # Errors
 /// [`FleetError`].
 pub fn command(request: &Due) -> Result<ExitCode, FleetError> {
     let mut engine = Engine::open(&request.source)?;
-    let list = due(&mut engine, request)?;
+    let list = due_with_progress(&mut engine, request, &report_progress)?;
     print!("{}", show::text(&list, request));
     show::report_unused_state(&list, request.state.as_deref());
     if let Some(path) = &request.csv {

@@ -3,10 +3,9 @@
 use super::{DueList, Passage, StateUnused, TrackedTendon, rope_of, screen};
 use crate::FleetError;
 use crate::args::Due;
-use crate::words;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_files::plain;
-use sinew_log::{Cell, CellKind, Column, TableWriter};
+use sinew_log::{Cell, CellKind, SchemaColumn, TableSchema, TableWriter};
 use sinew_report::text::{paragraph, table};
 use sinew_trend::{Limit, LimitState, TrendVerdict};
 use std::path::Path;
@@ -151,26 +150,47 @@ pub(crate) fn report_unused_state(list: &DueList, state: Option<&Path>) {
     }
 }
 
+/// Table of every tracked tendon, one row per limit.
+const DUE: TableSchema<'static> = TableSchema {
+    name: "sinew-fleet-due/1",
+    columns: &[
+        SchemaColumn::plain("robot", CellKind::Text, "Name of the robot"),
+        SchemaColumn::plain("joint", CellKind::Text, "Name of the joint"),
+        SchemaColumn::plain("site", CellKind::Text, "Site of the robot"),
+        SchemaColumn::plain("rope", CellKind::Text, "Rope of the tendon"),
+        SchemaColumn::plain("batch", CellKind::Text, "Batch of the rope"),
+        SchemaColumn::plain("limit", CellKind::Text, "Limit: retension or replace"),
+        SchemaColumn::plain("state", CellKind::Text, "State of the limit"),
+        SchemaColumn::number("last_utc_s", "s", "Last session, since 1970 UTC"),
+        SchemaColumn::number("offset_rad", "rad", "Offset since the last tensioning"),
+        SchemaColumn::number("offset_std_rad", "rad", "Standard deviation of the offset"),
+        SchemaColumn::number("limit_rad", "rad", "Limit as an offset"),
+        SchemaColumn::number("at_utc_s", "s", "Median time of the limit, since 1970 UTC"),
+        SchemaColumn::number("at_low_utc_s", "s", "Its 2.5 % quantile"),
+        SchemaColumn::number("at_high_utc_s", "s", "Its 97.5 % quantile"),
+        SchemaColumn::number(
+            "ahead_utc_s",
+            "s",
+            "End of the requested days, since 1970 UTC",
+        ),
+        SchemaColumn::number(
+            "ahead_rad",
+            "rad",
+            "Median offset at the end of the requested days",
+        ),
+        SchemaColumn::number("ahead_low_rad", "rad", "Its 2.5 % quantile"),
+        SchemaColumn::number("ahead_high_rad", "rad", "Its 97.5 % quantile"),
+        SchemaColumn::plain(
+            "is_due",
+            CellKind::Flag,
+            "Whether the limit may be exceeded within the requested days",
+        ),
+    ],
+};
+
 /// Writes every tracked tendon, one row per limit.
 pub(super) fn csv(list: &DueList, request: &Due, path: &Path) -> Result<(), FleetError> {
-    let texts = ["robot", "joint", "site", "rope", "batch", "limit", "state"];
-    let numbers = [
-        "last_utc_s",
-        "offset_rad",
-        "offset_std_rad",
-        "limit_rad",
-        "at_utc_s",
-        "at_low_utc_s",
-        "at_high_utc_s",
-        "ahead_utc_s",
-        "ahead_rad",
-        "ahead_low_rad",
-        "ahead_high_rad",
-    ];
-    let mut columns: Vec<Column> = texts.map(|name| (name.to_owned(), CellKind::Text)).into();
-    columns.extend(numbers.map(|name| (name.to_owned(), CellKind::Number)));
-    columns.push(("is_due".into(), CellKind::Flag));
-    let mut writer = TableWriter::create(path, &columns)?;
+    let mut writer = TableWriter::of_schema(path, &DUE)?;
     let text = |of: &str| Cell::Text(of.to_owned());
     let maybe = |of: Option<&str>| of.map_or(Cell::Empty, text);
     let until_utc_s = list.now_utc_s + request.within_days * DAY_S;
@@ -188,8 +208,8 @@ pub(super) fn csv(list: &DueList, request: &Due, path: &Path) -> Result<(), Flee
                 maybe(followed.site.as_deref()),
                 maybe(rope_of(&followed.fit)),
                 maybe(followed.fit.batch.as_deref()),
-                text(words::limit(passage.limit)),
-                text(words::state(passage.state)),
+                text(passage.limit.name()),
+                text(passage.state.name()),
                 Cell::Number(followed.last_utc_s),
                 Cell::Number(followed.offset_rad.mean),
                 Cell::Number(followed.offset_rad.std),

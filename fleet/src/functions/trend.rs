@@ -3,8 +3,7 @@
 use super::{Lazy, external};
 use crate::FleetError;
 use crate::metadata::FleetMetadata;
-use crate::sessions::{self, Sessions, thinned};
-use crate::words;
+use crate::sessions::{self, Sessions};
 use datafusion::arrow::array::{
     Array as _, ArrayRef, AsArray as _, Float64Array, Int64Array, RecordBatch, StringArray,
     StructArray, UInt64Array,
@@ -91,9 +90,9 @@ impl Kind {
             Self::DaysUntil => vec![
                 text("limit"),
                 text("state"),
-                number("median"),
-                number("low"),
-                number("high"),
+                number("days"),
+                number("days_low"),
+                number("days_high"),
                 text("rejection"),
             ],
         };
@@ -276,8 +275,7 @@ impl Rows {
                 }
             }
         }
-        let rows = thinned(&sessions.rows);
-        Ok(match metadata.trend(sessions, robot.as_ref(), rows, None) {
+        Ok(match metadata.trend(sessions, robot.as_ref(), None) {
             Ok(followed) => Found::Trend(Box::new(followed.trend), sessions.rows.len()),
             Err(error) => Found::Failed(error.to_string()),
         })
@@ -377,7 +375,7 @@ fn trend_columns(found: &Found) -> Vec<ArrayRef> {
         _ => (None, None),
     };
     let jumps = trend.map(|t| t.events.iter().filter(|e| TrendEvent::is_jump(e)).count());
-    let mut out = vec![text(trend.map(|t| words::verdict(t.verdict)))];
+    let mut out = vec![text(trend.map(|t| t.verdict.name()))];
     out.extend(pair(trend.map(|t| t.offset_rad)));
     out.extend(pair(trend.and_then(|t| t.elongation_m)));
     out.extend(pair(trend.map(|t| t.rate_rad_per_s)));
@@ -401,8 +399,8 @@ fn days_columns(found: &Found) -> Vec<ArrayRef> {
         worst.and_then(|(passage, last_utc_s)| Some((passage.at_utc_s[i]? - last_utc_s) / DAY_S))
     };
     vec![
-        text(worst.map(|(p, _)| words::limit(p.limit))),
-        text(worst.map(|(p, _)| words::state(p.state))),
+        text(worst.map(|(p, _)| p.limit.name())),
+        text(worst.map(|(p, _)| p.state.name())),
         number(days(0)),
         number(days(1)),
         number(days(2)),

@@ -9,7 +9,7 @@ use sinew_estimate::robot_dir::LoadedRobot;
 use sinew_files::date::{DAY_S, civil};
 use sinew_log::{Cell, CellKind, Column, TableWriter};
 use sinew_watch_core::Record;
-use sinew_watch_core::table::{columns, row};
+use sinew_watch_core::table::{SCHEMA, row};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -80,7 +80,7 @@ pub(super) fn months(
 /// Writes a file of records.
 fn file<'r>(path: &Path, records: impl Iterator<Item = &'r Record>) -> Result<u64, FleetError> {
     folder_for(path)?;
-    let mut writer = TableWriter::create(path, &columns())?;
+    let mut writer = TableWriter::of_schema(path, &SCHEMA)?;
     let mut count = 0;
     for record in records {
         writer.row(&row(record))?;

@@ -13,7 +13,7 @@ use sinew_fleet::simulate::{Made, simulate};
 use sinew_log::TableWriter;
 use sinew_watch_core::Record;
 use sinew_watch_core::record::Clock;
-use sinew_watch_core::table::{columns, row};
+use sinew_watch_core::table::{SCHEMA, columns, row};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -103,7 +103,7 @@ pub(crate) fn write_version_1(path: &Path, records: &[Record]) {
 /// Writes records as a monitor does.
 pub(crate) fn write(path: &Path, records: &[Record]) {
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-    let mut writer = TableWriter::create(path, &columns()).unwrap();
+    let mut writer = TableWriter::of_schema(path, &SCHEMA).unwrap();
     for record in records {
         writer.row(&row(record)).unwrap();
     }

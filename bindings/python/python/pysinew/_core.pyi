@@ -438,6 +438,13 @@ def trend(
     seed: int,
     progress: _Progress | None,
 ) -> Document: ...
+def tendon_trend(
+    robot: _Path | Robot,
+    joint: str,
+    rope: str | None,
+    sessions: Sequence[tuple[str | None, float, float | None, float, float, float | None, float | None, float | None]],
+    events: Sequence[tuple[str, bool]],
+) -> dict[str, Any]: ...
 def predict_rope(
     rope: str | None, read_at_n: float | None, args: Mapping[str, Any], progress: _Progress | None
 ) -> Document: ...

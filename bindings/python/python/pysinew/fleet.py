@@ -5,14 +5,21 @@
     >>> records = recordings.mapInArrow(fleet.sessions(types), fleet.SESSIONS)
     >>> trends = records.groupBy("robot", "joint").applyInArrow(fleet.trend(types), fleet.TREND)
 
-Each row is one recording or one tendon, which the functions ``estimate`` and ``trend`` process as a whole. A repeated
-computation gives the same result. A rejected input has its reason in ``rejection`` and does not affect other results.
+Each row is one recording or one tendon. A trend is the row that ``sinew-fleet`` gives: the same selection of sessions and the same
+numbers. A repeated computation gives the same result. A rejected input has its reason in ``rejection`` and does not affect other
+results. Paths may be addresses such as ``s3://BUCKET/KEY``, read by pyarrow with the environment variables of ``sinew-fleet``.
 """
 
 from __future__ import annotations
 
+import contextlib
+import csv
 import math
+import os
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping
+from urllib.parse import urlsplit
 
 if TYPE_CHECKING:
     from . import results
@@ -47,13 +54,17 @@ _RECORD = {
 _TREND = {
     "robot": "string",
     "joint": "string",
-    "sessions": "bigint",
     "verdict": "string",
     "offset_rad": "double",
     "offset_std_rad": "double",
-    "creep_rad_per_s": "double",
-    "creep_std_rad_per_s": "double",
+    "elongation_m": "double",
+    "elongation_std_m": "double",
+    "rate_rad_per_s": "double",
+    "rate_std_rad_per_s": "double",
     "jumps": "bigint",
+    "sessions": "bigint",
+    "tensioned_utc_s": "double",
+    "last_utc_s": "double",
     "limit": "string",
     "state": "string",
     "days": "double",
@@ -61,6 +72,8 @@ _TREND = {
     "days_high": "double",
     "rejection": "string",
 }
+# Unit of a column by the end of its name.
+_UNITS = {"_rad_per_s": "rad/s", "_rad": "rad", "_m": "m", "_s": "s", "_c": "°C", "_ratio": "1", "days": "d", "_low": "d", "_high": "d"}
 
 
 def _words(columns: Mapping[str, str]) -> str:
@@ -70,14 +83,57 @@ def _words(columns: Mapping[str, str]) -> str:
 SESSIONS = _words(_RECORD)
 """Columns that ``sessions`` gives, as Spark writes them: those of ``sinew-record/2``, and ``rejection``."""
 TREND = _words(_TREND)
-"""Columns that ``trend`` gives, as Spark writes them."""
+"""Columns that ``trend`` gives, as Spark writes them: those of ``sinew_trend(*)`` and ``sinew_days_until(*)`` of ``sinew-fleet``."""
 
 
 def _arrow(columns: Mapping[str, str]) -> Any:
     import pyarrow as pa
 
     kinds = {"string": pa.string(), "double": pa.float64(), "bigint": pa.int64(), "boolean": pa.bool_()}
-    return pa.schema([(name, kinds[kind]) for name, kind in columns.items()])
+
+    def field(name: str, kind: str) -> Any:
+        unit = next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
+        return pa.field(name, kinds[kind], metadata={"unit": unit} if unit and kind == "double" else None)
+
+    return pa.schema([field(name, kind) for name, kind in columns.items()])
+
+
+def _store(address: str) -> tuple[Any, str]:
+    """The file system of an address, and the path in it."""
+    from pyarrow import fs
+
+    parts = urlsplit(address)
+    if parts.scheme != "s3":
+        found: tuple[Any, str] = fs.FileSystem.from_uri(address)
+        return found
+    server = urlsplit(os.environ.get("AWS_ENDPOINT_URL", ""))
+    options = {"scheme": server.scheme, "endpoint_override": server.netloc} if server.netloc else {}
+    anonymous = os.environ.get("AWS_SKIP_SIGNATURE") == "true"
+    return fs.S3FileSystem(anonymous=anonymous, region=os.environ.get("AWS_REGION"), **options), parts.netloc + parts.path
+
+
+@contextlib.contextmanager
+def _local(place: str) -> Iterator[str]:
+    """A file or folder on this machine: an address is copied for as long as it is in use."""
+    if "://" not in place:
+        yield place
+        return
+    from pyarrow import fs
+
+    store, path = _store(place)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / (path.rstrip("/").rpartition("/")[2] or "copy")
+        kind = store.get_file_info(path).type
+        if kind == fs.FileType.NotFound:
+            raise FileNotFoundError(f"{place}: not found")
+        if kind == fs.FileType.Directory:
+            copy.mkdir()
+            fs.copy_files(path, str(copy), source_filesystem=store, destination_filesystem=fs.LocalFileSystem())
+        else:
+            with store.open_input_stream(path) as source, copy.open("wb") as out:
+                while block := source.read(1 << 20):
+                    out.write(block)
+        yield str(copy)
 
 
 class _Types:
@@ -96,7 +152,8 @@ class _Types:
         if name not in self.places:
             raise SinewError(f"robot type '{name}' has no folder; types are given for {', '.join(self.places) or 'none'}")
         if name not in self.read:
-            self.read[name] = Robot(self.places[name])
+            with _local(self.places[name]) as place:
+                self.read[name] = Robot(place)
         return self.read[name]
 
 
@@ -125,7 +182,8 @@ class _Sessions:
         }
         try:
             robot = self.types.find(recording["robot_type"])
-            found = estimate(recording["path"], robot, baseline=recording.get("baseline"), method="absolute")
+            with _local(recording["path"]) as path, _local(recording.get("baseline") or "") as baseline:
+                found = estimate(path, robot, baseline=baseline or None, method="absolute")
             session = found.session
             if session is None or session.start_time_utc_s is None:
                 raise SinewError(f"{recording['path']}: its clock has no civil date, so it is no session of a trend")
@@ -181,86 +239,105 @@ def sessions(types: Mapping[str, str]) -> Callable[[Iterator[Any]], Iterator[Any
     return _Sessions(types)
 
 
+def _order_of(version: str | None) -> tuple[Any, ...]:
+    """Order of versions: 0.10.0 is later than 0.9.2 and than its own 0.10.0-rc.1."""
+    if version is None:
+        return ()
+    numbers, _, rest = version.partition("-")
+    return [int(n) if n.isdecimal() else 0 for n in numbers.split(".")], not rest, rest
+
+
+def _once(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Each session once, in order of time: by the newest version, then with the most frames, then with the narrowest interval."""
+
+    def last(value: Any) -> tuple[bool, Any]:
+        return value is None, value
+
+    rows = sorted(rows, key=lambda row: [last(row[name]) for name in ("offset_std_rad", "offset_rad", "source", "baseline")])
+    rows.sort(key=lambda row: math.inf if row["frames"] is None else -row["frames"])
+    rows.sort(key=lambda row: _order_of(row["sinew_version"]), reverse=True)
+    found: dict[float, dict[str, Any]] = {}
+    for row in rows:
+        found.setdefault(row["time_utc_s"], row)
+    return [found[at] for at in sorted(found)]
+
+
+def _sides(folder: str | None) -> tuple[dict[tuple[str, str], str], dict[tuple[str, str], list[tuple[str, bool]]]]:
+    """Ropes and events of tendons, from ``tendons.csv`` and ``events.csv`` of a folder."""
+    from . import SinewError
+
+    ropes: dict[tuple[str, str], str] = {}
+    events: dict[tuple[str, str], list[tuple[str, bool]]] = {}
+
+    def rows(name: str) -> Iterator[tuple[tuple[str, str], dict[str, str]]]:
+        try:
+            with _local(f"{folder}/{name}") as path, open(path, encoding="utf-8", newline="") as file:
+                for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                    yield (row["robot"], row["joint"]), row
+        except FileNotFoundError:
+            return
+
+    if folder is not None:
+        for tendon, row in rows("tendons.csv"):
+            if row.get("rope"):
+                ropes[tendon] = row["rope"]
+        for tendon, row in rows("events.csv"):
+            if row["event"] not in ("tensioned", "replaced", "installed", "broken"):
+                raise SinewError(f"{folder}/events.csv: '{row['event']}' must be tensioned, replaced, broken or installed")
+            if row["event"] != "broken":
+                events.setdefault(tendon, []).append((row["time_utc_s"], row["event"] != "tensioned"))
+    return ropes, events
+
+
 class _Trend:
-    def __init__(self, types: Mapping[str, str], horizon_days: float) -> None:
-        self.types, self.horizon_days = _Types(types), horizon_days
+    def __init__(self, types: Mapping[str, str], folder: str | None) -> None:
+        self.types = _Types(types)
+        self.ropes, self.events = _sides(folder)
 
     def __call__(self, table: Any) -> Any:
         import pyarrow as pa
 
-        # However the engine delivers them.
-        table = table.sort_by([("time_utc_s", "ascending"), ("sinew_version", "ascending")])
-        columns = table.to_pydict()
-        row = dict.fromkeys(_TREND) | {"robot": columns["robot"][0], "joint": columns["joint"][0]}
-        return pa.Table.from_pylist([row | self.of(columns)], schema=_arrow(_TREND))
+        rows = table.to_pylist()
+        row = dict.fromkeys(_TREND) | {"robot": rows[0]["robot"], "joint": rows[0]["joint"]}
+        return pa.Table.from_pylist([row | self.of((row["robot"], row["joint"]), rows)], schema=_arrow(_TREND))
 
-    def of(self, columns: Mapping[str, list[Any]]) -> dict[str, Any]:
+    def of(self, tendon: tuple[Any, Any], rows: list[dict[str, Any]]) -> dict[str, Any]:
         from . import SinewError
-        from . import trend as follow
+        from ._core import tendon_trend
+
+        def number(row: Mapping[str, Any], name: str) -> float | None:
+            value = row[name]
+            return None if value is None or not math.isfinite(value) else value
+
+        def session(row: Mapping[str, Any]) -> tuple[Any, ...]:
+            names = "offset_rad", "offset_std_rad", "temperature_c", "stiffness_ratio", "stiffness_std_ratio"
+            return row["baseline"], row["time_utc_s"], number(row, "duration_s"), *(number(row, name) for name in names)
 
         dated = [
-            i for i, (clock, rad) in enumerate(zip(columns["clock"], columns["offset_rad"])) if clock == "utc" and rad is not None
+            row
+            for row in _once(rows)
+            if row["clock"] == "utc" and number(row, "offset_rad") is not None and (number(row, "offset_std_rad") or 0.0) > 0.0
         ]
-
-        def scaled(name: str, factor: float) -> list[float | None]:
-            of = (columns[name][i] for i in dated)
-            return [None if x is None or math.isnan(x) else factor * x for x in of]
-
-        stiff = columns["stiffness_ratio"]
-        table = {
-            "time": [columns["time_utc_s"][i] for i in dated],
-            "joint": [columns["joint"][i] for i in dated],
-            "offset_mrad": scaled("offset_rad", 1e3),
-            "interval_95_mrad": scaled("offset_std_rad", 1960.0),
-            "temperature_c": scaled("temperature_c", 1.0),
-            "duration_s": scaled("duration_s", 1.0),
-            "baseline": [columns["baseline"][i] for i in dated],
-        }
-        if any(stiff[i] is not None for i in dated):
-            table["stiffness_change_percent"] = scaled("stiffness_ratio", 100.0)
-            table["stiffness_interval_95_percent"] = scaled("stiffness_std_ratio", 196.0)
         try:
             if not dated:
                 raise SinewError("no session with a date and an offset")
-            robot = self.types.find(columns["robot_type"][0])
-            (joint,) = follow(table, robot, horizon_days=self.horizon_days).joints
-        except SinewError as error:
+            robot = self.types.find(dated[0]["robot_type"])
+            sessions: list[Any] = [session(row) for row in dated]
+            return tendon_trend(robot, tendon[1], self.ropes.get(tendon), sessions, self.events.get(tendon, []))
+        except (SinewError, OSError) as error:
             return {"rejection": str(error)}
-        return self.row_of(joint)
-
-    @staticmethod
-    def row_of(joint: results.JointTrend) -> dict[str, Any]:
-        day_s = 86_400.0
-
-        def order(limit: results.LimitForecast) -> tuple[bool, float]:
-            return limit.state != "passed", math.inf if limit.after_s is None else limit.after_s
-
-        first = min(joint.limits, key=order, default=None)
-        out: dict[str, Any] = {
-            "sessions": joint.sessions,
-            "verdict": joint.verdict,
-            "offset_rad": joint.offset_rad.mean,
-            "offset_std_rad": joint.offset_rad.std,
-            "creep_rad_per_s": joint.rate_rad_per_s.mean,
-            "creep_std_rad_per_s": joint.rate_rad_per_s.std,
-            "jumps": sum(event.kind == "step-change" for event in joint.events),
-        }
-        if first is not None:
-            after = {"days": first.after_s, "days_low": first.after_low_s, "days_high": first.after_high_s}
-            out |= {name: None if s is None else s / day_s for name, s in after.items()}
-            out |= {"limit": first.kind, "state": first.state}
-        return out
 
 
-def trend(types: Mapping[str, str], horizon_days: float = 365.0) -> Callable[[Any], Any]:
+def trend(types: Mapping[str, str], folder: str | None = None) -> Callable[[Any], Any]:
     """The trend of a tendon, for ``applyInArrow`` by robot and joint; the columns are ``TREND``.
 
     * ``types``: the folder of each robot type, by its name, with a path that is valid on every machine.
-    * ``horizon_days``: forecast horizon from the last session.
+    * ``folder``: folder with ``tendons.csv`` and ``events.csv``, read once here, where this function is called.
 
     The input is all records of a tendon, in any order. The result is one row: offset, creep rate, the limit that is exceeded first
-    and the days until then, with a 95 % interval. Records without a civil date or an offset are ignored.
+    and the days until then, with a 95 % interval. Of a session that was estimated several times, the newest version counts.
+    Records without a civil date or an offset are ignored.
     """
-    follow = _Trend(types, horizon_days)
+    follow = _Trend(types, folder)
     # Spark looks at annotations to find out what a function takes; one without takes a table.
     return lambda table: follow(table)

@@ -25,5 +25,6 @@ pub use table::{
 };
 pub use write::{
     Cell, CellKind, Column, Compression, FrameWriter, McapOptions, McapWriter, Packing,
-    RecordedNames, RowWriter, RowWriter as CsvWriter, Table, TableWriter, Topic, TopicWriter,
+    RecordedNames, RowWriter, RowWriter as CsvWriter, SchemaColumn, Table, TableSchema,
+    TableWriter, Topic, TopicWriter,
 };

@@ -1,12 +1,12 @@
 //! Bank of parallel Kalman filters, one per pair of curve and noise.
 
-use super::baseline_error::{BaselineError, SharedPart, Shares};
+use super::baseline_error::{BaselineError, SharedPart};
 use super::component::{
-    AMPLITUDE, BASELINE, Component, DRIFT, EXCESS, Expected, LEVEL, RETENSIONED, SLOW, STATES,
-    STIFFNESS, TAKEN_OUT, TRIANGLE, entry,
+    AMPLITUDE, BASELINE, Component, DRIFT, EXCESS, Expected, LEVEL, LIVE_AT_START, LIVE_TENSIONED,
+    RETENSIONED, SLOW, STATES, STIFFNESS, TAKEN_OUT, TRIANGLE, entry,
 };
 use super::curve::{FIRST_S, Place};
-use super::gauss::{LogSum, above_zero, log_normal};
+use super::gauss::{above_zero, log_normal};
 use super::prior::{Noise, Prior};
 use super::record::{Record, TrendConfig, TrendEntry};
 use super::stiffness_loss::StiffnessLossStats;
@@ -30,6 +30,8 @@ pub(super) struct Bank {
     /// Time since tensioning, s.
     pub time_s: f64,
     pub components: Vec<Component>,
+    /// Logarithm of the sum of the weights ([`log_total`]).
+    pub log_total: f64,
     /// Statistics of the stiffness since the last step change.
     pub stiffness_loss: Option<StiffnessLossStats>,
     /// Common error of all sessions since the baseline.
@@ -110,6 +112,7 @@ impl Bank {
         }
         Self {
             time_s: prior.baseline_s,
+            log_total: log_total(&components),
             components,
             stiffness_loss: None,
             baseline: BaselineError::default(),
@@ -117,14 +120,23 @@ impl Bank {
         }
     }
 
+    /// Number of live states: the others are zero, or neither observed nor correlated.
+    pub(super) fn live(&self) -> usize {
+        let is_tensioned = self.retensioned_s.is_some()
+            || (self.components.first())
+                .is_some_and(|c| c.covariance[entry(TAKEN_OUT, TAKEN_OUT)] > 0.0);
+        match (self.stiffness_loss, self.baseline.levels[1]) {
+            (None, None) if is_tensioned => LIVE_TENSIONED,
+            (None, None) => LIVE_AT_START,
+            _ => STATES,
+        }
+    }
+
     /// Mean of the true offset at the reference temperature, rad.
     pub(super) fn offset(&self) -> f64 {
-        let mut all = LogSum::new();
-        self.components.iter().for_each(|c| all.add(c.log_weight));
-        let all = all.value();
         self.components
             .iter()
-            .map(|c| libm::exp(c.log_weight - all) * (c.mean[LEVEL] + c.mean[TAKEN_OUT]))
+            .map(|c| libm::exp(c.log_weight - self.log_total) * (c.mean[LEVEL] + c.mean[TAKEN_OUT]))
             .sum()
     }
 
@@ -142,6 +154,7 @@ impl Bank {
         let added_folds = added_folds(self.retensioned_s, self.time_s, time_s);
         let ages = libm::exp(-dt / BASELINE_CORRELATION_S);
         let renewed = 1.0 - ages * ages;
+        let live = self.live();
         let noises: Vec<Forgets> = (prior.noises.iter())
             .map(|noise| Forgets {
                 slow: libm::exp(-dt / noise.slow_time_s),
@@ -158,7 +171,7 @@ impl Bank {
                 continue;
             };
             // Level after: level + amplitude · step.
-            c.shear(AMPLITUDE, *step);
+            c.shear(AMPLITUDE, *step, live);
             // The amplitude walks relative to its own size; one near 0 can still rise.
             let size = c.mean[AMPLITUDE].max(0.1 * (curve.amplitude + curve.amplitude_std));
             let walk = noise.creep_rate_rel_error * size;
@@ -166,7 +179,7 @@ impl Bank {
             // Creep comes in steps: a day of hard work contributes more than ten others.
             c.open(LEVEL, prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0));
             if let Some(step) = added.get(c.curve as usize) {
-                c.shear(RETENSIONED, *step);
+                c.shear(RETENSIONED, *step, live);
                 let size = c.mean[RETENSIONED].max(0.1 * size);
                 let walk = noise.creep_rate_rel_error * size;
                 c.walk(RETENSIONED, walk * walk * added_folds, *step);
@@ -235,16 +248,17 @@ impl Bank {
         let Some(Gaussian { mean: offset, .. }) = record.offset_rad else {
             return;
         };
-        let Some((h, shares)) = self.sees(prior, record) else {
+        let Some((h, own)) = self.sees(prior, record) else {
             return;
         };
+        let live = self.live();
         for ((c, answer), sum) in self.components.iter_mut().zip(answers).zip(sums) {
-            let expected = c.expect(&h);
+            let expected = c.expect(&h, live);
             let variance = expected.variance;
             let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
             // Residual of the record after the present estimate of the step change.
             let left = offset - expected.mean - d * sum[1] / sum[0];
-            let mut own = own_variance(prior, record, &shares, c);
+            let mut own = own.get(c.noise as usize).copied().unwrap_or(0.0);
             let off = config.off_std_rad * config.off_std_rad;
             let wide = own + off;
             let free = variance + d * d / sum[0];
@@ -255,7 +269,7 @@ impl Bank {
             let (s, error) = (variance + own, offset - expected.mean);
             sum[0] += d * d / s;
             sum[1] += d * error / s;
-            c.correct(&expected, error, s);
+            c.correct(&expected, error, s, live);
             c.log_weight += log_normal(error, s);
             for i in 0..STATES {
                 answer[i] -= expected.with_states[i] / s * d;
@@ -264,16 +278,22 @@ impl Bank {
         self.take_stiffness(record);
     }
 
-    /// Observation vector of a record with an offset, and its share of the common error.
-    fn sees(&mut self, prior: &Prior, record: &Record) -> Option<([f64; STATES], Shares)> {
+    /// Observation vector of a record with an offset, and the variance of its independent error under
+    /// each noise, rad².
+    fn sees(&mut self, prior: &Prior, record: &Record) -> Option<([f64; STATES], Vec<f64>)> {
         let part = SharedPart::of(prior, record)?;
         let shares = self.baseline.meet(part, prior, &mut self.components);
         let reference_c = record.reference_c.unwrap_or(prior.temperature_ref_c);
         let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
         let off = self.stiffness_loss.map_or(0.0, |s| s.off(record));
         let [better, poorer] = shares.h;
-        let h = [1.0, 1.0, 0.0, warm, 1.0, off, better, poorer, 0.0];
-        Some((h, shares))
+        let h = [1.0, 0.0, warm, 1.0, better, 1.0, 0.0, poorer, off];
+        let reported_rad = record.own_std_rad(prior.temperature_std_rad_per_k);
+        let own = |noise: &Noise| {
+            let own = noise.white_scale * reported_rad;
+            own * own + shares.beyond(noise)
+        };
+        Some((h, prior.noises.iter().map(own).collect()))
     }
 
     /// Predictions of all filters for a record with an offset, and the record's observation vector.
@@ -282,11 +302,12 @@ impl Bank {
         prior: &Prior,
         record: &Record,
     ) -> Option<([f64; STATES], Vec<Prediction>)> {
-        let (h, shares) = self.sees(prior, record)?;
+        let (h, own) = self.sees(prior, record)?;
         let offset = record.offset_rad?.mean;
+        let live = self.live();
         let of = |c: &Component| {
-            let expected = c.expect(&h);
-            let s = expected.variance + own_variance(prior, record, &shares, c);
+            let expected = c.expect(&h, live);
+            let s = expected.variance + own.get(c.noise as usize).copied().unwrap_or(0.0);
             Prediction {
                 expected,
                 s,
@@ -385,6 +406,7 @@ impl Bank {
                 }
             }
         }
+        self.log_total = log_total(&self.components);
     }
 
     /// Updates the filters with a record; one without an offset changes nothing.
@@ -402,14 +424,23 @@ impl Bank {
             return none;
         };
         let offset = record.offset_rad.map_or(f64::NAN, |offset| offset.mean);
-        let mut all = LogSum::new();
-        let mut plain = LogSum::new();
-        for (c, p) in self.components.iter().zip(&expected) {
-            all.add(c.log_weight);
-            plain.add(c.log_weight + p.log_density);
+        let after = |(c, p): (&Component, &Prediction)| c.log_weight + p.log_density;
+        let weights =
+            || (self.components.iter().zip(&expected).map(after)).filter(|w| w.is_finite());
+        let most = weights().fold(f64::NEG_INFINITY, f64::max);
+        // Sum of the weights with this record, and the part of it that is not dropped.
+        let (mut plain, mut kept) = (0.0, 0.0);
+        for weight in weights() {
+            let share = libm::exp(weight - most);
+            plain += share;
+            kept += if weight > most - MAX_LOG_WEIGHT_DIFFERENCE {
+                share
+            } else {
+                0.0
+            };
         }
-        let all = all.value();
-        let plain_e = plain.value() - all + libm::log(1.0 - config.off_share);
+        let all = self.log_total;
+        let plain_e = most + libm::log(plain) - all + libm::log(1.0 - config.off_share);
         // An outlier carries no information about the tendon: its error is measured from the mean
         // of all filters. Its evidence is therefore bounded by this value.
         let off = config.off_std_rad;
@@ -422,6 +453,7 @@ impl Bank {
             wide_e = log_normal(offset - mean, off * off) + share;
         }
         let is_outlier = wide_e > plain_e;
+        let live = self.live();
         for (c, p) in self.components.iter_mut().zip(&expected) {
             let error = offset - p.expected.mean;
             if is_outlier {
@@ -433,13 +465,17 @@ impl Bank {
                     p.s + off * off,
                 );
                 c.log_weight += log_normal(error, s);
-                c.correct(&p.expected, error, s);
+                c.correct(&p.expected, error, s, live);
             } else {
                 c.log_weight += p.log_density;
-                c.correct(&p.expected, error, p.s);
+                c.correct(&p.expected, error, p.s, live);
             }
         }
         self.let_go();
+        self.log_total = match is_outlier {
+            true => log_total(&self.components),
+            false => libm::log(kept),
+        };
         self.take_stiffness(record);
         Updated {
             log_evidence: plain_e.max(wide_e),
@@ -506,13 +542,10 @@ impl Bank {
 
     /// Reduces the bank to at most `count` filters: systematic draws by weight, equal ones merged.
     pub(super) fn thinned(&self, count: usize) -> Self {
-        let mut sum = LogSum::new();
-        self.components.iter().for_each(|c| sum.add(c.log_weight));
-        let total = sum.value();
         let mut components = Vec::with_capacity(count);
         let (mut reached, mut drawn) = (0.0, 0usize);
         for c in &self.components {
-            reached += libm::exp(c.log_weight - total);
+            reached += libm::exp(c.log_weight - self.log_total);
             let mut times = 0usize;
             while drawn < count && (drawn as f64 + 0.5) / (count as f64) < reached {
                 drawn += 1;
@@ -527,12 +560,26 @@ impl Bank {
         }
         Self {
             time_s: self.time_s,
+            log_total: log_total(&components),
             components,
             stiffness_loss: self.stiffness_loss,
             baseline: self.baseline,
             retensioned_s: self.retensioned_s,
         }
     }
+}
+
+/// Logarithm of the sum of the weights of filters.
+pub(super) fn log_total(components: &[Component]) -> f64 {
+    let weights = || {
+        components
+            .iter()
+            .map(|c| c.log_weight)
+            .filter(|w| w.is_finite())
+    };
+    let most = weights().fold(f64::NEG_INFINITY, f64::max);
+    let sum: f64 = weights().map(|weight| libm::exp(weight - most)).sum();
+    most + libm::log(sum)
 }
 
 /// Creep between two times for an amplitude of 1, per curve, rad.
@@ -578,13 +625,4 @@ pub(super) struct Prediction {
     pub(super) s: f64,
     /// Logarithm of the density of the recorded value.
     pub(super) log_density: f64,
-}
-
-/// Variance of a record's independent error under the noise of a filter, rad².
-fn own_variance(prior: &Prior, record: &Record, shares: &Shares, c: &Component) -> f64 {
-    let Some(noise) = prior.noises.get(c.noise as usize) else {
-        return 0.0;
-    };
-    let own = noise.white_scale * record.own_std_rad(prior.temperature_std_rad_per_k);
-    own * own + shares.beyond(noise)
 }

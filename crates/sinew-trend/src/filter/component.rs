@@ -3,21 +3,28 @@
 use super::gauss::{LogSum, above_zero};
 use sinew_model::Gaussian;
 
-/// Number of states: level, removed offset, amplitude, temperature drift, slow error, offset error
-/// per stiffness error, baseline error, additional baseline error of less accurate sessions,
-/// amplitude of the additional creep since the last re-tensioning.
+/// Number of states: level, amplitude, temperature drift, slow error, baseline error, removed offset,
+/// amplitude of the additional creep since the last re-tensioning, additional baseline error of less
+/// accurate sessions, offset error per stiffness error.
+///
+/// The states that a tendon acquires with its events come last: until then they are neither observed
+/// nor correlated with the others, and the arithmetic of the filters skips them (`live` states are the others).
 pub const STATES: usize = 9;
 /// Number of entries of the lower triangle of a covariance.
 pub(super) const TRIANGLE: usize = STATES * (STATES + 1) / 2;
 pub(super) const LEVEL: usize = 0;
-pub(super) const TAKEN_OUT: usize = 1;
-pub(super) const AMPLITUDE: usize = 2;
-pub(super) const DRIFT: usize = 3;
-pub(super) const SLOW: usize = 4;
-pub(super) const STIFFNESS: usize = 5;
-pub(super) const BASELINE: usize = 6;
+pub(super) const AMPLITUDE: usize = 1;
+pub(super) const DRIFT: usize = 2;
+pub(super) const SLOW: usize = 3;
+pub(super) const BASELINE: usize = 4;
+pub(super) const TAKEN_OUT: usize = 5;
+pub(super) const RETENSIONED: usize = 6;
 pub(super) const EXCESS: usize = 7;
-pub(super) const RETENSIONED: usize = 8;
+pub(super) const STIFFNESS: usize = 8;
+/// Number of live states before the first event.
+pub(super) const LIVE_AT_START: usize = BASELINE + 1;
+/// Number of live states after a new baseline or a re-tensioning.
+pub(super) const LIVE_TENSIONED: usize = RETENSIONED + 1;
 
 /// A Kalman filter for one curve and one noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +35,7 @@ pub struct Component {
     pub noise: u32,
     /// Logarithm of the filter's probability, up to a constant of the bank.
     pub log_weight: f64,
-    /// Means of the states: rad, rad, 1, rad/K, rad, rad, rad, rad, 1.
+    /// Means of the states: rad, 1, rad/K, rad, rad, rad, 1, rad, rad.
     pub mean: [f64; STATES],
     /// Lower triangle of the covariance, row by row.
     pub covariance: [f64; TRIANGLE],
@@ -46,6 +53,7 @@ pub(super) struct Expected {
 }
 
 /// Index of the entry `(i, k)` in the triangle.
+#[inline]
 pub(super) const fn entry(i: usize, k: usize) -> usize {
     if i >= k {
         i * (i + 1) / 2 + k
@@ -55,11 +63,21 @@ pub(super) const fn entry(i: usize, k: usize) -> usize {
 }
 
 impl Component {
-    /// Predicts a record with observation vector `h`.
-    pub(super) fn expect(&self, h: &[f64; STATES]) -> Expected {
+    /// Predicts a record with observation vector `h` from the `live` states.
+    pub(super) fn expect(&self, h: &[f64; STATES], live: usize) -> Expected {
+        if live <= LIVE_AT_START {
+            self.expect_of::<LIVE_AT_START>(h)
+        } else if live <= LIVE_TENSIONED {
+            self.expect_of::<LIVE_TENSIONED>(h)
+        } else {
+            self.expect_of::<STATES>(h)
+        }
+    }
+
+    fn expect_of<const N: usize>(&self, h: &[f64; STATES]) -> Expected {
         let mut with_states = [0.0; STATES];
         let mut at = 0;
-        for i in 0..STATES {
+        for i in 0..N {
             let mut sum = 0.0;
             for k in 0..i {
                 let p = self.covariance[at + k];
@@ -70,7 +88,7 @@ impl Component {
             at += i + 1;
         }
         let (mut mean, mut variance) = (0.0, 0.0);
-        for i in 0..STATES {
+        for i in 0..N {
             mean += h[i] * self.mean[i];
             variance += h[i] * with_states[i];
         }
@@ -81,12 +99,22 @@ impl Component {
         }
     }
 
-    /// Kalman update with innovation `error` and its variance `s`. The weight is left unchanged,
-    /// because the caller has the evidence already.
-    pub(super) fn correct(&mut self, expected: &Expected, error: f64, s: f64) {
+    /// Kalman update of the `live` states with innovation `error` and its variance `s`. The weight is
+    /// left unchanged, because the caller has the evidence already.
+    pub(super) fn correct(&mut self, expected: &Expected, error: f64, s: f64, live: usize) {
+        if live <= LIVE_AT_START {
+            self.correct_of::<LIVE_AT_START>(expected, error, s)
+        } else if live <= LIVE_TENSIONED {
+            self.correct_of::<LIVE_TENSIONED>(expected, error, s)
+        } else {
+            self.correct_of::<STATES>(expected, error, s)
+        }
+    }
+
+    fn correct_of<const N: usize>(&mut self, expected: &Expected, error: f64, s: f64) {
         let ph = &expected.with_states;
         let mut at = 0;
-        for i in 0..STATES {
+        for i in 0..N {
             let gain = ph[i] / s;
             self.mean[i] += gain * error;
             for k in 0..=i {
@@ -104,13 +132,13 @@ impl Component {
         self.covariance[entry(state, state)] += variance;
     }
 
-    /// Advances the level by `step` times a state.
-    pub(super) fn shear(&mut self, state: usize, step: f64) {
+    /// Advances the level by `step` times one of the `live` states.
+    pub(super) fn shear(&mut self, state: usize, step: f64, live: usize) {
         self.mean[LEVEL] += self.mean[state] * step;
         let p = &mut self.covariance;
         p[entry(LEVEL, LEVEL)] +=
             step * (2.0 * p[entry(state, LEVEL)] + step * p[entry(state, state)]);
-        for k in TAKEN_OUT..STATES {
+        for k in AMPLITUDE..live {
             p[entry(LEVEL, k)] += step * p[entry(state, k)];
         }
     }

@@ -109,8 +109,8 @@ fn path(
         .noises
         .get(component.noise as usize)
         .map_or(0.0, |n| n.creep_rate_rel_error);
-    let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
-    let mut retensioned = state[ADDED];
+    let (mut level, mut amplitude) = (state[LEVEL_DRAWN], state[AMPLITUDE_DRAWN]);
+    let mut retensioned = state[RETENSIONED_DRAWN];
     let curve = component.curve as usize;
     for (i, step) in steps.iter().enumerate() {
         // Factor of mean 1; the level uses the mean of both ends.
@@ -130,7 +130,7 @@ fn path(
         level += crept + if jerk > 0.0 { jerk * normal() } else { 0.0 };
         amplitude *= factor;
         whole[i] = level;
-        offset[i] = level + state[TAKEN_OUT];
+        offset[i] = level + state[TAKEN_OUT_DRAWN];
     }
     (offset, whole)
 }
@@ -139,8 +139,11 @@ fn path(
 const DRAWN_STATES: [usize; DRAWN] = [LEVEL, TAKEN_OUT, AMPLITUDE, DRIFT, SLOW, RETENSIONED];
 /// Number of states that are drawn.
 const DRAWN: usize = 6;
-/// Place of the amplitude of the additional creep among the states that are drawn.
-const ADDED: usize = DRAWN - 1;
+/// Places among the states that are drawn.
+const LEVEL_DRAWN: usize = 0;
+const TAKEN_OUT_DRAWN: usize = 1;
+const AMPLITUDE_DRAWN: usize = 2;
+const RETENSIONED_DRAWN: usize = DRAWN - 1;
 
 /// Draws a state of a filter with an amplitude above 0.
 fn draw(
@@ -157,7 +160,11 @@ fn draw(
     // Maximum number of attempts: filters with an amplitude rarely above 0 contribute few paths.
     const MAX_ATTEMPTS: usize = 64;
     let mean = DRAWN_STATES.map(|state| component.mean[state]);
-    let drawn = if is_retensioned { DRAWN } else { ADDED };
+    let drawn = if is_retensioned {
+        DRAWN
+    } else {
+        RETENSIONED_DRAWN
+    };
     let mut x = mean;
     for _ in 0..MAX_ATTEMPTS {
         let z: [f64; DRAWN] = core::array::from_fn(|i| if i < drawn { normal() } else { 0.0 });
@@ -165,11 +172,11 @@ fn draw(
         for i in 0..DRAWN {
             x[i] += (0..=i).map(|k| l[i * DRAWN + k] * z[k]).sum::<f64>();
         }
-        if x[AMPLITUDE] > 0.0 {
+        if x[AMPLITUDE_DRAWN] > 0.0 {
             return x;
         }
     }
-    x[AMPLITUDE] = 0.0;
+    x[AMPLITUDE_DRAWN] = 0.0;
     x
 }
 

@@ -91,6 +91,7 @@ impl Bank {
                     return;
                 };
                 let offset = record.offset_rad.map_or(f64::NAN, |offset| offset.mean);
+                let live = self.live();
                 for candidate in &mut screen.candidates {
                     for ((answer, p, q), prediction) in
                         candidate.answers.iter_mut().zip(&predictions)
@@ -107,7 +108,7 @@ impl Bank {
                 for (c, prediction) in self.components.iter_mut().zip(&predictions) {
                     c.log_weight += prediction.log_density;
                     let error = offset - prediction.expected.mean;
-                    c.correct(&prediction.expected, error, prediction.s);
+                    c.correct(&prediction.expected, error, prediction.s, live);
                 }
                 self.take_stiffness(record);
             }

@@ -1,6 +1,6 @@
 //! Trend of one tendon: records in, posterior and events out.
 
-use super::bank::Bank;
+use super::bank::{Bank, log_total};
 use super::component::Component;
 use super::detector::{Confirmed, MAX_TEST_FILTERS, Window};
 use super::prior::Prior;
@@ -19,8 +19,9 @@ pub struct Trend {
     /// Stiffness before the window.
     stiffness: Stiffness,
     entries: Vec<TrendEntry>,
-    /// Filters after the last entry.
+    /// Filters after the last entry; unused while they are deferred.
     current: Bank,
+    is_deferred: bool,
     events: Vec<Event>,
     records: u64,
 }
@@ -37,6 +38,7 @@ impl Trend {
         let anchor = Bank::new(&prior);
         Ok(Self {
             current: anchor.clone(),
+            is_deferred: false,
             prior,
             config,
             anchor,
@@ -76,6 +78,7 @@ impl Trend {
         }
         out.anchor = Bank {
             time_s: state.time_s,
+            log_total: log_total(&state.components),
             components: state.components,
             stiffness_loss: state.stiffness_loss,
             baseline: state.baseline,
@@ -132,13 +135,27 @@ impl Trend {
     /// Time of the last entry, s since tensioning; that of the baseline before the first entry.
     #[must_use]
     pub fn time_s(&self) -> f64 {
-        self.current.time_s
+        (self.entries.last()).map_or(self.anchor.time_s, TrendEntry::time_s)
     }
 
     /// Filters after the last entry, for inspection.
     #[must_use]
     pub fn components(&self) -> &[Component] {
         &self.current.components
+    }
+
+    /// Defers the filters after the last entry, of which the step-change detector makes no use: entries
+    /// then take half of the time. Until [`Trend::catch_up`] the present state is not available, and an
+    /// added record is not marked as an outlier.
+    pub(crate) fn defer(&mut self) {
+        self.is_deferred = true;
+    }
+
+    /// Computes the deferred filters, bitwise identical to those of entries that were not deferred.
+    pub(crate) fn catch_up(&mut self) {
+        if std::mem::take(&mut self.is_deferred) {
+            self.replay();
+        }
     }
 
     /// Adds the result of a session.
@@ -158,8 +175,10 @@ impl Trend {
             withdrawn: None,
         };
         self.entries.push(TrendEntry::Record(record));
-        self.current.advance(&self.prior, record.time_s);
-        added.off = self.current.update(&self.prior, &record, &self.config).off;
+        if !self.is_deferred {
+            self.current.advance(&self.prior, record.time_s);
+            added.off = self.current.update(&self.prior, &record, &self.config).off;
+        }
         if record.offset_rad.is_some() {
             self.records += 1;
             added.withdrawn = self.second();
@@ -207,12 +226,14 @@ impl Trend {
 
     fn enter(&mut self, entry: TrendEntry) {
         self.entries.push(entry);
-        self.current.run(&self.prior, &self.config, &[entry]);
+        if !self.is_deferred {
+            self.current.run(&self.prior, &self.config, &[entry]);
+        }
     }
 
     /// Registers a specified entry as an event.
     fn stated(&mut self, entry: TrendEntry) {
-        let (time_s, after_s) = (entry.time_s(), self.current.time_s);
+        let (time_s, after_s) = (entry.time_s(), self.time_s());
         self.enter(entry);
         self.events.push(Event {
             time_s,
@@ -226,17 +247,18 @@ impl Trend {
     }
 
     fn in_order(&self, time_s: f64) -> Result<(), TrendError> {
-        if time_s < self.current.time_s {
-            return Err(TrendError::OutOfOrder {
-                time_s,
-                last_s: self.current.time_s,
-            });
+        let last_s = self.time_s();
+        if time_s < last_s {
+            return Err(TrendError::OutOfOrder { time_s, last_s });
         }
         Ok(())
     }
 
     /// Recomputes the filters after the last entry from those before the window.
     fn replay(&mut self) {
+        if self.is_deferred {
+            return;
+        }
         self.current = self.anchor.clone();
         self.current.run(&self.prior, &self.config, &self.entries);
     }

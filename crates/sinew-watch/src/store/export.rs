@@ -7,7 +7,7 @@ use rusqlite::params;
 use sinew_log::{Cell as TableCell, CellKind, Column, TableWriter};
 use sinew_model::Z95;
 use sinew_watch_core::History;
-use sinew_watch_core::table::{columns, row};
+use sinew_watch_core::table::{SCHEMA, row};
 use std::path::Path;
 
 /// Records of a robot type and month that are in no file yet.
@@ -29,7 +29,7 @@ pub struct Pending {
 /// # Errors
 /// Returns a [`StoreError`] if reading or writing fails; no file remains.
 pub fn write_records(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<u64, StoreError> {
-    let mut writer = TableWriter::create(path, &columns())?;
+    let mut writer = TableWriter::of_schema(path, &SCHEMA)?;
     let count = reader.each_record(query, |record| Ok(writer.row(&row(&record))?))?;
     writer.finish()?;
     Ok(count)
@@ -138,7 +138,7 @@ impl Reader {
             folder: folder.into(),
             source,
         })?;
-        let mut writer = TableWriter::create(path, &columns())?;
+        let mut writer = TableWriter::of_schema(path, &SCHEMA)?;
         let mut statement = self.connection().prepare_cached(&format!(
             "SELECT {} FROM record WHERE robot_type = ?1 AND time_utc_s >= ?2 AND time_utc_s < ?3
              AND id > ?4 AND id <= ?5 ORDER BY robot, joint, time_utc_s",

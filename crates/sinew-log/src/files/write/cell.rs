@@ -13,6 +13,50 @@ pub enum CellKind {
     Flag,
 }
 
+/// Column of a table whose meaning its schema states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SchemaColumn {
+    /// Name, with the unit as its last part.
+    pub name: &'static str,
+    /// Type of the cells.
+    pub kind: CellKind,
+    /// Unit; empty for texts, counts and flags, 1 for ratios.
+    pub unit: &'static str,
+    /// Meaning, as a sentence or part of one.
+    pub meaning: &'static str,
+}
+
+impl SchemaColumn {
+    /// Column of numbers.
+    pub const fn number(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
+        Self {
+            name,
+            kind: CellKind::Number,
+            unit,
+            meaning,
+        }
+    }
+
+    /// Column of texts, whole numbers or flags, without a unit.
+    pub const fn plain(name: &'static str, kind: CellKind, meaning: &'static str) -> Self {
+        Self {
+            name,
+            kind,
+            unit: "",
+            meaning,
+        }
+    }
+}
+
+/// Schema of a table: its name with its version, and its columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TableSchema<'a> {
+    /// Name and version, such as `sinew-record/2`.
+    pub name: &'a str,
+    /// Columns in their order.
+    pub columns: &'a [SchemaColumn],
+}
+
 /// Cell of a table. A cell of another kind than its column is written as empty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {

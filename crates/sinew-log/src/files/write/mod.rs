@@ -9,7 +9,7 @@ mod row_write;
 mod table_write;
 mod topic_write;
 
-pub use cell::{Cell, CellKind, Column};
+pub use cell::{Cell, CellKind, Column, SchemaColumn, TableSchema};
 pub use mcap_write::{McapOptions, McapWriter};
 pub use row_write::{RecordedNames, RowWriter};
 pub use table_write::{Table, TableWriter};

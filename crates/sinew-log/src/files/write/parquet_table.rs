@@ -1,10 +1,11 @@
 //! A table as Parquet.
 
-use super::{Cell, CellKind, Column, write_error};
+use super::{Cell, CellKind, Column, SchemaColumn, TableSchema, write_error};
 use crate::error::LogError;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
@@ -101,7 +102,11 @@ pub(super) struct ParquetTable {
 }
 
 impl ParquetTable {
-    pub(super) fn create(path: &Path, columns: &[Column]) -> Result<Self, LogError> {
+    pub(super) fn create(
+        path: &Path,
+        columns: &[Column],
+        about: Option<&TableSchema<'_>>,
+    ) -> Result<Self, LogError> {
         let fail = |error: ParquetError| write_error(path, error.to_string());
         let fields = columns.iter().map(|(name, kind)| {
             let (physical, logical) = match kind {
@@ -120,6 +125,7 @@ impl ParquetTable {
         let schema = Arc::new(schema.build().map_err(fail)?);
         let properties = WriterProperties::builder()
             .set_created_by("sinew".into())
+            .set_key_value_metadata(Some(metadata(about)))
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             .build();
         let file = AtomicFile::create(path)?;
@@ -163,4 +169,23 @@ impl ParquetTable {
         let file = file.map_err(|error| write_error(&self.path, error.to_string()))?;
         Ok(file.finish()?)
     }
+}
+
+/// Metadata of a file: version of the program; name of the schema, and unit and meaning of its columns.
+fn metadata(about: Option<&TableSchema<'_>>) -> Vec<KeyValue> {
+    let of = |key: &str, value: String| KeyValue::new(key.to_owned(), value);
+    let mut out = vec![of("sinew_version", env!("CARGO_PKG_VERSION").to_owned())];
+    if let Some(schema) = about {
+        let column = |c: &SchemaColumn| {
+            let about = serde_json::json!({ "unit": c.unit, "meaning": c.meaning });
+            (c.name.to_owned(), about)
+        };
+        let columns: serde_json::Map<_, _> = schema.columns.iter().map(column).collect();
+        out.push(of("sinew_schema", schema.name.to_owned()));
+        out.push(of(
+            "sinew_columns",
+            serde_json::Value::from(columns).to_string(),
+        ));
+    }
+    out
 }

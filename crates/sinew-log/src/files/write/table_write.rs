@@ -3,7 +3,7 @@
 use super::csv_table::CsvTable;
 #[cfg(feature = "parquet")]
 use super::parquet_table::ParquetTable;
-use super::{Cell, CellKind, Column, is_parquet, write_error};
+use super::{Cell, CellKind, Column, TableSchema, is_parquet, write_error};
 use crate::error::LogError;
 use std::path::{Path, PathBuf};
 
@@ -47,7 +47,9 @@ impl Table {
 /// Writer of a table: Parquet if the name ends in `.parquet`, otherwise CSV.
 ///
 /// Both have the same columns and the same numbers: CSV writes the shortest text that reads back as
-/// the same number. A missing value is an empty cell in CSV and null in Parquet.
+/// the same number. A missing value is an empty cell in CSV and null in Parquet. The metadata of a
+/// Parquet file state `sinew_version` and, for a table with a schema, `sinew_schema` (its name) and
+/// `sinew_columns` (JSON: unit and meaning of each column).
 pub struct TableWriter {
     sink: Sink,
     path: PathBuf,
@@ -66,6 +68,24 @@ impl TableWriter {
     /// # Errors
     /// Two columns of one name, Parquet in a build without it, or the system refuses.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, LogError> {
+        Self::start(path, columns, None)
+    }
+
+    /// Starts a file with the columns of a schema, which Parquet states in its metadata.
+    ///
+    /// # Errors
+    /// [`TableWriter::create`].
+    pub fn of_schema(path: &Path, schema: &TableSchema<'_>) -> Result<Self, LogError> {
+        let columns = schema.columns.iter().map(|c| (c.name.to_owned(), c.kind));
+        Self::start(path, &Vec::from_iter(columns), Some(schema))
+    }
+
+    #[cfg_attr(not(feature = "parquet"), expect(unused_variables))]
+    fn start(
+        path: &Path,
+        columns: &[Column],
+        schema: Option<&TableSchema<'_>>,
+    ) -> Result<Self, LogError> {
         if !is_parquet(path) {
             return Self::csv(path, columns);
         }
@@ -76,7 +96,8 @@ impl TableWriter {
         ));
         #[cfg(feature = "parquet")]
         Self::of(path, columns, |path, columns| {
-            ParquetTable::create(path, columns).map(|table| Sink::Parquet(Box::new(table)))
+            let table = ParquetTable::create(path, columns, schema)?;
+            Ok(Sink::Parquet(Box::new(table)))
         })
     }
 
@@ -90,7 +111,7 @@ impl TableWriter {
     fn of(
         path: &Path,
         columns: &[Column],
-        create: fn(&Path, &[Column]) -> Result<Sink, LogError>,
+        create: impl FnOnce(&Path, &[Column]) -> Result<Sink, LogError>,
     ) -> Result<Self, LogError> {
         let mut names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
         names.sort_unstable();
