@@ -19,7 +19,7 @@ for (method, joint), rows in series.groupby(["method", "joint"]):
     times = [rr.TimeColumn("recording", duration=rows["time_s"])]
     if rows["time_utc_ns"].notna().all():
         times.append(rr.TimeColumn("utc", timestamp=rows["time_utc_ns"].astype("datetime64[ns]")))
-    for name in ("offset_rad", "offset_interval_95_rad", "elongation_m", "strain_ratio"):
+    for name in ("offset_rad", "offset_std_rad", "elongation_m", "strain_ratio"):
         if rows[name].notna().any():
             values = rr.Scalars.columns(scalars=rows[name])
             rr.send_columns(f"{method}/{joint}/{name}", indexes=times, columns=values)

@@ -51,7 +51,7 @@ static void print(const sinew_robot *robot, sinew_offsets *offsets, double since
     for (size_t i = 0; i < joints; i++) {
         const sinew_offset *offset = &of_joints[i];
         const char *name = sinew_robot_joint_name(robot, i);
-        printf("  %s %+.2f ± %.2f", name, 1e3 * offset->offset_rad, 1.96e3 * offset->std_rad);
+        printf("  %s %+.2f ± %.2f", name, 1e3 * offset->offset_rad, 1.96e3 * offset->offset_std_rad);
         if (offset->provisional != SINEW_PROVISIONAL_NONE)
             printf(" (%s)", sinew_provisional_text((int)offset->provisional));
     }

@@ -82,7 +82,7 @@ void run(const char *folder, const char *baseline) {
         for (std::size_t i = 0; i < n; ++i) {
             const sinew_offset &offset = of_joints[i];
             const double mean_mm = 1e3 * robot.elongation_m(i, offset.offset_rad);
-            const double std_mm = 1e3 * robot.elongation_m(i, offset.std_rad);
+            const double std_mm = 1e3 * robot.elongation_m(i, offset.offset_std_rad);
             std::printf("  %s %+.3f ± %.3f mm", robot.joint_name(i).c_str(), mean_mm, 1.96 * std_mm);
             if (offset.provisional != SINEW_PROVISIONAL_NONE) std::printf(" (%s)", sinew_provisional_text(offset.provisional));
         }

@@ -1,7 +1,6 @@
 /* Sinew: offsets of tendons inside a control loop.
  *
- * Handles are made by `_new` and freed by `_free`. A handle belongs to one thread at a time; a robot may be
- * read from several, and a worker is a handle of its own.
+ * Handles are made by `_new` and freed by `_free`. Each function states its real-time class and which threads may call it.
  *
  * Made by bindings/c/header/write: change the Rust sources, not this. */
 
@@ -151,7 +150,7 @@ typedef struct {
     double offset_rad;
     // Standard deviation of the offset, rad; NaN if the offset is NaN. The 95 % interval is the offset ± 1.96 times this
     // value.
-    double std_rad;
+    double offset_std_rad;
     // Contribution of an unknown temperature, now or in the baseline, to the standard deviation, rad, included in it; 0
     // if both are specified, NaN for a rigid joint.
     double unknown_temperature_rad;
@@ -172,16 +171,22 @@ extern "C" {
 // Version of the interface that the library was built with: compare with `SINEW_ABI_VERSION`.
 //
 // Realtime: yes.
+//
+// Threads: any number at once.
 uint32_t sinew_abi_version(void);
 
 // Version of Sinew, such as `0.1.0`; never null, never freed.
 //
 // Realtime: yes.
+//
+// Threads: any number at once.
 const char *sinew_version(void);
 
 // Text of a status; never null, never freed. An invalid number also has a text.
 //
 // Realtime: yes.
+//
+// Threads: any number at once.
 const char *sinew_status_text(int status);
 
 // Creates a robot from the texts of `robot.toml` and of a URDF. Free it with `sinew_robot_free`.
@@ -189,6 +194,8 @@ const char *sinew_status_text(int status);
 // `reason` receives the error message, truncated to `why_len` bytes; it may be null.
 //
 // Realtime: no, it allocates.
+//
+// Threads: any number at once.
 //
 // Preconditions: Texts end with a zero byte; `out` may be written; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_robot_new(const char *robot_toml,
@@ -201,12 +208,16 @@ sinew_status sinew_robot_new(const char *robot_toml,
 //
 // Realtime: no, the function reads files.
 //
+// Threads: any number at once.
+//
 // Preconditions: As `sinew_robot_new`.
 sinew_status sinew_robot_open(const char *place, sinew_robot **out, char *reason, size_t why_len);
 
 // Frees a robot; null has no effect. Objects created from it remain valid.
 //
 // Realtime: no.
+//
+// Threads: no other call uses the handle.
 //
 // Preconditions: `robot` is null or was created here and not freed before.
 void sinew_robot_free(sinew_robot *robot);
@@ -217,12 +228,16 @@ void sinew_robot_free(sinew_robot *robot);
 //
 // Realtime: yes.
 //
+// Threads: any number at once, as long as the robot exists.
+//
 // Preconditions: `robot` is null or a robot.
 size_t sinew_robot_joints(const sinew_robot *robot);
 
 // Name of a joint, valid as long as the robot; null if there is no such joint.
 //
 // Realtime: yes.
+//
+// Threads: any number at once, as long as the robot exists.
 //
 // Preconditions: `robot` is null or a robot.
 const char *sinew_robot_joint_name(const sinew_robot *robot, size_t joint);
@@ -232,12 +247,16 @@ const char *sinew_robot_joint_name(const sinew_robot *robot, size_t joint);
 //
 // Realtime: yes.
 //
+// Threads: any number at once, as long as the robot exists.
+//
 // Preconditions: `robot` is null or a robot.
 const char *sinew_robot_tendon_name(const sinew_robot *robot, size_t joint);
 
 // Name of the motor of a joint's tendon. Positions and torques of a separately named motor refer to its shaft.
 //
 // Realtime: yes.
+//
+// Threads: any number at once, as long as the robot exists.
 //
 // Preconditions: `robot` is null or a robot.
 const char *sinew_robot_motor_name(const sinew_robot *robot,
@@ -247,12 +266,28 @@ const char *sinew_robot_motor_name(const sinew_robot *robot,
 //
 // Realtime: yes.
 //
+// Threads: any number at once, as long as the robot exists.
+//
 // Preconditions: `robot` is null or a robot; `name` ends with a zero byte; `out` is null or may be written.
 sinew_status sinew_robot_joint_index(const sinew_robot *robot, const char *name, size_t *out);
+
+// Whether a joint has a tendon or another elastic transmission; false for a rigid joint and for an invalid index.
+//
+// A rigid joint has no offset, and its motor position is ignored.
+//
+// Realtime: yes.
+//
+// Threads: any number at once, as long as the robot exists.
+//
+// Preconditions: `robot` is null or a robot.
+bool sinew_robot_is_elastic(const sinew_robot *robot,
+                            size_t joint);
 
 // Elongation of a joint's tendon, m, for an offset, rad; NaN if the joint has no tendon.
 //
 // Realtime: yes.
+//
+// Threads: any number at once, as long as the robot exists.
 //
 // Preconditions: `robot` is null or a robot.
 double sinew_robot_elongation_m(const sinew_robot *robot, size_t joint, double offset_rad);
@@ -260,6 +295,8 @@ double sinew_robot_elongation_m(const sinew_robot *robot, size_t joint, double o
 // Default options: unknown payload, temperature from the samples, motor torque used, creep allowed.
 //
 // Realtime: yes.
+//
+// Threads: any number at once.
 sinew_offsets_options sinew_offsets_options_default(void);
 
 // Creates the offsets of a robot since a baseline, given as the text of a file of `sinew baseline`. Free them with
@@ -272,6 +309,8 @@ sinew_offsets_options sinew_offsets_options_default(void);
 // `sinew_offsets_take_worker`.
 //
 // Realtime: no, it allocates all memory of the loop.
+//
+// Threads: any number at once.
 //
 // Preconditions: `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
 // written; `reason` is null or has room for `why_len` bytes.
@@ -287,6 +326,8 @@ sinew_status sinew_offsets_new(const sinew_robot *robot,
 //
 // Realtime: no.
 //
+// Threads: no other call uses the handle.
+//
 // Preconditions: `offsets` is null or was created by `sinew_offsets_new` and not freed before.
 void sinew_offsets_free(sinew_offsets *offsets);
 
@@ -298,6 +339,8 @@ void sinew_offsets_free(sinew_offsets *offsets);
 // advances: the next `dt_s` counts from this sample.
 //
 // Realtime: yes. No allocation, lock, wait, log or clock.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `offsets` is not used concurrently; arrays have `joints` numbers; `stepped` is null or may be written.
 sinew_status sinew_offsets_step(sinew_offsets *offsets,
@@ -313,6 +356,8 @@ sinew_status sinew_offsets_step(sinew_offsets *offsets,
 //
 // Realtime: yes.
 //
+// Threads: one call per handle at a time.
+//
 // Preconditions: `offsets` is not used concurrently.
 sinew_status sinew_offsets_interrupt(sinew_offsets *offsets);
 
@@ -323,6 +368,8 @@ sinew_status sinew_offsets_interrupt(sinew_offsets *offsets);
 //
 // Realtime: yes. No allocation, lock, wait, log or clock. Call it in the thread that steps, because it takes the
 // answer from a triple buffer.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `offsets` is not used concurrently; `answer` is null or may be written; `of_joints` is null or has room for
 // `joints` offsets.
@@ -335,6 +382,8 @@ sinew_status sinew_offsets_read(sinew_offsets *offsets,
 // `unknown`.
 //
 // Realtime: yes.
+//
+// Threads: any number at once.
 const char *sinew_provisional_text(int provisional);
 
 // Starts a thread that processes blocks and solves windows until the offsets are freed. Call it once, before the loop.
@@ -344,6 +393,8 @@ const char *sinew_provisional_text(int provisional);
 // could not create a thread, and the worker is unchanged.
 //
 // Realtime: no.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `offsets` is not used concurrently.
 sinew_status sinew_offsets_start_worker(sinew_offsets *offsets);
@@ -356,6 +407,8 @@ sinew_status sinew_offsets_start_worker(sinew_offsets *offsets);
 //
 // Realtime: no.
 //
+// Threads: one call per handle at a time.
+//
 // Preconditions: `offsets` is not used concurrently.
 sinew_status sinew_offsets_work(sinew_offsets *offsets);
 
@@ -365,6 +418,8 @@ sinew_status sinew_offsets_work(sinew_offsets *offsets);
 // `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 //
 // Realtime: no.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `offsets` is not used concurrently; `out` is null or may be written.
 sinew_status sinew_offsets_take_worker(sinew_offsets *offsets,
@@ -377,12 +432,16 @@ sinew_status sinew_offsets_take_worker(sinew_offsets *offsets,
 //
 // Realtime: no.
 //
+// Threads: one call per worker at a time; calls of its offsets may be concurrent.
+//
 // Preconditions: `worker` is not used concurrently; its offsets may be.
 sinew_status sinew_worker_work(sinew_worker *worker);
 
 // Frees a worker; null has no effect. Its offsets then keep their last answer, and blocks are dropped and counted.
 //
 // Realtime: no.
+//
+// Threads: no other call uses the handle.
 //
 // Preconditions: `worker` is null or was taken from offsets and not freed before.
 void sinew_worker_free(sinew_worker *worker);
@@ -391,6 +450,8 @@ void sinew_worker_free(sinew_worker *worker);
 // empty if the last window was solved or none has been tried.
 //
 // Realtime: no, it may wait for the worker.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `offsets` is not used concurrently; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_offsets_error(const sinew_offsets *offsets,
@@ -404,6 +465,8 @@ sinew_status sinew_offsets_error(const sinew_offsets *offsets,
 // `SINEW_STATUS_SHORT`. While an offset is provisional the status is `SINEW_STATUS_PROVISIONAL`.
 //
 // Realtime: no, it allocates and may wait for the worker.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `offsets` is not used concurrently; `recording` ends with a zero byte; `text` is null or has room for
 // `capacity` bytes; `length` is null or may be written.
@@ -419,6 +482,8 @@ sinew_status sinew_offsets_save(sinew_offsets *offsets,
 //
 // Realtime: no, it allocates all memory of the observer.
 //
+// Threads: any number at once.
+//
 // Preconditions: `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_observer_new(const sinew_robot *robot,
                                 double gain_per_s,
@@ -431,6 +496,8 @@ sinew_status sinew_observer_new(const sinew_robot *robot,
 //
 // Realtime: no.
 //
+// Threads: no other call uses the handle.
+//
 // Preconditions: `observer` is null or was created by `sinew_observer_new` and not freed before.
 void sinew_observer_free(sinew_observer *observer);
 
@@ -440,6 +507,8 @@ void sinew_observer_free(sinew_observer *observer);
 // observer unchanged.
 //
 // Realtime: yes. No allocation, lock, log or clock.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `observer` is not used concurrently; arrays have `joints` numbers.
 sinew_status sinew_observer_step(sinew_observer *observer,
@@ -453,12 +522,16 @@ sinew_status sinew_observer_step(sinew_observer *observer,
 //
 // Realtime: yes.
 //
+// Threads: one call per handle at a time.
+//
 // Preconditions: `observer` is not used concurrently.
 sinew_status sinew_observer_reset(sinew_observer *observer);
 
 // Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN for a rigid joint.
 //
 // Realtime: yes.
+//
+// Threads: reads may be concurrent with each other, not with a step or a reset.
 //
 // Preconditions: `observer` is an observer; `delta_e_rad` has room for `joints` numbers.
 sinew_status sinew_observer_delta_e(const sinew_observer *observer, double *delta_e_rad, size_t joints);
@@ -467,12 +540,16 @@ sinew_status sinew_observer_delta_e(const sinew_observer *observer, double *delt
 //
 // Realtime: yes.
 //
+// Threads: reads may be concurrent with each other, not with a step or a reset.
+//
 // Preconditions: `observer` is an observer; `tau_el_nm` has room for `joints` numbers.
 sinew_status sinew_observer_tau_el(const sinew_observer *observer, double *tau_el_nm, size_t joints);
 
 // Whether the initial transient has decayed to a thousandth; false for null.
 //
 // Realtime: yes.
+//
+// Threads: reads may be concurrent with each other, not with a step or a reset.
 //
 // Preconditions: `observer` is null or an observer.
 bool sinew_observer_is_settled(const sinew_observer *observer);
@@ -481,6 +558,8 @@ bool sinew_observer_is_settled(const sinew_observer *observer);
 //
 // Realtime: no, it allocates.
 //
+// Threads: any number at once.
+//
 // Preconditions: `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 sinew_status sinew_arm_new(const sinew_robot *robot, sinew_arm **out, char *reason, size_t why_len);
 
@@ -488,12 +567,16 @@ sinew_status sinew_arm_new(const sinew_robot *robot, sinew_arm **out, char *reas
 //
 // Realtime: no.
 //
+// Threads: no other call uses the handle.
+//
 // Preconditions: `arm` is null or was created by `sinew_arm_new` and not freed before.
 void sinew_arm_free(sinew_arm *arm);
 
 // Computes the momentum terms `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
 //
 // Realtime: yes. One pass over the joints.
+//
+// Threads: one call per handle at a time.
 //
 // Preconditions: `arm` is not used concurrently; arrays have `joints` numbers.
 sinew_status sinew_arm_momentum(sinew_arm *arm,

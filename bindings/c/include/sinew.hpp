@@ -89,6 +89,8 @@ public:
         if (status != SINEW_STATUS_OK) throw error(status, "the robot has no joint " + name);
         return index;
     }
+    /// Whether a joint has a tendon or another elastic transmission.
+    bool is_elastic(std::size_t joint) const noexcept { return sinew_robot_is_elastic(get(), joint); }
     /// Elongation of a joint's tendon, m, for an offset, rad; NaN if the joint has no tendon.
     double elongation_m(std::size_t joint, double offset_rad) const noexcept {
         return sinew_robot_elongation_m(get(), joint, offset_rad);

@@ -16,6 +16,8 @@ pub struct SinewArm {
 ///
 /// Realtime: no, it allocates.
 ///
+/// Threads: any number at once.
+///
 /// # Safety
 /// `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
@@ -41,6 +43,8 @@ pub unsafe extern "C" fn sinew_arm_new(
 ///
 /// Realtime: no.
 ///
+/// Threads: no other call uses the handle.
+///
 /// # Safety
 /// `arm` is null or was created by `sinew_arm_new` and not freed before.
 #[unsafe(no_mangle)]
@@ -52,6 +56,8 @@ pub unsafe extern "C" fn sinew_arm_free(arm: *mut SinewArm) {
 /// Computes the momentum terms `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
 ///
 /// Realtime: yes. One pass over the joints.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `arm` is not used concurrently; arrays have `joints` numbers.

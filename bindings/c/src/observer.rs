@@ -14,6 +14,8 @@ pub struct SinewObserver(OffsetObserver);
 ///
 /// Realtime: no, it allocates all memory of the observer.
 ///
+/// Threads: any number at once.
+///
 /// # Safety
 /// `robot` is a robot; `out` may be written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
@@ -46,6 +48,8 @@ pub unsafe extern "C" fn sinew_observer_new(
 ///
 /// Realtime: no.
 ///
+/// Threads: no other call uses the handle.
+///
 /// # Safety
 /// `observer` is null or was created by `sinew_observer_new` and not freed before.
 #[unsafe(no_mangle)]
@@ -60,6 +64,8 @@ pub unsafe extern "C" fn sinew_observer_free(observer: *mut SinewObserver) {
 /// observer unchanged.
 ///
 /// Realtime: yes. No allocation, lock, log or clock.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `observer` is not used concurrently; arrays have `joints` numbers.
@@ -88,6 +94,8 @@ pub unsafe extern "C" fn sinew_observer_step(
 ///
 /// Realtime: yes.
 ///
+/// Threads: one call per handle at a time.
+///
 /// # Safety
 /// `observer` is not used concurrently.
 #[unsafe(no_mangle)]
@@ -102,6 +110,8 @@ pub unsafe extern "C" fn sinew_observer_reset(observer: *mut SinewObserver) -> S
 /// Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN for a rigid joint.
 ///
 /// Realtime: yes.
+///
+/// Threads: reads may be concurrent with each other, not with a step or a reset.
 ///
 /// # Safety
 /// `observer` is an observer; `delta_e_rad` has room for `joints` numbers.
@@ -119,6 +129,8 @@ pub unsafe extern "C" fn sinew_observer_delta_e(
 ///
 /// Realtime: yes.
 ///
+/// Threads: reads may be concurrent with each other, not with a step or a reset.
+///
 /// # Safety
 /// `observer` is an observer; `tau_el_nm` has room for `joints` numbers.
 #[unsafe(no_mangle)]
@@ -134,6 +146,8 @@ pub unsafe extern "C" fn sinew_observer_tau_el(
 /// Whether the initial transient has decayed to a thousandth; false for null.
 ///
 /// Realtime: yes.
+///
+/// Threads: reads may be concurrent with each other, not with a step or a reset.
 ///
 /// # Safety
 /// `observer` is null or an observer.

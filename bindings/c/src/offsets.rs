@@ -117,7 +117,7 @@ pub struct SinewOffset {
     pub offset_rad: f64,
     /// Standard deviation of the offset, rad; NaN if the offset is NaN. The 95 % interval is the offset ± 1.96 times this
     /// value.
-    pub std_rad: f64,
+    pub offset_std_rad: f64,
     /// Contribution of an unknown temperature, now or in the baseline, to the standard deviation, rad, included in it; 0
     /// if both are specified, NaN for a rigid joint.
     pub unknown_temperature_rad: f64,
@@ -134,7 +134,7 @@ pub struct SinewOffset {
 impl SinewOffset {
     const RIGID: Self = Self {
         offset_rad: f64::NAN,
-        std_rad: f64::NAN,
+        offset_std_rad: f64::NAN,
         unknown_temperature_rad: f64::NAN,
         stiffness_changed_probability: f64::NAN,
         since_s: f64::NAN,
@@ -161,7 +161,7 @@ impl From<&OnlineJoint> for SinewOffset {
         };
         Self {
             offset_rad: joint.offset_rad.mean,
-            std_rad: joint.offset_rad.std,
+            offset_std_rad: joint.offset_rad.std,
             unknown_temperature_rad: joint.unknown_temperature_rad,
             stiffness_changed_probability: joint.stiffness_changed_probability.unwrap_or(nan),
             since_s,
@@ -216,6 +216,8 @@ impl SinewAnswer {
 /// Default options: unknown payload, temperature from the samples, motor torque used, creep allowed.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_offsets_options_default() -> SinewOffsetsOptions {
     SinewOffsetsOptions {
@@ -265,6 +267,8 @@ impl SinewOffsetsOptions {
 ///
 /// Realtime: no, it allocates all memory of the loop.
 ///
+/// Threads: any number at once.
+///
 /// # Safety
 /// `robot` is a robot; `baseline` is null or ends with a zero byte; `options` is null or points to options; `out` may be
 /// written; `reason` is null or has room for `why_len` bytes.
@@ -305,6 +309,8 @@ pub unsafe extern "C" fn sinew_offsets_new(
 ///
 /// Realtime: no.
 ///
+/// Threads: no other call uses the handle.
+///
 /// # Safety
 /// `offsets` is null or was created by `sinew_offsets_new` and not freed before.
 #[unsafe(no_mangle)]
@@ -321,6 +327,8 @@ pub unsafe extern "C" fn sinew_offsets_free(offsets: *mut SinewOffsets) {
 /// advances: the next `dt_s` counts from this sample.
 ///
 /// Realtime: yes. No allocation, lock, wait, log or clock.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `offsets` is not used concurrently; arrays have `joints` numbers; `stepped` is null or may be written.
@@ -358,6 +366,8 @@ pub unsafe extern "C" fn sinew_offsets_step(
 ///
 /// Realtime: yes.
 ///
+/// Threads: one call per handle at a time.
+///
 /// # Safety
 /// `offsets` is not used concurrently.
 #[unsafe(no_mangle)]
@@ -376,6 +386,8 @@ pub unsafe extern "C" fn sinew_offsets_interrupt(offsets: *mut SinewOffsets) -> 
 ///
 /// Realtime: yes. No allocation, lock, wait, log or clock. Call it in the thread that steps, because it takes the
 /// answer from a triple buffer.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `offsets` is not used concurrently; `answer` is null or may be written; `of_joints` is null or has room for
@@ -415,6 +427,8 @@ pub unsafe extern "C" fn sinew_offsets_read(
 /// `unknown`.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_provisional_text(provisional: c_int) -> *const c_char {
     const TEXTS: [&CStr; 6] = [
@@ -437,6 +451,8 @@ pub extern "C" fn sinew_provisional_text(provisional: c_int) -> *const c_char {
 /// could not create a thread, and the worker is unchanged.
 ///
 /// Realtime: no.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `offsets` is not used concurrently.
@@ -462,6 +478,8 @@ pub unsafe extern "C" fn sinew_offsets_start_worker(offsets: *mut SinewOffsets) 
 ///
 /// Realtime: no.
 ///
+/// Threads: one call per handle at a time.
+///
 /// # Safety
 /// `offsets` is not used concurrently.
 #[unsafe(no_mangle)]
@@ -483,6 +501,8 @@ pub unsafe extern "C" fn sinew_offsets_work(offsets: *mut SinewOffsets) -> Statu
 /// `SINEW_STATUS_WORKER_TAKEN`: the worker was started or taken before.
 ///
 /// Realtime: no.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `offsets` is not used concurrently; `out` is null or may be written.
@@ -511,6 +531,8 @@ pub unsafe extern "C" fn sinew_offsets_take_worker(
 ///
 /// Realtime: no.
 ///
+/// Threads: one call per worker at a time; calls of its offsets may be concurrent.
+///
 /// # Safety
 /// `worker` is not used concurrently; its offsets may be.
 #[unsafe(no_mangle)]
@@ -526,6 +548,8 @@ pub unsafe extern "C" fn sinew_worker_work(worker: *mut SinewWorker) -> Status {
 ///
 /// Realtime: no.
 ///
+/// Threads: no other call uses the handle.
+///
 /// # Safety
 /// `worker` is null or was taken from offsets and not freed before.
 #[unsafe(no_mangle)]
@@ -538,6 +562,8 @@ pub unsafe extern "C" fn sinew_worker_free(worker: *mut SinewWorker) {
 /// empty if the last window was solved or none has been tried.
 ///
 /// Realtime: no, it may wait for the worker.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `offsets` is not used concurrently; `reason` is null or has room for `why_len` bytes.
@@ -563,6 +589,8 @@ pub unsafe extern "C" fn sinew_offsets_error(
 /// `SINEW_STATUS_SHORT`. While an offset is provisional the status is `SINEW_STATUS_PROVISIONAL`.
 ///
 /// Realtime: no, it allocates and may wait for the worker.
+///
+/// Threads: one call per handle at a time.
 ///
 /// # Safety
 /// `offsets` is not used concurrently; `recording` ends with a zero byte; `text` is null or has room for

@@ -43,6 +43,8 @@ impl SinewRobot {
 ///
 /// Realtime: no, it allocates.
 ///
+/// Threads: any number at once.
+///
 /// # Safety
 /// Texts end with a zero byte; `out` may be written; `reason` is null or has room for `why_len` bytes.
 #[unsafe(no_mangle)]
@@ -68,6 +70,8 @@ pub unsafe extern "C" fn sinew_robot_new(
 ///
 /// Realtime: no, the function reads files.
 ///
+/// Threads: any number at once.
+///
 /// # Safety
 /// As `sinew_robot_new`.
 #[unsafe(no_mangle)]
@@ -92,6 +96,8 @@ pub unsafe extern "C" fn sinew_robot_open(
 ///
 /// Realtime: no.
 ///
+/// Threads: no other call uses the handle.
+///
 /// # Safety
 /// `robot` is null or was created here and not freed before.
 #[unsafe(no_mangle)]
@@ -106,6 +112,8 @@ pub unsafe extern "C" fn sinew_robot_free(robot: *mut SinewRobot) {
 ///
 /// Realtime: yes.
 ///
+/// Threads: any number at once, as long as the robot exists.
+///
 /// # Safety
 /// `robot` is null or a robot.
 #[unsafe(no_mangle)]
@@ -117,6 +125,8 @@ pub unsafe extern "C" fn sinew_robot_joints(robot: *const SinewRobot) -> usize {
 /// Name of a joint, valid as long as the robot; null if there is no such joint.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once, as long as the robot exists.
 ///
 /// # Safety
 /// `robot` is null or a robot.
@@ -136,6 +146,8 @@ pub unsafe extern "C" fn sinew_robot_joint_name(
 ///
 /// Realtime: yes.
 ///
+/// Threads: any number at once, as long as the robot exists.
+///
 /// # Safety
 /// `robot` is null or a robot.
 #[unsafe(no_mangle)]
@@ -152,6 +164,8 @@ pub unsafe extern "C" fn sinew_robot_tendon_name(
 /// Name of the motor of a joint's tendon. Positions and torques of a separately named motor refer to its shaft.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once, as long as the robot exists.
 ///
 /// # Safety
 /// `robot` is null or a robot.
@@ -170,6 +184,8 @@ pub unsafe extern "C" fn sinew_robot_motor_name(
 ///
 /// Realtime: yes.
 ///
+/// Threads: any number at once, as long as the robot exists.
+///
 /// # Safety
 /// `robot` is null or a robot; `name` ends with a zero byte; `out` is null or may be written.
 #[unsafe(no_mangle)]
@@ -187,9 +203,33 @@ pub unsafe extern "C" fn sinew_robot_joint_index(
     })
 }
 
+/// Whether a joint has a tendon or another elastic transmission; false for a rigid joint and for an invalid index.
+///
+/// A rigid joint has no offset, and its motor position is ignored.
+///
+/// Realtime: yes.
+///
+/// Threads: any number at once, as long as the robot exists.
+///
+/// # Safety
+/// `robot` is null or a robot.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_robot_is_elastic(robot: *const SinewRobot, joint: usize) -> bool {
+    // SAFETY: guaranteed by the caller.
+    let robot = unsafe { shared(robot) };
+    robot.is_ok_and(|r| {
+        r.robot
+            .transmissions
+            .get(joint)
+            .is_some_and(Option::is_some)
+    })
+}
+
 /// Elongation of a joint's tendon, m, for an offset, rad; NaN if the joint has no tendon.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once, as long as the robot exists.
 ///
 /// # Safety
 /// `robot` is null or a robot.

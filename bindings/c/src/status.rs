@@ -40,6 +40,8 @@ pub enum Status {
 /// Version of the interface that the library was built with: compare with `SINEW_ABI_VERSION`.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_abi_version() -> u32 {
     SINEW_ABI_VERSION
@@ -48,6 +50,8 @@ pub extern "C" fn sinew_abi_version() -> u32 {
 /// Version of Sinew, such as `0.1.0`; never null, never freed.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
@@ -56,6 +60,8 @@ pub extern "C" fn sinew_version() -> *const c_char {
 /// Text of a status; never null, never freed. An invalid number also has a text.
 ///
 /// Realtime: yes.
+///
+/// Threads: any number at once.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_status_text(status: c_int) -> *const c_char {
     let status = Status::ALL.iter().find(|s| **s as c_int == status);

@@ -41,6 +41,7 @@ fn null_pointers_return_status() {
         assert!(sinew_robot_joint_name(opened.0, N).is_null());
         assert!(sinew_robot_elongation_m(null(), 0, 0.1).is_nan());
         assert!(sinew_robot_elongation_m(opened.0, N, 0.1).is_nan());
+        assert!(!sinew_robot_is_elastic(null(), 0) && !sinew_robot_is_elastic(opened.0, N));
         assert_eq!(
             sinew_robot_joint_index(opened.0, null(), null_mut()),
             Status::Null

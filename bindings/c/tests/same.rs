@@ -45,9 +45,39 @@ fn robot_equals_library() {
                 let tendon = known.transmissions[i].as_ref().unwrap().tendon.as_ref();
                 let elongation_m = sinew_robot_elongation_m(robot, i, 0.01);
                 assert_eq!(elongation_m, tendon.unwrap().elongation_m(0.01));
+                assert!(sinew_robot_is_elastic(robot, i));
             }
         }
         sinew_robot_free(of_texts);
+    }
+}
+
+#[test]
+fn joint_without_transmission_is_rigid() {
+    let folder = repository().join("robots/biorob-like");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let all = read("robot.toml");
+    let (before, rest) = all.split_once("[joints.wrist]").unwrap();
+    let (_, after) = rest.split_once("[tolerances]").unwrap();
+    let toml = text(&format!(
+        "{before}[joints.wrist]\nrigid = true\n[tolerances]{after}"
+    ));
+    let urdf = text(&read("biorob-like.urdf"));
+    let (mut robot, mut reason) = (null_mut(), Why::new());
+    // SAFETY: texts, a place, room, a handle that is there.
+    unsafe {
+        let made = sinew_robot_new(
+            toml.as_ptr(),
+            urdf.as_ptr(),
+            &mut robot,
+            reason.at(),
+            reason.room(),
+        );
+        assert_eq!(made, Status::Ok, "{}", reason.text());
+        let elastic: Vec<bool> = (0..N).map(|i| sinew_robot_is_elastic(robot, i)).collect();
+        assert_eq!(elastic, [true, true, true, false]);
+        assert!(sinew_robot_elongation_m(robot, 3, 0.01).is_nan());
+        sinew_robot_free(robot);
     }
 }
 
@@ -149,7 +179,7 @@ fn compare((answer, of_joints): &(SinewAnswer, [SinewOffset; N]), rust: &mut Onl
         assert_eq!(
             bits(&[
                 of.offset_rad,
-                of.std_rad,
+                of.offset_std_rad,
                 of.unknown_temperature_rad,
                 of.stiffness_changed_probability
             ]),

@@ -5,6 +5,7 @@ use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use sinew_log::{Arrays, Quantities, Quantity};
 use std::sync::Arc;
 
@@ -55,6 +56,22 @@ impl Held {
                 .collect(),
             temperature_c: temperature_c.map(Bound::unbind),
         })
+    }
+}
+
+impl Held {
+    /// The arrays by the keywords of `from_arrays`.
+    pub(crate) fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        out.set_item("joints", &self.joints)?;
+        out.set_item("time_ns", &self.time_ns)?;
+        for (quantity, array) in &self.by_joint {
+            out.set_item(quantity.symbol(), array)?;
+        }
+        if let Some(array) = &self.temperature_c {
+            out.set_item("temperature_c", array)?;
+        }
+        Ok(out)
     }
 }
 

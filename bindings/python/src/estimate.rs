@@ -58,14 +58,46 @@ impl BaselineArg<'_> {
 
 #[pymethods]
 impl Baseline {
-    /// Reads a file.
+    /// Reads a baseline.
+    ///
+    /// Parameters
+    /// ----------
+    /// path
+    ///     File of ``sinew baseline``.
+    ///
+    /// Returns
+    /// -------
+    /// Baseline
+    ///     The baseline.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For an invalid or missing file.
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Self> {
         let (baseline, name) = BaselineArg::File(path).read()?;
         Ok(Self { baseline, name })
     }
 
-    /// Parses a baseline; `name` appears in messages.
+    /// Parses a baseline.
+    ///
+    /// Parameters
+    /// ----------
+    /// text
+    ///     Content of a file of ``sinew baseline``.
+    /// name
+    ///     Name of the baseline in results and messages.
+    ///
+    /// Returns
+    /// -------
+    /// Baseline
+    ///     The baseline.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For an invalid text.
     #[staticmethod]
     #[pyo3(signature = (text, *, name="baseline"))]
     fn from_text(text: &str, name: &str) -> PyResult<Self> {
@@ -81,7 +113,17 @@ impl Baseline {
         self.baseline.to_text()
     }
 
-    /// Writes a file for the option `--baseline` of the command.
+    /// Writes a file for the option ``--baseline`` of the command; it is complete or absent.
+    ///
+    /// Parameters
+    /// ----------
+    /// path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     If it cannot be written.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         Ok(self.baseline.write(&path).map_err(Failure::from)?)
     }

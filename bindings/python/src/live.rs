@@ -58,16 +58,31 @@ fn record<'py>(
 /// the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with the prediction of that solution.
 /// It is a separate thread with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
 ///
-/// * ``robot``: folder of the robot or a ``Robot``.
-/// * ``baseline``: reference of the offsets, a file or a ``Baseline``. ``None``: the encoder zero.
-/// * ``empty``, ``payload_kg``: mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
-/// * ``temperature_c``: temperature of samples without one, °C, with a standard deviation of 2 K or as ``(mean, std)``.
-/// * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
-/// * ``motor_torque``: whether the motor torque of the samples is used.
-/// * ``creep``: whether ropes may creep within the session; ``False`` for steel.
-/// * ``worker``: whether an internal thread solves. Threads do not survive a fork: create the object in the child process.
+/// Objects are thread-safe.
 ///
-/// Objects are thread-safe. Raises ``ValueError`` if the baseline belongs to another robot or a value is out of range.
+/// Parameters
+/// ----------
+/// robot
+///     Folder of the robot or a ``Robot``.
+/// baseline
+///     Reference of the offsets, a file or a ``Baseline``. ``None``: the encoder zero.
+/// empty, payload_kg
+///     Mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
+/// temperature_c
+///     Temperature of samples without one, °C, with a standard deviation of 2 K or as ``(mean, std)``.
+/// external_force_n
+///     Constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
+/// motor_torque
+///     Whether the motor torque of the samples is used.
+/// creep
+///     Whether ropes may creep within the session; ``False`` for steel.
+/// worker
+///     Whether an internal thread solves. Threads do not survive a fork: create the object in the child process.
+///
+/// Raises
+/// ------
+/// SinewError
+///     If the baseline belongs to another robot or a value is out of range.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct OnlineEstimator {
     names: Vec<String>,
@@ -160,24 +175,40 @@ impl OnlineEstimator {
         self.names.clone()
     }
 
-    /// Adds a sample, ``dt`` seconds after the previous one; ``dt`` of the first sample is ignored.
+    /// Adds a sample; only the clock advances where it is rejected.
     ///
-    /// ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. Missing values are NaN or omitted. Returns ``"accepted"``;
-    /// ``"restarted"`` (the first sample, or the first after a gap); ``"block"`` (the sample completed a block for the worker); or
-    /// ``"rejected: …"`` with the reason (only the clock advanced). Raises ``ValueError`` for a wrong number of values or a ``dt`` that is
-    /// not positive; the state is then unchanged.
-    #[pyo3(signature = (dt, q, theta, tau_m=None, celsius=f64::NAN))]
+    /// Parameters
+    /// ----------
+    /// dt_s
+    ///     Time since the previous sample, s; ignored for the first sample.
+    /// q, theta, tau_m
+    ///     Joint positions, rad, motor positions, rad, and motor torques, N·m, ``(n,)``; missing values are NaN or omitted.
+    /// temperature_c
+    ///     Temperature, °C; NaN where it is not measured.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     ``"accepted"``; ``"restarted"`` (the first sample, or the first after a gap); ``"block"`` (the sample completed a
+    ///     block for the worker); or ``"rejected: …"`` with the reason.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For a wrong number of values or a time step that is not positive; the state is then unchanged.
+    #[pyo3(signature = (dt_s, q, theta, tau_m=None, temperature_c=f64::NAN))]
     fn step(
         &self,
-        dt: f64,
+        dt_s: f64,
         q: PerJoint<'_>,
         theta: PerJoint<'_>,
         tau_m: Option<PerJoint<'_>>,
-        celsius: f64,
+        temperature_c: f64,
     ) -> PyResult<&'static str> {
         let (q, theta) = (values(&q), values(&theta));
         let tau_m = tau_m.as_ref().map(values).unwrap_or_default();
-        let outcome = self.online().step(dt, &q, &theta, &tau_m, celsius);
+        let mut online = self.online();
+        let outcome = online.step(dt_s, &q, &theta, &tau_m, temperature_c);
         Ok(match outcome.map_err(Failure::from)? {
             StepOutcome::Accepted => "accepted",
             StepOutcome::Restarted => "restarted",
@@ -211,7 +242,20 @@ impl OnlineEstimator {
 
     /// Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 standard deviations.
     ///
-    /// NaN before the first solution, and of a rigid joint. Raises ``ValueError`` for an unknown joint.
+    /// Parameters
+    /// ----------
+    /// joint
+    ///     Name of the joint.
+    ///
+    /// Returns
+    /// -------
+    /// tuple of float
+    ///     Mean and standard deviation, rad; NaN before the first solution, and of a rigid joint.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where there is no such joint.
     fn offset(&self, joint: &str) -> PyResult<(f64, f64)> {
         Ok(offset_of(self.joint(joint)?.as_ref()))
     }
@@ -225,9 +269,22 @@ impl OnlineEstimator {
         (PyArray1::from_vec(py, means), PyArray1::from_vec(py, stds))
     }
 
-    /// Reason for a provisional offset of a joint: a ``Provisional``. ``None``: the offset is settled, or the joint is rigid.
+    /// Reason for a provisional offset of a joint.
     ///
-    /// Raises ``ValueError`` for an unknown joint.
+    /// Parameters
+    /// ----------
+    /// joint
+    ///     Name of the joint.
+    ///
+    /// Returns
+    /// -------
+    /// Provisional or None
+    ///     ``None``: the offset is settled, or the joint is rigid.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where there is no such joint.
     fn provisional<'py>(
         &self,
         py: Python<'py>,
@@ -267,6 +324,12 @@ impl OnlineEstimator {
         answer.time_s - answer.solved_s
     }
 
+    /// Number of blocks that the worker has processed.
+    #[getter]
+    fn blocks(&self) -> u64 {
+        self.online().answer().blocks
+    }
+
     /// Number of completed blocks that are neither in the estimate nor dropped. If the number grows, the worker is too slow or
     /// is not called, and the estimate is outdated.
     #[getter]
@@ -286,10 +349,23 @@ impl OnlineEstimator {
         self.online().answer().contact_probability
     }
 
-    /// Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` if not estimated.
+    /// Probability, 0 to 1, that the stiffness of a joint has changed since the baseline.
     ///
-    /// Raises ``ValueError`` for an unknown joint.
-    fn stiffness_changed(&self, joint: &str) -> PyResult<Option<f64>> {
+    /// Parameters
+    /// ----------
+    /// joint
+    ///     Name of the joint.
+    ///
+    /// Returns
+    /// -------
+    /// float or None
+    ///     ``None`` if it is not estimated.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where there is no such joint.
+    fn stiffness_changed_probability(&self, joint: &str) -> PyResult<Option<f64>> {
         let own = self.joint(joint)?;
         Ok(own.and_then(|own| own.stiffness_changed_probability))
     }
@@ -331,8 +407,22 @@ impl OnlineEstimator {
 
     /// Last solution as the baseline of the next session.
     ///
-    /// ``recording`` is the name of this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset
-    /// is provisional.
+    /// Parameters
+    /// ----------
+    /// recording
+    ///     Name of this session.
+    /// end_time_ns
+    ///     End of this session by its clock, ns.
+    ///
+    /// Returns
+    /// -------
+    /// Baseline
+    ///     The posterior of this session.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     While an offset is provisional.
     fn save(&self, recording: &str, end_time_ns: i64) -> PyResult<Baseline> {
         let saved = self.online().save(recording, end_time_ns);
         Ok(Baseline {
@@ -343,6 +433,22 @@ impl OnlineEstimator {
 }
 
 /// The paper's observer: elastic torque and offset of every joint, sample by sample.
+///
+/// Parameters
+/// ----------
+/// robot
+///     Folder of the robot or a ``Robot``.
+/// gain_per_s
+///     Gain of the observer, 1/s; the default is that of ``estimate``.
+/// cutoff_rad_per_s
+///     Cut-off of the velocity filter, rad/s; the default is that of ``estimate``.
+/// comparison
+///     ``"matched"``: both sides pass the same filter; ``"paper"``: as in the publication.
+///
+/// Raises
+/// ------
+/// SinewError
+///     For invalid settings.
 #[pyclass(module = "pysinew._core")]
 pub(crate) struct OffsetObserver(offset::OffsetObserver);
 
@@ -374,13 +480,23 @@ impl OffsetObserver {
         Ok(Self(observer.map_err(Failure::from)?))
     }
 
-    /// Steps by `dt`, s, to a sample; the first one starts the filters.
+    /// Steps to a sample; the first one starts the filters.
     ///
-    /// `q`, `theta`, `tau_ext`: `(n,)`, rad, rad, N·m.
-    #[pyo3(signature = (dt, q, theta, tau_ext=None))]
+    /// Parameters
+    /// ----------
+    /// dt_s
+    ///     Time since the previous sample, s; ignored for the first sample.
+    /// q, theta, tau_ext
+    ///     Joint positions, rad, motor positions, rad, and measured external torques, N·m, ``(n,)``.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For an invalid sample, which leaves the observer unchanged.
+    #[pyo3(signature = (dt_s, q, theta, tau_ext=None))]
     fn step(
         &mut self,
-        dt: f64,
+        dt_s: f64,
         q: PerJoint<'_>,
         theta: PerJoint<'_>,
         tau_ext: Option<PerJoint<'_>>,
@@ -393,7 +509,7 @@ impl OffsetObserver {
             tau_ext: tau_ext.as_deref(),
             ..Sample::default()
         };
-        Ok(self.0.step(dt, &sample).map_err(Failure::from)?)
+        Ok(self.0.step(dt_s, &sample).map_err(Failure::from)?)
     }
 
     /// Restarts the filters at the next sample.

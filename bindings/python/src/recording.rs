@@ -3,7 +3,8 @@
 use crate::arrays::{Held, Reader};
 use crate::document::{Document, Shown};
 use crate::failure::Failure;
-use crate::table::Table;
+use crate::robot::hash_of;
+use crate::table::{Reduced, Table};
 use crate::work::work;
 use arrow_array::{ArrayRef, Float64Array, Int64Array};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -21,12 +22,8 @@ use std::sync::Arc;
 /// Source of the samples.
 #[derive(Clone)]
 enum Source {
-    /// Files, and the owner of temporary ones.
-    Files(
-        PathBuf,
-        #[expect(dead_code, reason = "deletes the files when it is dropped")]
-        Option<Arc<Py<PyAny>>>,
-    ),
+    /// Files, and the owner of temporary ones, which deletes them when it is dropped.
+    Files(PathBuf, Option<Arc<Py<PyAny>>>),
     Arrays(Arc<Held>),
     Messages(Arc<GivenMessages>),
 }
@@ -47,10 +44,34 @@ impl Source {
 }
 
 /// A recording: joint and motor positions over time.
+///
+/// Two recordings are equal if they have the same joints, quantities and frames, in any format; the comparison
+/// reads both.
+///
+/// Parameters
+/// ----------
+/// path
+///     File, folder of a ROS 2 bag, open file or bytes of a file.
+/// mapping
+///     File with the names, units and signs of the recording.
+/// joint_topic, motor_topic
+///     Topics of the joint side and the motor side.
+/// motor_interface
+///     Interface of ``DynamicJointState`` with the motor position.
+/// joint_effort
+///     Quantity of the joint side's effort: ``"tau-el"``, ``"tau-m"`` or ``"ignore"``.
+/// gap_s
+///     Maximum time between frames of one segment, s.
+///
+/// Raises
+/// ------
+/// SinewError
+///     For an invalid or missing recording.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Recording {
     name: String,
     source: Source,
+    opening: Opening,
     options: OpenOptions,
     joints: Vec<String>,
     channels: Channels,
@@ -117,7 +138,8 @@ pub(crate) fn one_of<T: Clone>(
 }
 
 impl Recording {
-    fn of(name: String, source: Source, options: OpenOptions) -> Result<Self, Failure> {
+    fn of(name: String, source: Source, opening: Opening) -> Result<Self, Failure> {
+        let options = opening.options()?;
         let reader = source.open(&name, &options)?;
         Ok(Self {
             joints: reader.joints().to_vec(),
@@ -126,6 +148,7 @@ impl Recording {
             description: reader.robot_description().map(str::to_owned),
             name,
             source,
+            opening,
             options,
         })
     }
@@ -252,7 +275,7 @@ fn message(item: &Bound<'_, PyAny>) -> PyResult<(String, String, u64, Vec<u8>)> 
 }
 
 /// Options for opening a recording.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Opening {
     mapping: Option<PathBuf>,
     joint_topic: Option<String>,
@@ -263,21 +286,68 @@ struct Opening {
 }
 
 impl Opening {
-    fn options(self) -> Result<OpenOptions, Failure> {
+    fn options(&self) -> Result<OpenOptions, Failure> {
         let mut options = OpenOptions {
             mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
-            joint_state_topic: self.joint_topic,
-            motor_topic: self.motor_topic,
+            joint_state_topic: self.joint_topic.clone(),
+            motor_topic: self.motor_topic.clone(),
             ..OpenOptions::default()
         };
-        if let Some(name) = self.motor_interface {
-            options.motor_interface = name;
+        if let Some(name) = &self.motor_interface {
+            options.motor_interface.clone_from(name);
         }
-        if let Some(word) = self.joint_effort {
-            options.joint_effort = one_of("joint_effort", &word, &EFFORTS)?;
+        if let Some(word) = &self.joint_effort {
+            options.joint_effort = one_of("joint_effort", word, &EFFORTS)?;
         }
         options.gap_s = self.gap_s.unwrap_or(options.gap_s);
         Ok(options)
+    }
+
+    /// The specified options as keywords.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        let texts = [
+            ("joint_topic", &self.joint_topic),
+            ("motor_topic", &self.motor_topic),
+            ("motor_interface", &self.motor_interface),
+            ("joint_effort", &self.joint_effort),
+        ];
+        for (name, text) in texts {
+            if let Some(text) = text {
+                out.set_item(name, text)?;
+            }
+        }
+        if let Some(mapping) = &self.mapping {
+            out.set_item("mapping", mapping)?;
+        }
+        if let Some(gap_s) = self.gap_s {
+            out.set_item("gap_s", gap_s)?;
+        }
+        Ok(out)
+    }
+}
+
+/// Whether two recordings have the same frames from here on; NaN equals NaN.
+fn same_frames(
+    one: &mut sinew_log::Recording,
+    other: &mut sinew_log::Recording,
+    quantities: Quantities,
+) -> Result<bool, LogError> {
+    let same = |a: &f64, b: &f64| a == b || a.is_nan() && b.is_nan();
+    loop {
+        let (one, other) = match (one.next_frame()?, other.next_frame()?) {
+            (None, None) => return Ok(true),
+            (Some(one), Some(other)) => (one, other),
+            _ => return Ok(false),
+        };
+        let joints = quantities.iter().filter(|q| *q != Quantity::Temperature);
+        let mut values = joints.flat_map(|q| one.get(q).iter().zip(other.get(q)));
+        if (one.time_ns, one.segment) != (other.time_ns, other.segment)
+            || !same(&one.temperature_c, &other.temperature_c)
+            || !values.all(|(a, b)| same(a, b))
+        {
+            return Ok(false);
+        }
     }
 }
 
@@ -395,15 +465,44 @@ impl Recording {
         let (path, name, owner): (PathBuf, String, Option<Py<PyAny>>) =
             frames.call_method1("place", (path,))?.extract()?;
         let source = Source::Files(path, owner.map(Arc::new));
-        Ok(Self::of(name, source, opening.options()?)?)
+        Ok(Self::of(name, source, opening)?)
     }
 
     /// A recording from arrays, one row per sample: read block by block, never copied completely.
     ///
-    /// `time_ns` (whole numbers or `datetime64`) or `time_s`: `(rows,)`. `q`, `theta`: `(rows, joints)`, rad; `dq`: rad/s;
-    /// `tau_el`, `tau_m`, `tau_ext`: N·m; `temperature_c`: `(rows,)`, °C. NaN means "not recorded". `float64` is used
-    /// directly, with any strides; other types are converted. Columns with names, as those of a data frame, are found by the names of
-    /// `joints`, which they may replace. `segment`, as `arrays()` returns it, follows from the gaps of the times.
+    /// Columns with names, as those of a data frame, are found by the names of ``joints``, which they may replace. Arrays of
+    /// ``float64`` are used directly, with any strides; other types are converted. NaN means "not recorded".
+    ///
+    /// Parameters
+    /// ----------
+    /// q, theta
+    ///     Joint and motor positions, rad, ``(rows, joints)``.
+    /// joints
+    ///     Names of the columns.
+    /// time_ns, time_s
+    ///     Times, ``(rows,)``: whole nanoseconds or ``datetime64``, or seconds.
+    /// dq
+    ///     Joint velocities, rad/s.
+    /// tau_el, tau_m, tau_ext
+    ///     Elastic, motor and external torques, N·m.
+    /// temperature_c
+    ///     Temperature, °C, ``(rows,)``.
+    /// segment
+    ///     As ``arrays()`` returns it; it follows from the gaps of the times.
+    /// name
+    ///     Name of the recording in results and messages.
+    /// gap_s
+    ///     Maximum time between frames of one segment, s.
+    ///
+    /// Returns
+    /// -------
+    /// Recording
+    ///     The recording.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For arrays of different length or invalid times.
     #[staticmethod]
     #[pyo3(signature = (*, q, theta, joints=None, time_ns=None, time_s=None, dq=None, tau_el=None, tau_m=None, tau_ext=None, temperature_c=None, segment=None, name="arrays", gap_s=None))]
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -472,11 +571,29 @@ impl Recording {
             ..Opening::default()
         };
         let source = Source::Arrays(Arc::new(held));
-        Ok(Self::of(name.to_owned(), source, opening.options()?)?)
+        Ok(Self::of(name.to_owned(), source, opening)?)
     }
 
-    /// A recording from messages of ROS 2: the results of `reader.messages()` of the package `rosbags`, or tuples of topic,
-    /// type, time (ns) and bytes. The iterator is read to its end; only messages of joints are kept.
+    /// A recording from messages of ROS 2. The iterator is read to its end; only messages of joints are kept.
+    ///
+    /// Parameters
+    /// ----------
+    /// messages
+    ///     Results of ``reader.messages()`` of the package ``rosbags``, or tuples of topic, type, time (ns) and bytes.
+    /// name
+    ///     Name of the recording in results and messages.
+    /// mapping, joint_topic, motor_topic, motor_interface, joint_effort, gap_s
+    ///     As for a file.
+    ///
+    /// Returns
+    /// -------
+    /// Recording
+    ///     The recording. It cannot be pickled.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For an invalid message.
     #[staticmethod]
     #[pyo3(signature = (messages, *, name="messages", mapping=None, joint_topic=None, motor_topic=None, motor_interface=None, joint_effort=None, gap_s=None))]
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -499,7 +616,6 @@ impl Recording {
             joint_effort,
             gap_s,
         };
-        let options = opening.options()?;
         let mut given = GivenMessages::default();
         for (i, item) in PyIterator::from_object(messages)?.enumerate() {
             let (topic, kind, time_ns, data) = message(&item?)?;
@@ -512,7 +628,7 @@ impl Recording {
             }
         }
         let source = Source::Messages(Arc::new(given));
-        Ok(Self::of(name.to_owned(), source, options)?)
+        Ok(Self::of(name.to_owned(), source, opening)?)
     }
 
     /// Name of the recording.
@@ -574,7 +690,24 @@ impl Recording {
             .into())
     }
 
-    /// All frames as NumPy arrays by name: `time_ns` `(rows,)`, `q`, `theta` and other recorded quantities `(rows, joints)`.
+    /// All frames as NumPy arrays by name.
+    ///
+    /// Parameters
+    /// ----------
+    /// joints
+    ///     Names of the joints; the default is all.
+    /// progress
+    ///     Called with the completed share and the step.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     ``time_ns`` ``(rows,)``; ``q``, ``theta`` and other recorded quantities ``(rows, joints)``, rad, rad/s and N·m.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For an invalid recording or an unknown joint.
     #[pyo3(signature = (*, joints=None, progress=None))]
     fn arrays<'py>(
         &self,
@@ -586,7 +719,24 @@ impl Recording {
         columns.arrays(py, &joints)
     }
 
-    /// All frames as a table; columns as in a CSV recording.
+    /// All frames as a table, with the columns of a CSV recording.
+    ///
+    /// Parameters
+    /// ----------
+    /// joints
+    ///     Names of the joints; the default is all.
+    /// progress
+    ///     Called with the completed share and the step.
+    ///
+    /// Returns
+    /// -------
+    /// Table
+    ///     A row per frame.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For an invalid recording or an unknown joint.
     #[pyo3(signature = (*, joints=None, progress=None))]
     fn table(
         &self,
@@ -629,6 +779,46 @@ impl Recording {
     ) -> PyResult<Bound<'py, PyAny>> {
         let table = Bound::new(py, self.table(py, None, None)?)?;
         table.call_method1("__arrow_c_stream__", (requested_schema,))
+    }
+
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        if std::ptr::eq(self, other) {
+            return Ok(true);
+        }
+        if self.joints != other.joints || self.channels != other.channels {
+            return Ok(false);
+        }
+        let openers = [self, other].map(|own| (own.opener(), own.options.clone()));
+        let quantities = self.channels.union();
+        work(py, "reading", None, move |_| {
+            let [(one, with), (other, other_with)] = openers;
+            let (mut one, mut other) = (one(&with)?, other(&other_with)?);
+            Ok(same_frames(&mut one, &mut other, quantities)?)
+        })
+    }
+
+    fn __hash__(&self) -> u64 {
+        hash_of(&self.joints.join("\n"))
+    }
+
+    /// A file is pickled by its path, and content or arrays by their values.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, Bound<'py, PyTuple>>> {
+        let frames = py.import("pysinew._frames")?;
+        let keywords = self.opening.keywords(py)?;
+        let place = match &self.source {
+            Source::Files(path, None) => path.into_pyobject(py)?.into_any(),
+            Source::Files(path, Some(_)) => {
+                let content = std::fs::read(path).map_err(|e| Failure::new(e.to_string()))?;
+                PyBytes::new(py, &content).into_any()
+            }
+            Source::Arrays(held) => held.arrays(py)?.into_any(),
+            Source::Messages(_) => {
+                let reason = "a recording of messages cannot be pickled: pickle its arrays() or the messages";
+                return Err(PyTypeError::new_err(reason));
+            }
+        };
+        let parts = (place, &self.name, keywords).into_pyobject(py)?;
+        Ok((frames.getattr("restored")?, parts))
     }
 
     fn __repr__(&self) -> PyResult<String> {

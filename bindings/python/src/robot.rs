@@ -24,7 +24,15 @@ pub(crate) type Floats<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
 /// A robot: joints, masses, stiffness, tendons.
 ///
-/// `place` is the folder of the robot, or the path of `robot.toml`.
+/// Parameters
+/// ----------
+/// place
+///     Folder of the robot, or the path of ``robot.toml``.
+///
+/// Raises
+/// ------
+/// LocatedError
+///     For an invalid description, with its line.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Robot(Arc<LoadedRobot>);
 
@@ -79,7 +87,26 @@ impl Robot {
         Ok(Self(Arc::new(loaded)))
     }
 
-    /// From texts: `robot_toml`, and the URDF it belongs to. `file` is the name for messages.
+    /// A robot of the texts of its description.
+    ///
+    /// Parameters
+    /// ----------
+    /// robot_toml
+    ///     Text of ``robot.toml``.
+    /// urdf
+    ///     Text of the URDF that it belongs to.
+    /// file
+    ///     Name of the description in messages.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     The robot.
+    ///
+    /// Raises
+    /// ------
+    /// LocatedError
+    ///     For an invalid text, with its line.
     #[staticmethod]
     #[pyo3(signature = (robot_toml, urdf, *, file="robot.toml"))]
     fn from_text(robot_toml: &str, urdf: &str, file: &str) -> PyResult<Self> {
@@ -181,24 +208,86 @@ impl Robot {
         PyArray1::from_iter(py, stiffness)
     }
 
-    /// Name of the rope of a joint's tendon, if `robot.toml` names one.
+    /// Name of the rope of a joint's tendon.
+    ///
+    /// Parameters
+    /// ----------
+    /// joint
+    ///     Name of the joint.
+    ///
+    /// Returns
+    /// -------
+    /// str or None
+    ///     ``None`` where ``robot.toml`` names no rope.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where no such joint has a tendon.
     fn rope(&self, joint: &str) -> PyResult<Option<String>> {
         Ok(self.tendon(joint)?.rope.clone())
     }
 
-    /// Elongation of a joint's tendon, m, for an offset `delta_e`, rad: `ΔL = r · delta_e`.
-    fn elongation_m(&self, joint: &str, delta_e: f64) -> PyResult<f64> {
-        Ok(self.tendon(joint)?.elongation_m(delta_e))
+    /// Elongation of a joint's tendon for an offset: `ΔL = r · offset`.
+    ///
+    /// Parameters
+    /// ----------
+    /// joint
+    ///     Name of the joint.
+    /// offset_rad
+    ///     Offset, rad.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     Elongation, m.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where no such joint has a tendon.
+    fn elongation_m(&self, joint: &str, offset_rad: f64) -> PyResult<f64> {
+        Ok(self.tendon(joint)?.elongation_m(offset_rad))
     }
 
-    /// Strain of a joint's tendon, m/m, for an offset `delta_e`, rad: `ε = ΔL / L`.
-    fn strain(&self, joint: &str, delta_e: f64) -> PyResult<f64> {
-        Ok(self.tendon(joint)?.strain(delta_e))
+    /// Strain of a joint's tendon for an offset: `ε = ΔL / L`.
+    ///
+    /// Parameters
+    /// ----------
+    /// joint
+    ///     Name of the joint.
+    /// offset_rad
+    ///     Offset, rad.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     Strain, m/m.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where no such joint has a tendon.
+    fn strain(&self, joint: &str, offset_rad: f64) -> PyResult<f64> {
+        Ok(self.tendon(joint)?.strain(offset_rad))
     }
 
     /// Momentum terms of the arm: `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`.
     ///
-    /// `q`, `dq`: `(n,)` or `(..., n)`, rad and rad/s. Returns three arrays of that shape: kg·m²/s, N·m, N·m.
+    /// Parameters
+    /// ----------
+    /// q, dq
+    ///     Joint positions, rad, and velocities, rad/s, ``(n,)`` or ``(..., n)``.
+    ///
+    /// Returns
+    /// -------
+    /// tuple of numpy.ndarray
+    ///     Three arrays of that shape: kg·m²/s, N·m, N·m.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     Where the shapes differ or do not end in the number of joints.
     fn momentum<'py>(
         &self,
         py: Python<'py>,

@@ -36,6 +36,16 @@ fn find<'a>(
 }
 
 /// Ropes by name.
+///
+/// Parameters
+/// ----------
+/// ropes
+///     Folders with additional ropes.
+///
+/// Raises
+/// ------
+/// LocatedError
+///     For an invalid entry.
 #[pyclass(frozen, module = "pysinew._core")]
 pub(crate) struct Catalogue(Arc<sinew_rope::Catalogue>);
 
@@ -67,13 +77,40 @@ impl Catalogue {
         Ok(Shown::new(rope.describe(), move |_| rope_table(&rope)).into())
     }
 
-    /// A rope's catalogue entry as text, to start one's own from.
+    /// A rope's catalogue entry as text, from which an own entry can be made.
+    ///
+    /// Parameters
+    /// ----------
+    /// name
+    ///     Name of the rope.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     Text of a rope file.
+    ///
+    /// Raises
+    /// ------
+    /// UnknownNameError
+    ///     Where there is no such rope.
     fn entry(&self, name: &str) -> PyResult<String> {
         Ok(find(&self.0, name)?.entry.to_toml())
     }
 }
 
 /// The law of a rope at its catalogue values: strain under a history of loads.
+///
+/// Parameters
+/// ----------
+/// rope
+///     Name of the rope.
+/// ropes
+///     Folders with additional ropes.
+///
+/// Raises
+/// ------
+/// UnknownNameError
+///     Where there is no such rope.
 #[pyclass(module = "pysinew._core")]
 pub(crate) struct RopeLaw {
     name: String,
@@ -107,8 +144,21 @@ impl RopeLaw {
         self.law.parameters().breaking_load_n
     }
 
-    /// Holds a tension, N, for a time, s, at a temperature, °C. However a time is cut, the state at its end is the
-    /// same.
+    /// Holds a tension. The state at the end does not depend on how a time is divided.
+    ///
+    /// Parameters
+    /// ----------
+    /// tension_n
+    ///     Tension, N.
+    /// duration_s
+    ///     Duration, s.
+    /// temperature_c
+    ///     Temperature, °C.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For a tension beyond the breaking load or an invalid value.
     #[pyo3(signature = (tension_n, duration_s, *, temperature_c=23.0))]
     fn hold(&mut self, tension_n: f64, duration_s: f64, temperature_c: f64) -> PyResult<()> {
         let load = RopeLoad::celsius(tension_n, temperature_c);
@@ -116,7 +166,24 @@ impl RopeLaw {
         Ok(held.map_err(Failure::from)?)
     }
 
-    /// Present strain under a tension, N, at a temperature, °C, and its components, % of the new, unloaded rope.
+    /// Present strain under a tension, and its components.
+    ///
+    /// Parameters
+    /// ----------
+    /// tension_n
+    ///     Tension, N.
+    /// temperature_c
+    ///     Temperature, °C.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to float
+    ///     Strains by component, relative to the new, unloaded rope.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For a tension beyond the breaking load or an invalid value.
     #[pyo3(signature = (tension_n, *, temperature_c=23.0))]
     fn strain<'py>(
         &self,
@@ -127,19 +194,41 @@ impl RopeLaw {
         let load = RopeLoad::celsius(tension_n, temperature_c);
         let strain = self.law.strain(&self.state, load).map_err(Failure::from)?;
         let out = PyDict::new(py);
-        out.set_item("total_percent", strain.total_percent())?;
-        out.set_item("irreversible_percent", strain.irreversible_percent())?;
-        out.set_item("elastic_percent", strain.elastic_percent)?;
-        out.set_item("bedding_percent", strain.bedding_percent)?;
-        out.set_item("delayed_percent", strain.delayed_percent)?;
-        out.set_item("flow_percent", strain.flow_percent)?;
-        out.set_item("retraction_percent", strain.retraction_percent)?;
-        out.set_item("thermal_percent", strain.thermal_percent)?;
+        for (name, percent) in [
+            ("strain_ratio", strain.total_percent()),
+            ("irreversible_strain_ratio", strain.irreversible_percent()),
+            ("elastic_strain_ratio", strain.elastic_percent),
+            ("bedding_strain_ratio", strain.bedding_percent),
+            ("delayed_strain_ratio", strain.delayed_percent),
+            ("flow_strain_ratio", strain.flow_percent),
+            ("retraction_strain_ratio", strain.retraction_percent),
+            ("thermal_strain_ratio", strain.thermal_percent),
+        ] {
+            out.set_item(name, 0.01 * percent)?;
+        }
         Ok(out)
     }
 
-    /// Goes through a history: holds `tension_n[i]` for `duration_s[i]`, `(k,)` each, and returns the strain at the end
-    /// of every step under its tension, `(k,)`, %.
+    /// Strain at the end of every step of a history.
+    ///
+    /// Parameters
+    /// ----------
+    /// duration_s
+    ///     Duration of every step, s, ``(k,)``.
+    /// tension_n
+    ///     Tension of every step, N, ``(k,)``.
+    /// temperature_c
+    ///     Temperature, °C.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Strain under the tension of the step, relative to the new, unloaded rope, ``(k,)``.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     For arrays of different length, a tension beyond the breaking load or an invalid value.
     #[pyo3(signature = (duration_s, tension_n, *, temperature_c=23.0))]
     fn follow<'py>(
         &mut self,
@@ -163,7 +252,7 @@ impl RopeLaw {
                 .hold(&mut state, load, *duration_s)
                 .map_err(Failure::from)?;
             let strain = self.law.strain(&state, load).map_err(Failure::from)?;
-            strains.push(strain.total_percent());
+            strains.push(0.01 * strain.total_percent());
         }
         self.state = state;
         Ok(PyArray1::from_vec(py, strains))
@@ -410,7 +499,7 @@ pub(crate) fn select_rope(
     let (mut task, tendon, recorded) = args.task()?;
     let catalogue = with_folders(&args.ropes)?;
     if limits.bend_ratio_min.is_some() && limits.pulley_diameter_mm.is_none() {
-        return Err(Failure::new("bend_ratio_min needs pulley_diameter_mm").into());
+        return Err(Failure::new("bend_ratio_min needs pulley_diameter_m").into());
     }
     let constraints = Constraints {
         diameter_max_mm: limits.diameter_max_mm,

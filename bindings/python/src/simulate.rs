@@ -169,12 +169,29 @@ pub(crate) fn dataset_names() -> Vec<&'static str> {
 #[pyfunction]
 pub(crate) fn dataset(name: &str) -> PyResult<(&'static str, &'static str, &'static str)> {
     let scenario = one_of("the name", name, &DATASETS)?;
-    let robot_toml = include_str!("../../../robots/biorob-like/robot.toml");
-    let urdf = include_str!("../../../robots/biorob-like/biorob-like.urdf");
+    let robot_toml = include_str!("../../../crates/sinew-model/robots/biorob-like/robot.toml");
+    let urdf = include_str!("../../../crates/sinew-model/robots/biorob-like/biorob-like.urdf");
     Ok((scenario, robot_toml, urdf))
 }
 
-/// A scenario of the protocol as text, for the robot of a folder where one is named.
+/// A scenario of the protocol (S5 to S8b, U1 …) as text, for a robot's joints where one is named.
+///
+/// Parameters
+/// ----------
+/// name
+///     Name of the scenario.
+/// robot
+///     Folder of the robot or a ``Robot``.
+///
+/// Returns
+/// -------
+/// str
+///     A scenario that ``simulate`` takes as ``(text, name)``.
+///
+/// Raises
+/// ------
+/// SinewError
+///     Where there is no such scenario.
 #[pyfunction]
 #[pyo3(signature = (name, robot=None))]
 pub(crate) fn scenario_text(name: &str, robot: Option<RobotArg<'_>>) -> PyResult<String> {

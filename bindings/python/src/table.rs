@@ -217,7 +217,17 @@ impl Table {
         }
     }
 
-    /// Writes a file: Parquet if the name ends in `.parquet`, otherwise CSV.
+    /// Writes a file: Parquet if the name ends in ``.parquet``, otherwise CSV; it is complete or absent.
+    ///
+    /// Parameters
+    /// ----------
+    /// path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// SinewError
+    ///     If it cannot be written.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         Ok(rows_of(&self.0).write(&path).map_err(Failure::from)?)
     }

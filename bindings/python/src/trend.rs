@@ -51,7 +51,7 @@ fn stated(all: Vec<(Option<String>, String)>, replaced: bool) -> Result<Vec<Stat
 
 /// Evaluates the trend of sessions over months.
 #[pyfunction]
-#[pyo3(signature = (records, robot, tensioned, replaced, duty, ropes, horizon_days, seed, progress))]
+#[pyo3(signature = (records, robot, tensioned, replaced, duty, ropes, horizon_s, seed, progress))]
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
 pub(crate) fn trend(
     py: Python<'_>,
@@ -61,7 +61,7 @@ pub(crate) fn trend(
     replaced: Vec<(Option<String>, String)>,
     duty: Option<PathBuf>,
     ropes: Vec<PathBuf>,
-    horizon_days: f64,
+    horizon_s: f64,
     seed: u64,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Document> {
@@ -69,8 +69,10 @@ pub(crate) fn trend(
     let catalogue = crate::catalogue::with_folders(&ropes)?;
     let mut all = stated(tensioned, false)?;
     all.extend(stated(replaced, true)?);
+    let horizon_days = horizon_s / DAY_S;
     if !(1.0..=36_500.0).contains(&horizon_days) {
-        let reason = format!("horizon_days is {horizon_days}; it must be 1 to 36500");
+        let reason =
+            format!("horizon_s is {horizon_s}; it must be 86400 to 3.1536e9, a day to 100 years");
         return Err(Failure::new(reason).into());
     }
     let report = work(py, "reading", progress.as_ref(), move |tracker| {
@@ -199,7 +201,7 @@ pub(crate) fn tendon_trend<'py>(
     row.set_item("elongation_std_m", trend.elongation_m.map(|e| e.std))?;
     row.set_item("rate_rad_per_s", trend.rate_rad_per_s.mean)?;
     row.set_item("rate_std_rad_per_s", trend.rate_rad_per_s.std)?;
-    row.set_item("jumps", trend.events.iter().filter(|e| e.is_jump()).count())?;
+    row.set_item("steps", trend.events.iter().filter(|e| e.is_jump()).count())?;
     row.set_item("sessions", count)?;
     row.set_item("tensioned_utc_s", trend.tensioned_utc_s)?;
     row.set_item("last_utc_s", trend.last_utc_s)?;
@@ -207,11 +209,11 @@ pub(crate) fn tendon_trend<'py>(
     if let Some(first) = Passage::first(&passages) {
         row.set_item("limit", first.limit.name())?;
         row.set_item("state", first.state.name())?;
-        for (name, at_utc_s) in ["days", "days_low", "days_high"]
+        for (name, at_utc_s) in ["after_s", "after_low_s", "after_high_s"]
             .into_iter()
             .zip(first.at_utc_s)
         {
-            row.set_item(name, at_utc_s.map(|at| (at - trend.last_utc_s) / DAY_S))?;
+            row.set_item(name, at_utc_s.map(|at| at - trend.last_utc_s))?;
         }
     }
     Ok(row)

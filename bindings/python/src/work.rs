@@ -20,10 +20,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Interval at which Python checks for interrupts.
-const POLL_INTERVAL: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Maximum time to wait for interrupted work, which otherwise continues in the background until its next check. With
-/// [`POLL_INTERVAL`] it is less than the 0.1 s within which an interrupt is promised.
-const STOP_TIMEOUT: Duration = Duration::from_millis(60);
+/// [`POLL_INTERVAL`] it is half of the 0.1 s within which an interrupt is promised; the other half is for a busy machine.
+const STOP_TIMEOUT: Duration = Duration::from_millis(40);
 /// Stack size of a thread, bytes; equal to that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 

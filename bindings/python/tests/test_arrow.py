@@ -88,7 +88,7 @@ def test_answers_are_tables() -> None:
     elbow = found.joint("elbow")
     row = rows[2]
     assert row["offset_rad"] == elbow.offset_rad.mean
-    assert row["offset_interval_95_rad"] == elbow.offset_rad.half_width_95
+    assert row["offset_std_rad"] == elbow.offset_rad.std
     assert row["verdict"] == "offset-detected" and row["error"] is None
     assert pa.table(found.table("series")).num_rows > 100
     with pytest.raises(KeyError, match="available: joints, series"):

@@ -54,7 +54,7 @@ def test_other_errors_have_messages(tmp_path: Path) -> None:
         (lambda: sn.predict_rope("liros-dc000-0301"), "no load specified"),
         (lambda: sn.predict_rope(tension_n=1.0), "which rope"),
         (lambda: sn.predict_rope("liros-dc000-0301", duty=[(0.0, 5.0)]), "duty, block 0"),
-        (lambda: sn.select_rope(tension_n=60.0, bend_ratio_min=8.0), "needs pulley_diameter_mm"),
+        (lambda: sn.select_rope(tension_n=60.0, bend_ratio_min=8.0), "needs pulley_diameter_m"),
         (lambda: sn.plan_pretension("liros-dc000-0301"), "specify tension_n"),
         (lambda: sn.plan_pretension("liros-dc000-0301", tension_n=60.0, lowest_n=70.0), "must be below"),
         (lambda: sn.CreepTests([]), "no creep test specified"),

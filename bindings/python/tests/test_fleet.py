@@ -98,7 +98,7 @@ def test_records_in_any_order_give_one_row_that_is_the_trend() -> None:
     assert [found] == trends(rows[::-1], fleet.trend(TYPES))
     assert (found["robot"], found["joint"], found["sessions"], found["rejection"]) == ("arm-1", "elbow", 60, None)
     assert abs(found["offset_rad"] - 59e-3 / 7) < 5e-4
-    assert found["limit"] == "retension" and 0 < found["days_low"] <= found["days"]
+    assert found["limit"] == "retension" and 0 < found["after_low_s"] <= found["after_s"]
     assert found["last_utc_s"] == 1.7e9 + 59 * 86_400.0
     (found,) = trends(tendon(60, 5.0))
     assert (found["limit"], found["state"]) == ("retension", "passed")
@@ -147,8 +147,9 @@ def test_rows_are_those_of_sinew_fleet(tmp_path: Path) -> None:
         [program, "simulate", "--robot", ROBOT, "--robots", "2", "--days", "90", "--out", folder], check=True, stdout=subprocess.DEVNULL
     )
     columns = [name for name in fleet._TREND if name not in ("robot", "joint", "rejection")]
-    of = {name: "d" if name in ("limit", "state") or name.startswith("days") else "t" for name in columns}
-    chosen = ", ".join(f"{of[name]}.{name} AS {name}" for name in columns)
+    other = {"steps": "t.jumps", "limit": "d.limit", "state": "d.state"}
+    other |= {f"after{part}_s": f"d.days{part} * 86400" for part in ("", "_low", "_high")}
+    chosen = ", ".join(f"{other.get(name, f't.{name}')} AS {name}" for name in columns)
     inner = "SELECT robot, joint, sinew_trend(*) AS t, sinew_days_until(*) AS d FROM records GROUP BY robot, joint"
     out = tmp_path / "trends.parquet"
     sql = f"SELECT robot, joint, {chosen} FROM ({inner}) ORDER BY robot, joint"
@@ -163,7 +164,7 @@ def test_rows_are_those_of_sinew_fleet(tmp_path: Path) -> None:
         for name in columns:
             value = found[name]
             assert row[name] == ("" if value is None else value if isinstance(value, str) else row[name]), name
-            assert isinstance(value, str) or value is None or float(row[name]) == value, name
+            assert isinstance(value, str) or value is None or float(row[name]) == pytest.approx(value, rel=1e-12), name
 
 
 def test_tendon_without_sessions_has_reason() -> None:

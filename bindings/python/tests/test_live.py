@@ -82,7 +82,7 @@ def test_live_offsets_are_those_of_the_recording_so_far(work: Path, learned: sn.
         assert live.offset(own.name) == (means[i], deviations[i])
         if live.provisional(own.name) is None:
             assert live.offset(own.name) == (own.offset_rad.mean, own.offset_rad.std)
-        changed = live.stiffness_changed(own.name)
+        changed = live.stiffness_changed_probability(own.name)
         assert changed is None or 0.0 <= changed <= 1.0
     # Unknown where the recording holds no temperature, and nowhere else.
     is_recorded = "temperature_c" in sn.Recording(work).arrays()
@@ -229,7 +229,7 @@ def test_samples_that_can_not_be_used_change_nothing(learned: sn.Learned) -> Non
     assert live.step(0.002, q, q) == "accepted"
     live.interrupt()
     assert live.step(0.002, q, q) == "restarted"
-    for method in (live.offset, live.provisional, live.stiffness_changed):
+    for method in (live.offset, live.provisional, live.stiffness_changed_probability):
         with pytest.raises(ValueError, match="joints are shoulder_yaw"):
             method("hip")
 

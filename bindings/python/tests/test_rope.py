@@ -16,17 +16,17 @@ def test_the_law_does_not_depend_on_how_time_is_cut() -> None:
     whole, cut = sn.RopeLaw(ROPE), sn.RopeLaw(ROPE)
     whole.hold(60.0, 3600.0)
     strains = cut.follow(np.full(60, 60.0), np.full(60, 60.0))
-    assert strains[-1] == pytest.approx(whole.strain(60.0)["total_percent"], rel=1e-12)
+    assert strains[-1] == pytest.approx(whole.strain(60.0)["strain_ratio"], rel=1e-12)
     assert (np.diff(strains) > 0.0).all()
     parts = whole.strain(60.0)
-    total = sum(parts[f"{name}_percent"] for name in ("elastic", "bedding", "delayed", "flow", "thermal"))
-    assert parts["total_percent"] == pytest.approx(total - parts["retraction_percent"], rel=1e-14)
+    total = sum(parts[f"{name}_strain_ratio"] for name in ("elastic", "bedding", "delayed", "flow", "thermal"))
+    assert parts["strain_ratio"] == pytest.approx(total - parts["retraction_strain_ratio"], rel=1e-14)
     with pytest.raises(ValueError):
         whole.hold(2.0 * whole.breaking_load_n, 1.0)
     # What was refused left the rope as it was.
     assert whole.strain(60.0) == parts
     whole.reset()
-    assert whole.strain(0.0)["total_percent"] == 0.0
+    assert whole.strain(0.0)["strain_ratio"] == 0.0
 
 
 def test_a_prediction_is_the_law_under_the_duty() -> None:
@@ -34,7 +34,7 @@ def test_a_prediction_is_the_law_under_the_duty() -> None:
     law = sn.RopeLaw(ROPE)
     law.hold(60.0, 3600.0)
     reading = found.readings[0]
-    assert reading.elongation_m.value == pytest.approx(0.7 * 0.01 * law.strain(60.0)["total_percent"], rel=1e-9)
+    assert reading.elongation_m.value == pytest.approx(0.7 * law.strain(60.0)["strain_ratio"], rel=1e-9)
     blocks = sn.predict_rope(ROPE, duty=[(10.0, 60.0)], length_m=0.7, times_s=[3600.0], draws=20)
     assert blocks.readings[0].elongation_m.value == pytest.approx(reading.elongation_m.value, rel=1e-9)
     assert len(found.table("series")) > 20

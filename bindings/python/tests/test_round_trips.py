@@ -69,6 +69,31 @@ def test_robots_and_baselines_survive(learned: sn.Learned) -> None:
     assert copies(learned)[0].learned_baseline == baseline
 
 
+def test_recordings_survive() -> None:
+    shipped = sn.Recording(SHIPPED)
+    columns = shipped.arrays()
+    with open(SHIPPED, "rb") as file:
+        of_content = sn.Recording(file.read())
+    of_arrays = sn.Recording.from_arrays(name="lab", **columns)
+    for recording in (shipped, of_content, of_arrays, sn.Recording(SHIPPED, gap_s=0.004)):
+        for again in copies(recording):
+            assert again == recording and hash(again) == hash(recording)
+            assert (again.name, again.format, again.joints) == (recording.name, recording.format, recording.joints)
+    # The format does not matter, every frame does.
+    assert shipped == of_content == of_arrays and shipped != "recording"
+    assert shipped != sn.Recording(SHIPPED, gap_s=0.0009)
+    columns["q"] = columns["q"].copy()
+    columns["q"][-1, -1] += 1e-12
+    assert sn.Recording.from_arrays(**columns) != shipped
+    less = {name: values[:-1] if name != "joints" else values for name, values in columns.items()}
+    assert sn.Recording.from_arrays(**less) != shipped
+    # A copy has arrays of its own.
+    shared = sn.Recording.from_arrays(**less)
+    own = copy.deepcopy(shared)
+    less["q"][:] = 0.0
+    assert own != shared and own.arrays()["q"].any()
+
+
 def test_tables_survive_with_units(found: sn.Estimate) -> None:
     for name in found.table_names:
         table = found.table(name)

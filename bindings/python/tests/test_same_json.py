@@ -91,7 +91,7 @@ CASES = {
     "rope select": (
         ["rope", "select", "--tension", 60, "--length", 700, "--at", "30d", "--max-diameter", 1.8, "--draws", 40],
         lambda: sn.select_rope(
-            tension_n=60.0, length_m=0.7, times_s=[30 * 86_400.0], diameter_max_mm=1.8, draws=40
+            tension_n=60.0, length_m=0.7, times_s=[30 * 86_400.0], diameter_max_m=1.8e-3, draws=40
         ),
     ),
     "rope pretension": (

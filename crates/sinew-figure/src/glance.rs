@@ -1,13 +1,13 @@
 //! Summary of a page for another page, such as a notebook.
 
 use crate::page::{Block, Page, fill};
-use crate::plot::Figure;
+use crate::plot::{Annotation, Figure};
 use minijinja::context;
 use minijinja::value::Serde;
 use std::cmp::Reverse;
 
-/// Renders an HTML fragment with the first results of the page and the figure of the most urgent one. It has no script
-/// and only inline styles.
+/// Renders an HTML fragment with the first results of the page and the figure of the most urgent one; among equally urgent
+/// ones that with the most events. It has no script and only inline styles.
 pub fn glance(page: &Page) -> String {
     let blocks = || page.sections.iter().flat_map(|s| &s.blocks);
     let answers = blocks().find_map(|block| match block {
@@ -25,7 +25,14 @@ pub fn glance(page: &Page) -> String {
     let figures: Vec<(&str, &Figure)> = of_sections.collect();
     // In pages with one figure per result, results and figures have the same order.
     let all = answers.iter().enumerate();
-    let most = all.max_by_key(|(i, answer)| (answer.level, Reverse(*i)));
+    let events = |i: usize| {
+        let panels = figures.get(i).map_or(&[][..], |(_, figure)| &figure.panels);
+        let marks = panels.iter().flat_map(|panel| &panel.marks);
+        marks
+            .filter(|mark| matches!(mark, Annotation::Event { .. }))
+            .count()
+    };
+    let most = all.max_by_key(|(i, answer)| (answer.level, events(*i), Reverse(*i)));
     let index = most.map_or(0, |(i, _)| i);
     let figure = figures.get(index).or(figures.first());
     let (title, answers) = (&page.title, Serde(answers));

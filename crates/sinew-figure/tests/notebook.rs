@@ -1,6 +1,6 @@
 //! Summary of a page in a notebook.
 
-use sinew_figure::plot::{Figure, Line, Panel};
+use sinew_figure::plot::{Annotation, Figure, Line, Panel};
 use sinew_figure::{Block, Headline, Level, Page, glance};
 
 fn figure(name: &str) -> Block {
@@ -36,6 +36,20 @@ fn glance_has_all_results_and_most_urgent_figure() {
         assert!(text.contains(word), "{word}");
     }
     assert!(!text.contains("<script") && !text.contains("figure 2") && !text.contains("joint 2"));
+}
+
+#[test]
+fn glance_of_equal_urgency_shows_figure_with_change() {
+    let mut page = page(&[Level::Watch, Level::Watch, Level::Good]);
+    for (section, events) in page.sections[1..].iter_mut().zip([0, 1, 2]) {
+        let Block::Figure(figure, _) = &mut section.blocks[0] else {
+            panic!("no figure");
+        };
+        let (x, label) = (0.5, "change".to_owned());
+        figure.panels[0].marks = vec![Annotation::Event { x, label }; events];
+    }
+    let text = glance(&page);
+    assert!(text.contains("joint 1") && !text.contains("joint 0") && !text.contains("joint 2"));
 }
 
 #[test]

@@ -202,13 +202,18 @@ extern "C" {
 
 enum { @upper@_JOINTS = @n@ };
 
+/* Checksum of this code: of the robot, the settings of the observer and the precision. */
+#define @upper@_CHECKSUM @CHECKSUM@ULL
+
 /* Status of a step. A rejected sample changes nothing. */
 enum {
     @upper@_OK = 0,
     /* An input is NaN, infinite or larger than any robot. */
     @upper@_NOT_FINITE = 1,
     /* The time step is not between 1e-9 s and 1e9 s. */
-    @upper@_TIME_STEP = 2
+    @upper@_TIME_STEP = 2,
+    /* The state is that of other code, such as one that was stored for another robot, or was never reset. */
+    @upper@_OTHER_STATE = 3
 };
 
 extern const char *const @name@_joint_names[@upper@_JOINTS];
@@ -238,6 +243,7 @@ typedef struct {
     /* Time since the first sample, s. */
     double since_start_s;
 
+    unsigned long long checksum;
     int started;
     @name@_weights weights;
     @name@_filter q[@upper@_JOINTS], theta[@upper@_JOINTS], tau_ext[@upper@_JOINTS];
@@ -353,6 +359,7 @@ static double within_one(double x)
 
 void @name@_reset(@name@_observer *o)
 {
+    o->checksum = @upper@_CHECKSUM;
     o->started = 0;
     o->since_start_s = 0.0;
     o->weights.dt_s = 0.0;
@@ -368,6 +375,9 @@ int @name@_step(@name@_observer *o, double dt_s, const double q[@upper@_JOINTS],
     double smooth_q[@upper@_JOINTS], p[@upper@_JOINTS], ct_dq[@upper@_JOINTS], g[@upper@_JOINTS], drive[@upper@_JOINTS];
     double sum = 0.0;
 
+    if (o->checksum != @upper@_CHECKSUM) {
+        return @upper@_OTHER_STATE;
+    }
 @FINITE@
     if (tau_ext) {
 @EXTERNAL@
@@ -403,7 +413,7 @@ int @name@_step(@name@_observer *o, double dt_s, const double q[@upper@_JOINTS],
 
 int @name@_is_settled(const @name@_observer *o)
 {
-    return o->started && o->since_start_s >= @settling@;
+    return o->checksum == @upper@_CHECKSUM && o->started && o->since_start_s >= @settling@;
 }
 "#;
 

@@ -168,9 +168,21 @@ pub fn generate(
     for file in &mut files {
         file.text = precision::written_in(&file.text, language, precision);
     }
+    let checksum = checksum(files.iter().flat_map(|file| file.text.bytes()));
+    for file in &mut files {
+        file.text = (file.text).replace("@CHECKSUM@", &format!("0x{checksum:016x}"));
+    }
     Ok(Generated {
         operations: write::operations(&subject.pass),
         files,
+    })
+}
+
+/// FNV-1a hash of the code, 64 bits: equal for equal robots, settings and precisions.
+fn checksum(code: impl Iterator<Item = u8>) -> u64 {
+    // Offset basis and prime of the algorithm: http://www.isthe.com/chongo/tech/comp/fnv/.
+    code.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
 }
 
@@ -193,6 +205,12 @@ fn identifier(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn checksum_is_fnv_1a() {
+        // Test vector of its authors.
+        assert_eq!(checksum("foobar".bytes()), 0x8594_4171_f739_67e8);
+    }
 
     #[test]
     fn names_are_identifiers() {

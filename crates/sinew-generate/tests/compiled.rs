@@ -278,6 +278,65 @@ fn c_gives_what_the_generic_code_gives() {
     }
 }
 
+/// Two robots whose observers have the same size: each rejects the state of the other, and one that was never reset.
+const STATES: &str = r#"
+#include "one.h"
+#include "other.h"
+#include <string.h>
+int main(void) {
+    static one_observer o;
+    static other_observer x, before;
+    const double q[ONE_JOINTS] = {0.1}, theta[ONE_JOINTS] = {0.1};
+    if (ONE_CHECKSUM == OTHER_CHECKSUM || sizeof o != sizeof x) return 1;
+    if (one_step(&o, 0.001, q, theta, NULL) != ONE_OTHER_STATE || one_is_settled(&o)) return 2;
+    one_reset(&o);
+    for (int i = 0; i < 2000; i++)
+        if (one_step(&o, 0.001, q, theta, NULL) != ONE_OK) return 3;
+    if (!one_is_settled(&o)) return 4;
+    memcpy(&x, &o, sizeof x);
+    memcpy(&before, &x, sizeof x);
+    if (other_step(&x, 0.001, q, theta, NULL) != OTHER_OTHER_STATE || other_is_settled(&x)) return 5;
+    if (memcmp(&x, &before, sizeof x) != 0) return 6;
+    return 0;
+}
+"#;
+
+#[test]
+fn c_code_rejects_the_state_of_another_robot() {
+    let folder = tempfile::tempdir().unwrap();
+    let compiler = "cc";
+    if Command::new(compiler).arg("--version").output().is_err() {
+        skipped("cc is not there; generated C is not compiled");
+        return;
+    }
+    let mut robot = biorob_like();
+    for (name, factor) in [("one", 1.0), ("other", 1.01)] {
+        robot.name = name.to_owned();
+        let elastic = robot.transmissions[0].as_mut().unwrap();
+        elastic.stiffness_nm_per_rad *= factor;
+        let written = generate(&robot, &config(), Language::C, Precision::Double).unwrap();
+        write_all(folder.path(), &written.files);
+    }
+    std::fs::write(folder.path().join("states.c"), STATES).unwrap();
+    let done = Command::new(compiler)
+        .args([
+            "-std=c99",
+            "-O2",
+            "-Wall",
+            "-Wextra",
+            "-Wpedantic",
+            "-Werror",
+        ])
+        .args(["states.c", "one.c", "other.c", "-o", "states", "-lm"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success(), "{message}");
+    let status = Command::new(folder.path().join("states")).status().unwrap();
+    assert_eq!(status.code(), Some(0));
+}
+
 /// The driver of one robot, in Rust.
 const RUST_DRIVER: &str = r#"
 fn @name@() {

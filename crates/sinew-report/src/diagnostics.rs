@@ -51,11 +51,11 @@ pub(crate) fn of_tendon(
     });
     let mut values = vec![
         pair("offset_rad", offset_rad.mean),
-        pair("offset_interval_95_rad", offset_rad.half_width_95()),
+        pair("offset_std_rad", offset_rad.std),
     ];
     if let Some(m) = elongation_m {
         values.push(pair("elongation_m", m.mean));
-        values.push(pair("elongation_interval_95_m", m.half_width_95()));
+        values.push(pair("elongation_std_m", m.std));
     }
     DiagnosticStatus {
         level: match then {

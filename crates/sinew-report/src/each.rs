@@ -144,7 +144,7 @@ fn failure(outcome: &RecordingOutcome) -> Option<String> {
 
 /// Tabulates estimates in SI units, one row per recording and joint; a failed recording is one row with its `error`.
 ///
-/// Intervals are half-widths of 95 % intervals. The uncorrected estimate has neither interval nor verdict.
+/// The uncorrected estimate has neither standard deviation nor verdict.
 pub fn each_table(each: &EachDocument) -> Table {
     table_of(Row::all(each))
 }
@@ -156,7 +156,7 @@ pub fn estimate_rows(document: &EstimateDocument) -> Table {
 
 fn table_of(rows: Vec<Row<'_>>) -> Table {
     let mean = |x: Option<Gaussian>| x.map(|x| x.mean);
-    let half = |x: Option<Gaussian>| x.map(Gaussian::half_width_95).filter(|h| h.is_finite());
+    let std = |x: Option<Gaussian>| x.map(|x| x.std).filter(|std| std.is_finite());
     let duration_s = |r: &Row<'_>| match r.session() {
         Some(session) => Some(session.duration_s),
         None => Some(r.document?.reading.recording.duration_s),
@@ -169,9 +169,9 @@ fn table_of(rows: Vec<Row<'_>>) -> Table {
         .number("duration_s", duration_s)
         .number("temperature_c", |r| r.session()?.temperature_c)
         .number("offset_rad", |r| mean(r.offset_rad))
-        .number("offset_interval_95_rad", |r| half(r.offset_rad))
+        .number("offset_std_rad", |r| std(r.offset_rad))
         .number("elongation_m", |r| mean(r.elongation_m))
-        .number("elongation_interval_95_m", |r| half(r.elongation_m))
+        .number("elongation_std_m", |r| std(r.elongation_m))
         .number("strain_ratio", |r| r.strain_ratio)
         .text("verdict", |r| r.verdict.map(Verdict::name))
         .text("reason", reason)

@@ -34,8 +34,7 @@ pub(crate) fn per_rad(of: Option<Gaussian>, offset_rad: Gaussian) -> Option<f64>
 ///
 /// `method` is `absolute` (every 0.2 s), `online` (online estimate, with `--online`), or `paper` (uncorrected, at most
 /// [`Series::POINTS`](sinew_estimate::replay::Series::POINTS) intervals). `time_s` counts from the start of the recording.
-/// Intervals are half-widths of 95 % intervals; the uncorrected estimate has none, that of a provisional online estimate
-/// is wide.
+/// The uncorrected estimate has no standard deviation; that of a provisional online estimate is large.
 pub fn estimate_series(document: &EstimateDocument) -> Table {
     let reading = &document.reading;
     Data::of(rows(document))
@@ -44,11 +43,11 @@ pub fn estimate_series(document: &EstimateDocument) -> Table {
         .number("time_s", |r| r.time_s)
         .integer("time_utc_ns", |r| time_utc_ns(reading, r.time_s))
         .number("offset_rad", |r| r.offset_rad.mean)
-        .number("offset_interval_95_rad", |r| r.half_width(Some(1.0)))
+        .number("offset_std_rad", |r| r.std(Some(1.0)))
         .number("elongation_m", |r| {
             r.m_per_rad.map(|factor| factor * r.offset_rad.mean)
         })
-        .number("elongation_interval_95_m", |r| r.half_width(r.m_per_rad))
+        .number("elongation_std_m", |r| r.std(r.m_per_rad))
         .number("strain_ratio", |r| {
             r.strain_per_rad.map(|factor| factor * r.offset_rad.mean)
         })
@@ -160,10 +159,10 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Half-width of the 95 % interval of the offset, scaled by `factor`.
-    fn half_width(&self, factor: Option<f64>) -> Option<f64> {
+    /// Standard deviation of the offset, scaled by `factor`.
+    fn std(&self, factor: Option<f64>) -> Option<f64> {
         let scaled = self.offset_rad.scaled(factor?);
-        self.series.is_none().then(|| scaled.half_width_95())
+        self.series.is_none().then_some(scaled.std)
     }
 
     fn of_series(&self, of: fn(&Series) -> &Vec<f64>) -> Option<f64> {

@@ -19,7 +19,7 @@ pub const READING: &str = "/sinew/reading";
 pub const DIAGNOSTICS: &str = "/diagnostics";
 
 /// Interfaces of a tendon, in rad, rad, m and m/m.
-pub const INTERFACES: [&str; 4] = ["offset", "offset_interval_95", "elongation", "strain"];
+pub const INTERFACES: [&str; 4] = ["offset", "offset_std", "elongation", "strain"];
 /// Period of [`DIAGNOSTICS`], ns.
 const DIAGNOSTICS_EVERY_NS: i64 = 1_000_000_000;
 
@@ -35,7 +35,7 @@ enum Event {
 /// Writes an estimate as an MCAP file with the time stamps of the recording.
 ///
 /// * [`TENDONS`], `control_msgs/msg/DynamicJointState` with [`INTERFACES`]: the absolute estimate every 0.2 s, or the
-///   uncorrected one in at most 2000 intervals, with `offset_interval_95` NaN;
+///   uncorrected one in at most 2000 intervals, with `offset_std` NaN;
 /// * [`READING`], the same with the uncorrected estimate, if there is an absolute one;
 /// * [`DIAGNOSTICS`], `diagnostic_msgs/msg/DiagnosticArray`, one status per tendon, every second and at the end.
 ///
@@ -102,7 +102,7 @@ fn over_time(document: &EstimateDocument, method: &str) -> BTreeMap<i64, Tendons
         let [m, strain] = [row.m_per_rad, row.strain_per_rad]
             .map(|factor| factor.map_or(f64::NAN, |factor| factor * offset.mean));
         names.push(row.joint.to_owned());
-        values.push([offset.mean, offset.half_width_95(), m, strain]);
+        values.push([offset.mean, offset.std, m, strain]);
     }
     out
 }

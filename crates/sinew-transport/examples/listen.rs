@@ -218,7 +218,7 @@ fn publish_once(
     publisher.publish(&Outgoing::Diagnostics(array))?;
     let values = vec![
         InterfaceValue {
-            interface_names: &["offset", "offset_interval_95"],
+            interface_names: &["offset", "offset_std"],
             values: &[0.0127, 0.0031],
         };
         joints.len()

@@ -136,9 +136,9 @@ fn series_has_both_methods_and_utc() {
     let table = both(folder.path(), &estimate, "--series");
     let (methods, times) = (column(&table, "method"), column(&table, "time_s"));
     let utc = column(&table, "time_utc_ns");
-    let (mean, half) = (
+    let (mean, std) = (
         column(&table, "offset_rad"),
-        column(&table, "offset_interval_95_rad"),
+        column(&table, "offset_std_rad"),
     );
     let document: serde_json::Value =
         serde_json::from_str(&ok(&[&estimate[..], &["--json"]].concat())).unwrap();
@@ -148,8 +148,8 @@ fn series_has_both_methods_and_utc() {
     for (at, time) in times.iter().enumerate() {
         let ns = start + (1e9 * time.parse::<f64>().unwrap()).round() as i64;
         assert_eq!(utc[at], ns.to_string());
-        // A reading is no verdict: it has no interval.
-        assert_eq!(methods[at] == "absolute", !half[at].is_empty(), "{at}");
+        // A reading is no verdict: it has no standard deviation.
+        assert_eq!(methods[at] == "absolute", !std[at].is_empty(), "{at}");
     }
     // The last block equals the result up to the last 0.2 s.
     let joint = &document["session"]["joints"][0];
@@ -389,7 +389,7 @@ fn topics_equal_series_with_recording_times() {
         let table = csv(Path::new(&series));
         let names = [
             "offset_rad",
-            "offset_interval_95_rad",
+            "offset_std_rad",
             "elongation_m",
             "strain_ratio",
         ];

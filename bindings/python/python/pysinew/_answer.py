@@ -54,7 +54,21 @@ class Answer(Record):
         """The result of a JSON document, such as ``to_json()`` returns.
 
         It has the fields of the document. Its text is the document itself; tables and report are those of ``Estimate`` only.
-        Raises ``SinewError`` if the text is no JSON object.
+
+        Parameters
+        ----------
+        text
+            Document of ``to_json()`` or of the command.
+
+        Returns
+        -------
+        Answer
+            An equal result.
+
+        Raises
+        ------
+        SinewError
+            If the text is no JSON object.
         """
         try:
             data = json.loads(text)
@@ -93,16 +107,37 @@ class Answer(Record):
         return self._document.table_names()
 
     def table(self, name: str | None = None) -> Table:
-        """Returns a table by name, or the first table. pandas, polars, pyarrow and duckdb read it directly.
+        """A table by name, or the first table. pandas, polars, pyarrow and duckdb read it directly.
 
-        Raises ``KeyError`` where there is no such table.
+        Parameters
+        ----------
+        name
+            One of ``table_names``.
+
+        Returns
+        -------
+        Table
+            In SI units, which ``units`` lists by column.
+
+        Raises
+        ------
+        KeyError
+            Where there is no such table.
         """
         return self._document.table(name)
 
     def html(self) -> str:
         """The report as one HTML file that opens offline.
 
-        Raises ``ValueError`` where this answer has no report.
+        Returns
+        -------
+        str
+            The page.
+
+        Raises
+        ------
+        SinewError
+            Where this result has no report.
         """
         page = self._document.html()
         if page is None:
@@ -112,7 +147,15 @@ class Answer(Record):
     def write_html(self, path: str | os.PathLike[str]) -> None:
         """Writes the report. The file is complete or absent.
 
-        Raises ``ValueError`` if this result has no report or the file cannot be written.
+        Parameters
+        ----------
+        path
+            File to write.
+
+        Raises
+        ------
+        SinewError
+            If this result has no report or the file cannot be written.
         """
         if not self._document.write_html(path):
             raise SinewError(f"{type(self).__name__} has no report")

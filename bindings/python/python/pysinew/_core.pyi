@@ -42,6 +42,7 @@ __all__ = [
     "select_rope",
     "simulate",
     "simulate_to",
+    "tendon_trend",
     "trend",
 ]
 
@@ -109,8 +110,8 @@ class Robot:
     @property
     def stiffness_nm_per_rad(self) -> _Floats: ...
     def rope(self, joint: str) -> str | None: ...
-    def elongation_m(self, joint: str, delta_e: float) -> float: ...
-    def strain(self, joint: str, delta_e: float) -> float: ...
+    def elongation_m(self, joint: str, offset_rad: float) -> float: ...
+    def strain(self, joint: str, offset_rad: float) -> float: ...
     def momentum(self, q: npt.ArrayLike, dq: npt.ArrayLike) -> tuple[_Floats, _Floats, _Floats]: ...
     def _check(self, *, mapping: _Path | None = None, ropes: Sequence[_Path] = ...) -> Document: ...
 
@@ -172,6 +173,9 @@ class Recording:
     ) -> dict[str, Any]: ...
     def table(self, *, joints: Sequence[str] | None = None, progress: _Progress | None = None) -> Table: ...
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> Any: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Baseline:
@@ -201,16 +205,31 @@ class OnlineEstimator:
     the last 120 s every 2 s with the estimator of ``estimate``, and compares every later block with the prediction of that solution.
     It is a separate thread with ``worker=True``; otherwise the caller calls ``work()`` outside the loop.
 
-    * ``robot``: folder of the robot or a ``Robot``.
-    * ``baseline``: reference of the offsets, a file or a ``Baseline``. ``None``: the encoder zero.
-    * ``empty``, ``payload_kg``: mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
-    * ``temperature_c``: temperature of samples without one, °C, with a standard deviation of 2 K or as ``(mean, std)``.
-    * ``external_force_n``: constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
-    * ``motor_torque``: whether the motor torque of the samples is used.
-    * ``creep``: whether ropes may creep within the session; ``False`` for steel.
-    * ``worker``: whether an internal thread solves. Threads do not survive a fork: create the object in the child process.
+    Objects are thread-safe.
 
-    Objects are thread-safe. Raises ``ValueError`` if the baseline belongs to another robot or a value is out of range.
+    Parameters
+    ----------
+    robot
+        Folder of the robot or a ``Robot``.
+    baseline
+        Reference of the offsets, a file or a ``Baseline``. ``None``: the encoder zero.
+    empty, payload_kg
+        Mass in the gripper, kg, with a standard deviation of 2 % or as ``(mean, std)``.
+    temperature_c
+        Temperature of samples without one, °C, with a standard deviation of 2 K or as ``(mean, std)``.
+    external_force_n
+        Constant external force at the tool, as ``((x, y, z), std)`` in the base frame, N.
+    motor_torque
+        Whether the motor torque of the samples is used.
+    creep
+        Whether ropes may creep within the session; ``False`` for steel.
+    worker
+        Whether an internal thread solves. Threads do not survive a fork: create the object in the child process.
+
+    Raises
+    ------
+    SinewError
+        If the baseline belongs to another robot or a value is out of range.
     """
 
     def __new__(
@@ -232,18 +251,33 @@ class OnlineEstimator:
 
     def step(
         self,
-        dt: float,
+        dt_s: float,
         q: npt.ArrayLike,
         theta: npt.ArrayLike,
         tau_m: npt.ArrayLike | None = None,
-        celsius: float = ...,
+        temperature_c: float = ...,
     ) -> str:
-        """Adds a sample, ``dt`` seconds after the previous one; ``dt`` of the first sample is ignored.
+        """Adds a sample; only the clock advances where it is rejected.
 
-        ``q``, ``theta``, ``tau_m``: ``(n,)``, rad, rad, N·m; ``celsius``: °C. Missing values are NaN or omitted. Returns ``"accepted"``;
-        ``"restarted"`` (the first sample, or the first after a gap); ``"block"`` (the sample completed a block for the worker); or
-        ``"rejected: …"`` with the reason (only the clock advanced). Raises ``ValueError`` for a wrong number of values or a ``dt`` that is
-        not positive; the state is then unchanged.
+        Parameters
+        ----------
+        dt_s
+            Time since the previous sample, s; ignored for the first sample.
+        q, theta, tau_m
+            Joint positions, rad, motor positions, rad, and motor torques, N·m, ``(n,)``; missing values are NaN or omitted.
+        temperature_c
+            Temperature, °C; NaN where it is not measured.
+
+        Returns
+        -------
+        str
+            ``"accepted"``; ``"restarted"`` (the first sample, or the first after a gap); ``"block"`` (the sample completed a
+            block for the worker); or ``"rejected: …"`` with the reason.
+
+        Raises
+        ------
+        SinewError
+            For a wrong number of values or a time step that is not positive; the state is then unchanged.
         """
 
     def work(self) -> None:
@@ -259,16 +293,42 @@ class OnlineEstimator:
     def offset(self, joint: str) -> tuple[float, float]:
         """Offset of a joint since the baseline: mean and standard deviation, rad; the 95 % interval is ± 1.96 standard deviations.
 
-        NaN before the first solution, and of a rigid joint. Raises ``ValueError`` for an unknown joint.
+        Parameters
+        ----------
+        joint
+            Name of the joint.
+
+        Returns
+        -------
+        tuple of float
+            Mean and standard deviation, rad; NaN before the first solution, and of a rigid joint.
+
+        Raises
+        ------
+        UnknownNameError
+            Where there is no such joint.
         """
 
     def offsets(self) -> tuple[_Floats, _Floats]:
         """Offsets of all joints at one time: means and standard deviations, ``(n,)`` each, rad; NaN as in ``offset``."""
 
     def provisional(self, joint: str) -> Provisional | None:
-        """Reason for a provisional offset of a joint: a ``Provisional``. ``None``: the offset is settled, or the joint is rigid.
+        """Reason for a provisional offset of a joint.
 
-        Raises ``ValueError`` for an unknown joint.
+        Parameters
+        ----------
+        joint
+            Name of the joint.
+
+        Returns
+        -------
+        Provisional or None
+            ``None``: the offset is settled, or the joint is rigid.
+
+        Raises
+        ------
+        UnknownNameError
+            Where there is no such joint.
         """
 
     @property
@@ -290,6 +350,10 @@ class OnlineEstimator:
         """
 
     @property
+    def blocks(self) -> int:
+        """Number of blocks that the worker has processed."""
+
+    @property
     def blocks_behind(self) -> int:
         """Number of completed blocks that are neither in the estimate nor dropped. If the number grows, the worker is too slow or
         is not called, and the estimate is outdated.
@@ -303,10 +367,23 @@ class OnlineEstimator:
     def contact_probability(self) -> float:
         """Probability, 0 to 1, that something touches the arm in the last block; 0 before the first solution."""
 
-    def stiffness_changed(self, joint: str) -> float | None:
-        """Probability, 0 to 1, that the stiffness of a joint has changed since the baseline; ``None`` if not estimated.
+    def stiffness_changed_probability(self, joint: str) -> float | None:
+        """Probability, 0 to 1, that the stiffness of a joint has changed since the baseline.
 
-        Raises ``ValueError`` for an unknown joint.
+        Parameters
+        ----------
+        joint
+            Name of the joint.
+
+        Returns
+        -------
+        float or None
+            ``None`` if it is not estimated.
+
+        Raises
+        ------
+        UnknownNameError
+            Where there is no such joint.
         """
 
     @property
@@ -336,8 +413,22 @@ class OnlineEstimator:
     def save(self, recording: str, end_time_ns: int) -> Baseline:
         """Last solution as the baseline of the next session.
 
-        ``recording`` is the name of this session, which ended at ``end_time_ns`` of its clock, ns. Raises ``ValueError`` while an offset
-        is provisional.
+        Parameters
+        ----------
+        recording
+            Name of this session.
+        end_time_ns
+            End of this session by its clock, ns.
+
+        Returns
+        -------
+        Baseline
+            The posterior of this session.
+
+        Raises
+        ------
+        SinewError
+            While an offset is provisional.
         """
 
 @final
@@ -351,7 +442,7 @@ class OffsetObserver:
         comparison: Literal["matched", "paper"] = "matched",
     ) -> OffsetObserver: ...
     def step(
-        self, dt: float, q: npt.ArrayLike, theta: npt.ArrayLike, tau_ext: npt.ArrayLike | None = None
+        self, dt_s: float, q: npt.ArrayLike, theta: npt.ArrayLike, tau_ext: npt.ArrayLike | None = None
     ) -> None: ...
     def reset(self) -> None: ...
     @property
@@ -434,7 +525,7 @@ def trend(
     replaced: Sequence[tuple[str | None, str]],
     duty: _Path | None,
     ropes: Sequence[_Path],
-    horizon_days: float,
+    horizon_s: float,
     seed: int,
     progress: _Progress | None,
 ) -> Document: ...
@@ -469,7 +560,22 @@ def simulate_to(
 def scenario_text(name: str, robot: _Path | Robot | None = None) -> str:
     """A scenario of the protocol (S5 to S8b, U1 …) as text, for a robot's joints where one is named.
 
-    Raises ``ValueError`` where there is no such scenario.
+    Parameters
+    ----------
+    name
+        Name of the scenario.
+    robot
+        Folder of the robot or a ``Robot``.
+
+    Returns
+    -------
+    str
+        A scenario that ``simulate`` takes as ``(text, name)``.
+
+    Raises
+    ------
+    SinewError
+        Where there is no such scenario.
     """
 
 def propose_poses(

@@ -110,6 +110,8 @@ class CreepTests:
         Seed or generator of NumPy, instead of ``seed``.
     standard, preconditioning, conditions
         Texts of the report.
+    progress
+        Called with the completed share and the step.
 
     Raises
     ------
@@ -163,7 +165,13 @@ class CreepTests:
         self._tests = _CreepTests(sources, args, progress)
 
     def analyze(self) -> CreepAnalysis:
-        """Readings, moduli, slope, saturation, recovery and artefacts."""
+        """Readings, moduli, slope, saturation, recovery and artefacts.
+
+        Returns
+        -------
+        CreepAnalysis
+            The analysis of each specimen.
+        """
         return CreepAnalysis(self._tests.analyze())
 
     def fit(
@@ -197,10 +205,19 @@ class CreepTests:
             Catalogue rope that the rope law starts from.
         rope_name
             Name of the fitted entry.
+        ropes
+            Folders with additional ropes.
         forecast_s
-            Forecast to this time after the load, s; at ``forecast_load_n`` (N) and
-            ``forecast_temperature_c`` (°C) of a new specimen; the default is the load and temperature of
-            the test.
+            Forecast to this time after the load, s.
+        forecast_load_n, forecast_temperature_c
+            Load, N, and temperature, °C, of a new specimen; the default is those of the test.
+        progress
+            Called with the completed share and the step.
+
+        Returns
+        -------
+        CreepFit
+            The fits by rising AICc, and the entry of the rope.
 
         Raises
         ------
@@ -227,7 +244,22 @@ class CreepTests:
     ) -> CreepHoldOut:
         """Hides the last share of every test and returns the coverage of the forecast intervals.
 
-        Raises ``ValueError`` where the share is not between 0.01 and 0.9.
+        Parameters
+        ----------
+        share
+            Share of the record that is hidden, 0.01 to 0.9.
+        laws, joint, noise, intervals, rope, ropes, progress
+            As for ``fit``.
+
+        Returns
+        -------
+        CreepHoldOut
+            Coverage by law.
+
+        Raises
+        ------
+        SinewError
+            Where the share is not between 0.01 and 0.9, and as for ``fit``.
         """
         args = self._args(laws, joint, noise, intervals, rope, ropes)
         return CreepHoldOut(self._tests.hold_out(share, args, progress))
@@ -235,12 +267,41 @@ class CreepTests:
     def compare(self, *, scatter: float | None = None) -> CreepComparison:
         """All ropes ranked by strain at the longest time that all reach, with intervals.
 
-        ``scatter``: standard deviation between specimens as a share, for ropes with one specimen.
+        Parameters
+        ----------
+        scatter
+            Standard deviation between specimens as a share, for ropes with one specimen.
+
+        Returns
+        -------
+        CreepComparison
+            The ropes by rank.
+
+        Raises
+        ------
+        SinewError
+            For fewer than two ropes.
         """
         return CreepComparison(self._tests.compare(scatter))
 
     def shift(self, reference_c: float) -> CreepShift:
-        """Shift factors of isotherms to a temperature, °C. Raises ``ValueError`` with fewer than two temperatures."""
+        """Shift factors of isotherms to a temperature.
+
+        Parameters
+        ----------
+        reference_c
+            Reference temperature, °C.
+
+        Returns
+        -------
+        CreepShift
+            The shift factors.
+
+        Raises
+        ------
+        SinewError
+            With fewer than two temperatures.
+        """
         return CreepShift(self._tests.shift(reference_c))
 
     @staticmethod

@@ -32,7 +32,7 @@ class Estimate(Answer, results.EstimateResult):
     __slots__ = ("baseline",)
 
     baseline: Baseline | None
-    """What is known after this recording: the ``baseline`` of the next one. ``None`` of the paper's method."""
+    """Posterior after this recording: the ``baseline`` of the next one. ``None`` of the paper's method."""
 
     def __init__(self, document: Document, baseline: Baseline | None) -> None:
         super().__init__(document)
@@ -44,14 +44,42 @@ class Estimate(Answer, results.EstimateResult):
 
         ``baseline`` is ``None`` and the table ``series`` empty: they are not in the document; ``pickle`` keeps both.
 
-        Raises ``SinewError`` if the text is no such document.
+        Parameters
+        ----------
+        text
+            Document of ``to_json()`` or of the command.
+
+        Returns
+        -------
+        Estimate
+            An equal result.
+
+        Raises
+        ------
+        SinewError
+            If the text is no such document.
         """
         return cls._restore(_estimate_from_json(text), {"baseline": None})
 
     def joint(self, name: str) -> results.TendonEstimate:
-        """The answer for a joint: offset, elongation, verdict.
+        """The result of a joint: offset, elongation, verdict.
 
-        Raises ``UnknownNameError`` where there is none, and ``SinewError`` of the paper's method, which gives no verdict.
+        Parameters
+        ----------
+        name
+            Name of the joint or tendon.
+
+        Returns
+        -------
+        results.TendonEstimate
+            The absolute estimate.
+
+        Raises
+        ------
+        UnknownNameError
+            Where there is no such joint.
+        SinewError
+            Of the paper's method, which gives no verdict.
         """
         if self.session is None:
             raise SinewError("the paper's method gives a reading and no verdict; look at .reading.joints")
@@ -81,7 +109,18 @@ class Learned(Answer, results.BaselineResult):  # type: ignore[misc]
         object.__setattr__(self, "learned_baseline", baseline)
 
     def write(self, path: Any) -> None:
-        """Writes the baseline: the ``--baseline`` of the command."""
+        """Writes the baseline: the ``--baseline`` of the command.
+
+        Parameters
+        ----------
+        path
+            File to write.
+
+        Raises
+        ------
+        SinewError
+            If it cannot be written.
+        """
         self.learned_baseline.write(path)
 
 
@@ -176,6 +215,11 @@ def estimate(
     progress
         Called with the completed share and the current step.
 
+    Returns
+    -------
+    Estimate
+        Offset, elongation and verdict of each tendon.
+
     Raises
     ------
     SinewError
@@ -252,6 +296,11 @@ def estimate_arrays(
     options
         As ``estimate`` takes them.
 
+    Returns
+    -------
+    Estimate
+        Offset, elongation and verdict of each tendon.
+
     Raises
     ------
     SinewError
@@ -296,10 +345,22 @@ def estimate_each(
 ) -> EstimateEach:
     """Estimates many recordings independently on all processors; a failed recording does not stop the others.
 
-    A pattern or a folder selects all recordings in it. The options are those of ``estimate``.
+    Parameters
+    ----------
+    logs
+        Recordings; a pattern or a folder selects all recordings in it.
+    robot, baseline, method, empty, payload_kg, temperature_c, external_force_n, motor_torque, from_s, to_s, inject, progress
+        As ``estimate`` takes them.
 
-    Raises ``ValueError`` if a pattern matches nothing or an option is invalid; errors of single recordings are in the
-    answer.
+    Returns
+    -------
+    EstimateEach
+        A result or an error for each recording.
+
+    Raises
+    ------
+    SinewError
+        If a pattern matches nothing or an option is invalid.
     """
     args = {
         "robot": robot,
@@ -349,6 +410,11 @@ def learn_baseline(
     temperature_c
         °C if not recorded, with a standard deviation of 2 K or as ``(mean, std)``.
 
+    Returns
+    -------
+    Learned
+        The baseline, and the change of each parameter against robot.toml.
+
     Raises
     ------
     SinewError
@@ -379,6 +445,11 @@ def merge_baselines(
         Whether the baselines are of several robots of one type.
     scatter
         Relative standard deviation of the masses of these robots.
+
+    Returns
+    -------
+    Merged
+        The merged baseline, and the change of the uncertainties.
 
     Raises
     ------

@@ -11,6 +11,8 @@ from ._errors import SinewError
 if TYPE_CHECKING:
     from tempfile import TemporaryDirectory
 
+    from ._core import Recording
+
 # First bytes of the formats, and their endings; other files are text.
 _MAGIC = ((b"\x89MCAP", ".mcap"), (b"PAR1", ".parquet"), (b"SQLite format 3", ".db3"), (b"\x93NUMPY", ".npy"), (b"PK", ".npz"))
 # Suffix of the columns of each quantity, as recordings name them.
@@ -41,6 +43,21 @@ def place(log: Any) -> tuple[str, str, TemporaryDirectory[str] | None]:
     with open(path, "wb") as file:
         file.write(content)
     return path, name if isinstance(name, str) else "recording" + ending, owner
+
+
+def restored(place: Any, name: str, keywords: dict[str, Any]) -> Recording:
+    """The recording that ``pickle`` kept: a path, the content of a file, or arrays."""
+    from ._core import Recording
+
+    if isinstance(place, dict):
+        return Recording.from_arrays(**place, name=name, **keywords)
+    if isinstance(place, bytes):
+        import io
+
+        file = io.BytesIO(place)
+        file.name = name
+        place = file
+    return Recording(place, **keywords)
 
 
 def _names(value: Any) -> list[str] | None:

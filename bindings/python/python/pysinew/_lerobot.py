@@ -30,14 +30,20 @@ def lerobot(
         A ``LeRobotDataset``, a data set of the package ``datasets``, or a table of pyarrow, pandas or
         polars with its columns. A folder or a file is opened with ``Recording`` instead.
     q, theta
-        The features that hold joint and motor positions, such as ``"observation.state"``; ``tau_m``,
-        ``dq``, ``tau_el`` likewise.
+        The features with joint and motor positions, such as ``"observation.state"``.
+    tau_m, dq, tau_el
+        The features with motor torques, joint velocities and elastic torques.
     episode
         Which ``episode_index``; needed where there is more than one.
     joints
         Names of the columns; the default is the names of the data set, otherwise those of the robot.
     scale
         Factor from the data set's angles to rad (π/180 where they are degrees).
+
+    Returns
+    -------
+    dict
+        Arguments of ``estimate_arrays``.
 
     Raises
     ------

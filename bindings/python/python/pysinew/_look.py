@@ -34,7 +34,22 @@ class RobotCheck(Answer, results.RobotCheckResult):
 def recording_info(log: RecordingLike, *, progress: Progress | None = None) -> RecordingInfo:
     """Reads a recording to its end: joints, channels, rate, gaps, damage.
 
-    Raises ``ValueError`` with the message of the command.
+    Parameters
+    ----------
+    log
+        A file, the folder of a bag, a ``Recording``, or the content of a file.
+    progress
+        Called with the completed share and the step.
+
+    Returns
+    -------
+    RecordingInfo
+        Contents of the recording, and losses while reading.
+
+    Raises
+    ------
+    SinewError
+        For an invalid or missing recording.
     """
     recording = log if isinstance(log, Recording) else Recording(log)
     return RecordingInfo(recording._info(progress=progress))
@@ -43,9 +58,26 @@ def recording_info(log: RecordingLike, *, progress: Progress | None = None) -> R
 def check_robot(
     robot: RobotLike, *, mapping: PathLike | None = None, ropes: Sequence[PathLike] = ()
 ) -> RobotCheck:
-    """Checks a robot description for implausible values; ``ropes`` are folders with additional ropes.
+    """Checks a robot description for implausible values.
 
-    Raises ``ValueError`` with the message of the command.
+    Parameters
+    ----------
+    robot
+        Folder of the robot or a ``Robot``.
+    mapping
+        Mapping of a recording to check against the robot.
+    ropes
+        Folders with additional ropes.
+
+    Returns
+    -------
+    RobotCheck
+        The interpreted description, with its warnings.
+
+    Raises
+    ------
+    SinewError
+        For an invalid description.
     """
     loaded = robot if isinstance(robot, Robot) else Robot(robot)
     return RobotCheck(loaded._check(mapping=mapping, ropes=list(ropes)))

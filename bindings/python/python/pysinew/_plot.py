@@ -7,6 +7,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Callable, Literal, NamedTuple
 
 from ._answer import Answer
+from ._core import Z95
 from ._creep import CreepAnalysis, CreepFit
 from ._estimate import Estimate
 from ._rope import Prediction, Selection
@@ -44,7 +45,23 @@ class Curves(NamedTuple):
 
 
 def curves(answer: Answer) -> Curves:
-    """The main curves of an answer, for a figure of one's own. Raises ``TypeError`` where it has none."""
+    """The main curves of a result, for an own figure.
+
+    Parameters
+    ----------
+    answer
+        A result with curves over time, or of ropes.
+
+    Returns
+    -------
+    Curves
+        Axis titles, and the curves with their 95 % bands.
+
+    Raises
+    ------
+    TypeError
+        Where the result has none.
+    """
     for kind, make in _MAKERS.items():
         if isinstance(answer, kind):
             return make(answer)
@@ -55,16 +72,27 @@ def curves(answer: Answer) -> Curves:
 def plot(answer: Answer, *, backend: Backend | None = None, ax: Any = None) -> Any:
     """Plots the main curves of a result, with 95 % bands.
 
-
-    Returns matplotlib's axes, or plotly's figure. Raises ``ImportError`` where neither is installed.
-
     Parameters
     ----------
+    answer
+        A result with curves, as ``curves`` takes it.
     backend
         ``"matplotlib"`` or ``"plotly"``; the default is the one that is already imported, otherwise the
         installed one.
     ax
         Axes of matplotlib to draw into.
+
+    Returns
+    -------
+    matplotlib.axes.Axes or plotly.graph_objects.Figure
+        The figure; its legend names every curve.
+
+    Raises
+    ------
+    ImportError
+        Where neither is installed.
+    TypeError
+        Where the result has no curves.
     """
     shown = curves(answer)
     chosen = "matplotlib" if ax is not None else backend or _backend()
@@ -157,7 +185,7 @@ def _words(column: list[str | None]) -> AnyArray:
 def _of_estimate(answer: Estimate) -> Curves:
     table = answer.table("series")
     method, joints = _words(table["method"]), _words(table["joint"])
-    time_s, offset, half = table["time_s"], 1e3 * table["offset_rad"], 1e3 * table["offset_interval_95_rad"]
+    time_s, offset, half = table["time_s"], 1e3 * table["offset_rad"], 1e3 * Z95 * table["offset_std_rad"]
     out = []
     for joint in dict.fromkeys(joints):
         rows = (method == answer.method) & (joints == joint)
@@ -176,7 +204,7 @@ def _of_trend(answer: Trend) -> Curves:
         for kind, name in (("session", joint), ("forecast", f"{joint}, forecast")):
             rows = (kinds == kind) & (joints == joint)
             if rows.any():
-                level, low, high = (1e3 * table[c][rows] for c in ("level_rad", "level_low_rad", "level_high_rad"))
+                level, low, high = (1e3 * table[c][rows] for c in ("tracked_rad", "tracked_low_rad", "tracked_high_rad"))
                 out.append(Curve(name, days[rows], level, low, high))
     return Curves("days since the first session", "offset (mrad)", out)
 

@@ -65,12 +65,46 @@ class Pretension(Answer, results.PretensionResult):
 
 
 def list_ropes(*, ropes: Sequence[PathLike] = ()) -> RopeList:
-    """All ropes of the catalogue, and those of one's own folders."""
+    """All ropes of the catalogue.
+
+    Parameters
+    ----------
+    ropes
+        Folders with additional ropes.
+
+    Returns
+    -------
+    RopeList
+        The ropes, with their published properties.
+
+    Raises
+    ------
+    LocatedError
+        For an invalid entry.
+    """
     return RopeList(Catalogue(list(ropes))._list())
 
 
 def describe_rope(name: str, *, ropes: Sequence[PathLike] = ()) -> Rope:
-    """Everything known about a rope. Raises ``ValueError`` where there is no such rope."""
+    """Properties of a rope, with origin and uncertainty.
+
+    Parameters
+    ----------
+    name
+        Name of the rope.
+    ropes
+        Folders with additional ropes.
+
+    Returns
+    -------
+    Rope
+        Its published properties and the parameters of its law.
+
+    Raises
+    ------
+    UnknownNameError
+        Where there is no such rope.
+    """
     return Rope(Catalogue(list(ropes))._describe(name))
 
 
@@ -82,6 +116,11 @@ def _blocks(duty: PathLike | Sequence[Block] | None, temperature_c: float) -> An
 
 def _guides(guides: Sequence[Guide | Sequence[float]]) -> list[Guide]:
     return [Guide(*guide) for guide in guides]
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    """In the unit of the command; 15 digits, so that 1.8e-3 m are 1.8 mm."""
+    return None if value is None else float(f"{factor * value:.15g}")
 
 
 def _task(
@@ -178,7 +217,14 @@ def predict_rope(
     rng
         Seed or generator of NumPy, instead of ``seed``.
     ropes
-        Folders with ropes of one's own.
+        Folders with additional ropes.
+    progress
+        Called with the completed share and the step.
+
+    Returns
+    -------
+    Prediction
+        Elongation at each of ``times_s`` with 95 % intervals.
 
     Raises
     ------
@@ -223,14 +269,14 @@ def select_rope(
     termination: Literal["splice", "knot"] | None = None,
     abrasion_factor: float = 1.0,
     times_s: Sequence[float] = (),
-    diameter_max_mm: float | None = None,
-    diameter_min_mm: float | None = None,
-    pulley_diameter_mm: float | None = None,
+    diameter_max_m: float | None = None,
+    diameter_min_m: float | None = None,
+    pulley_diameter_m: float | None = None,
     bend_ratio_min: float | None = None,
     safety_factor_min: float | None = None,
-    elongation_max_mm: float | None = None,
-    stiffness_min_n_per_mm: float | None = None,
-    weight_max_g_per_m: float | None = None,
+    elongation_max_m: float | None = None,
+    stiffness_min_n_per_m: float | None = None,
+    weight_max_kg_per_m: float | None = None,
     draws: int = 400,
     seed: int = 1,
     rng: RandomLike | None = None,
@@ -239,10 +285,36 @@ def select_rope(
 ) -> Selection:
     """Selects the ropes that meet the constraints, ranked by elongation at the last of ``times_s``, with the reasons for each rejection.
 
-    The duty and the route are specified as for ``predict_rope``. A constraint on a property that the manufacturer does not publish
-    rejects the rope, because compliance cannot be verified.
+    A constraint on a property that the manufacturer does not publish rejects the rope, because compliance cannot be verified.
 
-    Raises ``ValueError`` with the message of the command.
+    Parameters
+    ----------
+    tension_n, temperature_c, duty, recording, strand, robot, joint, length_m, guides, stroke_m, strokes_per_hour, termination
+        Duty and route, as for ``predict_rope``.
+    abrasion_factor, times_s, draws, seed, rng, ropes, progress
+        As for ``predict_rope``.
+    diameter_max_m, diameter_min_m
+        Bounds of the rope's diameter, m.
+    pulley_diameter_m, bend_ratio_min
+        Diameter of the smallest pulley, m, and its minimum ratio to the diameter of the rope.
+    safety_factor_min
+        Minimum ratio of breaking load and greatest tension.
+    elongation_max_m
+        Maximum elongation at the last of ``times_s``, m.
+    stiffness_min_n_per_m
+        Minimum stiffness of the rope, N/m.
+    weight_max_kg_per_m
+        Maximum mass per length, kg/m.
+
+    Returns
+    -------
+    Selection
+        Ranked ropes, and the reasons for the rejection of others.
+
+    Raises
+    ------
+    SinewError
+        For invalid input, with the message of the command.
     """
     task = _task(
         tension_n,
@@ -264,14 +336,14 @@ def select_rope(
         ropes,
     )
     limits = {
-        "diameter_max_mm": diameter_max_mm,
-        "diameter_min_mm": diameter_min_mm,
+        "diameter_max_mm": _scaled(diameter_max_m, 1e3),
+        "diameter_min_mm": _scaled(diameter_min_m, 1e3),
         "bend_ratio_min": bend_ratio_min,
-        "pulley_diameter_mm": pulley_diameter_mm,
+        "pulley_diameter_mm": _scaled(pulley_diameter_m, 1e3),
         "safety_factor_min": safety_factor_min,
-        "elongation_max_mm": elongation_max_mm,
-        "stiffness_min_n_per_mm": stiffness_min_n_per_mm,
-        "weight_max_g_per_m": weight_max_g_per_m,
+        "elongation_max_mm": _scaled(elongation_max_m, 1e3),
+        "stiffness_min_n_per_mm": _scaled(stiffness_min_n_per_m, 1e-3),
+        "weight_max_g_per_m": _scaled(weight_max_kg_per_m, 1e3),
     }
     return Selection(_select_rope(limits, task, progress))
 
@@ -301,6 +373,8 @@ def plan_pretension(
 
     Parameters
     ----------
+    rope, temperature_c, robot, joint, length_m, guides, draws, seed, rng, ropes, progress
+        As for ``predict_rope``.
     tension_n
         Working tension, N (of two strands their mean); without it, the tendon's pretension.
     lowest_n
@@ -316,6 +390,11 @@ def plan_pretension(
         Required lifetime, s.
     remove
         Share of the later elongation to remove, 0 to 1.
+
+    Returns
+    -------
+    Pretension
+        Pretension, procedures, and the times of re-tensioning.
 
     Raises
     ------

@@ -86,6 +86,15 @@ def simulate(
         Seed and duration, s, instead of those of the scenario.
     rng
         Seed or generator of NumPy, instead of ``seed``.
+    compression
+        Compression of an MCAP file.
+    progress
+        Called with the completed share and the step.
+
+    Returns
+    -------
+    Simulated
+        The recording and its truth.
 
     Raises
     ------
@@ -139,6 +148,13 @@ def propose_poses(
         Seed of the random poses.
     rng
         Seed or generator of NumPy, instead of ``seed``.
+    progress
+        Called with the completed share and the step.
+
+    Returns
+    -------
+    Poses
+        The poses, the expected standard deviations, and the motion for ``simulate``.
 
     Raises
     ------

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Mapping, Sequence, Union
 
 from . import results
 from ._answer import Answer
+from ._core import Z95
 from ._core import trend as _trend
 from ._errors import UnknownNameError
 from ._estimate import Estimate
@@ -18,6 +19,7 @@ from ._types import PathLike, Progress, seed_of
 if TYPE_CHECKING:
     from ._types import DateLike, RandomLike, RobotLike
 
+DAY_S = 86_400.0
 Dates = Union["DateLike", "Sequence[DateLike]", "Mapping[str, DateLike | Sequence[DateLike]]"]
 """A day, several, or those of each joint by its name."""
 
@@ -25,13 +27,29 @@ Dates = Union["DateLike", "Sequence[DateLike]", "Mapping[str, DateLike | Sequenc
 class Trend(Answer, results.TrendResult):
     """Each tendon's state, its events, and the day it will pass its limits.
 
-    Tables: ``sessions`` (every session, mrad), ``series`` (levels and forecast over time, rad).
+    Tables: ``sessions`` (every session), ``series`` (tracked offset and forecast over time).
     """
 
     __slots__ = ()
 
     def joint(self, name: str) -> results.JointTrend:
-        """The trend of a joint. Raises ``UnknownNameError`` where there is none."""
+        """The trend of a joint.
+
+        Parameters
+        ----------
+        name
+            Name of the joint.
+
+        Returns
+        -------
+        results.JointTrend
+            Its state, events and forecast.
+
+        Raises
+        ------
+        UnknownNameError
+            Where there is no such joint.
+        """
         for joint in self.joints:
             if joint.name == name:
                 return joint
@@ -49,7 +67,7 @@ def _dates(stated: Dates) -> list[tuple[str | None, str]]:
 
 
 # Columns of the tables of `estimate` under the names and in the units of session records.
-_RECORDED = {"time_utc_s": ("time", 1.0), "offset_rad": ("offset_mrad", 1e3), "offset_interval_95_rad": ("interval_95_mrad", 1e3)}
+_RECORDED = {"time_utc_s": ("time", 1.0), "offset_rad": ("offset_mrad", 1e3), "offset_std_rad": ("interval_95_mrad", 1e3 * Z95)}
 
 
 def _recorded(columns: Mapping[str, Any]) -> dict[str, list[Any]]:
@@ -100,7 +118,7 @@ def trend(
     replaced: Dates = (),
     duty: PathLike | None = None,
     ropes: Sequence[PathLike] = (),
-    horizon_days: float = 1095.0,
+    horizon_s: float = 1095.0 * DAY_S,
     seed: int = 1,
     rng: RandomLike | None = None,
     progress: Progress | None = None,
@@ -121,10 +139,19 @@ def trend(
         Duty file of the ropes.
     ropes
         Folders with additional ropes.
-    horizon_days
-        Forecast horizon from the last session.
+    horizon_s
+        Forecast horizon from the last session, s.
+    seed
+        Seed of the forecast draws.
     rng
         Seed or generator of NumPy, instead of ``seed``.
+    progress
+        Called with the completed share and the step.
+
+    Returns
+    -------
+    Trend
+        State, events and forecast of each tendon.
 
     Raises
     ------
@@ -144,5 +171,5 @@ def trend(
         else:
             sources.append(_text(item, "records"))
     return Trend(
-        _trend(sources, robot, _dates(tensioned), _dates(replaced), duty, list(ropes), horizon_days, seed_of(seed, rng), progress)
+        _trend(sources, robot, _dates(tensioned), _dates(replaced), duty, list(ropes), horizon_s, seed_of(seed, rng), progress)
     )

@@ -22,17 +22,37 @@ class Dataset(NamedTuple):
 
 
 def names() -> list[str]:
-    """Names of the sample data."""
+    """Names of the sample data.
+
+    Returns
+    -------
+    list of str
+        As ``load`` takes them.
+    """
     return _dataset_names()
 
 
 def load(name: str = "stretched-arm") -> Dataset:
     """Loads sample data; its recording is simulated on every call, always with the same numbers.
 
-    * ``"stretched-arm"``: an arm of four joints for 20 s; the tendons of two joints stretch by a known length.
-    * ``"work-session"``: three minutes of work; the tendons stretch after the first minute.
+    Parameters
+    ----------
+    name
+        ``"stretched-arm"``: an arm of four joints for 20 s; the tendons of two joints stretch by a known length.
+        ``"work-session"``: three minutes of work; the tendons stretch after the first minute.
 
-    Raises ``SinewError`` for an unknown name.
+    Returns
+    -------
+    Dataset
+        Robot, recording and truth.
+
+    Raises
+    ------
+    SinewError
+        For an unknown name.
+
+    Examples
+    --------
 
     >>> import pysinew as sn
     >>> robot, recording, truth = sn.datasets.load("stretched-arm")

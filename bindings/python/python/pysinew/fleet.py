@@ -61,19 +61,19 @@ _TREND = {
     "elongation_std_m": "double",
     "rate_rad_per_s": "double",
     "rate_std_rad_per_s": "double",
-    "jumps": "bigint",
+    "steps": "bigint",
     "sessions": "bigint",
     "tensioned_utc_s": "double",
     "last_utc_s": "double",
     "limit": "string",
     "state": "string",
-    "days": "double",
-    "days_low": "double",
-    "days_high": "double",
+    "after_s": "double",
+    "after_low_s": "double",
+    "after_high_s": "double",
     "rejection": "string",
 }
 # Unit of a column by the end of its name.
-_UNITS = {"_rad_per_s": "rad/s", "_rad": "rad", "_m": "m", "_s": "s", "_c": "°C", "_ratio": "1", "days": "d", "_low": "d", "_high": "d"}
+_UNITS = {"_rad_per_s": "rad/s", "_rad": "rad", "_m": "m", "_s": "s", "_c": "°C", "_ratio": "1"}
 
 
 def _words(columns: Mapping[str, str]) -> str:
@@ -83,7 +83,7 @@ def _words(columns: Mapping[str, str]) -> str:
 SESSIONS = _words(_RECORD)
 """Columns that ``sessions`` gives, as Spark writes them: those of ``sinew-record/2``, and ``rejection``."""
 TREND = _words(_TREND)
-"""Columns that ``trend`` gives, as Spark writes them: those of ``sinew_trend(*)`` and ``sinew_days_until(*)`` of ``sinew-fleet``."""
+"""Columns that ``trend`` gives, as Spark writes them: those of ``sinew_trend(*)`` and, in seconds, ``sinew_days_until(*)`` of ``sinew-fleet``."""
 
 
 def _arrow(columns: Mapping[str, str]) -> Any:
@@ -231,10 +231,18 @@ class _Sessions:
 def sessions(types: Mapping[str, str]) -> Callable[[Iterator[Any]], Iterator[Any]]:
     """Records of recordings, for ``mapInArrow``; the columns are ``SESSIONS``.
 
-    * ``types``: the folder of each robot type, by its name, with a path that is valid on every machine.
-
     Input rows have the columns ``path`` (a recording, with a path that is valid on every machine), ``robot``, ``robot_type`` and, if there is one,
     ``baseline`` (a file). The output has one row per tendon. A rejected recording yields one row with the reason and without a joint.
+
+    Parameters
+    ----------
+    types
+        Folder of each robot type, by its name, with a path that is valid on every machine.
+
+    Returns
+    -------
+    callable
+        From batches of recordings to batches of records.
     """
     return _Sessions(types)
 
@@ -331,12 +339,21 @@ class _Trend:
 def trend(types: Mapping[str, str], folder: str | None = None) -> Callable[[Any], Any]:
     """The trend of a tendon, for ``applyInArrow`` by robot and joint; the columns are ``TREND``.
 
-    * ``types``: the folder of each robot type, by its name, with a path that is valid on every machine.
-    * ``folder``: folder with ``tendons.csv`` and ``events.csv``, read once here, where this function is called.
-
     The input is all records of a tendon, in any order. The result is one row: offset, creep rate, the limit that is exceeded first
-    and the days until then, with a 95 % interval. Of a session that was estimated several times, the newest version counts.
+    and the time until then, with a 95 % interval. Of a session that was estimated several times, the newest version counts.
     Records without a civil date or an offset are ignored.
+
+    Parameters
+    ----------
+    types
+        Folder of each robot type, by its name, with a path that is valid on every machine.
+    folder
+        Folder with ``tendons.csv`` and ``events.csv``, read once here, where this function is called.
+
+    Returns
+    -------
+    callable
+        From the records of a tendon to one row; a rejected input has its reason in ``rejection``.
     """
     follow = _Trend(types, folder)
     # Spark looks at annotations to find out what a function takes; one without takes a table.

@@ -7,7 +7,7 @@ use super::picture::plotted;
 use super::specimen::{answer, groups, readings, recovery, specimens};
 use crate::data::Data;
 use crate::text::{self, TerminalText};
-use sinew_creep::{Analysis, AnalyzeReport, PERCENT_PER_H, Scatter, Tests, scatter};
+use sinew_creep::{Analysis, AnalyzeReport, Scatter, Tests, scatter};
 use sinew_figure::{Block, Headline, Page};
 
 /// Maximum number of specimens that are shown individually on the terminal.
@@ -121,7 +121,7 @@ fn answers(analyses: &[Analysis]) -> Vec<Headline> {
     groups.iter().take(MAX_HEADLINES).map(of_group).collect()
 }
 
-/// Tabulates the analysis in %, h and °C, one row per specimen.
+/// Tabulates the analysis in SI units, one row per specimen.
 pub fn analyze_csv(report: &AnalyzeReport) -> sinew_log::Table {
     let artefacts = |a: &&Analysis| {
         let all: Vec<String> = a.artefacts.iter().map(artefact).collect();
@@ -131,15 +131,16 @@ pub fn analyze_csv(report: &AnalyzeReport) -> sinew_log::Table {
         .text("specimen", |a| a.name.as_str())
         .text("group", |a| group(&a.group))
         .number("force_n", |a| a.force_n)
-        .number("stress_mpa", |a| a.stress_pa.map(|s| s * 1e-6))
+        .number("stress_pa", |a| a.stress_pa)
         .number("temperature_c", |a| a.temperature_c.map(|t| t.mean))
         .number("humidity_percent", |a| a.humidity_percent.map(|h| h.mean))
         .number("duration_s", |a| a.duration_s)
-        .number("end_percent", |a| 100.0 * a.end_strain_ratio)
-        .number("creep_percent", |a| 100.0 * a.creep_strain_ratio)
-        .bounded(["slope_percent_per_h", "slope_low", "slope_high"], |a| {
-            a.slope_per_s.map(|s| s.scaled(PERCENT_PER_H))
-        })
+        .number("end_strain_ratio", |a| a.end_strain_ratio)
+        .number("creep_strain_ratio", |a| a.creep_strain_ratio)
+        .bounded(
+            ["slope_per_s", "slope_low_per_s", "slope_high_per_s"],
+            |a| a.slope_per_s,
+        )
         .number("saturation_s", |a| a.saturation_s)
         .text("saturated", |a| a.saturated.map(|s| s.to_string()))
         .text("artefacts", artefacts)

@@ -5,7 +5,7 @@ use super::page;
 use super::picture::{figure, plotted};
 use crate::data::Data;
 use crate::text::{TerminalText, short};
-use sinew_creep::{CompareReport, Conditions, PERCENT_PER_H, Rank, ScatterSource, Tests, scatter};
+use sinew_creep::{CompareReport, Conditions, Rank, ScatterSource, Tests, scatter};
 use sinew_figure::{Columns, Headline, Level, Page};
 use sinew_log::Table;
 
@@ -112,18 +112,16 @@ fn answers(ranks: &[Rank]) -> Vec<Headline> {
     out
 }
 
-/// Tabulates the comparison, one row per rope.
+/// Tabulates the comparison in SI units, one row per rope.
 pub fn compare_csv(report: &CompareReport) -> Table {
+    let strain = ["strain_ratio", "strain_low_ratio", "strain_high_ratio"];
+    let slope = ["slope_per_s", "slope_low_per_s", "slope_high_per_s"];
     Data::of(&report.ranks)
         .integer("rank", |r| r.rank)
         .text("rope", |r| r.name.as_str())
         .integer("specimens", |r| r.specimens)
-        .bounded(["strain_percent", "strain_low", "strain_high"], |r| {
-            Some(r.strain_ratio.scaled(100.0))
-        })
-        .bounded(["slope_percent_per_h", "slope_low", "slope_high"], |r| {
-            r.slope_per_s.map(|s| s.scaled(PERCENT_PER_H))
-        })
+        .bounded(strain, |r| Some(r.strain_ratio))
+        .bounded(slope, |r| r.slope_per_s)
         .number("scatter_share", |r| r.scatter_share)
         .text("scatter_source", |r| scatter_source(r.scatter_source))
         .table()

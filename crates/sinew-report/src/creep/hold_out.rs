@@ -90,19 +90,16 @@ fn answers(held_out: &[Coverage]) -> Vec<Headline> {
 
 /// Tabulates the validation, one row per law.
 pub fn hold_out_csv(report: &HoldOutReport) -> sinew_log::Table {
-    let percent = |c: &Coverage, ratio: f64| c.ends_share().map(|_| 100.0 * ratio);
+    let ratio = |c: &Coverage, ratio: f64| c.ends_share().map(|_| ratio);
     Data::of(&report.held_out)
         .text("law", |c| c.forecaster.name())
         .integer("tests", |c| c.tests)
         .integer("failed", |c| c.failed)
-        .number("readings_percent", |c| {
-            c.readings_share().map(|s| 100.0 * s)
-        })
-        .number("end_percent", |c| c.ends_share().map(|s| 100.0 * s))
-        .number("end_error_percent", |c| percent(c, c.end_error_ratio))
-        .number("end_half_width_percent", |c| {
-            percent(c, c.end_half_width_ratio)
-        })
+        .integer("readings", |c| c.readings)
+        .integer("readings_inside", |c| c.readings_inside)
+        .integer("ends_inside", |c| c.ends_inside)
+        .number("end_error_ratio", |c| ratio(c, c.end_error_ratio))
+        .number("end_half_width_ratio", |c| ratio(c, c.end_half_width_ratio))
         .table()
 }
 

@@ -3,13 +3,11 @@
 use crate::data::Data;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_log::Table;
-use sinew_model::{Bounded, Gaussian, Interval95, Z95};
+use sinew_model::{Bounded, Interval95};
 use sinew_trend::{JointTrend, SessionPoint, TrendReport};
 
-/// Tabulates all sessions in mrad: recorded value, and estimate of the trend at that date. `days` counts from the tensioning.
+/// Tabulates all sessions in SI units: recorded value, and estimate of the trend at that date. `days` counts from the tensioning.
 pub fn trend_table(report: &TrendReport) -> Table {
-    let mrad = |rad: Option<f64>| rad.map(|rad| 1e3 * rad);
-    let wide = |of: Gaussian| 1e3 * Z95 * of.std;
     let joints = report.joints.iter();
     Data::of(joints.flat_map(|j| j.series.iter().map(move |s| (j, s))))
         .text("day", |(_, s)| day_of(s.time_utc_s))
@@ -17,14 +15,14 @@ pub fn trend_table(report: &TrendReport) -> Table {
         .number("time_utc_s", |(_, s)| s.time_utc_s)
         .number("cycle", |(_, s)| s.cycle)
         .text("joint", |(j, _)| j.name.as_str())
-        .number("offset_mrad", |(_, s)| mrad(s.offset_rad.map(|y| y.mean)))
-        .number("interval_95_mrad", |(_, s)| s.offset_rad.map(wide))
+        .number("offset_rad", |(_, s)| s.offset_rad.map(|y| y.mean))
+        .number("offset_std_rad", |(_, s)| s.offset_rad.map(|y| y.std))
         .number("temperature_c", |(_, s)| s.temperature_c)
-        .number("at_reference_mrad", |(_, s)| mrad(s.at_reference_rad))
-        .number("tracked_mrad", |(_, s)| 1e3 * s.tracked_rad.mean)
-        .number("tracked_interval_95_mrad", |(_, s)| wide(s.tracked_rad))
+        .number("at_reference_rad", |(_, s)| s.at_reference_rad)
+        .number("tracked_rad", |(_, s)| s.tracked_rad.mean)
+        .number("tracked_std_rad", |(_, s)| s.tracked_rad.std)
         .number("step_probability", |(_, s)| s.step_probability)
-        .flag("off", |(_, s)| s.is_outlier)
+        .flag("is_outlier", |(_, s)| s.is_outlier)
         .table()
 }
 
@@ -33,7 +31,7 @@ struct TrendPoint<'a> {
     joint: &'a JointTrend,
     time_utc_s: f64,
     cycle: Option<f64>,
-    level_rad: Bounded,
+    tracked_rad: Bounded,
     session: Option<&'a SessionPoint>,
 }
 
@@ -48,7 +46,7 @@ fn points(joint: &JointTrend) -> impl Iterator<Item = TrendPoint<'_>> {
         joint,
         time_utc_s: s.time_utc_s,
         cycle: s.cycle,
-        level_rad: level(s.tracked_rad.mean, s.tracked_rad.interval_95()),
+        tracked_rad: level(s.tracked_rad.mean, s.tracked_rad.interval_95()),
         session: Some(s),
     });
     let per_s = joint.cycles.and_then(|c| Some((c.last, c.per_s?)));
@@ -56,7 +54,7 @@ fn points(joint: &JointTrend) -> impl Iterator<Item = TrendPoint<'_>> {
         joint,
         time_utc_s: f.time_utc_s,
         cycle: per_s.map(|(last, per_s)| last + per_s * (f.time_utc_s - joint.last_utc_s)),
-        level_rad: level(f.offset_rad, f.interval_95_rad),
+        tracked_rad: level(f.offset_rad, f.interval_95_rad),
         session: None,
     });
     sessions.chain(ahead)
@@ -64,7 +62,7 @@ fn points(joint: &JointTrend) -> impl Iterator<Item = TrendPoint<'_>> {
 
 /// Tabulates sessions and forecasts of all tendons in SI units, one row per joint and time; `kind` is `session` or `forecast`.
 ///
-/// `level_rad` with its 95 % interval is the estimate at the date of a session, or the median of the forecast.
+/// `tracked_rad` with its 95 % interval is the estimate at the date of a session, or the median of the forecast.
 pub fn trend_series(report: &TrendReport) -> Table {
     Data::of(report.joints.iter().flat_map(points))
         .text("joint", |k| k.joint.name.as_str())
@@ -77,13 +75,12 @@ pub fn trend_series(report: &TrendReport) -> Table {
         .number("time_s", |k| k.time_utc_s - k.joint.first_utc_s)
         .integer("time_utc_ns", |k| (1e9 * k.time_utc_s).round() as i64)
         .number("cycle", |k| k.cycle)
-        .bounded(["level_rad", "level_low_rad", "level_high_rad"], |k| {
-            Some(k.level_rad)
-        })
+        .bounded(
+            ["tracked_rad", "tracked_low_rad", "tracked_high_rad"],
+            |k| Some(k.tracked_rad),
+        )
         .number("offset_rad", |k| Some(k.session?.offset_rad?.mean))
-        .number("offset_interval_95_rad", |k| {
-            Some(k.session?.offset_rad?.half_width_95())
-        })
+        .number("offset_std_rad", |k| Some(k.session?.offset_rad?.std))
         .number("at_reference_rad", |k| k.session?.at_reference_rad)
         .number("temperature_c", |k| k.session?.temperature_c)
         .number("step_probability", |k| Some(k.session?.step_probability))

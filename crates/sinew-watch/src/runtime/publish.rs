@@ -29,7 +29,7 @@ pub const STATUS_PREFIX: &str = "sinew: ";
 /// `valid` is 1 or 0: a controller uses the offset only while it is 1.
 const INTERFACES: [&str; 6] = [
     "offset",
-    "offset_interval_95",
+    "offset_std",
     "valid",
     "elongation",
     "strain",
@@ -146,19 +146,13 @@ fn statuses(robot: &RobotSnapshot) -> Vec<DiagnosticStatus> {
     };
     let tendons = robot.tendons.iter().map(|tendon| {
         let both = |names: [&'static str; 2], value: Option<Gaussian>| {
-            let of = |x: Gaussian| [x.mean, x.half_width_95()].map(|x| x.to_string());
+            let of = |x: Gaussian| [x.mean, x.std].map(|x| x.to_string());
             value.map(|x| names.into_iter().zip(of(x)))
         };
         let [offset, elongation, strain] = [
-            (["offset_rad", "offset_interval_95_rad"], tendon.offset_rad),
-            (
-                ["elongation_m", "elongation_interval_95_m"],
-                tendon.elongation_m,
-            ),
-            (
-                ["strain_ratio", "strain_interval_95_ratio"],
-                tendon.strain_ratio,
-            ),
+            (["offset_rad", "offset_std_rad"], tendon.offset_rad),
+            (["elongation_m", "elongation_std_m"], tendon.elongation_m),
+            (["strain_ratio", "strain_std_ratio"], tendon.strain_ratio),
         ]
         .map(|(names, value)| both(names, value));
         let numbers = [offset, elongation, strain].into_iter().flatten().flatten();
@@ -204,7 +198,7 @@ fn values(tendon: &TendonSnapshot) -> [f64; INTERFACES.len()] {
     let mean = |of: Option<Gaussian>| of.map_or(f64::NAN, |x| x.mean);
     [
         mean(tendon.offset_rad),
-        tendon.offset_rad.map_or(f64::NAN, Gaussian::half_width_95),
+        tendon.offset_rad.map_or(f64::NAN, |offset| offset.std),
         f64::from(tendon.validity == Validity::Valid),
         mean(tendon.elongation_m),
         mean(tendon.strain_ratio),

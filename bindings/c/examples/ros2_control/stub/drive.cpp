@@ -1,13 +1,17 @@
 // Plays the controller manager for the broadcaster, without ROS:
 //
-//     drive ROBOT_TOML URDF BASELINE < samples
+//     drive ROBOT_TOML URDF BASELINE [NEXT_BASELINE] < samples
 //
-// Samples as of loop.c, some ten times as fast as they came; prints what the broadcaster publishes, every ten seconds.
+// Samples as of loop.c, some ten times as fast as they came; prints what the broadcaster publishes, every ten seconds. Then it
+// deactivates the broadcaster, which writes NEXT_BASELINE. An allocation between on_configure and on_cleanup in the thread of the
+// controller manager is an error.
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <new>
 #include <thread>
 
 #include "sinew_broadcaster/offset_broadcaster.hpp"
@@ -15,10 +19,35 @@
 using controller_interface::CallbackReturn;
 using Message = control_msgs::msg::DynamicJointState;
 
+/// Whether this thread may not allocate now, and whether it did.
+static thread_local bool is_realtime = false;
+static thread_local bool has_allocated = false;
+
+void * operator new(std::size_t size)
+{
+  has_allocated |= is_realtime;
+  if (void * made = std::malloc(size)) {
+    return made;
+  }
+  throw std::bad_alloc();
+}
+void operator delete(void * made) noexcept { std::free(made); }
+void operator delete(void * made, std::size_t) noexcept { std::free(made); }
+
+/// Calls a function of the broadcaster as the realtime thread does.
+template <class Call>
+static auto realtime(Call && call)
+{
+  is_realtime = true;
+  const auto result = call();
+  is_realtime = false;
+  return result;
+}
+
 int main(int count, char ** arguments)
 {
-  if (count != 4) {
-    std::cerr << "usage: drive ROBOT_TOML URDF BASELINE < samples\n";
+  if (count != 4 && count != 5) {
+    std::cerr << "usage: drive ROBOT_TOML URDF BASELINE [NEXT_BASELINE] < samples\n";
     return 2;
   }
   sinew_broadcaster::OffsetBroadcaster broadcaster;
@@ -30,27 +59,35 @@ int main(int count, char ** arguments)
   }
   broadcaster.get_node()->parameters["robot_toml"] = arguments[1];
   broadcaster.get_node()->parameters["baseline"] = arguments[3];
+  broadcaster.get_node()->parameters["next_baseline"] = count == 5 ? arguments[4] : "";
   if (broadcaster.on_configure(before) != CallbackReturn::SUCCESS) {
     return 1;
   }
   Message last;
   auto publisher = std::static_pointer_cast<rclcpp::Publisher<Message>>(broadcaster.get_node()->publisher);
   publisher->on_message = [&last](const Message & message) {
+    // The publisher of ROS hands the message to its own thread.
+    is_realtime = false;
     last = message;
+    is_realtime = true;
     // The broadcaster's worker keeps up.
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   };
 
-  // The interfaces of the joint side and the motor side of a joint are adjacent.
+  // The joint side of each joint, followed by its motor side unless it is rigid.
   const auto wanted = broadcaster.state_interface_configuration().names;
-  std::vector<double> values(wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    broadcaster.state_interfaces_.emplace_back(wanted[i], &values[i]);
+  const std::string joint_side = "/position";
+  std::vector<double> values(2 * wanted.size());
+  std::size_t joints = 0;
+  for (const auto & name : wanted) {
+    const bool is_joint = name.size() > joint_side.size() && name.substr(name.size() - joint_side.size()) == joint_side;
+    joints += is_joint;
+    broadcaster.state_interfaces_.emplace_back(name, &values[2 * joints - (is_joint ? 2 : 1)]);
   }
-  if (broadcaster.on_activate(before) != CallbackReturn::SUCCESS) {
+  const auto activate = [&] { return broadcaster.on_activate(before); };
+  if (realtime(activate) != CallbackReturn::SUCCESS) {
     return 1;
   }
-  const std::size_t joints = wanted.size() / 2;
   std::string word;
   double first_s = -1.0, before_s = 0.0, print_s = 10.0;
   while (std::cin >> word) {
@@ -64,7 +101,8 @@ int main(int count, char ** arguments)
       first_s = before_s = t_s;
     }
     const rclcpp::Time now{static_cast<std::int64_t>(t_s * 1e9)};
-    if (broadcaster.update(now, rclcpp::Duration(t_s - before_s)) != controller_interface::return_type::OK) {
+    const auto update = [&] { return broadcaster.update(now, rclcpp::Duration(t_s - before_s)); };
+    if (realtime(update) != controller_interface::return_type::OK) {
       return 1;
     }
     before_s = t_s;
@@ -81,6 +119,14 @@ int main(int count, char ** arguments)
       }
     }
     std::printf(" mrad, %.1f s old\n", last.interface_values[0].values[4]);
+  }
+  const auto deactivate = [&] { return broadcaster.on_deactivate(before); };
+  if (realtime(deactivate) != CallbackReturn::SUCCESS || broadcaster.on_cleanup(before) != CallbackReturn::SUCCESS) {
+    return 1;
+  }
+  if (has_allocated) {
+    std::cerr << "the realtime thread has allocated\n";
+    return 1;
   }
   return 0;
 }

@@ -70,7 +70,7 @@ pub(crate) struct Trend {
     /// Print one JSON document instead of the table
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Write all sessions in mrad, recorded and estimated; .csv or .parquet
+    /// Write all sessions in SI units, recorded and estimated; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
     /// Write levels and forecast over time, rad; .csv or .parquet

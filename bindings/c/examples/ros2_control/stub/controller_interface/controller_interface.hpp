@@ -14,9 +14,14 @@
 
 namespace rclcpp
 {
-struct Time
+class Time
 {
-  std::int64_t nanoseconds;
+public:
+  explicit Time(std::int64_t nanoseconds) : nanoseconds_(nanoseconds) {}
+  std::int64_t nanoseconds() const { return nanoseconds_; }
+
+private:
+  std::int64_t nanoseconds_;
 };
 class Duration
 {
@@ -52,6 +57,7 @@ private:
 };
 }  // namespace rclcpp
 
+#define RCLCPP_WARN RCLCPP_ERROR
 #define RCLCPP_ERROR(logger, ...) (static_cast<void>(logger), std::fprintf(stderr, __VA_ARGS__), std::fputc('\n', stderr))
 
 namespace rclcpp_lifecycle
@@ -63,6 +69,7 @@ class LifecycleNode
 {
 public:
   rclcpp::Logger get_logger() const { return {}; }
+  const char * get_name() const { return "offset_broadcaster"; }
   rclcpp::Parameter get_parameter(const std::string & name) const { return rclcpp::Parameter(parameters.at(name)); }
   template <class MessageT>
   std::shared_ptr<rclcpp::Publisher<MessageT>> create_publisher(const std::string &, const rclcpp::SystemDefaultsQoS &)
@@ -115,6 +122,8 @@ public:
   virtual InterfaceConfiguration state_interface_configuration() const = 0;
   virtual CallbackReturn on_configure(const rclcpp_lifecycle::State & before) = 0;
   virtual CallbackReturn on_activate(const rclcpp_lifecycle::State & before) = 0;
+  virtual CallbackReturn on_deactivate(const rclcpp_lifecycle::State &) { return CallbackReturn::SUCCESS; }
+  virtual CallbackReturn on_cleanup(const rclcpp_lifecycle::State &) { return CallbackReturn::SUCCESS; }
   virtual return_type update(const rclcpp::Time & time, const rclcpp::Duration & period) = 0;
   std::shared_ptr<rclcpp_lifecycle::LifecycleNode> get_node() const { return node; }
   const std::string & get_robot_description() const { return description; }
