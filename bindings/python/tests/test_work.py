@@ -150,11 +150,11 @@ print("done")
 
 
 INTERRUPTED = {
-    "selection": "sn.select_rope(tension_n=60.0, length_m=0.7, draws=4000, progress=progress)",
+    "selection": "sn.select_rope(tension_n=60.0, length_m=0.7, draws=40_000, progress=progress)",
     "bootstrap": """sn.CreepTests(["examples/06-creep-test/rope-A.csv"]).fit(
         ["log-time", "findley", "burgers"], intervals="bootstrap", progress=progress)""",
     "scenario": 'sn.simulate("examples/scenarios/creep-and-retension.toml", duration_s=1e5, progress=progress)',
-    "pretension": 'sn.plan_pretension("liros-dc000-0301", tension_n=60.0, length_m=0.7, draws=4000, progress=progress)',
+    "pretension": 'sn.plan_pretension("liros-dc000-0301", tension_n=60.0, length_m=0.7, draws=40_000, progress=progress)',
 }
 
 

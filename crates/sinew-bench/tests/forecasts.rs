@@ -22,6 +22,7 @@ fn least(share: f64, count: u64) -> f64 {
 /// Minimum shares: those of 400 tendons (92 and 88 %), less two standard errors of this smaller number. With curve
 /// shapes alone, and a first year limited to a strain of 0.1 %, they were 77, 63 and 50 % of 400.
 #[test]
+#[ignore = "study: 150 tendons"]
 fn forecast_unknown_rope_covers_truth() {
     let share = inside(support::seeds(100), RopePrior::Tendon);
     assert!(share >= least(0.92, support::seeds(100)), "{share}");
@@ -34,6 +35,7 @@ fn forecast_unknown_rope_covers_truth() {
 /// and 83 % of 400: bedding-in
 /// follows the baseline.
 #[test]
+#[ignore = "study: 100 tendons"]
 fn forecast_catalogue_rope_covers_truth() {
     let share = inside(support::seeds(100), RopePrior::Law);
     assert!(share >= least(0.95, support::seeds(100)), "{share}");
