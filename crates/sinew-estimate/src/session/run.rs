@@ -780,11 +780,8 @@ fn estimate_with_lag(
         onset: None,
     };
     let payload = options.payload;
-    // Model errors cancel relative to a baseline of comparable motion. Without a baseline they bias the offsets.
-    let visits = match baseline {
-        Some(_) => Vec::new(),
-        None => repeated_motion::visits(&recorded.blocks),
-    };
+    // A baseline of other motion does not cancel the model errors of this one.
+    let visits = repeated_motion::visits(&recorded.blocks);
     let mut segments = Segments::estimate(
         (robot, estimator),
         start,
