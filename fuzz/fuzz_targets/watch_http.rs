@@ -38,7 +38,12 @@ fn monitor() -> &'static Monitor {
             .put(RobotState::NotMonitored("fuzzed".into()));
         let mut ticker = Ticker::new(Arc::clone(&registry), Arc::clone(&health), None);
         let (_tell, ticks) = tokio::sync::watch::channel(Arc::new(ticker.tick(0.0)));
-        let guard = Guard::new(&WebSettings::default(), None, &place, Arc::clone(&health));
+        let guard = Guard::new(
+            &WebSettings::default(),
+            Vec::new(),
+            &place,
+            Arc::clone(&health),
+        );
         let (_hooks, webhooks) = tokio::sync::watch::channel(Vec::new());
         let tokio = tokio::runtime::Builder::new_current_thread();
         Monitor {

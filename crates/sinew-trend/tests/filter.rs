@@ -77,8 +77,8 @@ fn log_creep_and_temperature_drift_are_recovered() {
     // Forty measurements with 1e-9 rad and priors a hundred million times as wide.
     let creep = amplitude * (trend.time_s() / baseline).ln();
     assert!((state[0] - level - creep).abs() < 1e-8, "{state:?}");
-    assert!((state[2] - amplitude).abs() < 1e-9, "{state:?}");
-    assert!((state[3] - drift).abs() < 1e-9, "{state:?}");
+    assert!((state[1] - amplitude).abs() < 1e-9, "{state:?}");
+    assert!((state[2] - drift).abs() < 1e-9, "{state:?}");
     // limit = level + amplitude ln(t/t_b)
     let limit = 9e-3;
     let expected = baseline * ((limit - level) / amplitude).exp();

@@ -89,7 +89,7 @@ impl History {
     }
 
     /// Returns the rows of the day of a time, s since 1970 UTC, and of later days.
-    pub(crate) fn from_day(&self, utc_s: f64) -> Self {
+    pub(crate) fn since_day(&self, utc_s: f64) -> Self {
         let is_later = |day: &&Day| day.number() >= day_number(utc_s);
         let days = self.days.iter();
         let days = days.map(|(joint, days)| {

@@ -443,7 +443,7 @@ impl Monitor {
             tendons: self.chain.state().tendons.clone(),
             alarms: Vec::new(),
             steps: Vec::new(),
-            day: self.trends.from_day(entry.recorded_utc_s),
+            day: self.trends.since_day(entry.recorded_utc_s),
             records: Vec::new(),
         }
     }

@@ -79,8 +79,8 @@ impl Trends {
     }
 
     /// Returns the rows of the day of a time, s since 1970 UTC.
-    pub(super) fn from_day(&self, utc_s: f64) -> History {
-        self.history.from_day(utc_s)
+    pub(super) fn since_day(&self, utc_s: f64) -> History {
+        self.history.since_day(utc_s)
     }
 
     /// Replaces the rows since an entry that is withdrawn, and discards the trends.

@@ -270,7 +270,7 @@ impl Recorder {
 
     fn begin(&mut self, incident: &Incident, transaction: &Transaction, now_utc_s: f64) {
         let alarms = transaction.alarms.iter().flat_map(|of| &of.alarms);
-        let times = alarms.filter_map(|alarm| match alarm.cause {
+        let mut times = alarms.filter_map(|alarm| match alarm.cause {
             AlarmCause::StepChange { time_utc_s, .. }
                 if alarm.key.joint.as_ref() == Some(&incident.joint) =>
             {
@@ -278,7 +278,7 @@ impl Recorder {
             }
             _ => None,
         });
-        let time_utc_s = times.last().unwrap_or(now_utc_s);
+        let time_utc_s = times.next_back().unwrap_or(now_utc_s);
         let apart_s = |window: &&mut Window| (window.time_utc_s - time_utc_s).abs();
         let of_joint = self.windows.iter_mut();
         let of_joint = of_joint.filter(|w| w.incident.is_none() && w.joint == incident.joint);
@@ -333,7 +333,7 @@ impl Recorder {
                 let written =
                     written.and_then(|()| frames.write(&path, options).map_err(|e| e.to_string()));
                 if let Err(reason) = written {
-                    health.log(&words::log::recording_not_written(&path.display(), &reason));
+                    health.log(&words::log::recording_not_written(path.display(), &reason));
                 }
                 slot.set_recordings(retain(&folder, &settings));
             };

@@ -311,6 +311,7 @@ mod tests {
                 id: 13,
                 robot: "arm".into(),
                 records: Vec::new(),
+                replaced_from_utc_s: None,
                 state: Some(std::sync::Arc::new(MonitorState {
                     version: MonitorState::VERSION,
                     ..state
