@@ -15,6 +15,17 @@ use support::{biorob_like, online_answer, repository};
 const ROUND_S: f64 = 20.5;
 const ELBOW: usize = 2;
 
+fn recorded(robot: &Robot, scenario: &Scenario) -> Recorded {
+    let mut simulation = Simulation::new(robot, scenario).unwrap();
+    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let mut at_s = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        recorder.push(frame, at_s);
+        at_s += 1.0 / scenario.sample_rate_hz;
+    }
+    recorder.finish()
+}
+
 /// Records the monitor's demonstration: `rounds` of its motion from home to home, then a rest phase until `to_s`.
 /// `more` is appended to the scenario.
 pub(crate) fn recording(
@@ -33,14 +44,7 @@ pub(crate) fn recording(
     let text = format!("{before}waypoints = [\n{all}]\n\n[joint_friction]{after}\n{more}");
     let mut scenario = Scenario::from_toml(&text, "arm.toml").unwrap();
     scenario.seed = seed;
-    let mut simulation = Simulation::new(robot, &scenario).unwrap();
-    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
-    let mut at_s = 0.0;
-    while let Some(frame) = simulation.next_frame().unwrap() {
-        recorder.push(frame, at_s);
-        at_s += 1.0 / scenario.sample_rate_hz;
-    }
-    recorder.finish()
+    recorded(robot, &scenario)
 }
 
 pub(crate) fn baseline(robot: &Robot) -> sinew_estimate::baseline::Baseline {
@@ -183,14 +187,7 @@ fn recorded_work(
     let text = format!("{before}[motion]\n{motion}\n[truth]{of_robot}{offsets}");
     let mut scenario = Scenario::from_toml(&text, "work-session.toml").unwrap();
     scenario.seed = seed;
-    let mut simulation = Simulation::new(robot, &scenario).unwrap();
-    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
-    let mut at_s = 0.0;
-    while let Some(frame) = simulation.next_frame().unwrap() {
-        recorder.push(frame, at_s);
-        at_s += 1.0 / scenario.sample_rate_hz;
-    }
-    recorder.finish()
+    recorded(robot, &scenario)
 }
 
 // A baseline of random poses, then a cycle between four poses: what the model gets wrong at them does not cancel, and is the

@@ -769,7 +769,8 @@ fn estimate_with_lag(
         let then = baseline.model_error.as_ref()?;
         Some(session.estimator.aged_model_error(then, &common, &start))
     });
-    session.estimator = session.estimator.with_model_error(model_error.clone());
+    let estimator = session.estimator.with_model_error(model_error.clone());
+    session.estimator = estimator.with_independent_rounds(baseline.is_some());
     let estimator = &session.estimator;
     let continues = baseline.is_some() && since == Since::Now;
     let everything = SearchScope {
@@ -780,7 +781,6 @@ fn estimate_with_lag(
         onset: None,
     };
     let payload = options.payload;
-    // A baseline of other motion does not cancel the model errors of this one.
     let visits = repeated_motion::visits(&recorded.blocks);
     let mut segments = Segments::estimate(
         (robot, estimator),

@@ -8,6 +8,7 @@ use super::gauss_newton::{solve, solve_from};
 use super::model_error::{self, ModelError, Posterior};
 use super::problem::Problem;
 use super::schedule::ROUGH_START;
+use super::search::completed;
 use super::solution::Solution;
 use crate::Gaussian;
 use crate::cholesky::{self, Factor, dot};
@@ -63,9 +64,9 @@ pub(super) fn is_significant(problem: &Problem<'_>, best: &Solution, with_loss: 
 }
 
 /// The estimate averaged over the joints whose stiffness has changed since the recording before, and its posteriors under
-/// the model error. `stored`: that of the baseline.
+/// the model error. `stored`: that of the baseline; `last`: problem of the estimate, after that of the search.
 pub(super) fn averaged(
-    problem: &Problem<'_>,
+    (problem, last): (&Problem<'_>, &Problem<'_>),
     best: Solution,
     with_loss: Solution,
     stored: Option<&ModelError>,
@@ -90,7 +91,7 @@ pub(super) fn averaged(
     let posteriors = model_error::posteriors(problem, at, stored)?;
     let free = model_error::columns(problem.layout(), &at.changes, is_stiffness_loss);
     let found = stiffness_changes(problem, &posteriors, &free)?;
-    let mut out = problem.complete(with_free_stiffness)?;
+    let mut out = completed(problem, last, with_free_stiffness)?;
     let prior = &problem.model.prior;
     let columns: Vec<usize> = model_error::columns(prior.layout(), &out.changes, is_stiffness_loss)
         .into_iter()

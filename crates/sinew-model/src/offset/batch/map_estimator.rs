@@ -42,6 +42,7 @@ pub struct MapEstimator {
     executor: &'static dyn Executor,
     /// Model error of the baseline, with which the evidence about causes is compared.
     model_error: Option<ModelError>,
+    has_independent_rounds: bool,
 }
 
 impl MapEstimator {
@@ -51,6 +52,7 @@ impl MapEstimator {
             model: EstimationModel::new(prior, features),
             executor: &Sequential,
             model_error: None,
+            has_independent_rounds: false,
         }
     }
 
@@ -95,6 +97,17 @@ impl MapEstimator {
     #[must_use]
     pub fn with_model_error(mut self, error: Option<ModelError>) -> Self {
         self.model_error = error;
+        self
+    }
+
+    /// Sets whether rounds of a repeated motion are independent in the search for changes; the default is that they share their
+    /// information. They always share it in the resulting estimate.
+    ///
+    /// Set it for a recording that is compared with a baseline: changes within the recording are relative to its own rounds, and the
+    /// evidence about causes has a model error that depends on the pose. The model error of the offset repeats in every round.
+    #[must_use]
+    pub fn with_independent_rounds(mut self, is_set: bool) -> Self {
+        self.has_independent_rounds = is_set;
         self
     }
 
@@ -192,9 +205,15 @@ impl MapEstimator {
         payload: Payload,
         scope: SearchScope,
     ) -> Result<MapEstimate, MapError> {
-        let problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
+        let problem = || Problem::new(&self.model, self.executor, start, payload, blocks);
+        let last = problem()?;
+        let independent = match self.has_independent_rounds && last.has_rounds() {
+            true => Some(problem()?.with_independent_rounds()),
+            false => None,
+        };
         ChangePointSearch {
-            problem: &problem,
+            problem: independent.as_ref().unwrap_or(&last),
+            last: &last,
             scope,
             model_error: self.model_error.as_ref(),
         }
@@ -260,6 +279,7 @@ mod tests {
             model,
             executor: &Sequential,
             model_error: None,
+            has_independent_rounds: false,
         };
         let believed = estimator
             .prior()

@@ -83,6 +83,19 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// Whether a motion repeats so often that its rounds share their information.
+    pub(super) fn has_rounds(&self) -> bool {
+        self.blocks.iter().any(|block| same_again(block) > 1.0)
+    }
+
+    /// The problem with rounds of a repeated motion as independent.
+    pub(super) fn with_independent_rounds(mut self) -> Self {
+        for (inflation, block) in self.inflation.iter_mut().zip(self.blocks) {
+            *inflation /= same_again(block);
+        }
+        self
+    }
+
     /// The estimate in terms of all bodies' parameters, with its covariance.
     pub(super) fn complete(&self, solution: Solution) -> Result<MapEstimate, MapError> {
         let Solution {

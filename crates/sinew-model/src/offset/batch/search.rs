@@ -67,9 +67,23 @@ impl Trial {
     }
 }
 
+/// The complete estimate of `last` from the solution of the search.
+pub(super) fn completed(
+    problem: &Problem<'_>,
+    last: &Problem<'_>,
+    found: Solution,
+) -> Result<MapEstimate, MapError> {
+    match core::ptr::eq(problem, last) {
+        true => last.complete(found),
+        false => last.complete(refine(last, &found)?),
+    }
+}
+
 /// The search for changes in one recording.
 pub(super) struct ChangePointSearch<'a> {
     pub(super) problem: &'a Problem<'a>,
+    /// Problem of the estimate with the changes that were found: that of the search, or with rounds that share their information.
+    pub(super) last: &'a Problem<'a>,
     pub(super) scope: SearchScope,
     /// Model error of the baseline, with which the evidence about causes is compared.
     pub(super) model_error: Option<&'a ModelError>,
@@ -107,15 +121,16 @@ impl ChangePointSearch<'_> {
         let stored = self.model_error.filter(|_| !self.scope.continues);
         let (mut estimate, evidence) = match with_stiffness {
             Some(with_stiffness) => {
+                let both = (problem, self.last);
                 let (estimate, evidence) =
-                    lost_stiffness::averaged(problem, best, with_stiffness, stored)?;
+                    lost_stiffness::averaged(both, best, with_stiffness, stored)?;
                 (estimate, Some(evidence))
             }
             None if force::is_open(&best) => {
                 let evidence = model_error::posteriors(problem, &best.estimate, stored)?;
-                (problem.complete(best)?, Some(evidence))
+                (completed(problem, self.last, best)?, Some(evidence))
             }
-            None => (problem.complete(best)?, None),
+            None => (completed(problem, self.last, best)?, None),
         };
         creep::average(problem, &mut estimate)?;
         force::average(problem, &mut estimate, evidence.as_deref())?;
@@ -370,6 +385,7 @@ pub(super) fn searched(model: &EstimationModel, std_rad: f64, blocks: &[Block]) 
     };
     let search = ChangePointSearch {
         problem: &problem,
+        last: &problem,
         scope,
         model_error: None,
     };
@@ -427,6 +443,7 @@ mod tests {
             };
             let search = ChangePointSearch {
                 problem: &problem,
+                last: &problem,
                 scope,
                 model_error: None,
             };
