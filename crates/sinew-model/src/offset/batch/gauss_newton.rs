@@ -46,6 +46,18 @@ pub(super) fn refine(problem: &Problem<'_>, coarse: &Solution) -> Result<Solutio
     solve_from(problem, &at.changes, &at.state, at, REFINE)
 }
 
+/// Returns the complete estimate of `last` from the solution `found` of `problem`, which may weigh the same blocks differently.
+pub(super) fn completed(
+    problem: &Problem<'_>,
+    last: &Problem<'_>,
+    found: Solution,
+) -> Result<MapEstimate, MapError> {
+    match core::ptr::eq(problem, last) {
+        true => last.complete(found),
+        false => last.complete(refine(last, &found)?),
+    }
+}
+
 /// Computes the estimate without the changes of `with`: two steps from its conditional mean, which
 /// is exact for linear equations.
 pub(super) fn solve_without(problem: &Problem<'_>, with: &Solution) -> Result<Solution, MapError> {

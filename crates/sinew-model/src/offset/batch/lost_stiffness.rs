@@ -4,11 +4,10 @@
 //! probability is therefore that of a change by more than [`MIN_CHANGE`], with the evidence of [`super::model_error`].
 
 use super::cost::cost_at;
-use super::gauss_newton::{solve, solve_from};
+use super::gauss_newton::{completed, solve, solve_from};
 use super::model_error::{self, ModelError, Posterior};
 use super::problem::Problem;
 use super::schedule::ROUGH_START;
-use super::search::completed;
 use super::solution::Solution;
 use crate::Gaussian;
 use crate::cholesky::{self, Factor, dot};

@@ -5,7 +5,7 @@ use super::changepoint_time::{at_best_time, retimed};
 use super::cost::{ThinnedResiduals, cost_at};
 use super::creep;
 use super::force;
-use super::gauss_newton::{refine, solve, solve_from, solve_without};
+use super::gauss_newton::{completed, refine, solve, solve_from, solve_without};
 use super::initial_friction;
 use super::lost_stiffness::{self, MAX_STIFFNESS_LOSS};
 use super::model_error::{self, ModelError};
@@ -64,18 +64,6 @@ impl Trial {
             ChangeKind::Compliance(_) => self.gain - MIN_STIFFNESS_GAIN,
             _ => self.gain,
         }
-    }
-}
-
-/// The complete estimate of `last` from the solution of the search.
-pub(super) fn completed(
-    problem: &Problem<'_>,
-    last: &Problem<'_>,
-    found: Solution,
-) -> Result<MapEstimate, MapError> {
-    match core::ptr::eq(problem, last) {
-        true => last.complete(found),
-        false => last.complete(refine(last, &found)?),
     }
 }
 
