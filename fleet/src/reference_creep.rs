@@ -222,6 +222,7 @@ pub(crate) fn apply(prior: &mut Prior, reference: &ReferenceCreep) {
                 amplitude_std: amplitude * SIZE_STD * reference.spread,
                 log_weight: curve.log_weight + (share * (1.0 - UNMOVED)).ln(),
                 values: curve.values.clone(),
+                retensioned: curve.retensioned.clone(),
             });
         }
         curves.push(Curve {
@@ -242,6 +243,7 @@ mod tests {
         let times = node_times_s();
         let of = |s: &f64| Curve {
             values: times.iter().map(|t| s * (t / times[0]).log10()).collect(),
+            retensioned: None,
             amplitude: 1.0,
             amplitude_std: 0.4,
             log_weight: 0.0,
