@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 import pickle
 import re
@@ -115,6 +116,10 @@ def test_newest_version_of_a_session_counts() -> None:
     more = [row | {"frames": 10, "offset_rad": 3 * row["offset_rad"]} for row in rows[:60]]
     less = [row | {"frames": 9, "offset_rad": 0.0} for row in rows[:60]]
     assert trends(less + more) == trends(more)
+    # A row without a time is no session, and NaN is wider than every interval.
+    timeless = [rows[0] | {"time_utc_s": time, "offset_rad": 1.0} for time in (None, math.nan)]
+    unknown = [row | {"offset_std_rad": math.nan, "offset_rad": 1.0} for row in rows[:60]]
+    assert trends(unknown + timeless + rows) == trends(rows + unknown) == trends(rows)
 
 
 def test_ropes_and_events_of_a_folder_apply(tmp_path: Path) -> None:
@@ -127,6 +132,11 @@ def test_ropes_and_events_of_a_folder_apply(tmp_path: Path) -> None:
     (found,), (without,) = trends(rows, fleet._Trend(TYPES, tmp_path.as_uri())), trends(rows)
     assert found == trends(rows, fleet._Trend(TYPES, str(tmp_path)))[0]
     assert found["rejection"] is None and found["offset_rad"] != without["offset_rad"]
+    with pytest.raises(sn.SinewError, match="neither tendons.csv nor events.csv"):
+        fleet.trend(TYPES, str(tmp_path / "other"))
+    (tmp_path / "tendons.csv").write_text("robot,rope\narm-1,liros-dc000-0701\n")
+    with pytest.raises(sn.SinewError, match="no column 'joint'"):
+        fleet.trend(TYPES, str(tmp_path))
 
 
 def test_addresses_give_the_rows_of_paths(tmp_path: Path) -> None:
@@ -147,7 +157,7 @@ def test_rows_are_those_of_sinew_fleet(tmp_path: Path) -> None:
         [program, "simulate", "--robot", ROBOT, "--robots", "2", "--days", "90", "--out", folder], check=True, stdout=subprocess.DEVNULL
     )
     columns = [name for name in fleet._TREND if name not in ("robot", "joint", "rejection")]
-    other = {"steps": "t.jumps", "limit": "d.limit", "state": "d.state"}
+    other = {"limit": "d.limit", "state": "d.state"}
     other |= {f"after{part}_s": f"d.days{part} * 86400" for part in ("", "_low", "_high")}
     chosen = ", ".join(f"{other.get(name, f't.{name}')} AS {name}" for name in columns)
     inner = "SELECT robot, joint, sinew_trend(*) AS t, sinew_days_until(*) AS d FROM records GROUP BY robot, joint"

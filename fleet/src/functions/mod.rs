@@ -3,7 +3,7 @@
 //! | function | of | gives |
 //! |---|---|---|
 //! | `sinew_elongation_mm(offset_rad, robot_type, joint)` | a row | mm |
-//! | `sinew_trend(*)` | a tendon's records | offset, creep, elongation, jumps, verdict |
+//! | `sinew_trend(*)` | a tendon's records | offset, creep, elongation, steps, verdict |
 //! | `sinew_days_until(*)`, `sinew_days_until(limit_mm, *)` | a tendon's records | days until a limit |
 //!
 //! `*` and `table.*` stand for the columns of a record ([`write_out`]). Types, ropes and events are read when the first

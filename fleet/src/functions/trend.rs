@@ -1,4 +1,4 @@
-//! `sinew_trend` and `sinew_days_until`: the trend of `sinew trend` over a tendon's records.
+//! `sinew_trend` and `sinew_days_until`: the trend of a tendon's records, as in `due`.
 
 use super::{Lazy, external};
 use crate::FleetError;
@@ -81,7 +81,7 @@ impl Kind {
                 number("elongation_std_m"),
                 number("rate_rad_per_s"),
                 number("rate_std_rad_per_s"),
-                count("jumps"),
+                count("steps"),
                 count("sessions"),
                 number("tensioned_utc_s"),
                 number("last_utc_s"),
@@ -374,12 +374,12 @@ fn trend_columns(found: &Found) -> Vec<ArrayRef> {
         Found::Trend(trend, sessions) => (Some(trend), Some(*sessions)),
         _ => (None, None),
     };
-    let jumps = trend.map(|t| t.events.iter().filter(|e| TrendEvent::is_jump(e)).count());
+    let steps = trend.map(|t| t.events.iter().filter(|e| TrendEvent::is_jump(e)).count());
     let mut out = vec![text(trend.map(|t| t.verdict.name()))];
     out.extend(pair(trend.map(|t| t.offset_rad)));
     out.extend(pair(trend.and_then(|t| t.elongation_m)));
     out.extend(pair(trend.map(|t| t.rate_rad_per_s)));
-    out.extend([count(jumps), count(sessions)]);
+    out.extend([count(steps), count(sessions)]);
     out.push(number(trend.map(|t| t.tensioned_utc_s)));
     out.push(number(trend.map(|t| t.last_utc_s)));
     out.push(failure(found));

@@ -100,16 +100,26 @@ def _arrow(columns: Mapping[str, str]) -> Any:
 
 def _store(address: str) -> tuple[Any, str]:
     """The file system of an address, and the path in it."""
+    import pyarrow as pa
     from pyarrow import fs
+
+    from . import SinewError
 
     parts = urlsplit(address)
     if parts.scheme != "s3":
-        found: tuple[Any, str] = fs.FileSystem.from_uri(address)
+        try:
+            found: tuple[Any, str] = fs.FileSystem.from_uri(address)
+        except pa.ArrowInvalid as error:
+            raise SinewError(f"{address}: {error}") from None
         return found
-    server = urlsplit(os.environ.get("AWS_ENDPOINT_URL", ""))
-    options = {"scheme": server.scheme, "endpoint_override": server.netloc} if server.netloc else {}
+    endpoint = os.environ.get("AWS_ENDPOINT_URL_S3") or os.environ.get("AWS_ENDPOINT_URL", "")
+    server = urlsplit(endpoint)
+    if endpoint and not server.netloc:
+        raise SinewError(f"AWS_ENDPOINT_URL is '{endpoint}'; expected a form such as https://HOST:PORT")
+    options = {"scheme": server.scheme, "endpoint_override": server.netloc} if endpoint else {}
+    region = os.environ.get("AWS_REGION") or os.environ.get("AWS_DEFAULT_REGION")
     anonymous = os.environ.get("AWS_SKIP_SIGNATURE") == "true"
-    return fs.S3FileSystem(anonymous=anonymous, region=os.environ.get("AWS_REGION"), **options), parts.netloc + parts.path
+    return fs.S3FileSystem(anonymous=anonymous, region=region, **options), parts.netloc + parts.path
 
 
 @contextlib.contextmanager
@@ -256,12 +266,19 @@ def _order_of(version: str | None) -> tuple[Any, ...]:
 
 
 def _once(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Each session once, in order of time: by the newest version, then with the most frames, then with the narrowest interval."""
+    """Each session once, in order of time: by the newest version, then with the most frames, then with the narrowest interval.
 
-    def last(value: Any) -> tuple[bool, Any]:
-        return value is None, value
+    A row without a finite time is no session.
+    """
 
-    rows = sorted(rows, key=lambda row: [last(row[name]) for name in ("offset_std_rad", "offset_rad", "source", "baseline")])
+    def last(value: Any) -> tuple[int, Any]:
+        # As in SQL: NaN after all numbers, and missing values after NaN.
+        if value is None:
+            return 2, None
+        return (1, None) if value != value else (0, value)
+
+    rows = [row for row in rows if row["time_utc_s"] is not None and math.isfinite(row["time_utc_s"])]
+    rows.sort(key=lambda row: [last(row[name]) for name in ("offset_std_rad", "offset_rad", "source", "baseline")])
     rows.sort(key=lambda row: math.inf if row["frames"] is None else -row["frames"])
     rows.sort(key=lambda row: _order_of(row["sinew_version"]), reverse=True)
     found: dict[float, dict[str, Any]] = {}
@@ -276,24 +293,33 @@ def _sides(folder: str | None) -> tuple[dict[tuple[str, str], str], dict[tuple[s
 
     ropes: dict[tuple[str, str], str] = {}
     events: dict[tuple[str, str], list[tuple[str, bool]]] = {}
+    missing: list[str] = []
 
-    def rows(name: str) -> Iterator[tuple[tuple[str, str], dict[str, str]]]:
+    def rows(name: str, columns: set[str]) -> Iterator[tuple[tuple[str, str], dict[str, str]]]:
         try:
-            with _local(f"{folder}/{name}") as path, open(path, encoding="utf-8", newline="") as file:
-                for row in csv.DictReader(line for line in file if not line.startswith("#")):
+            with _local(f"{folder}/{name}") as path, open(path, encoding="utf-8-sig", newline="") as file:
+                table = csv.DictReader(line for line in file if not line.startswith("#"))
+                found = table.fieldnames or ()
+                if absent := columns - set(found):
+                    raise SinewError(f"{folder}/{name} has no column '{min(absent)}'; columns are {', '.join(found)}")
+                for row in table:
+                    if empty := [column for column in sorted(columns) if not row[column]]:
+                        raise SinewError(f"{folder}/{name}: '{empty[0]}' is missing; it is required in every row")
                     yield (row["robot"], row["joint"]), row
         except FileNotFoundError:
-            return
+            missing.append(name)
 
     if folder is not None:
-        for tendon, row in rows("tendons.csv"):
+        for tendon, row in rows("tendons.csv", {"robot", "joint"}):
             if row.get("rope"):
                 ropes[tendon] = row["rope"]
-        for tendon, row in rows("events.csv"):
+        for tendon, row in rows("events.csv", {"robot", "joint", "time_utc_s", "event"}):
             if row["event"] not in ("tensioned", "replaced", "installed", "broken"):
                 raise SinewError(f"{folder}/events.csv: '{row['event']}' must be tensioned, replaced, broken or installed")
             if row["event"] != "broken":
                 events.setdefault(tendon, []).append((row["time_utc_s"], row["event"] != "tensioned"))
+        if len(missing) == 2:
+            raise SinewError(f"{folder} has neither tendons.csv nor events.csv; omit it if there are none")
     return ropes, events
 
 
@@ -348,12 +374,17 @@ def trend(types: Mapping[str, str], folder: str | None = None) -> Callable[[Any]
     types
         Folder of each robot type, by its name, with a path that is valid on every machine.
     folder
-        Folder with ``tendons.csv`` and ``events.csv``, read once here, where this function is called.
+        Folder with ``tendons.csv``, ``events.csv`` or both, read once here, where this function is called.
 
     Returns
     -------
     callable
         From the records of a tendon to one row; a rejected input has its reason in ``rejection``.
+
+    Raises
+    ------
+    SinewError
+        If the folder has neither file, or a file is invalid.
     """
     follow = _Trend(types, folder)
     # Spark looks at annotations to find out what a function takes; one without takes a table.
