@@ -77,7 +77,7 @@ impl Catalogue {
         Ok(Shown::new(rope.describe(), move |_| rope_table(&rope)).into())
     }
 
-    /// A rope's catalogue entry as text, from which an own entry can be made.
+    /// A rope's catalogue entry as text, from which a new entry can be made.
     ///
     /// Parameters
     /// ----------

@@ -71,8 +71,9 @@ pub(crate) fn trend(
     all.extend(stated(replaced, true)?);
     let horizon_days = horizon_s / DAY_S;
     if !(1.0..=36_500.0).contains(&horizon_days) {
-        let reason =
-            format!("horizon_s is {horizon_s}; it must be 86400 to 3.1536e9, a day to 100 years");
+        let reason = format!(
+            "horizon_s is {horizon_s} s; expected 86400 to 3.1536e9 s (1 day to 100 years)"
+        );
         return Err(Failure::new(reason).into());
     }
     let report = work(py, "reading", progress.as_ref(), move |tracker| {
@@ -195,16 +196,21 @@ pub(crate) fn tendon_trend<'py>(
     })?;
     let row = PyDict::new(py);
     row.set_item("verdict", trend.verdict.name())?;
-    row.set_item("offset_rad", trend.offset_rad.mean)?;
-    row.set_item("offset_std_rad", trend.offset_rad.std)?;
-    row.set_item("elongation_m", trend.elongation_m.map(|e| e.mean))?;
-    row.set_item("elongation_std_m", trend.elongation_m.map(|e| e.std))?;
-    row.set_item("rate_rad_per_s", trend.rate_rad_per_s.mean)?;
-    row.set_item("rate_std_rad_per_s", trend.rate_rad_per_s.std)?;
+    for (name, value) in [
+        ("offset_rad", Some(trend.offset_rad.mean)),
+        ("offset_std_rad", Some(trend.offset_rad.std)),
+        ("elongation_m", trend.elongation_m.map(|e| e.mean)),
+        ("elongation_std_m", trend.elongation_m.map(|e| e.std)),
+        ("rate_rad_per_s", Some(trend.rate_rad_per_s.mean)),
+        ("rate_std_rad_per_s", Some(trend.rate_rad_per_s.std)),
+        ("tensioned_utc_s", Some(trend.tensioned_utc_s)),
+        ("last_utc_s", Some(trend.last_utc_s)),
+    ] {
+        // As in SQL, a value that is not finite is missing.
+        row.set_item(name, value.filter(|x| x.is_finite()))?;
+    }
     row.set_item("steps", trend.events.iter().filter(|e| e.is_jump()).count())?;
     row.set_item("sessions", count)?;
-    row.set_item("tensioned_utc_s", trend.tensioned_utc_s)?;
-    row.set_item("last_utc_s", trend.last_utc_s)?;
     let passages = Passage::all(&trend);
     if let Some(first) = Passage::first(&passages) {
         row.set_item("limit", first.limit.name())?;

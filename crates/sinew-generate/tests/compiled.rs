@@ -184,6 +184,22 @@ fn real(precision: Precision, language: Language) -> &'static str {
     }
 }
 
+/// Compiles C sources in a folder, with warnings as errors.
+fn compile_c(compiler: &str, folder: &Path, sources: &[&str], program: &Path) {
+    let done = Command::new(compiler)
+        .args(["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic"])
+        .args(["-Wshadow", "-Wconversion", "-Werror"])
+        .args(sources)
+        .arg("-o")
+        .arg(program)
+        .arg("-lm")
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success(), "{}: {message}", program.display());
+}
+
 const C_DRIVER: &str = r#"
 #include "@name@.h"
 #include <stdio.h>
@@ -244,27 +260,8 @@ fn c_gives_what_the_generic_code_gives() {
                 .replace("@real@", real(precision, Language::C));
             std::fs::write(folder.path().join("driver.c"), driver).unwrap();
             let program = folder.path().join(format!("{name}-{compiler}"));
-            let done = Command::new(compiler)
-                .args([
-                    "-std=c99",
-                    "-O2",
-                    "-Wall",
-                    "-Wextra",
-                    "-Wpedantic",
-                    "-Wshadow",
-                ])
-                .args(["-Wconversion", "-Werror", "driver.c", &format!("{name}.c")])
-                .arg("-o")
-                .arg(&program)
-                .arg("-lm")
-                .current_dir(folder.path())
-                .output()
-                .unwrap();
-            assert!(
-                done.status.success(),
-                "{name}: {}",
-                String::from_utf8_lossy(&done.stderr)
-            );
+            let source = format!("{name}.c");
+            compile_c(compiler, folder.path(), &["driver.c", &source], &program);
             for known in [false, true] {
                 let samples = motion(robot.arm.dof(), known);
                 let what = format!("{name}, {compiler}, {precision:?}, external torque {known}");
@@ -318,22 +315,10 @@ fn c_code_rejects_the_state_of_another_robot() {
         write_all(folder.path(), &written.files);
     }
     std::fs::write(folder.path().join("states.c"), STATES).unwrap();
-    let done = Command::new(compiler)
-        .args([
-            "-std=c99",
-            "-O2",
-            "-Wall",
-            "-Wextra",
-            "-Wpedantic",
-            "-Werror",
-        ])
-        .args(["states.c", "one.c", "other.c", "-o", "states", "-lm"])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    let message = String::from_utf8_lossy(&done.stderr);
-    assert!(done.status.success(), "{message}");
-    let status = Command::new(folder.path().join("states")).status().unwrap();
+    let program = folder.path().join("states");
+    let sources = ["states.c", "one.c", "other.c"];
+    compile_c(compiler, folder.path(), &sources, &program);
+    let status = Command::new(program).status().unwrap();
     assert_eq!(status.code(), Some(0));
 }
 

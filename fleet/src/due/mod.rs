@@ -174,7 +174,8 @@ fn report_progress(done: usize, of: usize) {
 /// [`FleetError`].
 pub fn command(request: &Due) -> Result<ExitCode, FleetError> {
     let mut engine = Engine::open(&request.source)?;
-    let list = due_with_progress(&mut engine, request, &report_progress)?;
+    let list = due_with_progress(&mut engine, request, &report_progress)
+        .inspect_err(|_| report_progress(0, 0))?;
     print!("{}", show::text(&list, request));
     show::report_unused_state(&list, request.state.as_deref());
     if let Some(path) = &request.csv {

@@ -166,8 +166,16 @@ const DUE: TableSchema<'static> = TableSchema {
         SchemaColumn::number("offset_std_rad", "rad", "Standard deviation of the offset"),
         SchemaColumn::number("limit_rad", "rad", "Limit as an offset"),
         SchemaColumn::number("at_utc_s", "s", "Median time of the limit, since 1970 UTC"),
-        SchemaColumn::number("at_low_utc_s", "s", "Its 2.5 % quantile"),
-        SchemaColumn::number("at_high_utc_s", "s", "Its 97.5 % quantile"),
+        SchemaColumn::number(
+            "at_low_utc_s",
+            "s",
+            "2.5 % quantile of the time of the limit, since 1970 UTC",
+        ),
+        SchemaColumn::number(
+            "at_high_utc_s",
+            "s",
+            "97.5 % quantile of the time of the limit, since 1970 UTC",
+        ),
         SchemaColumn::number(
             "ahead_utc_s",
             "s",
@@ -178,8 +186,16 @@ const DUE: TableSchema<'static> = TableSchema {
             "rad",
             "Median offset at the end of the requested days",
         ),
-        SchemaColumn::number("ahead_low_rad", "rad", "Its 2.5 % quantile"),
-        SchemaColumn::number("ahead_high_rad", "rad", "Its 97.5 % quantile"),
+        SchemaColumn::number(
+            "ahead_low_rad",
+            "rad",
+            "2.5 % quantile of the offset at the end of the requested days",
+        ),
+        SchemaColumn::number(
+            "ahead_high_rad",
+            "rad",
+            "97.5 % quantile of the offset at the end of the requested days",
+        ),
         SchemaColumn::plain(
             "is_due",
             CellKind::Flag,

@@ -45,7 +45,7 @@ class Curves(NamedTuple):
 
 
 def curves(answer: Answer) -> Curves:
-    """The main curves of a result, for an own figure.
+    """The main curves of a result, for a custom figure.
 
     Parameters
     ----------

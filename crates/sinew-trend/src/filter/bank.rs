@@ -123,8 +123,9 @@ impl Bank {
     /// Number of live states: the others are zero, or neither observed nor correlated.
     pub(super) fn live(&self) -> usize {
         let is_tensioned = self.retensioned_s.is_some()
-            || (self.components.first())
-                .is_some_and(|c| c.covariance[entry(TAKEN_OUT, TAKEN_OUT)] > 0.0);
+            || (self.components.first()).is_some_and(|c| {
+                c.mean[TAKEN_OUT] != 0.0 || c.covariance[entry(TAKEN_OUT, TAKEN_OUT)] > 0.0
+            });
         match (self.stiffness_loss, self.baseline.levels[1]) {
             (None, None) if is_tensioned => LIVE_TENSIONED,
             (None, None) => LIVE_AT_START,
