@@ -25,8 +25,8 @@ const FRESH_DAYS: f64 = 14.0;
 
 /// Slot of a prior, computed once: another thread that needs it waits.
 type Slot = Arc<Mutex<Option<Arc<RopePrior>>>>;
-/// Tendon, if it has a rope, and mean temperature, °C.
-type Key = (Option<Tendon>, i64);
+/// Tendon, if the joint has a described one, and bits of the rounded mean temperature, °C.
+type Key = (Option<Tendon>, u64);
 
 /// Priors of ropes by tendon and mean temperature in whole degrees Celsius, shared by all tendons of a fleet.
 ///
@@ -61,7 +61,7 @@ impl RopePriors {
         mean_c: f64,
     ) -> Result<Arc<RopePrior>, CatalogueError> {
         let celsius = mean_c.round();
-        let slot = self.slot((tendon.cloned(), celsius as i64));
+        let slot = self.slot((tendon.cloned(), celsius.to_bits()));
         let mut prior = slot.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(drawn) = &*prior {
             return Ok(drawn.clone());
@@ -71,7 +71,7 @@ impl RopePriors {
         Ok(drawn)
     }
 
-    fn slot(&self, kind: (Option<Tendon>, i64)) -> Slot {
+    fn slot(&self, kind: Key) -> Slot {
         let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, slot)) = slots.iter().find(|(own, _)| *own == kind) {
             return slot.clone();
