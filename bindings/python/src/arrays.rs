@@ -57,9 +57,7 @@ impl Held {
             temperature_c: temperature_c.map(Bound::unbind),
         })
     }
-}
 
-impl Held {
     /// The arrays by the keywords of `from_arrays`.
     pub(crate) fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let out = PyDict::new(py);
