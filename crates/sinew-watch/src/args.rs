@@ -1,5 +1,6 @@
 //! Command-line arguments of the monitor.
 
+use crate::store::word;
 use clap::{Parser, Subcommand};
 use sinew_watch_core::alarm::Condition;
 use std::net::SocketAddr;
@@ -97,10 +98,17 @@ pub struct Acknowledge {
     pub config: PathBuf,
 }
 
-/// Parses a condition by its name in the API.
+/// Parses a condition by its present name in the API.
 fn condition(text: &str) -> Result<Condition, String> {
-    let name = serde_json::Value::String(text.into());
-    serde_json::from_value(name).map_err(|e| e.to_string())
+    let named = Condition::ALL.into_iter().find(|c| word(c) == text);
+    named.ok_or_else(|| {
+        let names: Vec<String> = Condition::ALL.iter().map(word).collect();
+        let hint = sinew_files::names::hint(text, &names);
+        format!(
+            "unknown condition{hint} valid conditions: {}",
+            names.join(", ")
+        )
+    })
 }
 
 /// Parses an address on the loopback interface: everybody who reaches the demonstration may operate it.
@@ -113,5 +121,27 @@ fn loopback(text: &str) -> Result<SocketAddr, String> {
         false => {
             Err("the demonstration is available on this host only: set 127.0.0.1 or [::1]".into())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn condition_unknown_lists_present_names() {
+        for each in Condition::ALL {
+            assert_eq!(condition(&word(&each)), Ok(each));
+        }
+        let names: Vec<String> = Condition::ALL.iter().map(word).collect();
+        let list = format!("valid conditions: {}", names.join(", "));
+        assert_eq!(
+            condition("step-chang"),
+            Err(format!(
+                "unknown condition; did you mean 'step-change'? {list}"
+            ))
+        );
+        // A former name is read from stored files only.
+        assert_eq!(condition("jump"), Err(format!("unknown condition; {list}")));
     }
 }

@@ -93,8 +93,18 @@ impl Session {
         loop {
             let mut line = Vec::new();
             let read = limited.read_until(b'\n', &mut line).await;
-            read.map_err(|e| e.to_string())?;
-            let line = String::from_utf8_lossy(&line).trim_end().to_owned();
+            if read.map_err(|e| e.to_string())? == 0 {
+                return Err(format!(
+                    "connection closed, or reply longer than {MAX_REPLY_BYTES} bytes"
+                ));
+            }
+            // The reply becomes a line of the log.
+            let line = String::from_utf8_lossy(&line);
+            let line: String = line
+                .trim_end()
+                .chars()
+                .filter(|c| !c.is_control())
+                .collect();
             let (Some(code), Some(text)) = (line.get(..3), line.get(3..)) else {
                 return Err(format!("unexpected reply '{line}'"));
             };
@@ -151,15 +161,18 @@ impl Session {
     }
 }
 
-/// Sends a mail once; the server has accepted it when this returns.
+/// Sends a mail once; the server has accepted it when this returns. `mail.to` keeps the addresses that the server did not
+/// accept, so that another attempt sends nothing twice.
 ///
 /// # Errors
-/// Returns the reason as text, with the reply of the server.
-pub(crate) async fn send(mail: &Mail, text: &MailText, time_utc_s: f64) -> Result<(), String> {
-    let Mail { host, ca_file, .. } = mail;
-    let mut stream = connect(host, mail.port).await?;
+/// Returns the reason as text, with the reply of the server, unless it has accepted the mail for all addresses.
+pub(crate) async fn send(mail: &mut Mail, text: &MailText, time_utc_s: f64) -> Result<(), String> {
+    if mail.to.is_empty() {
+        return Ok(());
+    }
+    let mut stream = connect(&mail.host, mail.port).await?;
     if mail.tls == MailTls::Implicit {
-        stream = secure(stream, host, ca_file.as_deref()).await?;
+        stream = secure(stream, &mail.host, mail.ca_file.as_deref()).await?;
     }
     let mut session = Session {
         stream: BufReader::new(stream),
@@ -176,7 +189,8 @@ pub(crate) async fn send(mail: &Mail, text: &MailText, time_utc_s: f64) -> Resul
             return Err("unexpected data before TLS".into());
         }
         let stream = session.stream.into_inner();
-        session.stream = BufReader::new(secure(stream, host, ca_file.as_deref()).await?);
+        let stream = secure(stream, &mail.host, mail.ca_file.as_deref()).await?;
+        session.stream = BufReader::new(stream);
         offers = session.hello(mail).await?;
     }
     if let Some((user, file)) = mail.user.as_ref().zip(mail.password_file.as_ref()) {
@@ -186,17 +200,28 @@ pub(crate) async fn send(mail: &Mail, text: &MailText, time_utc_s: f64) -> Resul
     session
         .command(&format!("MAIL FROM:<{}>", mail.from), b'2')
         .await?;
+    let (mut rejected, mut reasons) = (Vec::new(), Vec::new());
     for to in &mail.to {
-        session.command(&format!("RCPT TO:<{to}>"), b'2').await?;
+        if let Err(reason) = session.command(&format!("RCPT TO:<{to}>"), b'2').await {
+            rejected.push(to.clone());
+            reasons.push(format!("{to}: {reason}"));
+        }
+    }
+    if rejected.len() == mail.to.len() {
+        return Err(reasons.join("; "));
     }
     session.command("DATA", b'3').await?;
     let mut number = [0; 16];
     getrandom::fill(&mut number).map_err(|e| e.to_string())?;
     let content = message(mail, text, time_utc_s, &hex(&number));
     session.command(&format!("{content}."), b'2').await?;
+    mail.to = rejected;
     // The mail is accepted, whether or not the server takes its leave.
     let _accepted = session.command("QUIT", b'2').await;
-    Ok(())
+    match reasons.is_empty() {
+        true => Ok(()),
+        false => Err(reasons.join("; ")),
+    }
 }
 
 #[cfg(test)]

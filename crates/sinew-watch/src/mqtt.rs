@@ -2,6 +2,7 @@
 //! from the page and the API.
 
 use crate::config::MqttSettings;
+use crate::hex::hex;
 use crate::runtime::{Health, RobotRegistry, RobotState};
 use crate::store::word;
 use crate::stream::{Stream, connect, secure};
@@ -9,6 +10,7 @@ use crate::token::secret;
 use crate::web::api::NextTendon;
 use crate::words;
 use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
 use sinew_watch_core::RobotSnapshot;
 use sinew_watch_core::snapshot::{Freshness, TendonSnapshot};
 use std::collections::BTreeSet;
@@ -20,6 +22,10 @@ use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _, WriteHalf};
 const INTERVAL: Duration = Duration::from_secs(10);
 /// Time without a packet after which each side closes the connection; the client sends more often.
 const KEEP_ALIVE_S: u16 = 60;
+/// Time after which Home Assistant shows a state that is not repeated as unavailable: six intervals, s.
+const EXPIRE_AFTER_S: u16 = 60;
+/// Number of random bytes in the identifier of the client, which has at most 23 characters (MQTT 3.1.1, section 3.1.3.1).
+const CLIENT_BYTES: usize = 8;
 /// Maximum time to connect.
 const MAX_CONNECT_TIME: Duration = Duration::from_secs(30);
 /// First bytes of packets: type and flags.
@@ -31,16 +37,27 @@ const PING: u8 = 0xc0;
 
 /// Publishes the states of all robots until the program ends; a lost connection is opened again.
 pub async fn run(settings: MqttSettings, registry: Arc<RobotRegistry>, health: Arc<Health>) {
+    let mut logged = None;
     loop {
-        if let Err(reason) = publish(&settings, &registry).await {
-            health.log_once(&words::log::mqtt_disconnected(&settings.host, &reason));
+        let done = publish(&settings, &registry, &health, &mut logged).await;
+        if let Err(reason) = done
+            && logged.as_ref() != Some(&reason)
+        {
+            health.log(&words::log::mqtt_disconnected(&settings.host, &reason));
+            logged = Some(reason);
         }
         tokio::time::sleep(INTERVAL).await;
     }
 }
 
-/// Connects, and publishes until the connection is lost.
-async fn publish(settings: &MqttSettings, registry: &RobotRegistry) -> Result<(), String> {
+/// Connects, and publishes until the connection is lost; `logged` is the reason of the last disconnection in the log, `None`
+/// after a connection.
+async fn publish(
+    settings: &MqttSettings,
+    registry: &RobotRegistry,
+    health: &Health,
+    logged: &mut Option<String>,
+) -> Result<(), String> {
     let stream = tokio::time::timeout(MAX_CONNECT_TIME, open(settings));
     let late = |_| format!("no answer within {MAX_CONNECT_TIME:?}");
     let (mut received, sender) = tokio::io::split(stream.await.map_err(late)??);
@@ -51,6 +68,8 @@ async fn publish(settings: &MqttSettings, registry: &RobotRegistry) -> Result<()
     };
     let online = format!("{}/status", settings.prefix);
     client.send(RETAINED, &online, b"online").await?;
+    health.log(&words::log::connected(&format!("mqtt {}", settings.host)));
+    *logged = None;
     let mut every = tokio::time::interval(INTERVAL);
     every.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     let (mut buffer, mut heard) = ([0; 256], Instant::now());
@@ -60,9 +79,12 @@ async fn publish(settings: &MqttSettings, registry: &RobotRegistry) -> Result<()
                 if heard.elapsed() > Duration::from_secs(KEEP_ALIVE_S.into()) {
                     return Err(format!("no answer within {KEEP_ALIVE_S} s"));
                 }
-                for (_, slot) in registry.all() {
-                    if let RobotState::Monitored(robot) = slot.state() {
-                        client.robot(&robot).await?;
+                for (name, slot) in registry.all() {
+                    match slot.state() {
+                        RobotState::Monitored(robot) => client.robot(&robot).await?,
+                        RobotState::Starting | RobotState::NotMonitored(_) => {
+                            client.status(&name, false).await?;
+                        }
                     }
                 }
                 client.write(&packet(PING, &[])).await?;
@@ -87,7 +109,10 @@ async fn open(settings: &MqttSettings) -> Result<Box<dyn Stream>, String> {
     let mut body = Vec::new();
     text(&mut body, "MQTT");
     let mut fields = Vec::new();
-    text(&mut fields, &format!("sinew-{}", std::process::id()));
+    // A broker disconnects the other client with the same identifier; process numbers are the same in containers.
+    let mut client = [0; CLIENT_BYTES];
+    getrandom::fill(&mut client).map_err(|e| e.to_string())?;
+    text(&mut fields, &format!("sinew{}", hex(&client)));
     text(&mut fields, &format!("{}/status", settings.prefix));
     text(&mut fields, "offline");
     if let Some((user, file)) = settings.user.as_ref().zip(settings.password_file.as_ref()) {
@@ -136,12 +161,16 @@ fn text(body: &mut Vec<u8>, text: &str) {
     body.extend(text.as_bytes());
 }
 
-/// Returns a name as one level of a topic, and as part of an identifier.
+/// Returns a name as one level of a topic, and as part of an identifier. Characters other than letters, digits, - and _
+/// are replaced; the beginning of a hash keeps names apart that differ in such characters only.
 fn level(name: &str) -> String {
     let fits = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
-    name.chars()
-        .map(|c| if fits(c) { c } else { '_' })
-        .collect()
+    if name.chars().all(fits) {
+        return name.to_owned();
+    }
+    let hash = hex(&Sha256::digest(name));
+    let replaced = name.chars().map(|c| if fits(c) { c } else { '_' });
+    replaced.chain(['_']).chain(hash.chars().take(8)).collect()
 }
 
 /// Connection that has been accepted.
@@ -158,7 +187,14 @@ impl Client<'_> {
             self.sender.write_all(packet).await?;
             self.sender.flush().await
         };
-        sent.await.map_err(|e: std::io::Error| e.to_string())
+        // A broker that reads nothing blocks the connection.
+        let sent = tokio::time::timeout(Duration::from_secs(KEEP_ALIVE_S.into()), sent).await;
+        match sent {
+            Ok(sent) => sent.map_err(|e: std::io::Error| e.to_string()),
+            Err(_late) => Err(format!(
+                "the broker accepted no data within {KEEP_ALIVE_S} s"
+            )),
+        }
     }
 
     async fn send(&mut self, first: u8, topic: &str, payload: &[u8]) -> Result<(), String> {
@@ -168,15 +204,19 @@ impl Client<'_> {
         self.write(&packet(first, &body)).await
     }
 
+    /// Publishes whether current data of a robot are available; returns the topic.
+    async fn status(&mut self, robot: &str, is_online: bool) -> Result<String, String> {
+        let topic = format!("{}/{}/status", self.settings.prefix, level(robot));
+        let status: &[u8] = if is_online { b"online" } else { b"offline" };
+        self.send(RETAINED, &topic, status).await?;
+        Ok(topic)
+    }
+
     /// Publishes the tendons of a robot, and describes those that are new.
     async fn robot(&mut self, robot: &RobotSnapshot) -> Result<(), String> {
+        let is_online = matches!(robot.freshness, Freshness::Fresh);
+        let status = self.status(&robot.robot, is_online).await?;
         let of_robot = format!("{}/{}", self.settings.prefix, level(&robot.robot));
-        let available = match robot.freshness {
-            Freshness::Fresh => "online",
-            _ => "offline",
-        };
-        let status = format!("{of_robot}/status");
-        self.send(RETAINED, &status, available.as_bytes()).await?;
         for tendon in &robot.tendons {
             let topic = format!("{of_robot}/tendon/{}", level(&tendon.joint));
             if self.announced.insert(topic.clone()) {
@@ -204,7 +244,7 @@ fn state(robot: &RobotSnapshot, tendon: &TendonSnapshot) -> Value {
     })
 }
 
-/// Returns identifier and description of the entities of a tendon.
+/// Returns the discovery topic, without its beginning and end, and the description of the entities of a tendon.
 fn entities(
     settings: &MqttSettings,
     robot: &RobotSnapshot,
@@ -213,7 +253,8 @@ fn entities(
     status: &str,
 ) -> [(String, Value); 3] {
     let of_monitor = json!({ "topic": format!("{}/status", settings.prefix) });
-    let device = format!("sinew_{}", level(&robot.robot));
+    // Monitors with the same robots and one broker differ in the prefix.
+    let device = format!("{}_{}", level(&settings.prefix), level(&robot.robot));
     let number = |unit: &str| json!({ "unit_of_measurement": unit, "state_class": "measurement" });
     [
         ("offset_mrad", "offset", number("mrad")),
@@ -228,7 +269,7 @@ fn entities(
         ),
     ]
     .map(|(key, name, mut entity)| {
-        let id = format!("{device}_{}_{key}", level(&tendon.joint));
+        let id = format!("{device}/{}_{key}", level(&tendon.joint));
         // The alarm of a robot without data remains valid.
         let available = match key {
             "alarm" => json!([of_monitor]),
@@ -236,6 +277,7 @@ fn entities(
         };
         entity["name"] = json!(format!("{} {name}", tendon.joint));
         entity["unique_id"] = json!(id);
+        entity["expire_after"] = json!(EXPIRE_AFTER_S);
         entity["state_topic"] = json!(topic);
         entity["value_template"] = json!(format!("{{{{ value_json.{key} }}}}"));
         entity["availability"] = available;
@@ -245,4 +287,21 @@ fn entities(
         });
         (id, entity)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn level_keeps_names_apart_without_wildcards() {
+        assert_eq!(level("arm-7_a"), "arm-7_a");
+        let levels: BTreeSet<String> = ["arm_7", "arm.7", "arm/7", "arm+7", "arm#7"]
+            .into_iter()
+            .map(level)
+            .collect();
+        assert_eq!(levels.len(), 5, "{levels:?}");
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+        assert!(levels.iter().all(|level| level.chars().all(is_plain)));
+    }
 }

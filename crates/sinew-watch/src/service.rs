@@ -275,7 +275,12 @@ fn reload(
                 runtime.health().log(&words::log::needs_restart(&names));
             }
             runtime.configure(&next);
-            receivers.send_replace(next.receivers.clone());
+            // Otherwise, waiting notifications keep their order.
+            receivers.send_if_modified(|present| {
+                let differs = *present != next.receivers;
+                present.clone_from(&next.receivers);
+                differs
+            });
             *config = Config {
                 web: config.web.clone(),
                 store: config.store.clone(),

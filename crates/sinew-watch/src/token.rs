@@ -14,7 +14,7 @@ pub const MIN_CHARS: usize = 16;
 const MAX_CHARS: u64 = 4096;
 
 /// Access token with its name and role.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct Token {
     /// Name of the token in the configuration; `web-token`: the one without a name.
     pub name: String,
@@ -22,6 +22,16 @@ pub struct Token {
     pub role: Role,
     /// Text of the token.
     pub secret: String,
+}
+
+impl std::fmt::Debug for Token {
+    /// Formats the token without its text.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Token")
+            .field("name", &self.name)
+            .field("role", &self.role)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Reads all tokens of the page, which are created if missing; returns them with the paths of their files.

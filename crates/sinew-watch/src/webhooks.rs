@@ -213,10 +213,10 @@ fn escaped(text: &str) -> String {
 /// Sends a test notification once to every receiver, and returns the result of each in the order of the configuration.
 pub async fn test(receivers: &[Receiver]) -> Vec<(String, Result<(), String>)> {
     let started: Vec<_> = (receivers.iter().cloned())
-        .map(|receiver| {
+        .map(|mut receiver| {
             let name = receiver.name();
             let notification = Notification::test(&receiver);
-            let sending = async move { send_in_time(&receiver, notification).await };
+            let sending = async move { send_in_time(&mut receiver, notification).await };
             (name, tokio::spawn(sending))
         })
         .collect();
@@ -228,8 +228,8 @@ pub async fn test(receivers: &[Receiver]) -> Vec<(String, Result<(), String>)> {
     results
 }
 
-/// Sends once, within the maximum time to wait for a response.
-async fn send_in_time(receiver: &Receiver, notification: Notification) -> Result<(), String> {
+/// Sends once, within the maximum time to wait for a response; a mail receiver keeps the addresses that remain.
+async fn send_in_time(receiver: &mut Receiver, notification: Notification) -> Result<(), String> {
     let (limit, sent) = match (receiver, notification) {
         (Receiver::Webhook(hook), Notification::Post(message)) => {
             let sent = tokio::time::timeout(MAX_ANSWER_TIME, post(hook, message));
@@ -285,6 +285,7 @@ async fn deliver(
     health: Arc<Health>,
 ) {
     while let Some(notification) = notifications.recv().await {
+        let mut to = to.clone();
         let mut wait = Duration::from_secs(1);
         let mut done = Err(String::new());
         for attempt in 0..MAX_ATTEMPTS {
@@ -292,7 +293,7 @@ async fn deliver(
                 tokio::time::sleep(wait).await;
                 wait *= 2;
             }
-            done = send_in_time(&to, notification.clone()).await;
+            done = send_in_time(&mut to, notification.clone()).await;
             if done.is_ok() {
                 break;
             }

@@ -62,6 +62,13 @@ fn config_reads_every_key() {
         panic!("{:?}", config.receivers)
     };
     assert_eq!(https.url(), "https://hooks.example.org:443/x");
+    // Address and query of ntfy may be secret, and do not appear in the log.
+    let names = config.receivers.iter().map(Receiver::name);
+    let names: Vec<String> = names.take(2).collect();
+    assert_eq!(
+        names,
+        ["http://[::1]:9000", "https://hooks.example.org:443/x"]
+    );
     assert_eq!(https.ca_file, Some("/etc/sinew/ca.pem".into()));
     assert_eq!((mail.host.as_str(), mail.port), ("mail.example.org", 465));
     assert_eq!((mail.tls, mail.severity_min), (MailTls::Implicit, 700));
@@ -192,6 +199,24 @@ fn config_errors_name_place_and_fix() {
         (
             &format!("[[webhook]]\nurl = \"http://a/\"\nseverity_min = 1001\n{ROBOT}dds = {{}}\n"),
             "between 0 and 1000",
+        ),
+        (
+            &format!("[mqtt]\nbroker = \"a\"\nca_file = \"ca.pem\"\n{ROBOT}dds = {{}}\n"),
+            "mqtt.ca_file = \"ca.pem\": must be used with tls = true",
+        ),
+        (
+            &format!("[[webhook]]\nurl = \"http://a/\"\nca_file = \"ca.pem\"\n{ROBOT}dds = {{}}\n"),
+            "must be used with https://",
+        ),
+        (
+            &format!(
+                "[web]\ntoken = [{{ name = \"hall\", role = \"read\" }}]\n{ROBOT}dds = {{}}\n"
+            ),
+            "no token is required at a loopback address; set token_on_loopback = true",
+        ),
+        (
+            &format!("[recording]\nmax_files = 2.5\n{ROBOT}dds = {{}}\n"),
+            "recording.max_files = 2.5: must be a whole number",
         ),
         (&format!("{ROBOT}mcap = {{}}\n"), "path is missing"),
     ] {

@@ -64,6 +64,8 @@ struct Server {
     auth: Option<&'static str>,
     /// Number of mails that it rejects before it accepts one.
     rejected: usize,
+    /// Address that it rejects instead of the mail.
+    rejected_address: Option<&'static str>,
     /// Adds a reply behind that to STARTTLS, as an attacker could.
     injects: bool,
 }
@@ -72,6 +74,7 @@ const STARTTLS: Server = Server {
     tls: MailTls::StartTls,
     auth: None,
     rejected: 0,
+    rejected_address: None,
     injects: false,
 };
 
@@ -86,6 +89,7 @@ async fn dialogue(server: Server, stream: tokio::net::TcpStream, rejects: bool) 
         stream = BufReader::new(Box::new(tls));
         secure = true;
     }
+    let is_rejected = |line: &str| server.rejected_address.is_some_and(|to| line.contains(to));
     let mut lines = Vec::new();
     let mut is_data = false;
     let mut reply = String::from("220-mail.example.org\r\n220 ready\r\n");
@@ -137,7 +141,10 @@ async fn dialogue(server: Server, stream: tokio::net::TcpStream, rejects: bool) 
             // printf Ada | base64, printf 'pass word' | base64
             (false, "QWRh") => "334 UGFzc3dvcmQ6\r\n".into(),
             (false, "cGFzcyB3b3Jk") => "235 logged in\r\n".into(),
-            (false, "MAIL") if rejects => "451 try later\r\n".into(),
+            (false, "MAIL") if rejects && server.rejected_address.is_none() => {
+                "451 try later\r\n".into()
+            }
+            (false, "RCPT") if rejects && is_rejected(line.as_str()) => "450 try later\r\n".into(),
             (false, "MAIL" | "RCPT") => "250 ok\r\n".into(),
             (false, "DATA") => {
                 is_data = true;
@@ -346,6 +353,42 @@ fn rejected_mail_is_repeated_until_accepted() {
         .map(|l| l.iter().any(|l| l == "TLS: DATA"))
         .collect();
     assert_eq!(has_data, [false, true]);
+}
+
+#[test]
+fn mail_is_repeated_for_rejected_addresses_only() {
+    let server = Server {
+        rejected: 1,
+        rejected_address: Some("ada@example.org"),
+        ..STARTTLS
+    };
+    let (port, received) = mail_server(server);
+    let health = deliver(
+        vec![Receiver::Mail(mail(port, ""))],
+        step_change(AlarmState::Active),
+    );
+    assert_eq!(health.counts.webhooks.load(Ordering::Relaxed), 1);
+    let all = [received.recv().unwrap(), received.recv().unwrap()];
+    let addresses = all.each_ref().map(|lines| {
+        assert!(lines.iter().any(|l| l == "TLS: DATA"), "{lines:?}");
+        let of = lines.iter().filter(|l| l.starts_with("TLS: RCPT"));
+        of.map(String::as_str).collect::<Vec<&str>>()
+    });
+    assert_eq!(
+        addresses,
+        [
+            vec![
+                "TLS: RCPT TO:<ada@example.org>",
+                "TLS: RCPT TO:<shift@example.org>"
+            ],
+            vec!["TLS: RCPT TO:<ada@example.org>"],
+        ]
+    );
+    // The test button reports the address.
+    let (port, _received) = mail_server(server);
+    let results = block_on(webhooks::test(&[Receiver::Mail(mail(port, ""))]));
+    let reason = "ada@example.org: reply 450 try later";
+    assert_eq!(results[0].1, Err(reason.into()));
 }
 
 #[test]
@@ -608,7 +651,7 @@ fn tendons_are_published_for_home_assistant() {
         (&serde_json::Value::Null, &"OK".into())
     );
     for key in ["offset_mrad", "limit_used_percent", "alarm"] {
-        let topic = format!("homeassistant/sensor/sinew_arm-7_elbow_{key}/config");
+        let topic = format!("homeassistant/sensor/sinew_arm-7/elbow_{key}/config");
         let (first, config) = of(&topic).unwrap();
         assert_eq!(first, 0x31, "a description is retained");
         let config: serde_json::Value = serde_json::from_str(config).unwrap();
@@ -622,6 +665,8 @@ fn tendons_are_published_for_home_assistant() {
         let of_robot = &config["availability"][1]["topic"];
         assert_eq!(of_robot == "sinew/arm-7/status", key != "alarm");
         assert_eq!(config["device"]["name"], "arm-7");
+        // A state that is no longer published, every 10 s, is not shown as current.
+        assert_eq!(config["expire_after"], 60);
         let options = config["options"].as_array();
         assert_eq!(
             options.is_some_and(|o| o.contains(&state["alarm"])),

@@ -39,7 +39,10 @@ pub(super) fn read(s: &Section<'_>) -> Result<RecordingSettings, Located> {
     let number = |key, low, high, usual| s.number_or(key, Bound::Within(low, high), usual);
     let bytes = |mib: f64| (mib * f64::from(1 << 20)) as u64;
     let memory = number("memory_mib", 1.0, 1024.0, mib(usual.memory_bytes as f64))?;
-    let files = number("max_files", 1.0, 10_000.0, usual.max_files as f64)?;
+    let files = s.count("max_files")?.unwrap_or(usual.max_files as u64);
+    if !(1..=10_000).contains(&files) {
+        return Err(s.invalid("max_files", "between 1 and 10000"));
+    }
     let stored = number("max_mib", 1.0, 1e6, mib(usual.max_bytes as f64))?;
     Ok(RecordingSettings {
         is_on: !s.flag("off")?,

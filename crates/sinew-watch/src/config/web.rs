@@ -108,6 +108,13 @@ pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<WebSettings, Locate
             return Err(located.cure("give every token a unique name"));
         }
     }
+    let token_on_loopback = s.flag("token_on_loopback")?;
+    let is_open = bind.is_some_and(|bind| bind.ip().is_loopback()) && !token_on_loopback;
+    if is_open && !off && !tokens.is_empty() {
+        let unused = "no token is required at a loopback address";
+        let located = s.here(Fault::Contradiction, unused).key("web.token");
+        return Err(located.cure("set token_on_loopback = true, or remove the tokens"));
+    }
     let url = s.text("url")?;
     if url.as_deref().is_some_and(|url| split(url).is_none()) {
         return Err(s.invalid("url", "http://HOST[:PORT] or https://HOST[:PORT]"));
@@ -118,7 +125,7 @@ pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<WebSettings, Locate
         bind: bind.filter(|_| !off),
         host_names,
         token_file: super::path(s, "token_file", folder)?,
-        token_on_loopback: s.flag("token_on_loopback")?,
+        token_on_loopback,
     })
 }
 
@@ -168,10 +175,10 @@ pub enum Receiver {
 }
 
 impl Receiver {
-    /// Returns the name of the receiver in results and in the log: its address.
+    /// Returns the name of the receiver in results and in the log: its address, without the parts that may be secret.
     pub fn name(&self) -> String {
         match self {
-            Self::Webhook(hook) => hook.url(),
+            Self::Webhook(hook) => hook.name(),
             Self::Mail(mail) => format!(
                 "mail to {} by {}:{}",
                 mail.to.join(", "),
@@ -214,8 +221,20 @@ pub struct Webhook {
 impl Webhook {
     /// Returns the address as `http://HOST:PORT/PATH`.
     pub fn url(&self) -> String {
+        self.at(&self.path)
+    }
+
+    /// Returns the address without its query, and for ntfy and Slack without the path: it permits to post.
+    fn name(&self) -> String {
+        match self.format {
+            PostFormat::Sinew => self.at(self.path.split('?').next().unwrap_or_default()),
+            PostFormat::Ntfy | PostFormat::Slack => self.at(""),
+        }
+    }
+
+    fn at(&self, path: &str) -> String {
         let scheme = if self.tls { "https" } else { "http" };
-        format!("{scheme}://{}:{}{}", self.host, self.port, self.path)
+        format!("{scheme}://{}:{}{path}", self.host, self.port)
     }
 }
 
@@ -320,7 +339,7 @@ pub(super) fn read_mqtt(s: &Section<'_>, folder: &Path) -> Result<MqttSettings, 
         host,
         port,
         tls,
-        ca_file: super::path(s, "ca_file", folder)?,
+        ca_file: ca_file(s, folder, tls, "used with tls = true")?,
         user,
         password_file,
         prefix: topic("prefix", "sinew")?,
@@ -336,6 +355,19 @@ fn login(s: &Section<'_>, folder: &Path) -> Result<(Option<String>, Option<PathB
         (Some(_), None) => Err(s.missing("password_file", "a login needs user and password_file")),
         (None, Some(_)) => Err(s.missing("user", "a login needs user and password_file")),
         _ => Ok((user, password_file)),
+    }
+}
+
+/// Reads the file of the trusted authorities, which has no effect without TLS.
+fn ca_file(
+    s: &Section<'_>,
+    folder: &Path,
+    tls: bool,
+    must: &str,
+) -> Result<Option<PathBuf>, Located> {
+    match super::path(s, "ca_file", folder)? {
+        Some(_) if !tls => Err(s.invalid("ca_file", must)),
+        file => Ok(file),
     }
 }
 
@@ -368,7 +400,7 @@ pub(super) fn read_webhook(s: &Section<'_>, folder: &Path) -> Result<Webhook, Lo
         format: s.one_of("format", &formats)?.unwrap_or_default(),
         severity_min: severity_min(s)?,
         token_file: super::path(s, "token_file", folder)?,
-        ca_file: super::path(s, "ca_file", folder)?,
+        ca_file: ca_file(s, folder, tls || url.is_empty(), "used with https://")?,
     })
 }
 

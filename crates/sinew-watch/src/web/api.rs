@@ -332,12 +332,19 @@ pub struct LiveEvent<'a> {
 }
 
 /// Credentials of a login.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Login {
     /// Token of the page.
     pub token: String,
+}
+
+impl std::fmt::Debug for Login {
+    /// Formats the credentials without the token.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Login").finish_non_exhaustive()
+    }
 }
 
 /// Confirmation that a request was executed and stored.

@@ -903,6 +903,10 @@ fn configurations(list: &mut List) {
         head("[store]\nthin_after_d = 0"),
         head("[mqtt]\nbroker = \"a b\""),
         head("[mqtt]\nbroker = \"a\"\nprefix = \"#\""),
+        head("[mqtt]\nbroker = \"a\"\nca_file = \"ca.pem\""),
+        head("[[webhook]]\nurl = \"http://example.org\"\nca_file = \"ca.pem\""),
+        head("[web]\ntoken = [{ name = \"a\", role = \"read\" }]"),
+        head("[recording]\nmax_files = 0"),
     ] {
         match Config::parse(&text, "watch.toml", Path::new("/etc/sinew")) {
             Ok(_) => panic!("no error:\n{text}"),
