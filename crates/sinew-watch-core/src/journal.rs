@@ -145,7 +145,7 @@ pub enum Event {
     },
     /// A recorded re-tensioning or replacement was corrected or withdrawn.
     Maintenance {
-        /// Corrected entry.
+        /// Entry with its corrected joints and time of the work, s since 1970 UTC, or marked as withdrawn.
         maintenance: Maintenance,
     },
     /// The configuration was reloaded.
