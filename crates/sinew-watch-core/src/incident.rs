@@ -138,8 +138,9 @@ impl Finding {
         })
     }
 
-    /// Returns the probabilities of the causes given the finding: those of causes that it excludes are zero, and the
-    /// others are normalised.
+    /// Returns the probabilities of the causes given the finding, by Bayes' theorem with the assumption that the inspection
+    /// is right: causes that it excludes are omitted, and the probabilities of the others are normalised. If the data
+    /// exclude all others, the finding is the only cause.
     fn condition(self, causes: &[CauseProbability]) -> Vec<CauseProbability> {
         let Some(found) = self.cause() else {
             return causes.to_vec();
@@ -219,6 +220,12 @@ impl Incidents {
     /// Iterates over the incidents, the oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &Incident> {
         self.list.iter()
+    }
+
+    /// Continues the numbers of other incidents, so that no number of the robot is used twice: recordings and journal
+    /// entries refer to it.
+    pub(crate) fn continue_numbers(&mut self, other: &Self) {
+        self.count = self.count.max(other.count);
     }
 
     /// Returns the open incident of a joint.

@@ -64,7 +64,8 @@ pub struct MonitorState {
 pub struct Without {
     /// Number of the entry.
     pub entry: u64,
-    /// Time of the entry, s since 1970 UTC.
+    /// Start of the first session whose records are replaced, s since 1970 UTC: of the oldest one that was not estimated at
+    /// the time of the entry; without one, the time of the entry.
     pub since_utc_s: f64,
     /// State without the entry, by all sessions until now.
     pub state: Arc<MonitorState>,
@@ -74,9 +75,9 @@ pub struct Without {
     pub alarms: Vec<Alarm>,
     /// Step changes confirmed since, with their tendon index.
     pub steps: Vec<(usize, PendingEvent)>,
-    /// Rows of the trend of the day of the entry, before it.
+    /// Rows of the trend of the day of that session and later ones, at the time of the entry.
     pub day: History,
-    /// Records of the sessions since.
+    /// Records of that session and later ones.
     pub records: Vec<Record>,
 }
 

@@ -299,6 +299,20 @@ fn withdrawn_entry_leaves_state_trend_and_records_unchanged() {
     assert_eq!(entered.store.events(tensioned), commands);
 }
 
+/// The entry ends a session of an arm at work: with and without the entry, its records are the same.
+#[test]
+fn withdrawn_entry_during_session_stores_records_once() {
+    let mut harness = Harness::new(tensioned());
+    harness.play(&elongated(seconds(60, 100), 3.0, 2.0));
+    harness.command(tension(&["elbow"]), "").unwrap();
+    let before = harness.store.records.clone();
+    assert_eq!(before.len(), 4);
+    harness
+        .command(CommandKind::Withdraw { entry: 1 }, "it was arm-8")
+        .unwrap();
+    assert_eq!(harness.store.records, before);
+}
+
 /// The elbow was recorded, but it was the wrist; then the entry is dated, and withdrawn as a whole.
 #[test]
 fn corrected_entry_applies_to_other_tendon_and_date() {

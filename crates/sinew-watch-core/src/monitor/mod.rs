@@ -319,11 +319,7 @@ impl Monitor {
                         (self.chain).done_without(&segment, is_baseline, result, setup, sessions);
                         self.outbox.add_results(Vec::new());
                     }
-                    ChainOf::Replaced => {
-                        let mut segment = *segment;
-                        segment.baseline_of = self.chain.baseline_of();
-                        self.sessions.give_back(segment);
-                    }
+                    ChainOf::Replaced => self.chain.take_back(*segment, &mut self.sessions),
                     ChainOf::Discarded => {}
                 }
             }
@@ -436,14 +432,21 @@ impl Monitor {
 
     /// Returns what a withdrawal of a new entry replaces.
     fn without(&self, entry: &Maintenance) -> Without {
+        // Both chains make the records of a session that is not estimated yet.
+        let begun_utc_s = [
+            self.chain.estimating_from_utc_s,
+            self.sessions.waiting_from_utc_s(),
+        ];
+        let begun_utc_s = begun_utc_s.into_iter().flatten();
+        let since_utc_s = begun_utc_s.fold(entry.recorded_utc_s, f64::min);
         Without {
             entry: entry.number,
-            since_utc_s: entry.recorded_utc_s,
+            since_utc_s,
             state: Arc::clone(self.chain.state()),
             tendons: self.chain.state().tendons.clone(),
             alarms: Vec::new(),
             steps: Vec::new(),
-            day: self.trends.since_day(entry.recorded_utc_s),
+            day: self.trends.since_day(since_utc_s),
             records: Vec::new(),
         }
     }
@@ -573,7 +576,10 @@ impl Monitor {
             self.alarms.alarms.put_back(alarm, now);
         }
         for (i, step) in &kept.steps {
-            if let Some(joint) = self.setup.names.get(*i) {
+            let joint = self.setup.names.get(*i);
+            // A finding or a reset may have closed the incident since.
+            let is_open = |joint: &&String| self.chain.state().incidents.open(joint).is_some();
+            if let Some(joint) = joint.filter(is_open) {
                 self.alarms.confirm_step(joint, step, now);
             }
         }

@@ -42,8 +42,8 @@ const MAX_MAINTENANCE: usize = 100;
 pub(super) struct PosteriorChain {
     /// Number of the chain, which identifies its jobs.
     id: u32,
-    /// Number of the chain that this one replaced by the last withdrawal.
-    replaced_id: Option<u32>,
+    /// Job in progress of a chain that a withdrawal replaced.
+    replaced: Option<ReplacedJob>,
     /// Chain without the last entry; its state is that of [`Without`].
     without: Option<Box<PosteriorChain>>,
     /// Segment that the chain without the last entry has yet to estimate.
@@ -59,8 +59,19 @@ pub(super) struct PosteriorChain {
     pending: Vec<PendingTensioning>,
     /// Whether a segment that does not belong to a baseline is being estimated.
     is_estimating: bool,
+    /// Start of the session of which a segment is being estimated, s since 1970 UTC.
+    pub(super) estimating_from_utc_s: Option<f64>,
     /// Error of the estimator in the last segment.
     pub(super) estimator_error: Option<String>,
+}
+
+/// Job of a chain that was replaced before the job was done.
+#[derive(Debug, Clone, Copy)]
+struct ReplacedJob {
+    /// Number of the chain.
+    id: u32,
+    /// Number of the tensioning whose baseline the segment belongs to after the withdrawal, if any.
+    baseline_of: Option<u32>,
 }
 
 /// Chain to which the result of a job belongs.
@@ -124,7 +135,7 @@ impl PosteriorChain {
     fn of(id: u32, state: Arc<MonitorState>, setup: &Setup) -> Self {
         Self {
             id,
-            replaced_id: None,
+            replaced: None,
             without: None,
             forwarded: None,
             current: SessionProgress::default(),
@@ -132,6 +143,7 @@ impl PosteriorChain {
             tensionings: 0,
             pending: Vec::new(),
             is_estimating: false,
+            estimating_from_utc_s: None,
             estimator_error: None,
             state,
         }
@@ -158,7 +170,7 @@ impl PosteriorChain {
         match id {
             id if id == self.id => ChainOf::Present,
             id if self.without.is_some() && id == self.id_without() => ChainOf::Without,
-            id if self.replaced_id == Some(id) => ChainOf::Replaced,
+            id if self.replaced.is_some_and(|job| job.id == id) => ChainOf::Replaced,
             _ => ChainOf::Discarded,
         }
     }
@@ -225,15 +237,27 @@ impl PosteriorChain {
         let state = Arc::make_mut(&mut chain.state);
         state.maintenance.clone_from(&self.state.maintenance);
         state.sessions = state.sessions.max(self.state.sessions);
+        state.incidents.continue_numbers(&self.state.incidents);
         chain.baseline = BaselineProgress::of(state, setup.joints());
         chain.tensionings = chain.tensionings.max(self.tensionings) + 1;
-        chain.replaced_id = Some(self.id);
+        let baseline_of = chain.baseline_of();
+        let id = match self.estimating_from_utc_s {
+            Some(_) => Some(self.id),
+            None => self.replaced.map(|job| job.id),
+        };
+        chain.replaced = id.map(|id| ReplacedJob { id, baseline_of });
         if let Some(segment) = self.forwarded.take() {
             sessions.give_back(*segment);
         }
-        sessions.set_baseline(chain.baseline_of());
+        sessions.set_baseline(baseline_of);
         *self = chain;
         Some(kept)
+    }
+
+    /// Puts back the segment of a replaced chain, which the present one has yet to estimate.
+    pub(super) fn take_back(&mut self, mut segment: Segment, sessions: &mut Sessions) {
+        segment.baseline_of = self.replaced.take().and_then(|job| job.baseline_of);
+        sessions.give_back(segment);
     }
 
     /// Returns an entry that is not withdrawn.
@@ -317,6 +341,7 @@ impl PosteriorChain {
     /// Returns the estimation job of a segment.
     pub(super) fn segment_job(&mut self, segment: Segment, setup: &Setup) -> QueuedJob {
         self.is_estimating = segment.baseline_of.is_none();
+        self.estimating_from_utc_s = Some(segment.session.start.utc_s());
         QueuedJob {
             robot: Arc::clone(&setup.robot),
             work: JobKind::Segment(Box::new(self.segment_inputs(segment, setup))),
@@ -364,6 +389,7 @@ impl PosteriorChain {
         sessions: &Sessions,
     ) -> Changes {
         self.is_estimating = false;
+        self.estimating_from_utc_s = None;
         match is_baseline {
             true if self.is_outdated(segment) => Changes::default(),
             true => self.add_baseline_segment(segment, result, setup, sessions),
@@ -672,10 +698,12 @@ impl PosteriorChain {
         state.without = Some(Box::new(kept));
         self.tensionings += 1;
         self.baseline = BaselineProgress::of(state, setup.joints());
-        self.without = Some(chain);
+        // The new chain contains the last segment already.
+        (self.without, self.forwarded) = (Some(chain), None);
         // Earlier motion is still being estimated or waiting: its final result on the tendons is pending. Segments of a
         // baseline and trends do not affect the tendons.
-        if self.is_estimating || sessions.has_waiting() {
+        let is_replaced = self.replaced.is_some_and(|job| job.baseline_of.is_none());
+        if self.is_estimating || is_replaced || sessions.has_waiting() {
             self.pending.push(pending);
         }
         events

@@ -301,6 +301,11 @@ impl Sessions {
         }
     }
 
+    /// Returns the start of the oldest session with a waiting segment, s since 1970 UTC.
+    pub(super) fn waiting_from_utc_s(&self) -> Option<f64> {
+        self.waiting.front().map(|s| s.session.start.utc_s())
+    }
+
     /// Whether a segment is waiting that does not belong to a baseline.
     pub(super) fn has_waiting(&self) -> bool {
         self.waiting.iter().any(|s| s.baseline_of.is_none())
