@@ -181,6 +181,8 @@ pub struct Recorder {
     options: McapOptions,
     ring: Ring,
     windows: Vec<Window>,
+    /// Number of the last incident that has begun; a transaction that could not be stored comes again with the same one.
+    last_begun: u64,
     writing: Vec<JoinHandle<()>>,
 }
 
@@ -210,6 +212,7 @@ impl Recorder {
             },
             ring: Ring::default(),
             windows: Vec::new(),
+            last_begun: 0,
             writing: Vec::new(),
         }
     }
@@ -254,12 +257,14 @@ impl Recorder {
     pub(super) fn transaction(&mut self, transaction: &Transaction, now_utc_s: f64) {
         for entry in &transaction.journal {
             if let Event::Incident { incident } = &entry.event
+                && incident.number > self.last_begun
                 && incident.evidence.len() == 1
                 && matches!(
                     incident.phase,
                     IncidentPhase::Suspected | IncidentPhase::Confirmed
                 )
             {
+                self.last_begun = incident.number;
                 self.begin(incident, transaction, now_utc_s);
             }
         }
