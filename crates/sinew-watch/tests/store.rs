@@ -715,6 +715,12 @@ fn withdrawn_entry_replaces_records_from_its_time() {
     let expected = [&all[0].records[..], &all[1].records, &replaced.records].concat();
     assert_eq!(reader.records(&of("a")).unwrap(), expected);
     assert_eq!(reader.records(&of("b")).unwrap().len(), 2);
+    // A record in the place of one that is in a monthly file is in none yet.
+    for pending in reader.not_exported().unwrap() {
+        store.exported(&pending).unwrap();
+    }
+    store.commit(&[Transaction { id: 6, ..replaced }]).unwrap();
+    assert_eq!(reader.not_exported().unwrap().len(), 1);
 }
 
 #[test]
@@ -729,7 +735,7 @@ fn states_of_earlier_versions_are_read() {
     assert_eq!(stored.state, Some(state));
 }
 
-/// Sessions of half an hour of motion begin every hour. Ropes are installed at 0.5 h, 6.5 h and 12.5 h; the first fails at
+/// Sessions of half an hour of motion end every hour. Ropes are installed at 0.5 h, 6.5 h and 12.5 h; the first fails at
 /// 3.75 h according to the inspection; an entry at 10.5 h is withdrawn, and one of the wrist at 12.5 h was the elbow's.
 #[test]
 fn survival_table_has_findings_and_censored_ropes() {
@@ -778,29 +784,33 @@ fn survival_table_has_findings_and_censored_ropes() {
             finding,
             note: String::new(),
         };
-        entry(hours + 1.0, Event::Incident { incident })
+        entry(hours, Event::Incident { incident })
     };
-    let records = (1..=14).map(|hour| Record {
-        duration_s: 1800.0,
-        ..record("arm", "elbow", at(f64::from(hour)))
-    });
+    let session = |hour: u32| {
+        let (duration_s, end) = (1800.0, SessionEnd::Stood);
+        entry(f64::from(hour), Event::Session { duration_s, end })
+    };
+    let mut journal = vec![
+        // Of the rope whose age is not known.
+        incident(1, 0.2, Some(Finding::StrandFailure)),
+        replaced(0.5, "elbow"),
+        incident(2, 3.75, Some(Finding::Nothing)),
+        incident(2, 3.75, Some(Finding::StrandFailure)),
+        replaced(6.5, "elbow"),
+        incident(3, 8.5, Some(Finding::ClampSlip)),
+        replaced(10.5, "elbow"),
+        replaced(12.5, "wrist"),
+        corrected(10.5, "elbow", true),
+        corrected(12.5, "elbow", false),
+    ];
+    journal.extend((1..=14).map(session));
+    journal.sort_by(|a, b| a.time_utc_s.total_cmp(&b.time_utc_s));
+    // The records of the sessions were thinned.
     let stored = Transaction {
-        records: records.collect(),
+        records: vec![record("arm", "elbow", at(1.0))],
         state: None,
         alarms: None,
-        journal: vec![
-            // Of the rope whose age is not known.
-            incident(1, 0.2, Some(Finding::StrandFailure)),
-            replaced(0.5, "elbow"),
-            incident(2, 3.75, Some(Finding::Nothing)),
-            incident(2, 3.75, Some(Finding::StrandFailure)),
-            replaced(6.5, "elbow"),
-            incident(3, 8.5, Some(Finding::ClampSlip)),
-            replaced(10.5, "elbow"),
-            replaced(12.5, "wrist"),
-            corrected(10.5, "elbow", true),
-            corrected(12.5, "elbow", false),
-        ],
+        journal,
         ..transaction("arm", 1)
     };
     let mut store = Store::open(Place::Memory(33)).unwrap();

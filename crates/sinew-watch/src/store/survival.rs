@@ -2,7 +2,6 @@
 
 use super::StoreError;
 use super::read::{Reader, RecordQuery, document};
-use rusqlite::params;
 use sinew_log::{Cell, CellKind, TableWriter};
 use sinew_watch_core::command::CommandKind;
 use sinew_watch_core::incident::Finding;
@@ -21,20 +20,40 @@ const LIVES: [(&str, CellKind); 5] = [
 /// Tolerance of the time of an entry that is compared with its copy in a correction, s: a numerical bound.
 const SAME_TIME_S: f64 = 1e-3;
 
+/// Event in the life of a rope.
+#[derive(Debug, Clone, Copy)]
+struct Moment {
+    /// Time of the event, s since 1970 UTC.
+    utc_s: f64,
+    /// Duration of motion of the robot in the sessions before its entry, s.
+    motion_s: f64,
+}
+
 /// Recorded replacements and rope failures of a robot.
 #[derive(Debug, Default)]
 struct Repairs {
-    /// Replacements in the order of their entries: time of the entry, and the entry with its corrections.
-    replaced: Vec<(f64, Maintenance)>,
-    /// Times of the incidents whose finding is a failed strand or rope, by joint and number, s since 1970 UTC.
-    failed: BTreeMap<(String, u64), f64>,
+    /// Duration of motion in the sessions of the journal so far, s.
+    motion_s: f64,
+    /// Replacements in the order of their entries: the entry as recorded, and with its corrections.
+    replaced: Vec<(Moment, Maintenance)>,
+    /// Beginnings of the incidents, by joint and number.
+    opened: BTreeMap<(String, u64), Moment>,
+    /// Joint and number of the incidents whose finding is a failed strand or rope.
+    failed: BTreeSet<(String, u64)>,
 }
 
 impl Repairs {
+    /// Adds an entry of the journal, in the order of the entries.
     fn add(&mut self, entry: Entry) {
+        let motion_s = self.motion_s;
         match entry.event {
+            Event::Session { duration_s, .. } => self.motion_s += duration_s,
             Event::Command { command } => {
                 if let CommandKind::Replaced { joints } = command.what {
+                    let entered = Moment {
+                        utc_s: entry.time_utc_s,
+                        motion_s,
+                    };
                     let recorded = Maintenance {
                         number: 0,
                         joints,
@@ -45,12 +64,12 @@ impl Repairs {
                         who: command.who,
                         correction: None,
                     };
-                    self.replaced.push((entry.time_utc_s, recorded));
+                    self.replaced.push((entered, recorded));
                 }
             }
             Event::Maintenance { maintenance } => {
-                let is_same = |(utc_s, _): &&mut (f64, Maintenance)| {
-                    (*utc_s - maintenance.recorded_utc_s).abs() < SAME_TIME_S
+                let is_same = |(entered, _): &&mut (Moment, Maintenance)| {
+                    (entered.utc_s - maintenance.recorded_utc_s).abs() < SAME_TIME_S
                 };
                 let of_entry = self.replaced.iter_mut().find(is_same);
                 if let Some((_, own)) = of_entry.filter(|_| maintenance.replaced) {
@@ -58,10 +77,15 @@ impl Repairs {
                 }
             }
             Event::Incident { incident } => {
+                let opened = Moment {
+                    utc_s: incident.opened_utc_s,
+                    motion_s,
+                };
                 let key = (incident.joint, incident.number);
+                self.opened.entry(key.clone()).or_insert(opened);
                 match incident.finding {
                     Some(Finding::StrandFailure) => {
-                        self.failed.insert(key, incident.opened_utc_s);
+                        self.failed.insert(key);
                     }
                     // Another finding corrects an earlier one.
                     Some(_) => {
@@ -74,32 +98,37 @@ impl Repairs {
         }
     }
 
-    /// Returns the times at which the rope of a joint was replaced, s since 1970 UTC, in chronological order.
-    fn installed(&self, joint: &str) -> Vec<f64> {
+    /// Returns the replacements of the rope of a joint in chronological order.
+    fn installed(&self, joint: &str) -> Vec<Moment> {
         let own = self.replaced.iter().filter(|(_, entry)| {
             !entry.is_withdrawn() && entry.joints.iter().any(|name| name == joint)
         });
-        let mut times: Vec<f64> = own.map(|(_, entry)| entry.time_utc_s).collect();
-        times.sort_by(f64::total_cmp);
-        times
+        let dated = own.map(|(entered, entry)| Moment {
+            utc_s: entry.time_utc_s,
+            ..*entered
+        });
+        let mut all: Vec<Moment> = dated.collect();
+        all.sort_by(|a, b| a.utc_s.total_cmp(&b.utc_s));
+        all
     }
 
-    /// Returns the time of the first failure of the rope of a joint between two times, s since 1970 UTC.
-    fn failed_within(&self, joint: &str, from_utc_s: f64, to_utc_s: f64) -> Option<f64> {
-        let own = self.failed.iter().filter(|((name, _), _)| name == joint);
-        let times = own.map(|(_, utc_s)| *utc_s);
-        times
-            .filter(|utc_s| (from_utc_s..to_utc_s).contains(utc_s))
-            .reduce(f64::min)
+    /// Returns the first failure of the rope of a joint between two times, s since 1970 UTC.
+    fn failed_within(&self, joint: &str, from_utc_s: f64, to_utc_s: f64) -> Option<Moment> {
+        let own = self.failed.iter().filter(|(name, _)| name == joint);
+        let opened = own.filter_map(|key| self.opened.get(key).copied());
+        opened
+            .filter(|opened| (from_utc_s..to_utc_s).contains(&opened.utc_s))
+            .min_by(|a, b| a.utc_s.total_cmp(&b.utc_s))
     }
 }
 
 /// Writes the lifetimes of ropes as the table for `sinew trend survival`; returns their number.
 ///
-/// A rope has a row if its installation was recorded as a replacement, and it moved since: the age of a rope that was
-/// installed before is not known. The age is the duration of motion in recorded sessions, h. A rope ends as `broken` at
-/// the incident whose finding is a failed strand or rope, as `replaced` at its replacement without such a finding, and is
-/// `running` otherwise; the last two are censored.
+/// A rope has a row if its installation is in the journal as a replacement, and it moved since: the age of a rope that was
+/// installed before is not known. The age is the duration of motion in the sessions of the journal, h, which does not depend
+/// on whether the records of the sessions were thinned. A rope ends as `broken` at the incident whose finding is a failed
+/// strand or rope, as `replaced` at its replacement without such a finding, and is `running` otherwise; the last two are
+/// censored.
 ///
 /// # Errors
 /// Returns a [`StoreError`] if reading or writing fails; no file remains.
@@ -114,16 +143,16 @@ pub fn write_lives(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<
         for joint in joints.collect::<BTreeSet<_>>() {
             let installed = repairs.installed(joint);
             let next = installed.iter().copied().skip(1).map(Some).chain([None]);
-            for (from_utc_s, replaced_utc_s) in installed.iter().copied().zip(next) {
-                let to_utc_s = replaced_utc_s.unwrap_or(f64::INFINITY);
-                let failed = repairs.failed_within(joint, from_utc_s, to_utc_s);
-                let end = match (failed, replaced_utc_s) {
+            for (from, replaced) in installed.iter().copied().zip(next) {
+                let to_utc_s = replaced.map_or(f64::INFINITY, |at| at.utc_s);
+                let failed = repairs.failed_within(joint, from.utc_s, to_utc_s);
+                let end = match (failed, replaced) {
                     (Some(_), _) => "broken",
                     (None, Some(_)) => "replaced",
                     (None, None) => "running",
                 };
-                let to_utc_s = failed.unwrap_or(to_utc_s);
-                let motion_s = reader.motion_s(&robot, joint, [from_utc_s, to_utc_s])?;
+                let to = failed.or(replaced);
+                let motion_s = to.map_or(repairs.motion_s, |at| at.motion_s) - from.motion_s;
                 if motion_s > 0.0 {
                     let text = |of: &str| Cell::Text(of.to_owned());
                     writer.row(&[
@@ -131,7 +160,7 @@ pub fn write_lives(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<
                         text(&robot_type),
                         Cell::Number(motion_s / 3600.0),
                         text(end),
-                        Cell::Number(from_utc_s),
+                        Cell::Number(from.utc_s),
                     ])?;
                     count += 1;
                 }
@@ -143,7 +172,7 @@ pub fn write_lives(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<
 }
 
 impl Reader {
-    /// Returns the type of a robot with its recorded replacements and rope failures.
+    /// Returns the type of a robot with its recorded replacements, rope failures and motion.
     fn repairs(&self, robot: &str) -> Result<(String, Repairs), StoreError> {
         let robot_type = self.connection().query_row(
             "SELECT robot_type FROM robot WHERE name = ?1",
@@ -153,7 +182,7 @@ impl Reader {
         let mut repairs = Repairs::default();
         let mut statement = self.connection().prepare_cached(
             "SELECT document FROM journal WHERE robot = ?1
-             AND event IN ('command', 'maintenance', 'incident') ORDER BY id",
+             AND event IN ('command', 'maintenance', 'incident', 'session') ORDER BY id",
         )?;
         let mut rows = statement.query([robot])?;
         while let Some(row) = rows.next()? {
@@ -161,21 +190,5 @@ impl Reader {
             repairs.add(document("an entry of the journal", robot, &text)?);
         }
         Ok((robot_type, repairs))
-    }
-
-    /// Returns the duration of motion of a tendon in the sessions that began between two times, s.
-    fn motion_s(
-        &self,
-        robot: &str,
-        joint: &str,
-        [from_utc_s, to_utc_s]: [f64; 2],
-    ) -> Result<f64, StoreError> {
-        let sum = self.connection().query_row(
-            "SELECT total(duration_s) FROM record INDEXED BY record_of_tendon
-             WHERE robot = ?1 AND joint = ?2 AND time_utc_s >= ?3 AND time_utc_s < ?4",
-            params![robot, joint, from_utc_s, to_utc_s],
-            |row| row.get(0),
-        )?;
-        Ok(sum)
     }
 }

@@ -252,8 +252,15 @@ fn write(sql: &rusqlite::Transaction<'_>, transaction: &Transaction) -> Result<(
         COLUMNS.join(", "),
         ["?"; COLUMNS.len()].join(", ")
     ))?;
+    // SQLite gives the number of a deleted last record again: monthly files would be complete without the new one.
+    let exported: Option<i64> =
+        sql.query_row("SELECT max(last_record) FROM exported", [], |r| r.get(0))?;
     for record in &transaction.records {
         insert.execute(params_from_iter(values(record)))?;
+        let id = sql.last_insert_rowid();
+        if let Some(last) = exported.filter(|last| id <= *last) {
+            sql.execute("UPDATE record SET id = ?1 WHERE id = ?2", [last + 1, id])?;
+        }
     }
     if let Some(state_estimate) = &transaction.state {
         sql.prepare_cached(
