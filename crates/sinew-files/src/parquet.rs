@@ -4,7 +4,7 @@
 //! dictionary of 2³¹ values or a group of 2³¹ columns would end the process. Both are Thrift's compact protocol, which is
 //! walked here first.
 
-use std::io::{Read, Result as IoResult, copy, sink};
+use std::io::{Error as IoError, Read, Result as IoResult, copy, sink};
 
 use bytes::Bytes;
 use parquet::errors::{ParquetError, Result};
@@ -18,6 +18,11 @@ const TAIL_BYTES: u64 = 8;
 const ELEMENT_BYTES: u64 = 256;
 /// Maximum memory of a value of a dictionary, bytes.
 const VALUE_BYTES: u64 = 32;
+
+/// Types of fields in Thrift's compact protocol.
+const BINARY: u8 = 8;
+const LIST: u8 = 9;
+const STRUCTURE: u8 = 12;
 
 /// Parquet file within a budget.
 #[derive(Debug, Clone)]
@@ -42,15 +47,41 @@ impl<R: ChunkReader> Length for BoundedParquet<R> {
     }
 }
 
+/// Reader from the start of a page, whose header is checked before its first byte is returned.
+///
+/// Of a list, the parser reads the header of the next page ahead. It then also opens a reader at the content of that page,
+/// from which it reads nothing.
+#[derive(Debug)]
+pub struct CheckedPage<T> {
+    inner: T,
+    /// Second reader of the header, until the header is checked.
+    header: Option<T>,
+    budget: Budget,
+}
+
+impl<T: Read> Read for CheckedPage<T> {
+    fn read(&mut self, into: &mut [u8]) -> IoResult<usize> {
+        if let Some(mut header) = self.header.take() {
+            check_page(&mut header, &self.budget).map_err(IoError::other)?;
+        }
+        self.inner.read(into)
+    }
+}
+
 impl<R: ChunkReader> ChunkReader for BoundedParquet<R> {
-    type T = R::T;
+    type T = CheckedPage<R::T>;
 
     fn get_read(&self, start: u64) -> Result<Self::T> {
-        if start.saturating_add(TAIL_BYTES) != self.len() {
-            let mut header = self.inner.get_read(start)?;
-            check_page(&mut header, &self.budget).map_err(ParquetError::General)?;
-        }
-        self.inner.get_read(start)
+        let is_tail = start.saturating_add(TAIL_BYTES) == self.len();
+        let header = match is_tail {
+            true => None,
+            false => Some(self.inner.get_read(start)?),
+        };
+        Ok(CheckedPage {
+            inner: self.inner.get_read(start)?,
+            header,
+            budget: self.budget,
+        })
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
@@ -75,6 +106,7 @@ fn check_page(header: &mut dyn Read, budget: &Budget) -> Checked {
     const UNCHECKED: [i64; 2] = [6, 7];
     let (size, values) = (budget.memory, budget.memory.value() / VALUE_BYTES);
     let mut visit = |path: &[i64], event: Event| match (path, event) {
+        (path, Event::Field(kind)) if !is_page_field(path, kind) => Err(damaged()),
         // Size after decompression.
         ([2], Event::Number(bytes)) => size.check(unsigned(bytes)?),
         // Values of a dictionary.
@@ -96,6 +128,7 @@ fn check_footer(footer: &mut dyn Read, budget: &Budget) -> Checked {
     // Children of the present element of the schema, and those that the groups above it still lack.
     let (mut children, mut open) = (0, Vec::new());
     let mut visit = |path: &[i64], event: Event| match (path, event) {
+        (path, Event::Field(kind)) if !is_footer_field(path, kind) => Err(damaged()),
         ([2, 5], Event::Number(count)) => {
             children = unsigned(count)?;
             match children > most {
@@ -118,6 +151,32 @@ fn check_footer(footer: &mut dyn Read, budget: &Budget) -> Checked {
     Walk::new(footer, budget, &mut visit).structure()
 }
 
+/// Whether a field in the header of a page has its type. The parser does not compare the types, so that other bytes would be
+/// its sizes than those that are checked here.
+fn is_page_field(path: &[i64], kind: u8) -> bool {
+    match path {
+        [1..=4] | [5, 1..=4] | [7, 1..=2] | [8, 1..=6] => is_integer(kind),
+        [5..=8] | [5, 5] | [8, 8] => kind == STRUCTURE,
+        [7, 3] | [8, 7] => matches!(kind, 1 | 2),
+        _ => true,
+    }
+}
+
+/// Whether a field of the footer or of its schema has its type; see [`is_page_field`].
+fn is_footer_field(path: &[i64], kind: u8) -> bool {
+    match path {
+        [1 | 3] | [2, 1..=3 | 5..=9] => is_integer(kind),
+        [2 | 4 | 5 | 7] => kind == LIST,
+        [6] | [2, 4] => kind == BINARY,
+        [2, 10] => kind == STRUCTURE,
+        _ => true,
+    }
+}
+
+fn is_integer(kind: u8) -> bool {
+    matches!(kind, 4..=6)
+}
+
 fn unsigned(number: i64) -> std::result::Result<u64, String> {
     u64::try_from(number).map_err(|_| format!("a size of {number}"))
 }
@@ -126,6 +185,8 @@ fn unsigned(number: i64) -> std::result::Result<u64, String> {
 type Checked = std::result::Result<(), String>;
 
 enum Event {
+    /// The type of a field, before its value.
+    Field(u8),
     /// An integer of any width.
     Number(i64),
     /// The end of a structure.
@@ -206,8 +267,14 @@ impl<'w> Walk<'w> {
                 0 => self.signed()?,
                 step => i64::wrapping_add(field, i64::from(step)),
             };
+            // Numbers of fields have 16 bits; a parser cuts off the others.
+            if i16::try_from(field).is_err() {
+                return Err(damaged());
+            }
             self.path.push(field);
-            self.value(head & 0x0f, false)?;
+            let kind = head & 0x0f;
+            (self.visit)(&self.path, Event::Field(kind))?;
+            self.value(kind, false)?;
             self.path.pop();
         }
     }
@@ -222,11 +289,11 @@ impl<'w> Walk<'w> {
                 (self.visit)(&self.path, Event::Number(number))
             }
             7 => self.skip(8),
-            8 => {
+            BINARY => {
                 let bytes = self.unsigned()?;
                 self.skip(bytes)
             }
-            9..=12 => self.nested(kind),
+            LIST..=STRUCTURE => self.nested(kind),
             13 => self.skip(16),
             _ => Err(damaged()),
         }
@@ -237,7 +304,7 @@ impl<'w> Walk<'w> {
         let left = self.depth.checked_sub(1);
         let left = left.ok_or("its metadata are nested too deeply")?;
         let depth = std::mem::replace(&mut self.depth, left);
-        if kind == 12 {
+        if kind == STRUCTURE {
             self.structure()?;
         } else {
             let (count, kinds) = match kind {
@@ -298,6 +365,13 @@ mod tests {
         let mut twice = plain.to_vec();
         twice.splice(6..6, [0x05, 4, 0xfe, 0xff, 0xff, 0xff, 0x0f]);
         assert!(page(&twice).is_err_and(|e| e.contains("at most 268435456 bytes")));
+        // The parser would read a byte as an integer, and field 65538 as the second.
+        let mut of_type = plain.to_vec();
+        of_type[2] = 0x13;
+        assert_eq!(page(&of_type), Err(damaged()));
+        let mut of_number = plain.to_vec();
+        of_number.splice(6..6, [0x05, 0x84, 0x80, 0x08, 20]);
+        assert_eq!(page(&of_number), Err(damaged()));
         let mut dictionary = [0x15, 4, 0x15, 20, 0x15, 16, 0x4c, 0x15].to_vec();
         dictionary.extend([0xfe, 0xff, 0xff, 0xff, 0x0f, 0, 0]);
         assert!(page(&dictionary).is_err_and(|e| e.contains("dictionary of 2147483647")));
@@ -317,7 +391,9 @@ mod tests {
         let group = [0x29, 0x1c, 0x55, 0xfe, 0xff, 0xff, 0xff, 0x0f, 0, 0];
         let wide = check_footer(&mut &group[..], &Budget::RECORDING);
         assert!(wide.is_err_and(|e| e.contains("2147483647 columns")));
-        let nested = [0x19].repeat(1000);
+        let mut nested = [0x19].repeat(1000);
+        // The second field.
+        nested[0] = 0x29;
         let nested = check_footer(&mut &nested[..], &Budget::RECORDING);
         assert!(nested.is_err_and(|e| e.contains("too deeply")));
     }

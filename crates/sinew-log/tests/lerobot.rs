@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use crate::support::*;
 use parquet::data_type::{FloatType, Int64Type};
+use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use sinew_log::{Format, Mapping, OpenOptions, open};
 
 const ROWS: i64 = 60;
 
-/// Joint and motor positions of two joints in one list of four; one value of row 7 is null.
+/// Joint and motor positions of two joints in one list of four, in several pages; one value of row 7 is null.
 fn episode(number: i64) -> Vec<u8> {
     let schema = parse_message_type(
         "message schema {
@@ -23,9 +24,13 @@ fn episode(number: i64) -> Vec<u8> {
         }",
     )
     .unwrap();
+    let properties = WriterProperties::builder()
+        .set_data_page_row_count_limit(20)
+        .set_write_batch_size(16)
+        .build();
     let mut bytes = Vec::new();
     let mut writer =
-        SerializedFileWriter::new(&mut bytes, Arc::new(schema), Default::default()).unwrap();
+        SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties)).unwrap();
     let mut out = writer.next_row_group().unwrap();
     let mut column = 0;
     while let Some(mut cells) = out.next_column().unwrap() {
