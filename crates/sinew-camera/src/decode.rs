@@ -1,13 +1,12 @@
 //! Decoding of PNG and JPEG into grey levels.
 
 use super::picture::{LEVEL_RATIO_16_TO_8, Picture, check_sides};
+use sinew_files::Budget;
 use std::io::Cursor;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Maximum memory of a decoder for one frame, bytes.
-const MEMORY_LIMIT_BYTES: usize = sinew_files::Budget::PICTURE.unpacked.most as usize;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_SIGNATURE: &[u8] = &[0xff, 0xd8, 0xff];
 
@@ -19,7 +18,7 @@ const LUMINANCE: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 /// channel is ignored.
 ///
 /// # Errors
-/// Returns the message of the decoder, or the size if it exceeds [`crate::SIDE_LIMIT_PX`].
+/// Returns the message of the decoder, or the size if it exceeds [`Budget::PICTURE`].
 pub fn decode(bytes: &[u8]) -> Result<Picture, String> {
     if bytes.starts_with(PNG_SIGNATURE) {
         png(bytes)
@@ -32,7 +31,7 @@ pub fn decode(bytes: &[u8]) -> Result<Picture, String> {
 
 fn png(bytes: &[u8]) -> Result<Picture, String> {
     let limits = png::Limits {
-        bytes: MEMORY_LIMIT_BYTES,
+        bytes: Budget::PICTURE.unpacked.length(),
     };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     let header = decoder.read_header_info().map_err(|e| e.to_string())?;
@@ -79,11 +78,12 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
 }
 
 fn buffer(size_bytes: Option<usize>) -> Result<Vec<u8>, String> {
+    let limit = Budget::PICTURE.unpacked.length();
     match size_bytes {
-        Some(size) if size <= MEMORY_LIMIT_BYTES => Ok(vec![0; size]),
+        Some(size) if size <= limit => Ok(vec![0; size]),
         _ => Err(format!(
             "image requires more than {} MiB of memory",
-            MEMORY_LIMIT_BYTES >> 20
+            limit >> 20
         )),
     }
 }

@@ -53,7 +53,7 @@ pub use error::CameraError;
 pub use find::{MAX_PITCH_PX, MAX_TILT_DEG, MIN_PITCH_PX};
 pub use frames::Times;
 pub use outcome::{Frame, Outcome, Rejected};
-pub use picture::{Picture, SIDE_LIMIT_PX};
+pub use picture::Picture;
 pub use reader::ScaleReader;
 pub use reading::{DEFAULT_PITCH_M, ReadOptions, Scale, ScaleMeasurement};
 pub use rejection::{Rejection, RejectionKind, WrongPitch};

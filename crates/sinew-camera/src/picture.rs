@@ -1,9 +1,7 @@
 //! Frame as an array of grey levels.
 
+use sinew_files::Budget;
 use std::borrow::Cow;
-
-/// Maximum width and height of a picture, px. A 100-megapixel camera has 11,648 × 8,736.
-pub const SIDE_LIMIT_PX: u32 = sinew_files::Budget::PICTURE.columns.most as u32;
 
 /// Grey levels, row-major from the top left.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +101,7 @@ impl Picture {
 
 /// Rejects a side that is 0 or too long.
 pub(crate) fn check_sides(width: usize, height: usize) -> Result<(), String> {
-    let limit = SIDE_LIMIT_PX as usize;
+    let limit = Budget::PICTURE.columns.length();
     if width == 0 || height == 0 || width > limit || height > limit {
         return Err(format!(
             "{width} × {height} px; each side must be 1 to {limit} px"

@@ -8,11 +8,11 @@ use std::io::{Error as IoError, Read, Result as IoResult};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Factor of every budget of this process.
+/// Factor of the limits of this process; see [`Limit::is_multiplied`].
 static FACTOR: AtomicU64 = AtomicU64::new(1);
 
-/// Multiplies every budget of this process by the environment variable `SINEW_BUDGET`, a whole number from 1 to 1000, for
-/// inputs that are larger than any that are known. A library does not call it.
+/// Multiplies every limit of this process except the depth by the environment variable `SINEW_BUDGET`, a whole number from
+/// 1 to 1000, for inputs that are larger than any that are known. A library does not call it.
 ///
 /// # Errors
 /// Returns a message for another value.
@@ -25,7 +25,9 @@ pub fn multiply_budgets() -> Result<(), String> {
     let factor = factor.ok_or_else(|| {
         let text = text.to_string_lossy().escape_debug().to_string();
         let text = crate::names::shorten(&text, 40);
-        format!("SINEW_BUDGET is '{text}'; must be a whole number from 1 to 1000")
+        format!(
+            "the environment variable SINEW_BUDGET is '{text}'; it must be a whole number from 1 to 1000"
+        )
     })?;
     FACTOR.store(factor, Ordering::Relaxed);
     Ok(())
@@ -42,6 +44,8 @@ pub struct Limit {
     pub unit: &'static str,
     /// Reason for the value of the limit.
     pub reason: &'static str,
+    /// Whether the factor of the process applies; the stack, which bounds the depth, does not grow with it.
+    pub is_multiplied: bool,
 }
 
 impl Limit {
@@ -54,12 +58,25 @@ impl Limit {
             most,
             unit,
             reason,
+            is_multiplied: true,
         }
     }
 
     /// The largest value that is accepted in this process.
     pub fn value(&self) -> u64 {
-        self.most.saturating_mul(FACTOR.load(Ordering::Relaxed))
+        match self.is_multiplied {
+            true => self.most.saturating_mul(FACTOR.load(Ordering::Relaxed)),
+            false => self.most,
+        }
+    }
+
+    /// [`value`](Self::value) with its unit, bytes in MiB or GiB: "256 MiB".
+    pub fn amount(&self) -> String {
+        match (self.unit, self.value()) {
+            ("bytes", bytes) if bytes >= 1024 * MIB => format!("{} GiB", bytes / (1024 * MIB)),
+            ("bytes", bytes) => format!("{} MiB", bytes / MIB),
+            (unit, count) => format!("{count} {unit}"),
+        }
     }
 
     /// [`value`](Self::value) as a length.
@@ -110,12 +127,15 @@ pub struct Budget {
 const MIB: u64 = 1 << 20;
 
 /// Depth at which the parsers of JSON stop; those of TOML stop at 80.
-const DEPTH: Limit = Limit::new(
-    128,
-    "levels",
-    "nested JSON, TOML or a schema has",
-    "parsers call themselves for each level; those of JSON stop there, those of TOML at 80",
-);
+const DEPTH: Limit = Limit {
+    is_multiplied: false,
+    ..Limit::new(
+        128,
+        "levels",
+        "nested JSON, TOML or a schema has",
+        "parsers call themselves for each level; those of JSON stop there, those of TOML at 80",
+    )
+};
 
 const PROCESSOR: Limit = Limit::new(
     60,
@@ -383,6 +403,9 @@ mod tests {
             joints.check(257).unwrap_err(),
             "257 moving joints; a robot has at most 256 moving joints"
         );
+        assert_eq!(joints.amount(), "256 moving joints");
+        assert_eq!(Budget::RECORDING.memory.amount(), "256 MiB");
+        assert_eq!(Budget::RECORDING.unpacked.amount(), "64 GiB");
         assert!(Budget::ALL.iter().all(|b| b.limits().next().is_some()));
         assert_eq!(Limit::NONE.check(u64::MAX), Ok(()));
     }

@@ -3,7 +3,7 @@
 //! `length = Σ coef q` and a tension `f ≥ 0` is a negative force of MuJoCo, so the path shortens by `l = −Σ coef q`.
 //! An actuator on a joint drives that joint alone. Its gear is a scale of torques as often as a ratio and is not read.
 
-use super::{MAX_READ, MappedMotor, MappedTendon, Relation, Source, children};
+use super::{MappedMotor, MappedTendon, Relation, Source, children, most_read};
 use crate::arm::urdf::xml::line;
 use roxmltree::Node;
 use sinew_files::{Fault, Located};
@@ -18,7 +18,7 @@ pub(super) fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Vec<Mapped
         let sections = children(root, section);
         sections.flat_map(|s| s.children().filter(Node::is_element))
     };
-    for node in elements("tendon").take(MAX_READ) {
+    for node in elements("tendon").take(most_read()) {
         if node.tag_name().name() != "fixed" {
             let problem = "unsupported: its moment arms depend on the joint positions";
             return Err(source.fault(node, Fault::NotAllowed, problem).cure(
@@ -34,7 +34,7 @@ pub(super) fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Vec<Mapped
     }
     let mut driven = BTreeSet::new();
     for node in elements("actuator") {
-        if tendons.len() >= MAX_READ {
+        if tendons.len() >= most_read() {
             break;
         }
         if let Some(wanted) = node.attribute("tendon") {

@@ -180,8 +180,11 @@ fn check(tendons: &[MappedTendon], file: &str) -> Result<(), Located> {
     Ok(())
 }
 
-/// Tendons after which a source is read no further, so that [`check`] rejects it: a line number takes a pass over the text.
-const MAX_READ: usize = Budget::DESCRIPTION.columns.most as usize + 1;
+/// Number of tendons after which a source is read no further, so that [`check`] rejects it: a line number takes a pass over
+/// the text.
+fn most_read() -> usize {
+    Budget::DESCRIPTION.columns.length().saturating_add(1)
+}
 
 /// Name of the file that contains the elements, for messages.
 struct Source<'a> {

@@ -4,7 +4,7 @@
 //! in the
 //! file's order. The ratio of a simple transmission is the actuator's in ros_control and the joint's in ros2_control.
 
-use super::{MAX_READ, MappedTendon, Relation, Source, children};
+use super::{MappedTendon, Relation, Source, children, most_read};
 use crate::arm::urdf::xml::line;
 use roxmltree::Node;
 use sinew_files::{Fault, Located};
@@ -37,7 +37,7 @@ impl Format {
 pub(super) fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Vec<MappedTendon>, Located> {
     let mut tendons = Vec::new();
     if root.tag_name().name() == "robot" {
-        for node in children(root, "transmission").take(MAX_READ) {
+        for node in children(root, "transmission").take(most_read()) {
             tendons.extend(transmission(node, Format::Ros1, source)?);
         }
     }
@@ -48,7 +48,7 @@ pub(super) fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Vec<Mapped
     let transmissions = components
         .into_iter()
         .flat_map(|c| children(c, "transmission"));
-    for node in transmissions.take(MAX_READ) {
+    for node in transmissions.take(most_read()) {
         tendons.extend(transmission(node, Format::Ros2, source)?);
     }
     match tendons.is_empty() {

@@ -45,7 +45,8 @@ impl Info {
         let mut progress = |at: Progress| bar.set(at.bytes_done as f64, at.bytes_total as f64);
         let options = self.opening.options()?;
         note(|| {
-            let limits = options.budget.limits().map(|limit| limit.to_string());
+            let limits = options.budget.limits();
+            let limits = limits.map(|limit| format!("{} at most {}", limit.of, limit.amount()));
             format!("budget: {}", limits.collect::<Vec<_>>().join("; "))
         });
         let info = RecordingInfo::of_files(&self.files, &options, &mut progress);
