@@ -123,8 +123,9 @@ impl NumpyRows {
             .read_to_end(&mut magic)
             .map_err(io)?;
         let is_archive = magic != NPY_MAGIC;
+        let mut time = ProcessorTime::new(budget, length);
         let found = match is_archive {
-            true => headers_of_archive(reader.as_mut(), budget).map_err(to_error)?,
+            true => headers_of_archive(reader.as_mut(), budget, &mut time).map_err(to_error)?,
             false => {
                 reader.seek(SeekFrom::Start(0)).map_err(io)?;
                 let header = Header::read(reader.by_ref(), budget).map_err(to_error)?;
@@ -146,7 +147,7 @@ impl NumpyRows {
         let mut out = Self {
             file: file.to_owned(),
             unpacked: budget.unpacked,
-            time: ProcessorTime::new(budget, length),
+            time,
             reader,
             arrays: Vec::new(),
             places: Vec::new(),
@@ -386,6 +387,7 @@ fn read_exact_at(reader: &mut (impl Read + Seek), at: u64, into: &mut [u8]) -> s
 fn headers_of_archive(
     reader: &mut dyn ReadSeek,
     budget: &Budget,
+    time: &mut ProcessorTime,
 ) -> Result<Vec<(String, Header, Option<Entry>)>, String> {
     let mut found = Vec::new();
     for entry in archive::entries(reader, budget)? {
@@ -396,10 +398,11 @@ fn headers_of_archive(
             .seek(SeekFrom::Start(entry.start))
             .map_err(|error| format!("array '{name}': {error}"))?;
         let content = Read::take(&mut *reader, entry.packed_bytes);
-        let header = match entry.is_deflated {
+        // Many entries may have the same content.
+        let header = time.spend(|| match entry.is_deflated {
             true => Header::read(DeflateDecoder::new(content), budget),
             false => Header::read(content, budget),
-        };
+        })?;
         let header = header.map_err(|reason| format!("array '{name}': {reason}"))?;
         found.push((name, header, Some(entry)));
     }
