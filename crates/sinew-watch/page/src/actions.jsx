@@ -1,4 +1,5 @@
 // Action buttons with their dialogs. An entry is shown once it is stored.
+import { Fragment, h } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { command, mayOperate } from "./api.js";
 

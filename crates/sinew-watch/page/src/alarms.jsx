@@ -1,4 +1,5 @@
 // Alarms of all robots, the most severe first.
+import { Fragment, h } from "preact";
 import { useState } from "preact/hooks";
 import { AlarmActions } from "./actions.jsx";
 import { Missing, Outdated, useAnswer } from "./answer.jsx";

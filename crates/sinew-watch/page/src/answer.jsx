@@ -1,4 +1,5 @@
 // Answers of the monitor: loading, failed, or outdated.
+import { Fragment, h } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { time } from "./format.js";
 import { Loader } from "./loader.js";

@@ -1,4 +1,5 @@
 // Chart of records over time, with events, limit and prediction interval of the forecast.
+import { h } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { day, dayAndTime, plusMinus, rounded } from "./format.js";
 import { axis, clipped, css, keyTo, labelled, line, plotIn, pointAt, shade } from "./plot.js";

@@ -1,4 +1,5 @@
 // Offsets or elongations of several tendons over years in one chart, with annotations.
+import { Fragment, h } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { Missing, Outdated, useAnswer } from "./answer.jsx";
@@ -25,7 +26,7 @@ const EVERY_S = 3600;
 function selectionOf(search) {
   const query = new URLSearchParams(search);
   const range = RANGES.find(([key]) => key === query.get("range"))?.[0] ?? "all";
-  return { tendons: query.getAll("tendon").filter(tendon => tendon.includes("/")).slice(0, STYLES.length), range, quantity: QUANTITIES[query.get("in")] ? query.get("in") : "offset" };
+  return { tendons: [...new Set(query.getAll("tendon"))].filter(tendon => tendon.includes("/")).slice(0, STYLES.length), range, quantity: QUANTITIES[query.get("in")] ? query.get("in") : "offset" };
 }
 
 const split = tendon => { const at = tendon.indexOf("/"); return [tendon.slice(0, at), tendon.slice(at + 1)]; };
@@ -222,6 +223,7 @@ export function Compare({ live }) {
   }, [loaded]);
   if (!live.fleet) return <p class="loading">Connecting to monitor …</p>;
   const all = robots.flatMap(row => row.tendons.map(tendon => `${row.robot}/${tendon.joint}`)).sort((a, b) => a.localeCompare(b, undefined, { numeric: true }));
+  const isCut = loaded?.series.some(({ points }) => points[0]?.time_utc_s < loaded.complete_from_utc_s);
   const isEmpty = loaded?.series.every(({ points }) => points.every(point => QUANTITIES[quantity].of(point)[0] === null));
   return (
     <>
@@ -240,7 +242,7 @@ export function Compare({ live }) {
         : !loaded ? <Missing answer={answer} what="records" />
           : isEmpty ? <p>No records of the selected tendons in this time range</p>
             : <Chart loaded={loaded} quantity={quantity} marks={marks} />}
-      {loaded && loaded.complete_from_utc_s > -Infinity && <p>Annotations before {day(loaded.complete_from_utc_s)} may be missing: more than {count(MAX_ENTRIES)} journal entries</p>}
+      {isCut && <p>Annotations before {day(loaded.complete_from_utc_s)} may be missing: more than {count(MAX_ENTRIES)} journal entries</p>}
       {loaded && !isEmpty && <Marks marks={marks} tendons={loaded.tendons} />}
       <Choice all={all} chosen={tendons} choose={tendons => change({ tendons })} />
     </>

@@ -1,4 +1,5 @@
 // Maintenance forecast: tendons of all robots by the week of limit exceedance.
+import { Fragment, h } from "preact";
 import { useState } from "preact/hooks";
 import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";

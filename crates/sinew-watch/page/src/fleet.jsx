@@ -1,4 +1,5 @@
 // All robots, the most urgent first.
+import { Fragment, h } from "preact";
 import { useMemo, useState } from "preact/hooks";
 import { useAnswer } from "./answer.jsx";
 import { get } from "./api.js";

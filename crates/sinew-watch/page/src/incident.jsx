@@ -1,4 +1,5 @@
 // Incident of a tendon: phase, probabilities of the causes, evidence, finding and recording; and its recorded maintenance.
+import { Fragment, h } from "preact";
 import { Action, FINDINGS } from "./actions.jsx";
 import { chance, dayAndTime, plusMinus, utc } from "./format.js";
 

@@ -1,4 +1,5 @@
 // Journal entries, the newest first.
+import { Fragment, h } from "preact";
 import { useState } from "preact/hooks";
 import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";

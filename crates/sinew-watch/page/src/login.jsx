@@ -1,3 +1,4 @@
+import { h } from "preact";
 import { useState } from "preact/hooks";
 import { login } from "./api.js";
 import { loggedIn } from "./live.js";

@@ -1,5 +1,5 @@
 // Frame of the page, and selection of the content by address.
-import { render } from "preact";
+import { Fragment, h, render } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Alarms } from "./alarms.jsx";
 import { Compare } from "./compare.jsx";

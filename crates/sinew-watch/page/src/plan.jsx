@@ -1,4 +1,5 @@
 // Month plan for printing: maintenance of all robots by date, as in the calendar (.ics).
+import { h } from "preact";
 import { Missing, Outdated, useAnswer } from "./answer.jsx";
 import { get } from "./api.js";
 import { dueAt, interval, others, valueOf, VERDICTS } from "./due.jsx";
@@ -11,7 +12,7 @@ const DAYS = 31;
 function groups(list) {
   const rows = list.due.map(tendon => ({ tendon, at_utc_s: dueAt(tendon, list.time_utc_s) }));
   rows.sort((a, b) => a.at_utc_s - b.at_utc_s || a.tendon.robot.localeCompare(b.tendon.robot, undefined, { numeric: true }));
-  const isPassed = ({ tendon }) => tendon.state === "passed", isLater = ({ at_utc_s }) => at_utc_s > list.until_utc_s;
+  const isPassed = ({ tendon }) => tendon.state === "passed", isLater = ({ tendon, at_utc_s }) => tendon.at_utc_s === null || at_utc_s > list.until_utc_s;
   return [
     ["Limit exceeded: due now", rows.filter(isPassed)],
     ["Due by date", rows.filter(row => !isPassed(row) && !isLater(row))],
@@ -20,10 +21,12 @@ function groups(list) {
 }
 
 function Row({ tendon, at_utc_s }) {
-  const { robot, joint, rope, limit, verdict } = tendon;
+  const { robot, joint, rope, limit, verdict, state } = tendon;
+  // Without a median, the date is the lower end of the interval.
+  const isLow = tendon.at_utc_s === null && state !== "passed";
   return (
     <tr>
-      <th scope="row"><span class="whole">{day(at_utc_s)}</span><small class="at">{interval(tendon)}</small></th>
+      <th scope="row"><span class="whole">{day(at_utc_s)}</span>{isLow && <small class="at">at the earliest</small>}<small class="at">{interval(tendon)}</small></th>
       <td data-name="Tendon"><span><a href={`/r/${encodeURIComponent(robot)}/${encodeURIComponent(joint)}`}>{robot}, {joint}</a>{rope && <small class="at">{rope}</small>}</span></td>
       <td data-name="Action"><span>{limitName(limit)}{VERDICTS[verdict] && <small class="at">{VERDICTS[verdict]}</small>}</span></td>
       <td data-name="Last value"><span class="whole">{valueOf(tendon)}</span></td>
@@ -62,7 +65,7 @@ export function Plan({ live }) {
       )}
       {others(list, until).map(sentence => <p key={sentence}>{sentence}</p>)}
       {unmonitored > 0 && <p>{unmonitored === 1 ? "1 robot" : `${count(unmonitored)} robots`} not monitored and not included</p>}
-      <p class="criterion">Dates are medians of the forecast with their 95 % intervals; intervals of values are 95 %. Forecasts assume unchanged use and no failures.</p>
+      <p class="criterion">Dates are medians of the forecast with their 95 % intervals, or lower ends of intervals (“at the earliest”); intervals of values are 95 %. Forecasts assume unchanged use and no failures.</p>
     </div>
   );
 }

@@ -1,6 +1,5 @@
 // What all charts share: colours of the page, axes, size and colour scheme.
 import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
 
 export const css = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 export const shade = (name, percent) => `color-mix(in srgb, ${css(name)} ${percent}%, transparent)`;

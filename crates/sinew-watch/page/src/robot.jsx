@@ -1,4 +1,5 @@
 // One robot: its state and its tendons.
+import { Fragment, h } from "preact";
 import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
 import { Missing, useAnswer } from "./answer.jsx";

@@ -1,4 +1,5 @@
 // Icon for every level, so that colour is never the only distinction; shapes as in reports (crates/sinew-figure/src/page.rs).
+import { Fragment, h } from "preact";
 
 const SHAPES = {
   OK: "M2 8.5 6 12.5 14 3.5",

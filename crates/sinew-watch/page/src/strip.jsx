@@ -1,4 +1,5 @@
 // Live strip charts of a tendon: theta − q and the offset of the last minute, at 10 Hz.
+import { Fragment, h } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { plusMinus, rounded, time } from "./format.js";
 import { followSeries, reopen } from "./live.js";

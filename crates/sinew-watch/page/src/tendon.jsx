@@ -1,4 +1,5 @@
 // One tendon: trend of its records, events and forecast.
+import { Fragment, h } from "preact";
 import { useRef, useState } from "preact/hooks";
 import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
@@ -77,7 +78,7 @@ function Trend({ robot, joint, trend, mark }) {
   return (
     <>
       <Outdated answer={answer} />
-      {!answer.value && answer.error && <p class="error" role="alert">{answer.error.message} <button onClick={answer.retry}>Retry</button></p>}
+      {!answer.value && answer.error && <Missing answer={answer} />}
       <p class="filters">
         <label>Time range <select value={range.name} onChange={event => choose(event.target.value)}>
           {names.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
