@@ -5,9 +5,9 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 use bytes::Bytes;
 
-use sinew_files::Budget;
 use sinew_files::csv::Dialect;
 use sinew_files::parquet::BoundedParquet;
+use sinew_files::{Budget, ProcessorTime};
 
 use super::cells::{Cell, Room, Table};
 use crate::error::TestFileError;
@@ -22,6 +22,7 @@ fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
     let invalid = |error: ParquetError| {
         TestFileError::invalid(file, format!("not readable as Parquet: {error}"))
     };
+    let mut time = ProcessorTime::new(&Budget::TABLE, bytes.len() as u64);
     let bounded = BoundedParquet::new(Bytes::from(bytes), &Budget::TABLE);
     let reader = SerializedFileReader::new(bounded).map_err(invalid)?;
     let mut room = Room::new(file);
@@ -38,7 +39,12 @@ fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
         places: vec![0],
         ..Table::default()
     };
-    for (index, row) in reader.get_row_iter(None).map_err(invalid)?.enumerate() {
+    let mut rows = reader.get_row_iter(None).map_err(invalid)?;
+    for place in 1.. {
+        let row = time.spend(|| rows.next());
+        let Some(row) = row.map_err(|reason| TestFileError::invalid(file, reason))? else {
+            break;
+        };
         room.take_row()?;
         room.take(table.rows[0].len())?;
         let row = row.map_err(invalid)?;
@@ -49,7 +55,7 @@ fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
         }
         let cells = row.get_column_iter().map(|(_, field)| cell(field));
         table.rows.push(cells.collect());
-        table.places.push(index as u64 + 1);
+        table.places.push(place);
     }
     Ok(table)
 }
