@@ -8,8 +8,6 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// Maximum length of a record, and of a chunk, compressed or not, bytes.
-const MAX_RECORD_BYTES: usize = sinew_files::Budget::RECORDING.memory.most as usize;
 /// Length of operation code and length field of a record, bytes.
 const RECORD_HEAD: usize = 1 + 8;
 /// Minimum length of a chunk: its fixed fields, bytes.
@@ -63,12 +61,17 @@ struct Channel {
     is_cdr: bool,
 }
 
+/// Maximum length of a record, and of a chunk, compressed or not, bytes.
+fn max_record_bytes() -> usize {
+    sinew_files::Budget::RECORDING.memory.length()
+}
+
 fn reader(skips_magic: bool) -> LinearReader {
     // A chunk is checked before its first message is used, so that an incomplete one yields no wrong data.
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(skips_magic)
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(MAX_RECORD_BYTES);
+        .with_record_length_limit(max_record_bytes());
     LinearReader::new_with_options(options)
 }
 
@@ -100,9 +103,10 @@ impl Records {
         if holds_a_place {
             return Piece::Torn;
         }
-        if length > MAX_RECORD_BYTES as u64 {
+        let most = max_record_bytes();
+        if length > most as u64 {
             return Piece::Broken(format!(
-                "record {opcode:#04x} has {length} bytes, limit {MAX_RECORD_BYTES} bytes"
+                "record {opcode:#04x} has {length} bytes, limit {most} bytes"
             ));
         }
         let whole = RECORD_HEAD as u64 + length;
