@@ -101,10 +101,10 @@ impl MapEstimator {
     }
 
     /// Sets whether rounds of a repeated motion are independent in the search for changes; the default is that they share their
-    /// information. They always share it in the resulting estimate.
+    /// information. They always share it in the resulting estimate and in the evidence about causes.
     ///
-    /// Set it for a recording that is compared with a baseline: changes within the recording are relative to its own rounds, and the
-    /// evidence about causes has a model error that depends on the pose. The model error of the offset repeats in every round.
+    /// Set it for a recording that is compared with a baseline: changes within the recording are relative to its own rounds. The model
+    /// error of the offset, and of the evidence about causes, repeats in every round.
     #[must_use]
     pub fn with_independent_rounds(mut self, is_set: bool) -> Self {
         self.has_independent_rounds = is_set;

@@ -9,13 +9,13 @@
 //! ```text
 //! r₀ = A₀ (x₀ − x̂₀) + f₀(q, u) + ν,                r₁ = A₁ (x₁ − x̂₁) + f₁(q, u) + ν
 //! x₁ = E[x₁] + (x₀ − x̂₀) + w,   w ~ N(0, Q)        f₁ = ρ f₀ + √(1 − ρ²) g
-//! f₀, g ~ GP(0, (s₀² + s₁² u u') exp(−|q − q'|² / 2ℓ²)),   ν ~ N(0, σ²) per passage of a cell
+//! f₀, g ~ GP(0, (s₀² + s₁² u u') exp(−|q − q'|² / 2ℓ²)),   ν ~ N(0, σ²) per independent passage of a cell
 //! ```
 //!
 //! * `r`, `A`: residuals and rows of the link equations of a joint, averaged over cells of pose and direction.
 //! * `q`: positions of the joint and its neighbours; `u`: friction state, −1 to 1.
 //! * `s₀`, `s₁`, `ℓ`, `σ`: hyperparameters of the joint, at the maximum of their posterior with `x` marginalised; the
-//!   geometric mean of those of baseline and recording.
+//!   geometric mean of those of baseline and recording, weighted by their number of cells.
 //! * `ρ`: correlation between the model errors of both, one of [`CORRELATIONS`]. A low one is the hypothesis that something
 //!   else has changed than the causes that are listed.
 //! * `Q`: variance that the state gains between baseline and recording.
@@ -28,7 +28,7 @@
 //! 2001.
 
 use super::normal::NormalEquations;
-use super::problem::Problem;
+use super::problem::{Problem, same_again};
 use super::schedule::OUTLIER_WEIGHT;
 use super::solution::covariance;
 use crate::cholesky::{self, Factor, dot};
@@ -89,7 +89,7 @@ pub struct ModelError {
 struct Cells {
     /// Scales and length of the model error, and its noise.
     hyperparameters: Hyperparameters,
-    /// Number of passages of each cell.
+    /// Number of independent passages of each cell.
     passages: Vec<f64>,
     /// Number of blocks of each cell, until they are averaged.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -491,8 +491,11 @@ impl<'a> JointEquations<'a> {
             .map(|row| unknowns.row(row))
             .collect();
         if let Some(baseline) = baseline.filter(|baseline| baseline.len() > 0) {
+            let share = cells.len() as f64 / (cells.len() + baseline.len()) as f64;
             let both = hyperparameters.iter_mut().zip(&baseline.hyperparameters);
-            both.for_each(|(own, then)| *own = libm::sqrt(*own * then));
+            both.for_each(|(own, then)| {
+                *own = libm::pow(*own, share) * libm::pow(*then, 1.0 - share);
+            });
             residuals.extend(&baseline.residuals);
             rows.extend(baseline.rows.chunks_exact(baseline.width()).map(|row| {
                 let mut row = row.to_vec();
@@ -653,7 +656,7 @@ fn session_equations(problem: &Problem<'_>, at: &MapEstimate) -> (Vec<Cells>, No
         problem.equations(at, b, Content::Rows, &mut equations);
         let information = |e: &Equation| match e.side {
             Side::Link => 0.0,
-            Side::Motor | Side::Tension => weight(b) * problem.information_of(e, at, b),
+            Side::Motor | Side::Tension => weight(b) * problem.shared_information_of(e, at, b),
         };
         normal.add_gradient(&equations, information);
         normal.add_information(&equations, information);
@@ -668,7 +671,7 @@ fn session_equations(problem: &Problem<'_>, at: &MapEstimate) -> (Vec<Cells>, No
             let k = *of.entry(key).or_insert(new);
             cells.add(k, (block, e.joint), (e, &equations), total);
             if *last != Some(key) {
-                cells.passages[k] += 1.0;
+                cells.passages[k] += 1.0 / same_again(block);
                 *last = Some(key);
             }
         }

@@ -46,6 +46,8 @@ pub(super) struct Problem<'a> {
     forces: Vec<ForceTorque>,
     /// Ratio of the variance of a block mean to that of independent noise, per block.
     pub(super) inflation: Vec<f64>,
+    /// Whether rounds of a repeated motion are independent in `inflation`.
+    has_independent_rounds: bool,
 }
 
 impl<'a> Problem<'a> {
@@ -80,6 +82,7 @@ impl<'a> Problem<'a> {
             inflation: (pose_runs(blocks).iter().zip(blocks))
                 .map(|(run, block)| run.max(1.0 / model.share(block)) * same_again(block))
                 .collect(),
+            has_independent_rounds: false,
         })
     }
 
@@ -93,6 +96,7 @@ impl<'a> Problem<'a> {
         for (inflation, block) in self.inflation.iter_mut().zip(self.blocks) {
             *inflation /= same_again(block);
         }
+        self.has_independent_rounds = true;
         self
     }
 
@@ -163,6 +167,15 @@ impl<'a> Problem<'a> {
     /// Information of an equation of block `b` at full weight.
     pub(super) fn information_of(&self, e: &Equation, at: &MapEstimate, b: usize) -> f64 {
         1.0 / (variance(e, at) * self.inflation[b])
+    }
+
+    /// [`information_of`](Self::information_of) with rounds of a repeated motion that share their information.
+    pub(super) fn shared_information_of(&self, e: &Equation, at: &MapEstimate, b: usize) -> f64 {
+        let rounds = match self.has_independent_rounds {
+            true => same_again(&self.blocks[b]),
+            false => 1.0,
+        };
+        self.information_of(e, at, b) / rounds
     }
 
     /// Inverse of the prior covariance, extended by the prior of each change.
@@ -264,7 +277,7 @@ impl<'a> Problem<'a> {
 /// Returns the factor by which repeated motion reduces the information of a block. Model errors repeat when the arm
 /// repeats a motion, and provide no new information. A few repetitions are nearly independent: contacts and noise
 /// differ.
-fn same_again(block: &Block) -> f64 {
+pub(super) fn same_again(block: &Block) -> f64 {
     const INDEPENDENT_VISITS: f64 = 3.0;
     (block.visits / INDEPENDENT_VISITS).max(1.0)
 }
