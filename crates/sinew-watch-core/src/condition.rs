@@ -35,6 +35,9 @@ pub enum Condition {
     NoData,
 }
 
+/// Severity of a suspected strand failure: above a re-tensioning limit.
+pub(crate) const SUSPECTED_FAILURE_SEVERITY: u16 = 610;
+
 impl Condition {
     /// All conditions, in descending order of severity.
     pub const ALL: [Self; 11] = [
@@ -64,6 +67,14 @@ impl Condition {
             Self::LimitNear => 400,
             Self::SuspectedStep | Self::Data => 300,
             Self::NoData => 200,
+        }
+    }
+
+    /// Highest severity of an alarm with this condition over all causes, 1 to 1000.
+    pub fn max_severity(self) -> u16 {
+        match self {
+            Self::SuspectedStep => SUSPECTED_FAILURE_SEVERITY,
+            other => other.severity(),
         }
     }
 

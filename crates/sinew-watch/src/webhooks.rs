@@ -96,6 +96,15 @@ fn severity(transition: &Transition) -> u16 {
     }
 }
 
+/// Returns the severity by which the receivers of a transition are selected: a receiver of the beginning of an alarm
+/// also receives its end and its acknowledgement, which do not contain its cause.
+fn highest_severity(post: &Post) -> u16 {
+    match (&post.reason, post.active) {
+        (TransitionReason::Condition { .. }, true) => post.severity,
+        _ => post.condition.max_severity(),
+    }
+}
+
 /// Priority of an ntfy notification: 5 (maximum) for alarms of level ERROR, 3 (default) for other active alarms, and 2
 /// (low) for alarms that end.
 fn ntfy_priority(post: &Post) -> &'static str {
@@ -261,7 +270,7 @@ pub async fn run(
             continue;
         };
         for (receiver, sender) in &receivers {
-            let is_meant = post.severity >= receiver.severity_min();
+            let is_meant = highest_severity(&post) >= receiver.severity_min();
             let notification = || Notification::of(&post, transition, receiver);
             if is_meant && sender.try_send(notification()).is_err() {
                 health.counts.webhooks_lost.fetch_add(1, Ordering::Relaxed);

@@ -335,6 +335,21 @@ fn alarm_is_mailed_over_starttls_with_text_and_link() {
     assert!(received.recv_timeout(Duration::from_millis(300)).is_err());
 }
 
+/// A suspected strand failure has severity 610 when it begins, and its end does not contain the cause.
+#[test]
+fn end_of_alarm_reaches_receiver_of_its_beginning() {
+    let (port, received) = mail_server(STARTTLS);
+    let mut end = step_change(AlarmState::Normal);
+    let Event::Alarm { transition } = &mut end.event else {
+        panic!("{end:?}");
+    };
+    transition.key.condition = Condition::SuspectedStep;
+    transition.from = AlarmState::Active;
+    let health = deliver(vec![Receiver::Mail(mail(port, "severity_min = 610"))], end);
+    assert_eq!(health.counts.webhooks.load(Ordering::Relaxed), 1);
+    received.recv().unwrap();
+}
+
 #[test]
 fn rejected_mail_is_repeated_until_accepted() {
     let server = Server {

@@ -18,6 +18,7 @@ pub use crate::condition::{AlarmKey, Condition, Level};
 pub use list::{Alarms, AlarmsStored, Delays};
 
 use crate::command::CommandKind;
+use crate::condition::SUSPECTED_FAILURE_SEVERITY;
 use serde::{Deserialize, Serialize};
 use sinew_estimate::Cause;
 use sinew_trend::Limit;
@@ -75,11 +76,6 @@ impl Alarm {
     /// an operator. Shelving and acknowledgement do not end it.
     pub fn is_active(&self) -> bool {
         self.state.is_active()
-    }
-
-    /// Whether an operator has yet to acknowledge the alarm.
-    pub fn needs_attention(&self) -> bool {
-        !self.acknowledged && self.state != AlarmState::Normal
     }
 
     /// Returns the severity, 1 to 1000, by condition and cause.
@@ -222,7 +218,9 @@ impl AlarmCause {
     pub fn severity(&self, condition: Condition) -> u16 {
         match (self, condition) {
             (Self::StepChange { what, .. }, Condition::SuspectedStep) => match what {
-                StepKind::StrandFailure | StepKind::SlipOrStrandFailure => 610,
+                StepKind::StrandFailure | StepKind::SlipOrStrandFailure => {
+                    SUSPECTED_FAILURE_SEVERITY
+                }
                 _ => 450,
             },
             (_, condition) => condition.severity(),

@@ -319,7 +319,7 @@ impl Monitor {
                         (self.chain).done_without(&segment, is_baseline, result, setup, sessions);
                         self.outbox.add_results(Vec::new());
                     }
-                    ChainOf::Replaced => self.chain.take_back(*segment, &mut self.sessions),
+                    ChainOf::Replaced => self.chain.return_segment(*segment, &mut self.sessions),
                     ChainOf::Discarded => {}
                 }
             }
@@ -509,8 +509,10 @@ impl Monitor {
             }
             (entry.joints, entry.time_utc_s) = (joints.clone(), time_utc_s);
         }
-        let same = |joint: &String| entry.joints.contains(joint);
-        let is_dated = was.joints.len() == entry.joints.len() && was.joints.iter().all(same);
+        // The order and repetitions of names do not matter.
+        let contains =
+            |a: &Maintenance, b: &Maintenance| b.joints.iter().all(|j| a.joints.contains(j));
+        let is_dated = contains(&entry, &was) && contains(&was, &entry);
         let mut events = Vec::new();
         if corrected.is_some() && is_dated {
             self.chain.set_date(&was, entry.time_utc_s);

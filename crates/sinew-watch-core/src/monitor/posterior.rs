@@ -255,7 +255,7 @@ impl PosteriorChain {
     }
 
     /// Puts back the segment of a replaced chain, which the present one has yet to estimate.
-    pub(super) fn take_back(&mut self, mut segment: Segment, sessions: &mut Sessions) {
+    pub(super) fn return_segment(&mut self, mut segment: Segment, sessions: &mut Sessions) {
         segment.baseline_of = self.replaced.take().and_then(|job| job.baseline_of);
         sessions.give_back(segment);
     }

@@ -37,7 +37,7 @@ struct Repairs {
     /// Replacements in the order of their entries: the entry as recorded, and with its corrections.
     replaced: Vec<(Moment, Maintenance)>,
     /// Beginnings of the incidents, by joint and number.
-    opened: BTreeMap<(String, u64), Moment>,
+    begun: BTreeMap<(String, u64), Moment>,
     /// Joint and number of the incidents whose finding is a failed strand or rope.
     failed: BTreeSet<(String, u64)>,
 }
@@ -77,12 +77,12 @@ impl Repairs {
                 }
             }
             Event::Incident { incident } => {
-                let opened = Moment {
+                let begun = Moment {
                     utc_s: incident.opened_utc_s,
                     motion_s,
                 };
                 let key = (incident.joint, incident.number);
-                self.opened.entry(key.clone()).or_insert(opened);
+                self.begun.entry(key.clone()).or_insert(begun);
                 match incident.finding {
                     Some(Finding::StrandFailure) => {
                         self.failed.insert(key);
@@ -115,9 +115,9 @@ impl Repairs {
     /// Returns the first failure of the rope of a joint between two times, s since 1970 UTC.
     fn failed_within(&self, joint: &str, from_utc_s: f64, to_utc_s: f64) -> Option<Moment> {
         let own = self.failed.iter().filter(|(name, _)| name == joint);
-        let opened = own.filter_map(|key| self.opened.get(key).copied());
-        opened
-            .filter(|opened| (from_utc_s..to_utc_s).contains(&opened.utc_s))
+        let begun = own.filter_map(|key| self.begun.get(key).copied());
+        begun
+            .filter(|begun| (from_utc_s..to_utc_s).contains(&begun.utc_s))
             .min_by(|a, b| a.utc_s.total_cmp(&b.utc_s))
     }
 }
