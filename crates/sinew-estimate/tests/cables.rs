@@ -135,7 +135,11 @@ impl Errors {
             let joint = jaw(&estimate);
             out.offsets.push(1e3 * joint.offset_rad.mean);
             out.half_widths.push(1e3 * joint.offset_rad.half_width_95());
-            out.false_verdicts += usize::from(joint.verdict.is_detected());
+            let is_detected = matches!(
+                joint.verdict,
+                Verdict::Elongated | Verdict::Shortened | Verdict::OffsetDetected
+            );
+            out.false_verdicts += usize::from(is_detected);
             out.alarms += usize::from(!joint.changes.is_empty());
             // As the whole recording, and as a monitor after two seconds.
             let stepped = instrument.estimate(name, baseline, (10.0, f64::INFINITY));

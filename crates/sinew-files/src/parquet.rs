@@ -50,7 +50,7 @@ impl<R: ChunkReader> Length for BoundedParquet<R> {
 /// Reader from the start of a page, whose header is checked before its first byte is returned.
 ///
 /// Of a list, the parser reads the header of the next page ahead. It then also opens a reader at the content of that page,
-/// from which it reads nothing.
+/// which remains unread.
 #[derive(Debug)]
 pub struct CheckedPage<T> {
     inner: T,

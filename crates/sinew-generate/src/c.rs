@@ -2,7 +2,6 @@
 
 use crate::write::{Body, momentum, number};
 use crate::{File, Language, Subject, turn};
-use sinew_model::transmission::Friction;
 use std::fmt::Write as _;
 
 pub(crate) fn files(subject: &Subject<'_>) -> Vec<File> {
@@ -116,7 +115,8 @@ fn source(subject: &Subject<'_>) -> String {
     let values =
         each(&|i| format!("    smooth_q[{i}] = o->q[{i}].x;\n    o->dq[{i}] = o->q[{i}].dx;\n"));
     let drives = each(&|i| {
-        let friction = friction(subject.friction(i), i);
+        let friction =
+            subject.friction_terms(i, &format!("o->dq[{i}]"), |x| format!("within_one({x})"));
         format!(
             "    drive[{i}] = ct_dq[{i}] - g[{i}]{friction} + (tau_ext ? o->tau_ext[{i}].x : 0.0);\n"
         )
@@ -159,28 +159,6 @@ fn source(subject: &Subject<'_>) -> String {
         .replace("@KEEPS@\n", &keeps)
         .replace("@COMPARES@\n", &compares)
         .replace("@UNKNOWN@\n", &unknown)
-}
-
-/// Returns ` - friction`, or an empty text.
-fn friction(friction: Friction, i: usize) -> String {
-    let mut out = String::new();
-    if friction.coulomb_nm != 0.0 {
-        let per_speed = 1.0 / Friction::SMOOTHING_RAD_PER_S;
-        let _ = write!(
-            out,
-            " - {} * within_one(o->dq[{i}] * {})",
-            number(friction.coulomb_nm),
-            number(per_speed)
-        );
-    }
-    if friction.viscous_nm_s_per_rad != 0.0 {
-        let _ = write!(
-            out,
-            " - {} * o->dq[{i}]",
-            number(friction.viscous_nm_s_per_rad)
-        );
-    }
-    out
 }
 
 const HEADER: &str = r#"/* @robot@: momentum pass and offset observer, written by Sinew @version@ (sinew robot generate).

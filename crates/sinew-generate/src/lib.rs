@@ -22,6 +22,7 @@ use sinew_model::offset::{Comparison, OffsetConfig, OffsetConfigError, OffsetObs
 use sinew_model::offset::{TorqueSource, VelocityFilter};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Friction;
+use write::number;
 
 /// The language code is written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,10 +116,21 @@ impl Subject<'_> {
         Some(transmission.stiffness_nm_per_rad)
     }
 
-    fn friction(&self, joint: usize) -> Friction {
+    /// Returns ` - friction` at the velocity `dq`, or an empty text; `within_one` limits an expression to −1 to 1.
+    fn friction_terms(&self, joint: usize, dq: &str, within_one: fn(&str) -> String) -> String {
         let transmission = self.robot.transmissions.get(joint);
         let transmission = transmission.and_then(Option::as_ref);
-        transmission.map_or_else(Friction::default, |t| t.joint_friction)
+        let friction = transmission.map_or_else(Friction::default, |t| t.joint_friction);
+        let mut out = String::new();
+        if friction.coulomb_nm != 0.0 {
+            let per_speed = number(1.0 / Friction::SMOOTHING_RAD_PER_S);
+            let direction = within_one(&format!("{dq} * {per_speed}"));
+            out += &format!(" - {} * {direction}", number(friction.coulomb_nm));
+        }
+        if friction.viscous_nm_s_per_rad != 0.0 {
+            out += &format!(" - {} * {dq}", number(friction.viscous_nm_s_per_rad));
+        }
+        out
     }
 
     /// Time after which the start has faded, s.

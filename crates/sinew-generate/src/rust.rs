@@ -2,7 +2,6 @@
 
 use crate::write::{Body, momentum, number};
 use crate::{File, Language, Subject, turn};
-use sinew_model::transmission::Friction;
 use std::fmt::Write as _;
 
 pub(crate) fn files(subject: &Subject<'_>) -> Vec<File> {
@@ -59,7 +58,9 @@ fn source(subject: &Subject<'_>) -> String {
         })
     };
     let drives = each(&|i| {
-        let friction = friction(subject.friction(i), i);
+        let friction = subject.friction_terms(i, &format!("self.dq[{i}]"), |x| {
+            format!("({x}).clamp(-1.0, 1.0)")
+        });
         let external = format!("if known {{ self.tau_ext[{i}].x }} else {{ 0.0 }}");
         format!("            ct_dq[{i}] - g[{i}]{friction} + {external},\n")
     });
@@ -102,25 +103,6 @@ fn source(subject: &Subject<'_>) -> String {
         .replace("@OBSERVES@\n", &observes)
         .replace("@RESTS@\n", &rests)
         .replace("@COMPARES@\n", &compares)
-}
-
-/// Returns ` - friction`, or an empty text.
-fn friction(friction: Friction, i: usize) -> String {
-    let mut out = String::new();
-    if friction.coulomb_nm != 0.0 {
-        let per_speed = 1.0 / Friction::SMOOTHING_RAD_PER_S;
-        let _ = write!(
-            out,
-            " - {} * (self.dq[{i}] * {}).clamp(-1.0, 1.0)",
-            number(friction.coulomb_nm),
-            number(per_speed)
-        );
-    }
-    if friction.viscous_nm_s_per_rad != 0.0 {
-        let viscous = number(friction.viscous_nm_s_per_rad);
-        let _ = write!(out, " - {viscous} * self.dq[{i}]");
-    }
-    out
 }
 
 const TURN: &str = r#"/// Sine and cosine: `x` is an integer number of quarter turns plus a remainder, whose sine and cosine are polynomials.

@@ -246,12 +246,12 @@ fn most<'a>(mut means: impl Iterator<Item = &'a Mean>) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::Catalogue;
     use crate::predict::YEAR_S;
 
-    fn request() -> Request {
+    pub(crate) fn request() -> Request {
         Request {
             tension_n: 60.0,
             temperature_c: 23.0,
@@ -265,7 +265,7 @@ mod tests {
         }
     }
 
-    fn planned(name: &str, request: &Request) -> Plan {
+    pub(crate) fn planned(name: &str, request: &Request) -> Plan {
         let catalogue = Catalogue::shipped().expect("shipped");
         plan(catalogue.find(name).expect("there"), request).expect("a plan")
     }

@@ -231,28 +231,8 @@ fn start(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::predict::YEAR_S;
-    use crate::pretension::{Plan, plan};
+    use crate::pretension::tests::{planned, request};
     use crate::{Catalogue, Draws};
-
-    fn request() -> Request {
-        Request {
-            tension_n: 60.0,
-            temperature_c: 23.0,
-            length_m: 0.7,
-            mount: Mount::default(),
-            horizon_s: YEAR_S,
-            lowest_n: 45.0,
-            remove: 0.7,
-            draws: 40,
-            seed: 1,
-        }
-    }
-
-    fn planned(name: &str, request: &Request) -> Plan {
-        let catalogue = Catalogue::shipped().expect("shipped");
-        plan(catalogue.find(name).expect("there"), request).expect("a plan")
-    }
 
     /// Tension at the horizon of a new rope.
     fn ends(law: &Law, request: &Request, start_n: f64) -> f64 {

@@ -293,14 +293,6 @@ impl Verdict {
             Self::TransmissionLost => "transmission-lost",
         }
     }
-
-    /// Whether a difference from zero was detected.
-    pub fn is_detected(self) -> bool {
-        matches!(
-            self,
-            Self::Elongated | Self::Shortened | Self::OffsetDetected
-        )
-    }
 }
 
 /// Re-tensioning limit of a tendon.

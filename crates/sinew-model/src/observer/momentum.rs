@@ -89,11 +89,6 @@ impl MomentumObserver {
         self.started = false;
     }
 
-    /// Whether a sample has been taken since construction or the last reset.
-    pub fn is_started(&self) -> bool {
-        self.started
-    }
-
     /// One step of `dt_s` to the sample `p`, `alpha`, `tau_ext` (`None`: no external torque).
     ///
     /// The first step after construction or a reset only takes the sample: `r` starts at

@@ -1,10 +1,10 @@
 //! Numbers for tests.
 
 use super::block::Block;
-use super::change::Appearance;
+use super::change::{Appearance, SearchScope};
 use super::config::FeatureConfig;
 use super::effects::{JOINT_PARAMETERS, JointParameter as P, PER_JOINT};
-use super::equations::equation::Side;
+use super::equations::equation::{Equations, Side};
 use super::equations::estimation_model::EstimationModel;
 use super::external_force::{ExternalForce, ForceModel};
 use super::joint_prior::JointPrior;
@@ -36,6 +36,41 @@ pub(crate) fn random(seed: &mut u64) -> f64 {
         .wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
+
+/// Slopes of all equations by entry `place` of the state `x`, by differences, each with the entry of its row in `at`.
+pub(crate) fn slopes(
+    at: &Equations,
+    x: &[f64],
+    place: usize,
+    linearised: impl Fn(&[f64]) -> Equations,
+) -> Vec<[f64; 2]> {
+    const STEP: f64 = 1e-5;
+    let [less, more] = [-STEP, STEP].map(|by| {
+        let mut x = x.to_vec();
+        x[place] += by;
+        linearised(&x)
+    });
+    let mut unit = alloc::vec![0.0; x.len()];
+    unit[place] = 1.0;
+    let sides = less.list.iter().zip(&more.list).zip(&at.list);
+    sides
+        .map(|((less, more), e)| {
+            [
+                (less.residual - more.residual) / (2.0 * STEP),
+                at.dot(e, &unit),
+            ]
+        })
+        .collect()
+}
+
+/// Search for slips and creep with an unchanged payload.
+pub(crate) const SCOPE: SearchScope = SearchScope {
+    offsets: true,
+    payload: false,
+    creep: true,
+    continues: false,
+    onset: None,
+};
 
 /// Blocks of a recording.
 pub(crate) const BLOCKS: usize = 80;

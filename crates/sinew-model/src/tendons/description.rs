@@ -83,8 +83,8 @@ impl CouplingDescription {
     /// Robot on which each elastic joint has one motor and one loop of its own name, `tau_el = K (theta − delta_e − q)`.
     ///
     /// The coordinate is the radian, drum and moment arm are 1, `k = K`; the elongation `delta` is the offset `delta_e`
-    /// and times the pulley radius `r` the elongation in metres. Of a loop of two strands `r delta_e` is half of what
-    /// one strand alone has grown by, see [`StrandPair`](super::StrandPair).
+    /// and times the pulley radius `r` the elongation in metres. Of a loop of two strands `r delta_e` is half of the
+    /// elongation of one strand alone.
     ///
     /// * `joints`: joint names in the order of `q`. `transmissions`: one entry per joint, `None` for a rigid joint.
     ///

@@ -61,7 +61,6 @@ mod description;
 mod error;
 mod pairing;
 mod state;
-mod strand_pair;
 
 pub use crate::moment_arm::{JointSpring, MomentArm, ShorteningTable, TableError, TendonKind};
 pub use crate::routing::{Pull, PulledJoint, Routing};
@@ -72,4 +71,3 @@ pub use description::{Coordinate, CouplingDescription, JointDescription, TendonD
 pub use error::{CouplingError, EvaluationError};
 pub use pairing::{PairedTendon, PairingError};
 pub use state::{CouplingState, Input, Output, TendonStatus};
-pub use strand_pair::StrandPair;

@@ -63,6 +63,7 @@ fn error_against_continuous_filter(gain: f64, nominal_dt: f64, irregular: bool) 
     // The exact filter, by exact steps over a linear input at a hundredth of the sample time:
     // its own error is 1e-4 of the observer's.
     let mut exact = [FirstOrder::default(); 4];
+    let mut is_first = true;
     let (mut t, mut sum, mut count, mut peak) = (0.0, 0.0, 0u32, 0.0f64);
     while t < 6.0 {
         let dt = if irregular {
@@ -70,8 +71,7 @@ fn error_against_continuous_filter(gain: f64, nominal_dt: f64, irregular: bool) 
         } else {
             nominal_dt
         };
-        let first = !observer.is_started();
-        if first {
+        if std::mem::take(&mut is_first) {
             let tau = torque(&arm, &mut ws_truth, t);
             for (e, tau) in exact.iter_mut().zip(tau) {
                 *e = FirstOrder::settled_at(tau);

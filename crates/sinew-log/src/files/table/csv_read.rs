@@ -87,17 +87,8 @@ impl CsvReader {
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
         let (rows, headers, has_names) = CsvRows::open(reader, file, &options.budget)?;
-        let is_mapped =
-            (options.mapping.as_ref()).is_some_and(|m| m.joint_names().next().is_some());
-        if !has_names && !is_mapped {
-            let reason = format!(
-                "no header: line {} holds numbers; name the columns by their numbers in a mapping, such as column = 2, with rate_hz in [time] if no column is a time",
-                rows.lines_before + 1
-            );
-            return Err(LogError::columns(file, &reason, &headers.names));
-        }
-        let columns = Columns::new(&headers, options, file)?;
-        Ok(Table::new(rows, columns, file))
+        let no_names = format!("no header: line {} holds numbers", rows.lines_before + 1);
+        Table::of(rows, (&headers, has_names), options, file, &no_names)
     }
 }
 

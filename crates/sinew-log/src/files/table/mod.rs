@@ -30,7 +30,7 @@ use crate::frame::{ABSENT, AxisNames, Channels};
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::SignalSource;
-use columns::{Columns, TIME_UNITS, time_unit_of_rate};
+use columns::{Columns, Headers, TIME_UNITS, time_unit_of_rate};
 use sinew_files::number::three_digits;
 use sinew_files::{Fault, Located};
 use std::cmp::Ordering;
@@ -161,6 +161,25 @@ impl<R> Table<R> {
         };
         table.resize();
         table
+    }
+
+    /// Opens a table whose columns may have no names; they are then named by a mapping. `no_names`: problem without one.
+    fn of(
+        rows: R,
+        (headers, has_names): (&Headers, bool),
+        options: &OpenOptions,
+        file: &str,
+        no_names: &str,
+    ) -> Result<Self, LogError> {
+        let is_mapped =
+            (options.mapping.as_ref()).is_some_and(|m| m.joint_names().next().is_some());
+        if !has_names && !is_mapped {
+            let reason = format!(
+                "{no_names}; name the columns by their numbers in a mapping, such as column = 2, with rate_hz in [time] if no column is a time"
+            );
+            return Err(LogError::columns(file, &reason, &headers.names));
+        }
+        Ok(Self::new(rows, Columns::new(headers, options, file)?, file))
     }
 
     fn check_clock(&self) -> Result<(), LogError> {

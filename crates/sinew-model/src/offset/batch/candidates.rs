@@ -210,16 +210,8 @@ mod tests {
     use crate::offset::batch::gauss_newton::solve;
     use crate::offset::equations::estimation_model::EstimationModel;
     use crate::offset::executor::Sequential;
-    use crate::offset::fixtures::{BLOCKS, SLIPS_AT, slipping, turntable};
+    use crate::offset::fixtures::{BLOCKS, SCOPE, SLIPS_AT, slipping, turntable};
     use crate::offset::state_estimate::UNKNOWN_OFFSET_RAD;
-
-    const SCOPE: SearchScope = SearchScope {
-        offsets: true,
-        payload: false,
-        creep: true,
-        continues: false,
-        onset: None,
-    };
 
     /// Returns candidate times of slips, s: of a joint that slips at the start of block `b`, with accepted slips at
     /// the specified times.

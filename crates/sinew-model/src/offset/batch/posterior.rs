@@ -164,16 +164,8 @@ mod tests {
     use crate::offset::block::Block;
     use crate::offset::equations::estimation_model::EstimationModel;
     use crate::offset::executor::Sequential;
-    use crate::offset::fixtures::{BLOCKS, SLIPS_AT, random, slipping, turntable};
+    use crate::offset::fixtures::{BLOCKS, SCOPE, SLIPS_AT, random, slipping, turntable};
     use crate::offset::state_estimate::{Payload, UNKNOWN_OFFSET_RAD};
-
-    const SCOPE: SearchScope = SearchScope {
-        offsets: true,
-        payload: false,
-        creep: true,
-        continues: false,
-        onset: None,
-    };
 
     /// Evaluates `of` on a recording.
     fn of_recording<T>(

@@ -21,7 +21,8 @@ use alloc::vec::Vec;
 #[cfg(test)]
 use {
     crate::offset::block::Block, crate::offset::equations::estimation_model::EstimationModel,
-    crate::offset::executor::Sequential, crate::offset::state_estimate::Payload,
+    crate::offset::executor::Sequential, crate::offset::fixtures::SCOPE,
+    crate::offset::state_estimate::Payload,
 };
 
 /// Minimum decrease of the cost for a change to be kept, in addition to one per unknown: about five standard
@@ -364,17 +365,10 @@ impl ChangePointSearch<'_> {
 pub(super) fn searched(model: &EstimationModel, std_rad: f64, blocks: &[Block]) -> MapEstimate {
     let believed = model.prior.state_estimate(Payload::Empty, std_rad);
     let problem = Problem::new(model, &Sequential, &believed, Payload::Empty, blocks).unwrap();
-    let scope = SearchScope {
-        offsets: true,
-        payload: false,
-        creep: true,
-        continues: false,
-        onset: None,
-    };
     let search = ChangePointSearch {
         problem: &problem,
         last: &problem,
-        scope,
+        scope: SCOPE,
         model_error: None,
     };
     search.run().unwrap()
@@ -423,11 +417,9 @@ mod tests {
         let at_s = problem.start_of(SLIPS_AT);
         let found = |onset: Option<Onset>| {
             let scope = SearchScope {
-                offsets: true,
-                payload: false,
                 creep: false,
-                continues: false,
                 onset,
+                ..SCOPE
             };
             let search = ChangePointSearch {
                 problem: &problem,

@@ -242,7 +242,7 @@ mod tests {
     use crate::offset::equations::estimation_model::EstimationModel;
     use crate::offset::equations::linearise::{Linearisation, linearise};
     use crate::offset::equations::loaded::Content;
-    use crate::offset::fixtures::{random, tables};
+    use crate::offset::fixtures::{random, slopes, tables};
     use crate::offset::prior::Prior;
     use crate::routing::Routing;
     use crate::tolerances::Tolerances;
@@ -325,18 +325,7 @@ mod tests {
         assert_eq!(at.list.len(), 4);
         let (mut crossed, mut of_arms) = (0, 0);
         for place in 0..layout.payload_place() {
-            const STEP: f64 = 1e-5;
-            let moved = |by: f64| {
-                let mut x = x.clone();
-                x[place] += by;
-                linearised(&x)
-            };
-            let (less, more) = (moved(-STEP), moved(STEP));
-            let mut unit = alloc::vec![0.0; x.len()];
-            unit[place] = 1.0;
-            for (k, e) in at.list.iter().enumerate() {
-                let slope = (less.list[k].residual - more.list[k].residual) / (2.0 * STEP);
-                let row = at.dot(e, &unit);
+            for (e, [slope, row]) in at.list.iter().zip(slopes(&at, &x, place, linearised)) {
                 assert!(
                     (slope - row).abs() < 1e-7 * (1.0 + row.abs()),
                     "{place} of {:?}: {slope} {row}",

@@ -443,7 +443,7 @@ mod tests {
     use crate::offset::equations::estimation_model::EstimationModel;
     use crate::offset::equations::linearise::{Linearisation, linearise};
     use crate::offset::equations::loaded::Content;
-    use crate::offset::fixtures::{random, tables};
+    use crate::offset::fixtures::{random, slopes, tables};
     use crate::offset::prior::Prior;
     use crate::routing::{Pull, PulledJoint, Routing};
     use crate::tendons::{JointSpring, MomentArm, ShorteningTable};
@@ -593,18 +593,8 @@ mod tests {
         assert_eq!(sides, expected);
         let mut moved_by = alloc::vec![0; at.list.len()];
         for place in 0..layout.payload_place() {
-            const STEP: f64 = 1e-5;
-            let moved = |by: f64| {
-                let mut x = x.clone();
-                x[place] += by;
-                linearised(&model, &block, &x)
-            };
-            let (less, more) = (moved(-STEP), moved(STEP));
-            let mut unit = alloc::vec![0.0; x.len()];
-            unit[place] = 1.0;
-            for (k, e) in at.list.iter().enumerate() {
-                let slope = (less.list[k].residual - more.list[k].residual) / (2.0 * STEP);
-                let row = at.dot(e, &unit);
+            let slopes = slopes(&at, &x, place, |x| linearised(&model, &block, x));
+            for (k, (e, [slope, row])) in at.list.iter().zip(slopes).enumerate() {
                 assert!(
                     (slope - row).abs() < 1e-6 * (1.0 + row.abs()),
                     "{place} of {:?} {}: {slope} {row}",

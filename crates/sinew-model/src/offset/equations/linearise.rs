@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::offset::config::FeatureConfig;
     use crate::offset::equations::estimation_model::EstimationModel;
-    use crate::offset::fixtures::{random, turntable};
+    use crate::offset::fixtures::{random, slopes, turntable};
     use alloc::vec::Vec;
 
     /// Rows are compared with differences of the expected value, with friction, slack and memory at their prior means.
@@ -172,18 +172,7 @@ mod tests {
         let at = linearised(&x);
         assert_eq!(at.list.len(), 2);
         for place in 0..layout.payload_place() {
-            const STEP: f64 = 1e-5;
-            let moved = |by: f64| {
-                let mut x = x.clone();
-                x[place] += by;
-                linearised(&x)
-            };
-            let (less, more) = (moved(-STEP), moved(STEP));
-            let mut unit = alloc::vec![0.0; x.len()];
-            unit[place] = 1.0;
-            for (k, e) in at.list.iter().enumerate() {
-                let slope = (less.list[k].residual - more.list[k].residual) / (2.0 * STEP);
-                let row = at.dot(e, &unit);
+            for (e, [slope, row]) in at.list.iter().zip(slopes(&at, &x, place, linearised)) {
                 assert!(
                     (slope - row).abs() < 1e-7 * (1.0 + row.abs()),
                     "{place} of {:?}: {slope} {row}",

@@ -80,14 +80,8 @@ impl NumpyReader {
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
         let (rows, headers, has_names) = NumpyRows::open(reader, file, &options.budget)?;
-        let is_mapped =
-            (options.mapping.as_ref()).is_some_and(|m| m.joint_names().next().is_some());
-        if !has_names && !is_mapped {
-            let reason = "an array has no names of columns; name the columns by their numbers in a mapping, such as column = 2, with rate_hz in [time] if no column is a time";
-            return Err(LogError::columns(file, reason, &headers.names));
-        }
-        let columns = Columns::new(&headers, options, file)?;
-        Ok(Table::new(rows, columns, file))
+        let no_names = "an array has no names of columns";
+        Table::of(rows, (&headers, has_names), options, file, no_names)
     }
 }
 
