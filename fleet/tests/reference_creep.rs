@@ -118,11 +118,11 @@ fn reference_creep_round_trip_improves_forecast() {
     let truth = truth(&new);
     cut(&new, 30.0);
     // Median error of the medians, rad; number of intervals that cover the truth; number of tendons.
-    let forecast = |creep: Option<&Path>| {
+    let forecast = |creep: Option<&Path>, within_days: f64| {
         let request = Due {
             source: source(&new),
             robots: Vec::new(),
-            within_days: 30.0,
+            within_days,
             rows: 40,
             csv: None,
             state: None,
@@ -147,20 +147,26 @@ fn reference_creep_round_trip_improves_forecast() {
         (off[off.len() / 2], held, found.len())
     };
     // Any rope of the catalogue is a good initial guess here; the reference creep is no worse.
-    let (without, with) = (forecast(None), forecast(Some(&file)));
+    let (without, with) = (forecast(None, 30.0), forecast(Some(&file), 30.0));
     assert!(with.0 < 1.1 * without.0, "{with:?} {without:?}");
     assert!(
         with.1 + 1 >= without.1 && with.1 >= 25,
         "{with:?} {without:?}"
     );
-    // A reference ten times as fast dominates ten days of sessions.
-    let mut wrong = learned;
+    // A reference ten times as fast, 2.5 of its standard deviations, dominates two days of sessions, and ten days outweigh it.
+    let mut wrong = learned.clone();
     wrong
         .values_mut()
         .for_each(|creep| creep.median_rad *= 10.0);
     write(&wrong, &file).unwrap();
-    let misled = forecast(Some(&file));
-    assert!(misled.0 > 1.1 * with.0, "{misled:?} {with:?}");
+    let outweighed = forecast(Some(&file), 30.0);
+    assert!(outweighed.0 < 1.1 * with.0, "{outweighed:?} {with:?}");
+    assert!(outweighed.1 >= 25, "{outweighed:?}");
+    cut(&new, 8.0);
+    let misled = forecast(Some(&file), 38.0);
+    write(&learned, &file).unwrap();
+    let with = forecast(Some(&file), 38.0);
+    assert!(misled.0 > 2.0 * with.0, "{misled:?} {with:?}");
 }
 
 #[test]
