@@ -350,19 +350,24 @@ fn end_of_alarm_reaches_receiver_of_its_beginning() {
     received.recv().unwrap();
 }
 
-#[test]
-fn rejected_mail_is_repeated_until_accepted() {
-    let server = Server {
-        rejected: 1,
-        ..STARTTLS
-    };
+/// Lines of the two attempts after which a server has accepted a mail.
+fn two_attempts(server: Server) -> [Vec<String>; 2] {
     let (port, received) = mail_server(server);
     let health = deliver(
         vec![Receiver::Mail(mail(port, ""))],
         step_change(AlarmState::Active),
     );
     assert_eq!(health.counts.webhooks.load(Ordering::Relaxed), 1);
-    let all = [received.recv().unwrap(), received.recv().unwrap()];
+    [received.recv().unwrap(), received.recv().unwrap()]
+}
+
+#[test]
+fn rejected_mail_is_repeated_until_accepted() {
+    let server = Server {
+        rejected: 1,
+        ..STARTTLS
+    };
+    let all = two_attempts(server);
     let has_data: Vec<bool> = all
         .iter()
         .map(|l| l.iter().any(|l| l == "TLS: DATA"))
@@ -377,13 +382,7 @@ fn mail_is_repeated_for_rejected_addresses_only() {
         rejected_address: Some("ada@example.org"),
         ..STARTTLS
     };
-    let (port, received) = mail_server(server);
-    let health = deliver(
-        vec![Receiver::Mail(mail(port, ""))],
-        step_change(AlarmState::Active),
-    );
-    assert_eq!(health.counts.webhooks.load(Ordering::Relaxed), 1);
-    let all = [received.recv().unwrap(), received.recv().unwrap()];
+    let all = two_attempts(server);
     let addresses = all.each_ref().map(|lines| {
         assert!(lines.iter().any(|l| l == "TLS: DATA"), "{lines:?}");
         let of = lines.iter().filter(|l| l.starts_with("TLS: RCPT"));
